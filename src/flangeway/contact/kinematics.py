@@ -1,0 +1,109 @@
+"""Gap between a node and an edge, with its first and second derivatives (seed 3.5.1 to 3.5.6).
+
+With the closest point ``x_m(xi)``, the edge's tangent ``t = x_m,xi`` and its unit normal n, which points out of the
+primary body, the gap is ``g = n . (x_s - x_m)``: open where positive.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.contact.shape import shape_functions
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class NodeEdgeGaps:
+    """Gaps of n pairs of a node and an edge of some order.
+
+    Parameters
+    ----------
+    parameters
+        Closest points' parameters xi, shape (n,).
+    gaps
+        Shape (n,).
+    normals
+        Unit normals out of the primary side, shape (n, 2).
+    gradients
+        First derivatives by the positions of the node and then the edge's nodes, shape (n, 2 + order, 2).
+    hessians
+        Second derivatives, shape (n, 2 (2 + order), 2 (2 + order)).
+
+    """
+
+    parameters: Floats
+    gaps: Floats
+    normals: Floats
+    gradients: Floats
+    hessians: Floats
+
+
+def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
+    """Parameter of the point of each edge (extended beyond its ends) that is closest to a node.
+
+    Straight edges have the closed form of seed (3.125), which is also the first guess of the Newton iteration for
+    curved ones (seed 3.135).
+
+    Parameters
+    ----------
+    nodes
+        Shape (n, 2).
+    edges
+        Nodes of the edges in direction, shape (n, order + 1, 2).
+
+    """
+    order = edges.shape[1] - 1
+    chord = edges[:, -1] - edges[:, 0]
+    xi = np.einsum("ni,ni->n", nodes - edges[:, 0], chord) / np.einsum("ni,ni->n", chord, chord)
+    for _ in range(20 if order > 1 else 0):
+        value, first, second = shape_functions(order, xi)
+        apart = nodes - np.einsum("na,nai->ni", value, edges)
+        tangent = np.einsum("na,nai->ni", first, edges)
+        bend = np.einsum("na,nai->ni", second, edges)
+        slope = np.einsum("ni,ni->n", apart, bend) - np.einsum("ni,ni->n", tangent, tangent)
+        change = -np.einsum("ni,ni->n", apart, tangent) / slope
+        xi = xi + np.clip(change, -0.5, 0.5)
+        if np.abs(change).max(initial=0.0) < 1e-14:
+            break
+    return xi
+
+
+def node_edge_gaps(nodes: Floats, edges: Floats) -> NodeEdgeGaps:
+    """Gaps of nodes over edges whose body lies on the left of their direction.
+
+    Parameters
+    ----------
+    nodes
+        Current positions, shape (n, 2).
+    edges
+        Current positions of the edges' nodes in direction, shape (n, order + 1, 2).
+
+    """
+    order = edges.shape[1] - 1
+    xi = closest_parameters(nodes, edges)
+    value, first, second = shape_functions(order, xi)
+    tangent = np.einsum("na,nai->ni", first, edges)
+    metric = np.einsum("ni,ni->n", tangent, tangent)
+    unit = tangent / np.sqrt(metric)[:, None]
+    normal = np.stack((unit[:, 1], -unit[:, 0]), axis=1)
+    gap = np.einsum("ni,ni->n", nodes - np.einsum("na,nai->ni", value, edges), normal)
+    curvature = np.einsum("ni,na,nai->n", normal, second, edges)
+
+    ones, zeros = np.ones((len(xi), 1)), np.zeros((len(xi), 1))
+    apart = np.concatenate((ones, -value), axis=1)
+    slope = np.concatenate((zeros, first), axis=1)
+    gradient = apart[:, :, None] * normal[:, None, :]
+    turning = slope[:, :, None] * normal[:, None, :]
+    sliding = apart[:, :, None] * tangent[:, None, :] + gap[:, None, None] * turning
+    sliding /= (metric - gap * curvature)[:, None, None]
+
+    n_local = 2 * apart.shape[1]
+    turn, slide = turning.reshape(-1, n_local), sliding.reshape(-1, n_local)
+    rotation = turn + curvature[:, None] * slide
+    hessian = (gap / metric)[:, None, None] * rotation[:, :, None] * rotation[:, None, :]
+    cross = turn[:, :, None] * slide[:, None, :]
+    hessian -= cross + cross.swapaxes(1, 2)
+    hessian -= curvature[:, None, None] * slide[:, :, None] * slide[:, None, :]
+    return NodeEdgeGaps(xi, gap, normal, gradient, hessian)

@@ -1,0 +1,114 @@
+"""Parts of a boundary where contact can happen."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.errors import InputError
+from flangeway.problems import Part
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int32]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """A chain of boundary edges of a part.
+
+    Parameters
+    ----------
+    part
+        The part.
+    edges
+        Pairs of the mesh's points, one edge after the other with the body on the left, shape (n_edges, 2).
+
+    """
+
+    part: Part
+    edges: Ints
+
+    def __post_init__(self) -> None:
+        edges = self.edges
+        if edges.ndim != 2 or edges.shape[1:] != (2,) or len(edges) == 0:
+            raise InputError(
+                f"a contact surface of {self.part.name!r} with edges of shape {edges.shape}",
+                "a chain of at least one edge, shape (n_edges, 2)",
+                "take the edges from mesh.edge_sets",
+            )
+        if not (edges[:-1, 1] == edges[1:, 0]).all():
+            place = int(np.flatnonzero(edges[:-1, 1] != edges[1:, 0])[0])
+            raise InputError(
+                f"a contact surface of {self.part.name!r} that is interrupted after its edge {place}",
+                "one chain of edges",
+                "make one contact for each chain",
+            )
+
+    @classmethod
+    def named(cls, part: Part, name: str) -> "Surface":
+        """Surface of a named edge set of the part's mesh."""
+        sets = part.body.mesh.edge_sets
+        if name not in sets:
+            raise InputError(
+                f"a contact surface {name!r} of {part.name!r}",
+                f"the mesh's edge sets: {', '.join(sorted(sets))}",
+                "name the edges with mesh.with_edge_set",
+            )
+        return cls(part, np.asarray(sets[name], dtype=np.int32))
+
+    @cached_property
+    def edge_nodes(self) -> Ints:
+        """Nodes of each edge so that the placed body lies on the left, shape (n_edges, order + 1)."""
+        nodes = self.part.body.space.edge_nodes(self.edges)
+        return nodes[::-1, ::-1] if self.part.placement.mirrored else nodes
+
+    @cached_property
+    def nodes(self) -> Ints:
+        """Nodes of the surface along the chain, each once, shape (n_nodes,)."""
+        chain = np.concatenate((self.edge_nodes[:, :-1].ravel(), self.edge_nodes[-1:, -1]))
+        closed = len(chain) > 1 and chain[0] == chain[-1]
+        return chain[:-1] if closed else chain
+
+    @cached_property
+    def edge_places(self) -> NDArray[np.int64]:
+        """Places in `nodes` of each edge's nodes, shape (n_edges, order + 1)."""
+        n_edges, width = self.edge_nodes.shape
+        places = np.arange(n_edges)[:, None] * (width - 1) + np.arange(width)
+        return places % len(self.nodes)
+
+    @cached_property
+    def tributary_lengths(self) -> Floats:
+        """Length of surface that belongs to each node: weights of its edges, shape (n_nodes,)."""
+        points = self.part.body.mesh.points
+        lengths = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
+        weights = gauss_lobatto(self.edge_nodes.shape[1])[1]
+        return np.bincount(
+            self.edge_places.ravel(),
+            (lengths[:, None] * weights).ravel(),
+            minlength=len(self.nodes),
+        )
+
+
+def node_normals(positions: Floats, edge_places: NDArray[np.int64]) -> Floats:
+    """Outward directions at the nodes of a chain: the mean of their edges', weighted by length.
+
+    Parameters
+    ----------
+    positions
+        Of the chain's nodes, shape (n_nodes, 2).
+    edge_places
+        From `Surface.edge_places`.
+
+    Returns
+    -------
+    Floats
+        Shape (n_nodes, 2), not normalised.
+
+    """
+    chord = positions[edge_places[:, -1]] - positions[edge_places[:, 0]]
+    normals = np.zeros_like(positions)
+    for column in edge_places.T:
+        np.add.at(normals, column, np.stack((chord[:, 1], -chord[:, 0]), axis=1))
+    return normals

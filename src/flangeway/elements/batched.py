@@ -1,0 +1,49 @@
+"""Dense algebra on many small symmetric positive definite matrices, element index last."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+def cholesky(matrices: Floats) -> Floats:
+    """Lower Cholesky factors of matrices of shape (n, n, n_cells)."""
+    n = matrices.shape[0]
+    factor = np.zeros_like(matrices)
+    for j in range(n):
+        row = factor[j, :j]
+        factor[j, j] = np.sqrt(matrices[j, j] - np.einsum("ke,ke->e", row, row))
+        if j + 1 < n:
+            below = matrices[j + 1 :, j] - np.einsum("ike,ke->ie", factor[j + 1 :, :j], row)
+            factor[j + 1 :, j] = below / factor[j, j]
+    return factor
+
+
+def solve(matrices: Floats, rhs: Floats) -> Floats:
+    """Solve systems with symmetric positive definite matrices by Cholesky's method.
+
+    Parameters
+    ----------
+    matrices
+        Shape (n, n, n_cells).
+    rhs
+        Right-hand sides, shape (n, m, n_cells).
+
+    Returns
+    -------
+    Floats
+        Shape (n, m, n_cells).
+
+    """
+    factor = cholesky(matrices)
+    n = factor.shape[0]
+    x = np.array(np.broadcast_to(rhs, (*rhs.shape[:-1], factor.shape[-1])))
+    for j in range(n):
+        if j:
+            x[j] -= np.einsum("ke,kme->me", factor[j, :j], x[:j])
+        x[j] /= factor[j, j]
+    for j in reversed(range(n)):
+        if j + 1 < n:
+            x[j] -= np.einsum("ke,kme->me", factor[j + 1 :, j], x[j + 1 :])
+        x[j] /= factor[j, j]
+    return x

@@ -1,0 +1,5 @@
+"""Materials."""
+
+from flangeway.materials.elastic import Elastic
+
+__all__ = ["Elastic"]

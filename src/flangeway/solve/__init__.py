@@ -1,0 +1,31 @@
+"""Linear solvers, condensation, Newton's method for contact, and adaptive steps."""
+
+from flangeway.solve.bodies import BodyResponse, SurfaceNodes
+from flangeway.solve.condensed import CondensedBodies
+from flangeway.solve.newton import (
+    Constraints,
+    ContactState,
+    Iteration,
+    Linearisation,
+    NewtonSettings,
+    solve_contact,
+)
+from flangeway.solve.sparse import SparseBodies
+from flangeway.solve.status import Status
+from flangeway.solve.steps import StepSettings, follow
+
+__all__ = [
+    "BodyResponse",
+    "CondensedBodies",
+    "Constraints",
+    "ContactState",
+    "Iteration",
+    "Linearisation",
+    "NewtonSettings",
+    "SparseBodies",
+    "Status",
+    "StepSettings",
+    "SurfaceNodes",
+    "follow",
+    "solve_contact",
+]

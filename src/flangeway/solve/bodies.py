@@ -1,0 +1,134 @@
+"""How a set of placed linear bodies answers to forces on its surface nodes.
+
+Two ways give the same answers: `CondensedBodies` works on the surfaces alone, `SparseBodies` on all unknowns. The
+iteration for contact asks only what stands in `BodyResponse`.
+
+The surface nodes of all bodies are numbered one after the other; vectors on them have shape (n_nodes, 2) and the
+axes of space.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.geometry import Placement
+from flangeway.problems import Body
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceNodes:
+    """The nodes of one body where contact can happen.
+
+    Parameters
+    ----------
+    body
+        The body.
+    nodes
+        Its nodes, shape (n,), without repetition.
+
+    """
+
+    body: Body
+    nodes: NDArray[np.int32]
+
+
+class BodyResponse(ABC):
+    """Answers of placed bodies to forces on their surface nodes; subclasses are final."""
+
+    def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
+        self.surfaces = tuple(surfaces)
+        counts = [len(surface.nodes) for surface in self.surfaces]
+        self.offsets: Ints = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+        self.body_of_node: Ints = np.repeat(np.arange(len(counts)), counts)
+        self.n_nodes = int(self.offsets[-1])
+
+    def rotations(self, placements: Sequence[Placement]) -> Floats:
+        """Matrix of each surface node's body, shape (n_nodes, 2, 2)."""
+        matrices = np.stack([placement.matrix for placement in placements])
+        return matrices[self.body_of_node]
+
+    def reference(self, placements: Sequence[Placement]) -> Floats:
+        """Positions of the surface nodes before deformation, shape (n_nodes, 2)."""
+        parts = [
+            placement.points(surface.body.space.nodes[surface.nodes])
+            for surface, placement in zip(self.surfaces, placements, strict=True)
+        ]
+        return np.concatenate(parts)
+
+    @abstractmethod
+    def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
+        """Displacements of all surface nodes under forces on some.
+
+        Parameters
+        ----------
+        rotations
+            From `rotations`.
+        touched
+            Surface nodes that bear the forces, shape (n_touched,).
+        forces
+            Shape (n_touched, 2).
+
+        Returns
+        -------
+        Floats
+            Shape (n_nodes, 2).
+
+        """
+
+    @abstractmethod
+    def respond(
+        self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats
+    ) -> Floats:
+        """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
+
+        Parameters
+        ----------
+        rotations, touched
+            As in `displacements`.
+        geometric
+            Stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
+        loads
+            Right-hand sides, shape (2 n_touched, m).
+
+        Returns
+        -------
+        Floats
+            Displacements of the touched nodes, shape (2 n_touched, m).
+
+        """
+
+    @abstractmethod
+    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
+        """Displacements of all nodes of each body in its own frame, each (n_dofs, 2).
+
+        Parameters
+        ----------
+        rotations
+            From `rotations`.
+        forces
+            Forces on all surface nodes, shape (n_nodes, 2).
+
+        """
+
+    @property
+    @abstractmethod
+    def n_unknowns(self) -> int:
+        """Number of unknowns that an iteration works on."""
+
+
+def to_bodies(rotations: Floats, vectors: Floats) -> Floats:
+    """Vectors of shape (n, 2, ...) from the axes of space into the bodies' own."""
+    result: Floats = np.einsum("nji,nj...->ni...", rotations, vectors)
+    return result
+
+
+def to_space(rotations: Floats, vectors: Floats) -> Floats:
+    """Vectors of shape (n, 2, ...) from the bodies' own axes into those of space."""
+    result: Floats = np.einsum("nij,nj...->ni...", rotations, vectors)
+    return result

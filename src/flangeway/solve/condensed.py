@@ -1,0 +1,120 @@
+"""Linear bodies condensed once to the flexibility of their surfaces."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.linalg import cho_factor, cho_solve
+
+from flangeway.problems import Body
+from flangeway.solve.bodies import BodyResponse, SurfaceNodes, to_bodies, to_space
+from flangeway.solve.linear import factorise
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class CondensedBody:
+    """Exact flexibility of a body's surface nodes with its held edges at rest.
+
+    The Schur complement of the stiffness on the surface is the trailing block of its Cholesky factor; its inverse is
+    kept. Nothing here depends on where the body stands, so one condensation serves every position, and a mirrored
+    twin as well.
+
+    Parameters
+    ----------
+    surface
+        The body and its surface nodes.
+
+    """
+
+    def __init__(self, surface: SurfaceNodes) -> None:
+        body = surface.body
+        self.body = body
+        self._trailing = body.free_numbers(surface.nodes)
+        self._factor = factorise(body, self._trailing)
+        factor = cho_factor(self._factor.schur(), lower=True)
+        inverse = cho_solve(factor, np.eye(len(self._trailing)))
+        self.flexibility: Floats = (inverse + inverse.T) / 2.0
+
+    def field(self, forces: Floats) -> Floats:
+        """Displacements (n_dofs, 2) of all nodes under forces (n, 2) on the surface nodes, body's axes."""
+        displacement = np.zeros(len(self.body.free))
+        at_surface = self.flexibility @ forces.ravel()
+        nothing = np.zeros(self._factor.n)
+        displacement[self.body.free] = self._factor.recover(at_surface, nothing)
+        return displacement.reshape(-1, 2)
+
+
+class CondensedBodies(BodyResponse):
+    """Placed bodies through the flexibilities of their surfaces.
+
+    Parameters
+    ----------
+    surfaces
+        Bodies with their surface nodes. A body that appears several times with the same nodes (as a twin placed
+        elsewhere) is condensed once.
+
+    """
+
+    def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
+        super().__init__(surfaces)
+        unique: dict[tuple[Body, bytes], CondensedBody] = {}
+        self._condensed: list[CondensedBody] = []
+        for surface in self.surfaces:
+            key = (surface.body, surface.nodes.tobytes())
+            if key not in unique:
+                unique[key] = CondensedBody(surface)
+            self._condensed.append(unique[key])
+
+    @property
+    def n_unknowns(self) -> int:
+        """Components of the surface nodes' displacements."""
+        return 2 * self.n_nodes
+
+    def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
+        """See `BodyResponse.displacements`."""
+        local = to_bodies(rotations[touched], forces)
+        result = np.zeros((self.n_nodes, 2))
+        for number, body in enumerate(self._condensed):
+            here, columns = self._touched_of(number, touched)
+            if len(here):
+                rows = slice(self.offsets[number], self.offsets[number + 1])
+                result[rows] = (body.flexibility[:, columns] @ local[here].ravel()).reshape(-1, 2)
+        return to_space(rotations, result)
+
+    def respond(
+        self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats
+    ) -> Floats:
+        """See `BodyResponse.respond`; with the flexibility F the solution is ``(I + F G)^-1 F loads``."""
+        flexibility = self._flexibility(rotations, touched)
+        matrix = np.eye(len(flexibility)) + flexibility @ geometric
+        solution: Floats = np.linalg.solve(matrix, flexibility @ loads)
+        return solution
+
+    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
+        """See `BodyResponse.fields`."""
+        local = to_bodies(rotations, forces)
+        return [
+            body.field(local[self.offsets[number] : self.offsets[number + 1]])
+            for number, body in enumerate(self._condensed)
+        ]
+
+    def _touched_of(self, number: int, touched: Ints) -> tuple[Ints, Ints]:
+        """Places in ``touched`` of a body's nodes, and their columns in its flexibility."""
+        here = np.flatnonzero(self.body_of_node[touched] == number)
+        nodes = touched[here] - self.offsets[number]
+        return here, (2 * nodes[:, None] + np.arange(2)).ravel()
+
+    def _flexibility(self, rotations: Floats, touched: Ints) -> Floats:
+        """Flexibility of the touched nodes in the axes of space, shape (2 n_touched, 2 n_touched)."""
+        n = len(touched)
+        result = np.zeros((n, 2, n, 2))
+        for number, body in enumerate(self._condensed):
+            here, columns = self._touched_of(number, touched)
+            block = body.flexibility[np.ix_(columns, columns)]
+            matrix = rotations[touched[here]]
+            result[here[:, None], :, here, :] = np.einsum(
+                "mij,mjnk,nlk->mnil", matrix, block.reshape(len(here), 2, len(here), 2), matrix
+            )
+        return result.reshape(2 * n, 2 * n)

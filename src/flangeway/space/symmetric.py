@@ -1,0 +1,58 @@
+"""Symmetric sparse matrices, stored as their lower triangle by columns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class SymmetricMatrix:
+    """Lower triangle of a symmetric matrix in compressed columns, rows sorted.
+
+    Parameters
+    ----------
+    n
+        Number of rows and columns.
+    indptr, indices, values
+        Column starts (n + 1,), rows and entries of the lower triangle.
+
+    """
+
+    n: int
+    indptr: NDArray[np.int64]
+    indices: NDArray[np.int32]
+    values: Floats
+
+    def full(self) -> sp.csr_array:
+        """Both triangles, as a SciPy array."""
+        lower = sp.csc_array((self.values, self.indices, self.indptr), shape=(self.n, self.n))
+        return sp.csr_array(lower + sp.tril(lower, -1).T)
+
+    def restricted(self, kept: NDArray[np.bool_]) -> "SymmetricMatrix":
+        """Rows and columns where ``kept``, shape (n,), is true, in their order."""
+        columns = np.repeat(np.arange(self.n), np.diff(self.indptr))
+        stays = kept[columns] & kept[self.indices]
+        number = np.cumsum(kept, dtype=np.int32) - 1
+        counts = np.bincount(number[columns[stays]], minlength=int(kept.sum()))
+        return SymmetricMatrix(
+            int(kept.sum()),
+            np.concatenate(([0], np.cumsum(counts))).astype(np.int64),
+            number[self.indices[stays]].astype(np.int32),
+            self.values[stays],
+        )
+
+    @classmethod
+    def from_full(cls, matrix: sp.sparray) -> "SymmetricMatrix":
+        """Take the lower triangle of a symmetric SciPy array."""
+        lower = sp.csc_array(sp.tril(matrix))
+        lower.sort_indices()
+        return cls(
+            lower.shape[0],
+            lower.indptr.astype(np.int64),
+            lower.indices.astype(np.int32),
+            np.asarray(lower.data, dtype=np.float64),
+        )
