@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.contact.enforcement import Penalty
@@ -76,7 +77,7 @@ class ContactLinearisation:
     keys: Ints
     partners: Ints
     gaps: Floats
-    jacobian: Floats
+    jacobian: sp.csr_array
     compliances: Floats
     pair_nodes: tuple[Ints, ...]
 
@@ -161,11 +162,16 @@ class ContactSystem:
         starts = np.concatenate(([0], np.cumsum([len(pairs.nodes) for pairs in all_pairs])))
         nodes = np.unique(np.concatenate([member.ravel() for member in members]))
         places = tuple(np.searchsorted(nodes, member) for member in members)
-        jacobian = np.zeros((starts[-1], 2 * len(nodes)))
+        rows, columns, values = [], [], []
         for start, pairs, place in zip(starts, all_pairs, places, strict=False):
-            rows = start + np.arange(len(pairs.nodes))[:, None, None]
-            columns = 2 * place[:, :, None] + np.arange(2)
-            np.add.at(jacobian, (rows, columns), pairs.kinematics.gradients)
+            gradients = pairs.kinematics.gradients
+            row = start + np.arange(len(pairs.nodes))[:, None, None]
+            rows.append(np.broadcast_to(row, gradients.shape).ravel())
+            columns.append((2 * place[:, :, None] + np.arange(2)).ravel())
+            values.append(gradients.ravel())
+        entries = (np.concatenate(rows), np.concatenate(columns))
+        shape = (int(starts[-1]), 2 * len(nodes))
+        jacobian = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
         numbered = list(zip(all_pairs, self.contacts, strict=True))
         return ContactLinearisation(
             tuple(all_pairs),
@@ -175,8 +181,6 @@ class ContactSystem:
             np.concatenate([self._first_edge[i] + p.edges for i, p in enumerate(all_pairs)]),
             np.concatenate([pairs.kinematics.gaps for pairs in all_pairs]),
             jacobian,
-            np.concatenate(
-                [c.enforcement.compliances(c.node_areas[pairs.nodes]) for pairs, c in numbered]
-            ),
+            np.concatenate([c.enforcement.compliances(c.node_areas[pairs.nodes]) for pairs, c in numbered]),
             places,
         )

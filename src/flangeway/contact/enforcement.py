@@ -37,9 +37,7 @@ class Penalty:
                 "start with ten times E / (1 - nu^2) over the size of the elements, per='length'",
             )
         if self.per not in ("node", "length"):
-            raise InputError(
-                f"Penalty(per={self.per!r})", "'node' or 'length'", "choose one of these"
-            )
+            raise InputError(f"Penalty(per={self.per!r})", "'node' or 'length'", "choose one of these")
 
     def compliances(self, areas: Floats) -> Floats:
         """Penetration per force of nodes with tributary areas (length times thickness)."""

@@ -54,13 +54,9 @@ class NodeToSegment:
 
     def __post_init__(self) -> None:
         if self.reach is not None and not self.reach > 0.0:
-            raise InputError(
-                f"NodeToSegment(reach={self.reach})", "a positive length or None", "leave it out"
-            )
+            raise InputError(f"NodeToSegment(reach={self.reach})", "a positive length or None", "leave it out")
         if not 0.0 < self.slack < 0.5:
-            raise InputError(
-                f"NodeToSegment(slack={self.slack})", "0 < slack < 0.5", "leave it out"
-            )
+            raise InputError(f"NodeToSegment(slack={self.slack})", "0 < slack < 0.5", "leave it out")
 
     def pair(
         self,

@@ -12,16 +12,16 @@ Floats = NDArray[np.float64]
 
 
 @cache
-def _coefficients(order: int) -> tuple[Floats, Floats, Floats]:
+def _coefficients(order: int) -> tuple[Floats, ...]:
     """Power series of the functions and of their first and second derivatives, (power, node)."""
     nodes = gauss_lobatto(order + 1)[0]
-    value = np.linalg.inv(np.vander(nodes, increasing=True))
-    first = polynomial.polyder(value)
-    second = polynomial.polyder(first)
+    value: Floats = np.linalg.inv(np.vander(nodes, increasing=True))
+    first: Floats = polynomial.polyder(value)
+    second: Floats = polynomial.polyder(first)
     return value, first, second
 
 
-def shape_functions(order: int, xi: Floats) -> tuple[Floats, Floats, Floats]:
+def shape_functions(order: int, xi: Floats) -> tuple[Floats, ...]:
     """Values and first and second derivatives at parameters.
 
     Parameters
@@ -38,5 +38,4 @@ def shape_functions(order: int, xi: Floats) -> tuple[Floats, Floats, Floats]:
         middle node in the middle).
 
     """
-    value, first, second = (polynomial.polyval(xi, c).T for c in _coefficients(order))
-    return value, first, second
+    return tuple(polynomial.polyval(xi, series).T for series in _coefficients(order))

@@ -84,11 +84,9 @@ class Surface:
         points = self.part.body.mesh.points
         lengths = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
         weights = gauss_lobatto(self.edge_nodes.shape[1])[1]
-        return np.bincount(
-            self.edge_places.ravel(),
-            (lengths[:, None] * weights).ravel(),
-            minlength=len(self.nodes),
-        )
+        total = np.zeros(len(self.nodes))
+        np.add.at(total, self.edge_places, lengths[:, None] * weights)
+        return total
 
 
 def node_normals(positions: Floats, edge_places: NDArray[np.int64]) -> Floats:

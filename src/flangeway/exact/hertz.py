@@ -1,4 +1,4 @@
-"""Hertz's contact of parallel cylinders (Johnson, 1985, "Contact Mechanics", section 4.2; seed Table 2 as corrected)."""
+"""Contact of parallel cylinders by Hertz (Johnson, 1985, "Contact Mechanics", 4.2; seed Table 2 as corrected)."""
 
 from dataclasses import dataclass
 

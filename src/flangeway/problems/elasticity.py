@@ -63,9 +63,7 @@ class Elasticity:
         result: Floats = np.einsum("ijpq,pqmne->ijmne", moduli, products)
         return result
 
-    def cell_stresses(
-        self, batch: CellBatch, displacement: Floats
-    ) -> tuple[Reconstruction, Floats]:
+    def cell_stresses(self, batch: CellBatch, displacement: Floats) -> tuple[Reconstruction, Floats]:
         """Stresses inside cells as polynomials of degree k - 1, from the reconstruction.
 
         Parameters

@@ -82,9 +82,7 @@ class BodyResponse(ABC):
         """
 
     @abstractmethod
-    def respond(
-        self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats
-    ) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats) -> Floats:
         """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
 
         Parameters

@@ -37,9 +37,7 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
     for _ in range(MAX_CHANGES):
         pressure = np.zeros(len(offset))
         if active.any():
-            pressure[active] = solve_dense(
-                matrix[np.ix_(active, active)], -offset[active], assume_a="sym"
-            )
+            pressure[active] = solve_dense(matrix[np.ix_(active, active)], -offset[active], assume_a="sym")
         slack = matrix @ pressure + offset
         changed = np.where(active, pressure > 0.0, slack < 0.0)
         if (changed == active).all():

@@ -83,14 +83,22 @@ class CondensedBodies(BodyResponse):
                 result[rows] = (body.flexibility[:, columns] @ local[here].ravel()).reshape(-1, 2)
         return to_space(rotations, result)
 
-    def respond(
-        self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats
-    ) -> Floats:
-        """See `BodyResponse.respond`; with the flexibility F the solution is ``(I + F G)^-1 F loads``."""
-        flexibility = self._flexibility(rotations, touched)
-        matrix = np.eye(len(flexibility)) + flexibility @ geometric
-        solution: Floats = np.linalg.solve(matrix, flexibility @ loads)
-        return solution
+    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats) -> Floats:
+        """See `BodyResponse.respond`.
+
+        With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns ``a`` of loaded
+        pairs, so by Woodbury's formula only a system of their number is solved.
+        """
+        free = self._flex(rotations, touched, loads)
+        bent = np.flatnonzero(geometric.any(axis=0))
+        if len(bent) == 0:
+            return free
+        unit = np.zeros((len(geometric), len(bent)))
+        unit[bent, np.arange(len(bent))] = 1.0
+        columns = self._flex(rotations, touched, unit)
+        inner = geometric[np.ix_(bent, bent)]
+        matrix = np.eye(len(bent)) + inner @ columns[bent]
+        return free - columns @ np.linalg.solve(matrix, inner @ free[bent])
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
@@ -106,15 +114,15 @@ class CondensedBodies(BodyResponse):
         nodes = touched[here] - self.offsets[number]
         return here, (2 * nodes[:, None] + np.arange(2)).ravel()
 
-    def _flexibility(self, rotations: Floats, touched: Ints) -> Floats:
-        """Flexibility of the touched nodes in the axes of space, shape (2 n_touched, 2 n_touched)."""
-        n = len(touched)
-        result = np.zeros((n, 2, n, 2))
+    def _flex(self, rotations: Floats, touched: Ints, loads: Floats) -> Floats:
+        """Displacements of the touched nodes under loads on them, both (2 n_touched, m) in space."""
+        matrix, n = rotations[touched], len(touched)
+        local = to_bodies(matrix, loads.reshape(n, 2, -1))
+        result = np.zeros_like(local)
         for number, body in enumerate(self._condensed):
             here, columns = self._touched_of(number, touched)
+            loaded = np.flatnonzero(local[here].any(axis=(0, 1)))
             block = body.flexibility[np.ix_(columns, columns)]
-            matrix = rotations[touched[here]]
-            result[here[:, None], :, here, :] = np.einsum(
-                "mij,mjnk,nlk->mnil", matrix, block.reshape(len(here), 2, len(here), 2), matrix
-            )
-        return result.reshape(2 * n, 2 * n)
+            answer = block @ local[here][:, :, loaded].reshape(len(columns), -1)
+            result[here[:, None, None], np.arange(2)[:, None], loaded] = answer.reshape(len(here), 2, -1)
+        return to_space(matrix, result).reshape(2 * n, -1)

@@ -26,9 +26,7 @@ def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
     """
     stiffness = body.stiffness
     try:
-        return Cholesky(
-            stiffness.indptr, stiffness.indices, stiffness.values, body.free_nodes, trailing
-        )
+        return Cholesky(stiffness.indptr, stiffness.indices, stiffness.values, body.free_nodes, trailing)
     except NotPositiveDefiniteError as error:
         unknown = int(error.args[1])
         node, component = body.free_nodes[unknown], np.flatnonzero(body.free)[unknown] % 2

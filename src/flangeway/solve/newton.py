@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.geometry import Placement
@@ -45,7 +46,7 @@ class Linearisation(Protocol):
         """Gaps, open where positive, shape (m,)."""
 
     @property
-    def jacobian(self) -> Floats:
+    def jacobian(self) -> sp.csr_array:
         """Derivatives of the gaps, shape (m, 2 n_touched)."""
 
     @property
@@ -189,9 +190,7 @@ def solve_contact(
         tolerance = max(settings.tolerance, floor)
         if n_changed == 0 and max(change / scale, residual) <= tolerance:
             message = f"converged in {len(history)} iterations"
-            return _result(
-                message, True, placements, reference, displacements, current, forces, history
-            )
+            return _result(message, True, placements, reference, displacements, current, forces, history)
     return _result(
         _explain(history, settings), False,
         placements, reference, displacements, current, forces, history,
@@ -211,7 +210,7 @@ def _step(
         return np.zeros_like(displacements), forces, np.zeros_like(displacements)
     at_nodes = displacements[nodes].ravel()
     geometric = -current.curvature(forces)
-    loads = np.column_stack((jacobian.T, geometric @ at_nodes))
+    loads = np.column_stack((jacobian.toarray().T, geometric @ at_nodes))
     answer = response.respond(rotations, nodes, geometric, loads)
     at_gaps = jacobian @ answer
     matrix = at_gaps[:, :-1] + np.diag(current.compliances)
@@ -257,13 +256,15 @@ def _residual(lin: Linearisation, forces: Floats, applied: Floats, scale: float)
     return max(imbalance, float(violation.max()) / scale)
 
 
-def _n_changed(
-    before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats
-) -> int:
+def _n_changed(before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats) -> int:
     """How many active constraints came, went, or changed their partner."""
     old = set(zip(before.keys[forces > 0].tolist(), before.partners[forces > 0].tolist(), strict=True))
     new = set(
-        zip(after.keys[new_forces > 0].tolist(), after.partners[new_forces > 0].tolist(), strict=True)
+        zip(
+            after.keys[new_forces > 0].tolist(),
+            after.partners[new_forces > 0].tolist(),
+            strict=True,
+        )
     )
     return len(old ^ new)
 

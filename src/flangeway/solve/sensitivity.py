@@ -67,7 +67,7 @@ def motion_derivatives(
     active = state.forces > 0.0
     jacobian = lin.jacobian[active]
     rigid = velocities.reshape(2 * n, 3)
-    loads = np.column_stack((jacobian.T, turned.reshape(2 * n, 3) - geometric @ rigid))
+    loads = np.column_stack((jacobian.toarray().T, turned.reshape(2 * n, 3) - geometric @ rigid))
     answer = response.respond(rotations, nodes, geometric, loads)
     by_force = answer[:, :-3]
     by_motion = rigid + answer[:, -3:]

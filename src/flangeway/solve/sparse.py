@@ -52,9 +52,7 @@ class SparseBodies(BodyResponse):
         local[touched] = to_bodies(rotations[touched], forces)
         return to_space(rotations, self._solve(self._stiffness, local)[self._unknowns])
 
-    def respond(
-        self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats
-    ) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats) -> Floats:
         """See `BodyResponse.respond`."""
         matrix, n = rotations[touched], len(touched)
         local = np.einsum("mji,mjnk,nkl->minl", matrix, geometric.reshape(n, 2, n, 2), matrix)
@@ -72,9 +70,7 @@ class SparseBodies(BodyResponse):
         """See `BodyResponse.fields`."""
         solution = self._solve(self._stiffness, to_bodies(rotations, forces))
         fields = []
-        for surface, start, end in zip(
-            self.surfaces, self._starts[:-1], self._starts[1:], strict=True
-        ):
+        for surface, start, end in zip(self.surfaces, self._starts[:-1], self._starts[1:], strict=True):
             field = np.zeros(len(surface.body.free))
             field[surface.body.free] = solution[start:end]
             fields.append(field.reshape(-1, 2))

@@ -1,0 +1,125 @@
+"""Contact pressure from the forces of contact nodes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem
+from flangeway.contact.node_to_segment import NodePairs
+from flangeway.contact.shape import shape_functions
+from flangeway.solve import ContactState
+
+Floats = NDArray[np.float64]
+
+NODES_APART = 3  # open nodes between two patches; fewer are a gap in one patch
+
+
+@dataclass(frozen=True, eq=False)
+class PressurePatch:
+    """A contiguous region of contact on a secondary surface.
+
+    Parameters
+    ----------
+    contact
+        Number of the contact in its system.
+    points
+        Positions of the loaded nodes along the surface, shape (n, 2).
+    along
+        Length along the surface from the centre of pressure, shape (n,).
+    forces
+        Forces on the secondary nodes, shape (n, 2).
+    normal_forces
+        Contact forces of the nodes, shape (n,).
+    pressures
+        Contact forces over the nodes' tributary areas (seed Figure 63), shape (n,).
+    width
+        Sum of the nodes' tributary lengths.
+    secondary_point, primary_point
+        Centres of pressure on the undeformed bodies, in their own frames, shape (2,).
+    at_edge
+        Whether the patch reaches an end of its surface, so that contact may go on outside.
+
+    """
+
+    contact: int
+    points: Floats
+    along: Floats
+    forces: Floats
+    normal_forces: Floats
+    pressures: Floats
+    width: float
+    secondary_point: Floats
+    primary_point: Floats
+    at_edge: bool
+
+    @property
+    def force(self) -> Floats:
+        """Resultant on the secondary side, shape (2,)."""
+        total: Floats = self.forces.sum(axis=0)
+        return total
+
+    @property
+    def centre(self) -> Floats:
+        """Centre of pressure, shape (2,)."""
+        middle: Floats = self.normal_forces @ self.points / self.normal_forces.sum()
+        return middle
+
+    @property
+    def half_width(self) -> float:
+        """Half of the loaded length."""
+        return self.width / 2.0
+
+
+def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
+    """Regions of contact of a solution, contact by contact along the secondary surfaces."""
+    lin = state.linearisation
+    if not isinstance(lin, ContactLinearisation):
+        raise TypeError("a state of another system of constraints")
+    patches = []
+    for number, contact in enumerate(system.contacts):
+        forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
+        nodes = lin.pairs[number].nodes
+        loaded = np.flatnonzero(forces > 0.0)
+        loaded = loaded[np.argsort(nodes[loaded])]
+        breaks = np.flatnonzero(np.diff(nodes[loaded]) > NODES_APART) + 1
+        points = state.positions[system.nodes_of(contact.secondary)]
+        patches += [
+            _patch(number, contact, lin.pairs[number], points, forces, group)
+            for group in np.split(loaded, breaks)
+            if len(group)
+        ]
+    return patches
+
+
+def _patch(
+    number: int,
+    contact: Contact,
+    pairs: NodePairs,
+    points: Floats,
+    forces: Floats,
+    group: NDArray[np.int64],
+) -> PressurePatch:
+    """Patch of the pairs in ``group``, which are sorted along the surface at ``points``."""
+    nodes, force = pairs.nodes[group], forces[group]
+    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+    along = np.concatenate(([0.0], np.cumsum(steps)))[nodes]
+    share = force / force.sum()
+
+    secondary, primary = contact.secondary, contact.primary
+    on_secondary = secondary.part.body.space.nodes[secondary.nodes[nodes]]
+    edges = primary.part.body.space.nodes[primary.edge_nodes[pairs.edges[group]]]
+    shapes = shape_functions(edges.shape[1] - 1, pairs.kinematics.parameters[group])[0]
+    on_primary = np.einsum("na,nai->ni", shapes, edges)
+    return PressurePatch(
+        number,
+        points[nodes],
+        along - share @ along,
+        force[:, None] * pairs.kinematics.normals[group],
+        force,
+        force / contact.node_areas[nodes],
+        float(secondary.tributary_lengths[nodes[0] : nodes[-1] + 1].sum()),
+        share @ on_secondary,
+        share @ on_primary,
+        bool(nodes[0] == 0 or nodes[-1] == len(points) - 1),
+    )

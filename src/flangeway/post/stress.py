@@ -1,0 +1,86 @@
+"""Stresses inside cells, from the elements' reconstruction, and what is derived from them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import monomials
+from flangeway.problems import Elasticity
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Stresses:
+    """Stress components at some places and the invariants that engineers ask for.
+
+    Parameters
+    ----------
+    components
+        Normal stresses xx, yy, the shear xy, and the normal stress zz out of the plane, shape (n, 4), tension positive.
+
+    """
+
+    components: Floats
+
+    @property
+    def principal(self) -> Floats:
+        """Principal stresses in three dimensions, zz included, descending, shape (n, 3)."""
+        xx, yy, xy, zz = self.components.T
+        middle, radius = (xx + yy) / 2.0, np.hypot((xx - yy) / 2.0, xy)
+        return np.sort(np.stack((middle + radius, middle - radius, zz), axis=1), axis=1)[:, ::-1]
+
+    @property
+    def in_plane_shear(self) -> Floats:
+        """Largest shear stress in the plane, shape (n,)."""
+        xx, yy, xy, _ = self.components.T
+        return np.hypot((xx - yy) / 2.0, xy)
+
+    @property
+    def von_mises(self) -> Floats:
+        """Von Mises stress, the root of three times the second invariant of the deviator, shape (n,)."""
+        xx, yy, xy, zz = self.components.T
+        squares = (xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2
+        return np.sqrt(squares / 2.0 + 3.0 * xy**2)
+
+
+def cell_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
+    """Mean stresses of the cells.
+
+    Parameters
+    ----------
+    elasticity
+        The problem.
+    displacement
+        All unknowns, shape (n_dofs, 2).
+
+    """
+    components = np.empty((elasticity.space.mesh.n_cells, 4))
+    for batch in elasticity.space.batches():
+        reconstruction, stress = elasticity.cell_stresses(batch, displacement)
+        means = reconstruction.moments[: stress.shape[1]] / reconstruction.areas
+        components[batch.cells] = np.einsum("sae,ae->es", stress, means)
+    return Stresses(components)
+
+
+def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
+    """Stresses at the cells' corners, each from its own cell, in the order of ``mesh.cell_points``.
+
+    Parameters
+    ----------
+    elasticity
+        The problem.
+    displacement
+        All unknowns, shape (n_dofs, 2).
+
+    """
+    mesh = elasticity.space.mesh
+    components = np.empty((len(mesh.cell_points), 4))
+    for batch in elasticity.space.batches():
+        reconstruction, stress = elasticity.cell_stresses(batch, displacement)
+        local = reconstruction.frame.local(batch.vertices)
+        values = monomials.evaluate(reconstruction.order - 1, local)
+        places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+        components[places] = np.einsum("sae,ave->evs", stress, values)
+    return Stresses(components)

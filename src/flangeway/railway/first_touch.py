@@ -1,0 +1,108 @@
+"""First touch of wheels that are lowered on rails, as rigid curves."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.railway.curvature import relative_curvature
+from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion
+
+SPACING_MM = 0.02
+
+
+@dataclass(frozen=True)
+class FirstTouch:
+    """Where a wheel that is lowered without lateral motion or roll first touches its rail.
+
+    Parameters
+    ----------
+    side
+        Side of the track.
+    vertical_mm
+        Vertical motion from the reference position to the touch, up.
+    point_mm
+        Point of touch in space.
+    wheel_point_mm, rail_point_mm
+        The same point in the frames of the wheel's and the rail's profile.
+    relative_curvature_per_mm
+        Sum of the curvatures of the two profiles there.
+
+    """
+
+    side: Side
+    vertical_mm: float
+    point_mm: tuple[float, float]
+    wheel_point_mm: tuple[float, float]
+    rail_point_mm: tuple[float, float]
+    relative_curvature_per_mm: float
+
+
+def first_touch(track: Track, wheelset: Wheelset, side: Side) -> FirstTouch:
+    """Lower a wheel on its rail.
+
+    Raises
+    ------
+    InputError
+        If no point of the wheel's running surface stands over the rail's head.
+
+    """
+    wheel_placement, rail_placement = wheelset.placement(side), track.placement(side)
+    wheel_curve = wheelset.wheel.outline.part(wheelset.wheel.running_names)
+    rail_curve = track.rail.outline.part(track.rail.head_names)
+    wheel = wheel_placement.points(wheel_curve.sampled(spacing=SPACING_MM))
+    rail = rail_placement.points(rail_curve.sampled(spacing=SPACING_MM))
+    x = np.arange(
+        max(wheel[:, 0].min(), rail[:, 0].min()),
+        min(wheel[:, 0].max(), rail[:, 0].max()),
+        SPACING_MM,
+    )
+    if len(x) < 2:
+        raise InputError(
+            f"a {side} wheel that spans x = {wheel[:, 0].min():.1f} to {wheel[:, 0].max():.1f} mm over a "
+            f"rail head from {rail[:, 0].min():.1f} to {rail[:, 0].max():.1f} mm",
+            "a wheel that stands over its rail",
+            "check gauge_mm and back_to_back_mm",
+        )
+    gap = _envelope(wheel, x, lowest=True) - _envelope(rail, x, lowest=False)
+    place = int(np.argmin(gap))
+    if place in (0, len(x) - 1):
+        raise InputError(
+            f"a {side} wheel whose first touch is at the edge of its running surface, x = {x[place]:.1f} mm",
+            "a touch inside the rail's head and the wheel's running surface",
+            "check gauge_mm and back_to_back_mm",
+        )
+    point = (float(x[place]), float(_envelope(rail, x, lowest=False)[place]))
+    vertical = -float(gap[place])
+    on_wheel = wheel_placement.inverse().points([(point[0], point[1] - vertical)])[0]
+    on_rail = rail_placement.inverse().points([point])[0]
+    return FirstTouch(
+        side,
+        vertical,
+        point,
+        (float(on_wheel[0]), float(on_wheel[1])),
+        (float(on_rail[0]), float(on_rail[1])),
+        relative_curvature(wheelset.wheel, on_wheel, track.rail, on_rail),
+    )
+
+
+def touching_motion(track: Track, wheelset: Wheelset) -> tuple[WheelsetMotion, list[FirstTouch]]:
+    """Vertical motion at which the first of the two wheels touches, and both sides' touches."""
+    touches = [first_touch(track, wheelset, side) for side in SIDES]
+    return WheelsetMotion(vertical_mm=max(touch.vertical_mm for touch in touches)), touches
+
+
+def _envelope(
+    points: np.ndarray[tuple[int, int], np.dtype[np.float64]],
+    x: np.ndarray[tuple[int], np.dtype[np.float64]],
+    *,
+    lowest: bool,
+) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Lowest or highest height of a curve over each x, by cells of the grid, gaps interpolated."""
+    sign = 1.0 if lowest else -1.0
+    cell = np.rint((points[:, 0] - x[0]) / SPACING_MM).astype(int)
+    inside = (cell >= 0) & (cell < len(x))
+    height = np.full(len(x), np.inf)
+    np.minimum.at(height, cell[inside], sign * points[inside, 1])
+    known = np.isfinite(height)
+    return sign * np.interp(x, x[known], height[known])

@@ -1,0 +1,180 @@
+"""Solve a wheelset on a track and gather what engineers ask for."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.exact import LineContact
+from flangeway.geometry import Placement
+from flangeway.post import PressurePatch, pressure_patches
+from flangeway.railway.curvature import relative_curvature
+from flangeway.railway.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.model import WheelsetModel, WheelsetProblem, build_model
+from flangeway.railway.track import Side
+from flangeway.solve import CondensedBodies, Status
+
+Floats = NDArray[np.float64]
+
+FEWEST_NODES = 8
+
+
+@dataclass(frozen=True, eq=False)
+class WheelRailPatch:
+    """One region of contact between a wheel and a rail.
+
+    Parameters
+    ----------
+    side
+        Side of the track.
+    pressure
+        Nodes, forces and pressures in space; forces are those on the secondary side.
+    force_on_wheel_N
+        Resultant on the wheel, axes of space, shape (2,).
+    wheel_point_mm, rail_point_mm
+        Centre of pressure on the undeformed profiles, in their frames (both sides in the right-hand form).
+    hertz
+        Hertz's contact with the same force and the profiles' curvatures at the centre, None where these have none.
+
+    """
+
+    side: Side
+    pressure: PressurePatch
+    force_on_wheel_N: Floats  # noqa: N815 (the unit newton)
+    wheel_point_mm: Floats
+    rail_point_mm: Floats
+    hertz: LineContact | None
+
+
+@dataclass(frozen=True, eq=False)
+class WheelsetResult:
+    """A wheelset in balance on its track.
+
+    Parameters
+    ----------
+    status
+        How the computation ended.
+    model
+        Meshed parts.
+    equilibrium
+        Position, balance and contact forces.
+    patches
+        Regions of contact, left side first.
+    placements
+        Where each part stands, by name.
+    displacements
+        Of all nodes of each part in its own frame, by name, each (n_dofs, 2).
+    timings_s
+        Seconds for meshing, assembly, factorisation, contact, and post-processing.
+    warnings
+        Sentences about what limits the result.
+
+    """
+
+    status: Status
+    model: WheelsetModel
+    equilibrium: Equilibrium
+    patches: tuple[WheelRailPatch, ...]
+    placements: dict[str, Placement]
+    displacements: dict[str, Floats]
+    timings_s: dict[str, float]
+    warnings: tuple[str, ...]
+
+    @property
+    def approach_mm(self) -> float:
+        """How far the wheelset sinks from first touch to balance."""
+        return self.model.touch_motion.vertical_mm - self.equilibrium.motion.vertical_mm
+
+
+def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None) -> WheelsetResult:
+    """Mesh, condense, and bring the wheelset into balance.
+
+    Parameters
+    ----------
+    problem
+        What stands where.
+    progress
+        Called with a sentence at each stage.
+
+    """
+    timings: dict[str, float] = {}
+    with _timed(timings, "meshing"):
+        model = build_model(problem, progress)
+    with _timed(timings, "assembly"):
+        progress("assembling the stiffness")
+        n_unknowns = sum(body.stiffness.n for body in (model.wheel, model.rail))
+    with _timed(timings, "factorisation"):
+        progress(f"condensing {n_unknowns} unknowns to the surfaces")
+        response = CondensedBodies(model.system.surface_nodes)
+    with _timed(timings, "contact"):
+        equilibrium = find_equilibrium(model, response, progress)
+    with _timed(timings, "post-processing"):
+        progress("recovering the fields")
+        state = equilibrium.state
+        rotations = response.rotations(state.placements)
+        fields = response.fields(rotations, state.nodal_forces)
+        patches = tuple(_wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
+    names = [part.name for part in model.system.parts]
+    status, warnings = _judged(model, equilibrium, patches)
+    return WheelsetResult(
+        status,
+        model,
+        equilibrium,
+        patches,
+        dict(zip(names, state.placements, strict=True)),
+        dict(zip(names, fields, strict=True)),
+        timings,
+        warnings,
+    )
+
+
+@contextmanager
+def _timed(timings: dict[str, float], stage: str) -> Iterator[None]:
+    start = time.perf_counter()
+    yield
+    timings[stage] = time.perf_counter() - start
+
+
+def _wheel_rail_patch(model: WheelsetModel, patch: PressurePatch) -> WheelRailPatch:
+    contact = model.system.contacts[patch.contact]
+    side: Side = "left" if patch.contact == 0 else "right"
+    wheel_is_secondary = contact.secondary.part.body is model.wheel
+    wheel, rail = model.problem.wheelset.wheel, model.problem.track.rail
+    on_wheel, on_rail = patch.secondary_point, patch.primary_point
+    if not wheel_is_secondary:
+        on_wheel, on_rail = on_rail, on_wheel
+    curvature = relative_curvature(wheel, on_wheel, rail, on_rail)
+    force = float(patch.normal_forces.sum())
+    hertz = None
+    if curvature > 0.0:
+        per_length = force / model.problem.thickness_mm
+        hertz = LineContact(per_length, curvature, model.hertz.modulus)
+    return WheelRailPatch(side, patch, patch.force if wheel_is_secondary else -patch.force, on_wheel, on_rail, hertz)
+
+
+def _judged(
+    model: WheelsetModel, equilibrium: Equilibrium, patches: tuple[WheelRailPatch, ...]
+) -> tuple[Status, tuple[str, ...]]:
+    """Final status, and warnings about what a converged iteration does not show."""
+    status = equilibrium.status
+    warnings = []
+    for patch in patches:
+        n_nodes = len(patch.pressure.normal_forces)
+        if n_nodes < FEWEST_NODES:
+            warnings.append(
+                f"the {patch.side} contact has only {n_nodes} nodes; lower size_scale for a pressure to trust"
+            )
+        if patch.pressure.at_edge and status.converged:
+            message = (
+                f"the {patch.side} contact reaches the edge of the candidate zone, so contact outside of it "
+                "is missing; check the profiles and the load"
+            )
+            status = Status(False, message, status.iterations)
+    depth = -float(equilibrium.state.linearisation.gaps.min(initial=0.0))
+    approach = model.touch_motion.vertical_mm - equilibrium.motion.vertical_mm
+    if depth > 0.05 * abs(approach):
+        warnings.append(f"the penetration of {depth:.1e} mm is more than 5 % of the approach; raise penalty_factor")
+    return status, tuple(warnings)

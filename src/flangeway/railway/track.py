@@ -1,0 +1,148 @@
+"""Where the rails and the wheels stand (seed 7.2.1; readings in `docs/readings.md`).
+
+Axes of space: x across the track to the right, y up, origin in the middle of the track at the top of the rails.
+Profiles are those of the right side, their track side at negative x; the left side is their mirror image.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.railway.profiles import RailProfile, WheelProfile
+
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+
+
+def _require_positive(owner: str, **lengths: float) -> None:
+    for name, value in lengths.items():
+        if not (math.isfinite(value) and value > 0.0):
+            raise InputError(f"{owner}({name}={value})", "a positive length", "give it in mm")
+
+
+@dataclass(frozen=True)
+class Track:
+    """Two equal rails, fixed along their bases.
+
+    Parameters
+    ----------
+    rail
+        Profile of the right rail; the left one mirrors it.
+    gauge_mm
+        Distance between the closest points of the two rails' heads.
+    cant
+        Inclination of the rails towards the middle, as a slope (1/40).
+
+    """
+
+    rail: RailProfile
+    gauge_mm: float = 1600.0
+    cant: float = 1.0 / 40.0
+
+    def __post_init__(self) -> None:
+        _require_positive("Track", gauge_mm=self.gauge_mm)
+        if not abs(self.cant) <= 0.2:
+            raise InputError(f"Track(cant={self.cant})", "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
+
+    def placement(self, side: Side) -> Placement:
+        """Where the rail of a side stands: canted, its head at the gauge, its top at y = 0."""
+        angle = math.atan(self.cant)
+        canted = self.rail.outline.transformed(Placement(angle))
+        (left, _), (_, top) = canted.bounds(self.rail.head_names)
+        placement = Placement(angle, (self.gauge_mm / 2.0 - left, -top))
+        return placement if side == "right" else mirrored(placement)
+
+
+@dataclass(frozen=True)
+class Wheelset:
+    """Two equal wheels on a rigid axle that carries the load.
+
+    Parameters
+    ----------
+    wheel
+        Profile of the right wheel; the left one mirrors it.
+    back_to_back_mm
+        Distance between the inner faces of the wheels.
+    radius_mm
+        Distance from the axle to the farthest point of the wheel, the tip of the flange.
+    barycentre_height_mm
+        Height above the axle of the point where the load acts.
+
+    """
+
+    wheel: WheelProfile
+    back_to_back_mm: float = 1515.0
+    radius_mm: float = 500.0
+    barycentre_height_mm: float = 1457.7
+
+    def __post_init__(self) -> None:
+        _require_positive("Wheelset", back_to_back_mm=self.back_to_back_mm, radius_mm=self.radius_mm)
+        if not math.isfinite(self.barycentre_height_mm):
+            raise InputError(
+                f"Wheelset(barycentre_height_mm={self.barycentre_height_mm})",
+                "a finite length",
+                "give the height above the axle in mm",
+            )
+
+    @property
+    def tape_radius_mm(self) -> float:
+        """Rolling radius at the tape line."""
+        return self.radius_mm - self.wheel.flange_height_mm
+
+    def placement(self, side: Side) -> Placement:
+        """Where the wheel of a side stands in the reference position: its tape line at y = 0."""
+        lateral = self.back_to_back_mm / 2.0 + self.wheel.flange_back_mm
+        placement = Placement(0.0, (lateral, 0.0))
+        return placement if side == "right" else mirrored(placement)
+
+
+@dataclass(frozen=True)
+class WheelsetMotion:
+    """Rigid motion of the wheelset from its reference position, axes of space.
+
+    Parameters
+    ----------
+    lateral_mm
+        Translation of the axle's middle in x.
+    vertical_mm
+        Translation of the axle's middle in y, up.
+    roll_rad
+        Counter-clockwise rotation about the axle's middle.
+
+    """
+
+    lateral_mm: float = 0.0
+    vertical_mm: float = 0.0
+    roll_rad: float = 0.0
+
+    def moved(self, other: "WheelsetMotion", part: float = 1.0) -> "WheelsetMotion":
+        """Add a part of another motion."""
+        return WheelsetMotion(
+            self.lateral_mm + part * other.lateral_mm,
+            self.vertical_mm + part * other.vertical_mm,
+            self.roll_rad + part * other.roll_rad,
+        )
+
+    def axle(self, wheelset: Wheelset) -> tuple[float, float]:
+        """Place of the axle's middle."""
+        return self.lateral_mm, wheelset.tape_radius_mm + self.vertical_mm
+
+    def barycentre(self, wheelset: Wheelset) -> tuple[float, float]:
+        """Place of the point where the load acts."""
+        x, y = self.axle(wheelset)
+        height = wheelset.barycentre_height_mm
+        return x - height * math.sin(self.roll_rad), y + height * math.cos(self.roll_rad)
+
+    def placement(self, wheelset: Wheelset, side: Side) -> Placement:
+        """Where the wheel of a side stands after the motion."""
+        turn = Placement.about((0.0, wheelset.tape_radius_mm), self.roll_rad)
+        shift = Placement(0.0, (self.lateral_mm, self.vertical_mm))
+        return shift.after(turn).after(wheelset.placement(side))
+
+
+def mirrored(placement: Placement) -> Placement:
+    """Mirror image of a placement about the middle of the track."""
+    x, y = placement.translation
+    return Placement(-placement.rotation_rad, (-x, y), not placement.mirrored)
