@@ -1,0 +1,69 @@
+//! What Cholesky and LDLT share: symbolic analysis, storage, permutation of right-hand sides.
+
+use crate::error::FactorError;
+use crate::ordering::{Lower, Permuted, Triangle, permuted};
+use faer::Mat;
+use faer::MatRef;
+use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::sparse::SymbolicSparseColMatRef;
+use faer::sparse::linalg::SymbolicSupernodalParams;
+use faer::sparse::linalg::cholesky::{simplicial, supernodal};
+use supernodal::SymbolicSupernodalCholesky;
+
+/// Columns of right-hand sides that one task takes: fixed, so that results do not depend on threads.
+pub const CHUNK: usize = 32;
+
+/// Supernodal structure of the factor of the permuted matrix.
+pub fn analysed(
+    lower: Lower,
+    inverse: &[u32],
+) -> Result<SymbolicSupernodalCholesky<u32>, FactorError> {
+    let n = lower.n();
+    let upper = permuted(lower, inverse, n, Triangle::Upper);
+    let pattern =
+        SymbolicSparseColMatRef::new_unsorted_checked(n, n, &upper.col_ptr, None, &upper.row_idx);
+    let mut buffer = scratch(StackReq::any_of(&[
+        simplicial::prefactorize_symbolic_cholesky_scratch::<u32>(n, upper.row_idx.len()),
+        supernodal::factorize_supernodal_symbolic_cholesky_scratch::<u32>(n),
+    ]))?;
+    let stack = MemStack::new(&mut buffer);
+    let (mut tree, mut counts) = (vec![0i32; n], vec![0u32; n]);
+    let tree = simplicial::prefactorize_symbolic_cholesky(&mut tree, &mut counts, pattern, stack);
+    if counts.iter().map(|&count| u64::from(count)).sum::<u64>() > i32::MAX as u64 {
+        return Err(FactorError::TooLarge);
+    }
+    Ok(supernodal::factorize_supernodal_symbolic_cholesky(
+        pattern,
+        tree,
+        &counts,
+        stack,
+        SymbolicSupernodalParams::default(),
+    )?)
+}
+
+/// Lower triangle of the permuted matrix with its values.
+pub fn permuted_values(lower: Lower, values: &[f64], inverse: &[u32]) -> (Permuted, Vec<f64>) {
+    let matrix = permuted(lower, inverse, lower.n(), Triangle::Lower);
+    let moved = matrix.source.iter().map(|&p| values[p as usize]).collect();
+    (matrix, moved)
+}
+
+/// Scratch memory, or the error that the problem is too large.
+pub fn scratch(need: StackReq) -> Result<MemBuffer, FactorError> {
+    MemBuffer::try_new(need).map_err(|_| FactorError::TooLarge)
+}
+
+/// A zero vector, or the error that the problem is too large.
+pub fn zeros(len: usize) -> Result<Vec<f64>, FactorError> {
+    let mut vector = Vec::new();
+    vector
+        .try_reserve_exact(len)
+        .map_err(|_| FactorError::TooLarge)?;
+    vector.resize(len, 0.0);
+    Ok(vector)
+}
+
+/// Row `new` of the result is row `order(new)` of `matrix`.
+pub fn gathered(matrix: MatRef<f64>, order: impl Fn(usize) -> usize) -> Mat<f64> {
+    Mat::from_fn(matrix.nrows(), matrix.ncols(), |i, j| matrix[(order(i), j)])
+}

@@ -1,0 +1,304 @@
+"""The Cholesky factor with trailing unknowns."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+import scipy.sparse.linalg as spla
+from hypothesis import given
+from hypothesis import strategies as st
+
+from flangeway._core import Cholesky, FactorTooLargeError, NotPositiveDefiniteError
+
+
+def int32(values):
+    return np.array(values, dtype=np.int32)
+
+
+def random_spd(rng, n, density):
+    sparse = np.where(rng.random((n, n)) < density, rng.standard_normal((n, n)), 0.0)
+    return sparse @ sparse.T + np.eye(n)
+
+
+def schur_of(matrix, trailing):
+    interior = np.setdiff1d(np.arange(len(matrix)), trailing)
+    coupling = matrix[np.ix_(interior, trailing)]
+    inner = np.linalg.solve(matrix[np.ix_(interior, interior)], coupling)
+    return matrix[np.ix_(trailing, trailing)] - coupling.T @ inner
+
+
+def test_a_matrix_of_three_is_condensed_as_by_hand(lower):
+    """Springs 1 and 10 in series condense to one spring of 10/11."""
+    matrix = np.array([[1.0, -1.0, 0.0], [-1.0, 11.0, -10.0], [0.0, -10.0, 10.0]])
+    factor = Cholesky(*lower(matrix), int32([0, 1, 2]), int32([2, 0]))
+    spring = 10.0 / 11.0
+    assert np.allclose(factor.schur(), [[spring, -spring], [-spring, spring]], rtol=1e-15)
+    condensed = factor.condense(np.array([3.0, 11.0, 7.0]))
+    assert np.allclose(condensed, [7.0 + 10.0, 3.0 + 1.0], rtol=1e-15)
+    whole = factor.recover(np.array([1.0, 2.0]), np.array([np.nan, 11.0, np.nan]))
+    assert np.allclose(whole, [2.0, (11.0 + 2.0 + 10.0) / 11.0, 1.0], rtol=1e-15)
+
+
+@given(
+    seed=st.integers(0, 2**32 - 1),
+    n=st.integers(1, 40),
+    density=st.floats(0.0, 0.5),
+    share=st.floats(0.0, 1.0),
+)
+def test_random_matrices_agree_with_dense_algebra(lower, seed, n, density, share):
+    """Solution, Schur complement, condensation and recovery meet NumPy's for any split."""
+    rng = np.random.default_rng(seed)
+    matrix = random_spd(rng, n, density)
+    trailing = rng.permutation(n)[: round(share * n)].astype(np.int32)
+    factor = Cholesky(*lower(matrix), int32(rng.integers(0, n, n)), trailing)
+    assert (factor.n, factor.n_trailing) == (n, trailing.size)
+    schur = factor.schur()
+    assert np.allclose(schur, schur_of(matrix, trailing), rtol=0, atol=1e-12 * abs(matrix).max())
+    assert np.array_equal(schur, schur.T)
+    rhs = rng.standard_normal((n, 3))
+    solution = factor.solve(rhs)
+    expected = np.linalg.solve(matrix, rhs)
+    condition = np.linalg.cond(matrix)
+    assert np.allclose(solution, expected, rtol=0, atol=1e-14 * condition * abs(expected).max())
+    recovered = factor.recover(solution[trailing], rhs)
+    assert np.allclose(recovered, solution, rtol=0, atol=1e-14 * condition * abs(expected).max())
+    missed = schur @ solution[trailing] - factor.condense(rhs)
+    assert np.all(abs(missed) < 1e-11 * condition)
+
+
+def test_an_elastic_grid_agrees_with_scipy(lower, elastic_grid):
+    """With two unknowns a node the solution and Schur complement meet SciPy's to 1e-11."""
+    matrix = elastic_grid(40, 30, held=True)
+    n = matrix.shape[0]
+    trailing = int32(np.arange(n).reshape(41, 31, 2)[:, 30].ravel())
+    factor = Cholesky(*lower(matrix), int32(np.arange(n) // 2), trailing)
+    rhs = np.random.default_rng(0).standard_normal(n)
+    expected = spla.spsolve(matrix, rhs)
+    assert np.allclose(factor.solve(rhs), expected, rtol=0, atol=1e-11 * abs(expected).max())
+    lu = spla.splu(matrix)
+    flexibility = lu.solve(np.eye(n)[:, trailing])[trailing]
+    identity = factor.schur() @ flexibility
+    assert np.allclose(identity, np.eye(trailing.size), rtol=0, atol=1e-11)
+
+
+def test_many_columns_equal_one_by_one(lower, elastic_grid):
+    """A hundred columns at once, in any memory order, give what each gives alone."""
+    matrix = elastic_grid(6, 5, held=True)
+    n = matrix.shape[0]
+    factor = Cholesky(*lower(matrix), int32(np.arange(n) // 2), int32([5, 4, 70]))
+    rhs = np.random.default_rng(0).standard_normal((100, n)).T
+    together = factor.solve(rhs)
+    condensed = factor.condense(rhs)
+    recovered = factor.recover(together[[5, 4, 70]], rhs)
+    assert together.shape == (n, 100)
+    for k in range(100):
+        assert np.allclose(together[:, k], factor.solve(rhs[:, k]), rtol=1e-12, atol=1e-12)
+        assert np.allclose(condensed[:, k], factor.condense(rhs[:, k]), rtol=1e-12, atol=1e-12)
+    assert np.allclose(recovered, together, rtol=0, atol=1e-11)
+    assert factor.solve(np.empty((n, 0))).shape == (n, 0)
+    assert factor.condense(np.empty((n, 0))).shape == (3, 0)
+
+
+def test_a_floating_body_is_condensed_and_held_by_its_trailing_unknowns(lower, elastic_grid):
+    """Rigid motions of a floating body cost its surface no force, and holding it solves it."""
+    matrix = elastic_grid(12, 9, held=False)
+    n = matrix.shape[0]
+    x, y = np.meshgrid(np.arange(13.0), np.arange(10.0), indexing="ij")
+    trailing = int32(np.arange(n).reshape(13, 10, 2)[:, 9].ravel())
+    factor = Cholesky(*lower(matrix), int32(np.arange(n) // 2), trailing)
+    rigid = np.zeros((n, 3))
+    rigid[0::2, 0], rigid[1::2, 1] = 1.0, 1.0
+    rigid[0::2, 2], rigid[1::2, 2] = -y.ravel(), x.ravel()
+    schur = factor.schur()
+    assert np.allclose(schur @ rigid[trailing], 0.0, atol=1e-12)
+    assert np.linalg.eigvalsh(schur)[3] > 1e-3
+    recovered = factor.recover(rigid[trailing], np.zeros((n, 3)))
+    assert np.allclose(recovered, rigid, atol=1e-11)
+    with pytest.raises(NotPositiveDefiniteError) as error:
+        factor.solve(np.ones(n))
+    assert error.value.args[1] in trailing
+
+
+def test_stiff_and_soft_trailing_unknowns_keep_their_digits(lower):
+    """A trailing unknown 1e12 times stiffer than another leaves the soft one exact."""
+    matrix = np.array([[2.0, -1.0, -1e3], [-1.0, 1.0, 0.0], [-1e3, 0.0, 1e12]])
+    factor = Cholesky(*lower(matrix), int32([0, 1, 2]), int32([1, 2]))
+    expected = [[0.5, -500.0], [-500.0, 1e12 - 5e5]]
+    assert np.allclose(factor.schur(), expected, rtol=1e-15, atol=0)
+
+
+def test_an_indefinite_schur_complement_is_given_but_not_solved(lower):
+    """Only the interior must be positive definite, however negative the Schur complement is."""
+    matrix = np.array([[1.0, 1000.0, 2.0], [1000.0, 1.0, 0.0], [2.0, 0.0, 0.0]])
+    factor = Cholesky(*lower(matrix), int32([0, 1, 2]), int32([1, 2]))
+    assert np.allclose(factor.schur(), schur_of(matrix, [1, 2]), rtol=1e-12)
+    with pytest.raises(NotPositiveDefiniteError) as error:
+        factor.solve(np.ones(3))
+    assert error.value.args[1] == 1
+
+
+def test_all_unknowns_trailing_gives_the_matrix_itself(lower):
+    """Without an interior the Schur complement is the matrix in the order given."""
+    matrix = random_spd(np.random.default_rng(1), 8, 0.5)
+    order = int32([3, 1, 7, 0, 2, 6, 5, 4])
+    factor = Cholesky(*lower(matrix), int32(np.arange(8)), order)
+    assert np.allclose(factor.schur(), matrix[np.ix_(order, order)], rtol=1e-14, atol=1e-14)
+    rhs = np.arange(8.0)
+    assert np.allclose(matrix @ factor.solve(rhs), rhs, atol=1e-12)
+    assert np.array_equal(factor.condense(rhs), rhs[order])
+    assert np.array_equal(factor.recover(rhs, np.zeros(8))[order], rhs)
+
+
+def test_no_trailing_unknowns_gives_an_empty_schur_complement(lower):
+    """Without trailing unknowns the factor solves and condenses to nothing."""
+    matrix = random_spd(np.random.default_rng(1), 8, 0.5)
+    factor = Cholesky(*lower(matrix), int32(np.arange(8)), int32([]))
+    assert factor.schur().shape == (0, 0)
+    assert factor.condense(np.ones(8)).shape == (0,)
+    solution = factor.solve(np.ones(8))
+    assert np.allclose(matrix @ solution, 1.0, atol=1e-12)
+    assert np.array_equal(factor.recover(np.empty(0), np.ones(8)), solution)
+
+
+def test_the_ordering_bounds_the_fill(lower, elastic_grid):
+    """A grid of 5,000 nodes fills to less than 100 entries a column, a band to 100 and more."""
+    matrix = elastic_grid(99, 49, held=True)
+    n = matrix.shape[0]
+    factor = Cholesky(*lower(matrix), int32(np.arange(n) // 2), int32([]))
+    assert sp.tril(matrix).nnz < factor.factor_nonzeros < 100 * n
+
+
+def test_an_unknown_without_stiffness_is_named():
+    """A zero on the diagonal of the interior fails at that very unknown."""
+    indptr, indices = np.arange(5, dtype=np.int64), int32([0, 1, 2, 3])
+    with pytest.raises(NotPositiveDefiniteError, match="unknown 2 ") as error:
+        Cholesky(indptr, indices, np.array([1.0, 1.0, 0.0, 1.0]), indices, int32([3]))
+    assert error.value.args[1] == 2
+    assert issubclass(NotPositiveDefiniteError, ArithmeticError)
+
+
+def test_a_negative_pivot_is_named(lower):
+    """An indefinite pair fails at one of its two unknowns, not at the sound one."""
+    matrix = np.array([[4.0, 0.0, 0.0], [0.0, 1.0, 2.0], [0.0, 2.0, 1.0]])
+    with pytest.raises(NotPositiveDefiniteError) as error:
+        Cholesky(*lower(matrix), int32([0, 1, 2]), int32([]))
+    assert error.value.args[1] in (1, 2)
+
+
+@pytest.mark.parametrize("size", [2, 10, 60])
+def test_a_body_that_nothing_holds_is_refused(lower, elastic_grid, size):
+    """A floating body without trailing unknowns fails although rounding leaves pivots positive."""
+    matrix = elastic_grid(size, size, held=False)
+    n = matrix.shape[0]
+    with pytest.raises(NotPositiveDefiniteError):
+        Cholesky(*lower(matrix), int32(np.arange(n) // 2), int32([]))
+
+
+def test_a_slender_beam_held_at_one_end_is_accepted(lower, elastic_grid):
+    """A cantilever 200 times as long as high is soft but not refused, and solved to 1e-6."""
+    matrix = elastic_grid(400, 2, held=False)
+    n = matrix.shape[0]
+    ground = np.zeros(n)
+    ground[:6] = 1.0
+    matrix = (matrix + sp.diags(ground)).tocsc()
+    factor = Cholesky(*lower(matrix), int32(np.arange(n) // 2), int32([]))
+    exact = np.sin(np.arange(n))
+    assert np.allclose(factor.solve(matrix @ exact), exact, atol=1e-6)
+
+
+def test_too_large_a_factor_is_refused():
+    """A dense trailing block of more than 2^31 entries raises an error before any work."""
+    n = 50_000
+    unknowns = np.arange(n, dtype=np.int32)
+    with pytest.raises(FactorTooLargeError, match="2\\^31"):
+        Cholesky(np.arange(n + 1, dtype=np.int64), unknowns, np.ones(n), unknowns, unknowns)
+    assert issubclass(FactorTooLargeError, MemoryError)
+
+
+def test_bodies_are_factorised_side_by_side(lower, elastic_grid):
+    """Factors made and used in several threads at once equal the one made alone, bit by bit."""
+    matrix = elastic_grid(20, 15, held=True)
+    n = matrix.shape[0]
+    parts = lower(matrix)
+    groups, trailing, rhs = int32(np.arange(n) // 2), int32(np.arange(0, n, 17)), np.ones(n)
+
+    def work(_):
+        factor = Cholesky(*parts, groups, trailing)
+        return factor.schur(), factor.solve(rhs)
+
+    with ThreadPoolExecutor(4) as pool:
+        results = list(pool.map(work, range(8)))
+    schur, solution = work(0)
+    assert all(np.array_equal(s, schur) and np.array_equal(x, solution) for s, x in results)
+
+
+VALID = {
+    "indptr": np.array([0, 2, 3], dtype=np.int64),
+    "indices": int32([0, 1, 1]),
+    "values": np.array([2.0, -1.0, 2.0]),
+    "groups": int32([0, 0]),
+    "trailing": int32([1]),
+}
+
+
+@pytest.mark.parametrize(
+    ("name", "given_value", "message"),
+    [
+        ("indptr", int32([0, 2, 3]), r"indptr must be int64 of shape \(n \+ 1,\), got int32"),
+        ("indptr", np.array([0, 2, 2], dtype=np.int64), "end with len"),
+        ("indptr", np.array([0], dtype=np.int64), "n >= 1"),
+        ("indices", np.array([0, 1, 1]), "indices must be int32"),
+        ("indices", int32([1, 0, 1]), "begin with its diagonal"),
+        ("indices", int32([0, 5, 1]), "outside of"),
+        ("indices", int32([0, 9, 1, 9, 1])[::2], "contiguous"),
+        ("values", np.array([2.0, -1.0, 2.0], dtype=np.float32), "values must be float64"),
+        ("values", np.ones(4), "values must have 3 entries, got 4"),
+        ("values", np.array([2.0, np.inf, 2.0]), "values must be finite"),
+        ("groups", int32([0]), "groups must have 2 entries, got 1"),
+        ("groups", int32([[0, 1]]), "groups must be int32"),
+        ("trailing", int32([2]), r"unknowns in 0\.\.2, got 2"),
+        ("trailing", int32([-1]), "got -1"),
+        ("trailing", int32([1, 1]), "1 twice"),
+        ("trailing", [1], "trailing must be int32"),
+    ],
+)
+def test_wrong_matrices_raise_a_value_error(name, given_value, message):
+    """Each argument with a wrong dtype, shape, order, structure or number is named."""
+    assert Cholesky(**VALID).n == 2
+    with pytest.raises(ValueError, match=message):
+        Cholesky(**{**VALID, name: given_value})
+
+
+@pytest.mark.parametrize("method", ["solve", "condense"])
+@pytest.mark.parametrize(
+    ("rhs", "message"),
+    [
+        (np.ones(3), r"rhs must be float64 of shape \(2,\) or \(2, m\), got float64 of shape \[3\]"),
+        (np.ones((3, 2)), r"shape \(2,\)"),
+        (np.ones((2, 1, 1)), r"shape \(2,\)"),
+        (np.ones(2, dtype=int), "got int64"),
+        ([1.0, 1.0], "got an object of"),
+        (np.array([1.0, np.nan]), "rhs must be finite"),
+    ],
+)
+def test_wrong_right_hand_sides_raise_a_value_error(method, rhs, message):
+    """A right-hand side with a wrong shape, dtype or a NaN is refused by name."""
+    with pytest.raises(ValueError, match=message):
+        getattr(Cholesky(**VALID), method)(rhs)
+
+
+@pytest.mark.parametrize(
+    ("trailing_values", "rhs", "message"),
+    [
+        (np.ones(2), np.ones(2), "trailing_values must be"),
+        (np.ones((1, 2)), np.ones((2, 3)), "equally many columns"),
+        (np.ones(1), np.ones((2, 1)), "both be vectors"),
+        (np.array([np.nan]), np.ones(2), "trailing_values must be finite"),
+        (np.ones(1), np.array([np.nan, 1.0]), "rhs must be finite"),
+    ],
+)
+def test_recovery_refuses_what_does_not_fit(trailing_values, rhs, message):
+    """Recovery names the argument that has a wrong shape or is not finite."""
+    with pytest.raises(ValueError, match=message):
+        Cholesky(**VALID).recover(trailing_values, rhs)
