@@ -1,0 +1,34 @@
+"""Outlines made of straight lines and circular arcs."""
+
+from flangeway.geometry.arrays import (
+    BoolArray,
+    FloatArray,
+    IntArray,
+    Point,
+    as_point,
+    as_points,
+)
+from flangeway.geometry.contour import Contour
+from flangeway.geometry.outline import Outline
+from flangeway.geometry.placement import Placement
+from flangeway.geometry.segments import Arc, Line, Segment
+from flangeway.geometry.shapes import circle, polygon, rectangle, square
+
+__all__ = [
+    "Arc",
+    "BoolArray",
+    "Contour",
+    "FloatArray",
+    "IntArray",
+    "Line",
+    "Outline",
+    "Placement",
+    "Point",
+    "Segment",
+    "as_point",
+    "as_points",
+    "circle",
+    "polygon",
+    "rectangle",
+    "square",
+]

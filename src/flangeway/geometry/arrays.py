@@ -1,0 +1,67 @@
+"""Array types and the one check that all points given by a user pass."""
+
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.errors import InputError
+
+FloatArray: TypeAlias = NDArray[np.float64]
+IntArray: TypeAlias = NDArray[np.int32]
+BoolArray: TypeAlias = NDArray[np.bool_]
+Point: TypeAlias = tuple[float, float]
+
+
+def as_points(values: ArrayLike, name: str = "points") -> FloatArray:
+    """Return `values` as an array of finite points.
+
+    Parameters
+    ----------
+    values
+        One point (2,) or points (n, 2).
+    name
+        What the message calls them.
+
+    Returns
+    -------
+    FloatArray
+        Points (n, 2), float64.
+
+    Raises
+    ------
+    InputError
+        If the shape is another one or a coordinate is not finite.
+
+    """
+    try:
+        points = np.atleast_2d(np.asarray(values, dtype=np.float64))
+    except (TypeError, ValueError) as reason:
+        raise InputError(
+            f"{name} that are not numbers: {reason}",
+            "an array of shape (n, 2)",
+            "give one row (x, y) a point",
+        ) from reason
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(
+            f"{name} with shape {np.shape(values)}",
+            "an array of shape (n, 2)",
+            "give one row (x, y) a point, never transposed",
+        )
+    finite = np.isfinite(points).all(axis=1)
+    if not finite.all():
+        row = int(np.argmin(finite))
+        raise InputError(
+            f"{name}: row {row} is ({points[row, 0]}, {points[row, 1]})",
+            "finite coordinates",
+            "remove or repair this point",
+        )
+    return points
+
+
+def as_point(value: ArrayLike, name: str = "point") -> Point:
+    """Return one finite point as a pair of floats; see `as_points` for what is refused."""
+    points = as_points(value, name)
+    if len(points) != 1:
+        raise InputError(f"{name}: {len(points)} points", "one point (x, y)", "give a single point")
+    return float(points[0, 0]), float(points[0, 1])

@@ -1,0 +1,230 @@
+"""Open chain of named segments: a measured surface, or a part of an outline."""
+
+import itertools
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import FloatArray, IntArray, as_points
+from flangeway.geometry.crossings import first_crossing
+from flangeway.geometry.placement import Placement
+from flangeway.geometry.segments import Arc, Segment
+
+JOINT_TOLERANCE = 1e-6
+"""Largest gap between neighbours that `from_segments` closes, relative to the size of the whole."""
+
+CROSSING_TOLERANCE = 1e-9
+"""Distance at which segments touch, relative to the size of the whole."""
+
+
+def _joined(segments: Sequence[Segment], *, closed: bool) -> tuple[Segment, ...]:
+    """Return the segments with every start moved onto the end before it."""
+    if not segments:
+        raise InputError("no segment", "one segment or more", "give the contour's segments")
+    size = _size(segments)
+    joined: list[Segment] = []
+    for number, segment in enumerate(segments):
+        before = segments[number - 1].end if number or closed else segment.start
+        gap = float(np.hypot(segment.start[0] - before[0], segment.start[1] - before[1]))
+        if gap > JOINT_TOLERANCE * size:
+            raise InputError(
+                f"segment {number} starts at {segment.start}, {gap:.6g} from the end {before} "
+                f"of segment {(number - 1) % len(segments)}",
+                f"a {'closed outline' if closed else 'chain'} with gaps below {JOINT_TOLERANCE * size:.3g}",
+                "close the gap or reorder the segments",
+            )
+        joined.append(segment if gap == 0.0 else replace(segment, start=before))
+    return tuple(joined)
+
+
+def _size(segments: Sequence[Segment]) -> float:
+    """Return the diagonal of the box about the segments."""
+    boxes = np.array([segment.bounds for segment in segments])
+    return float(np.hypot(*(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0))))
+
+
+@dataclass(frozen=True)
+class Contour:
+    """Open chain of lines and arcs, each with a name that several may share.
+
+    `Contour.from_segments` closes the small gaps of files; the constructor wants exact joints.
+
+    Parameters
+    ----------
+    segments
+        Each starts where the one before ends.
+    names
+        One name a segment.
+
+    Raises
+    ------
+    InputError
+        If there is no segment, a joint is open, the chain meets itself, or names are missing;
+        the message names the place.
+
+    """
+
+    segments: tuple[Segment, ...]
+    names: tuple[str, ...]
+
+    _closed = False
+
+    def __post_init__(self) -> None:
+        """Check names, joints and crossings."""
+        object.__setattr__(self, "segments", tuple(self.segments))
+        object.__setattr__(self, "names", tuple(self.names))
+        if len(self.names) != len(self.segments):
+            raise InputError(
+                f"{len(self.names)} names for {len(self.segments)} segments",
+                "one name a segment",
+                "repeat a name where several segments share it",
+            )
+        if _joined(self.segments, closed=self._closed) != self.segments:
+            raise InputError(
+                "segments whose ends differ by rounding",
+                "ends that are equal",
+                f"use {type(self).__name__}.from_segments, which closes such gaps",
+            )
+        self._refuse_crossing()
+
+    @classmethod
+    def from_segments(cls, segments: Iterable[Segment], names: Iterable[str]) -> Self:
+        """Return the chain with gaps below `JOINT_TOLERANCE` of its size closed."""
+        return cls(_joined(tuple(segments), closed=cls._closed), tuple(names))
+
+    @classmethod
+    def _trusted(cls, segments: tuple[Segment, ...], names: tuple[str, ...]) -> Self:
+        """Return a chain without checks, for changes that keep it valid."""
+        chain = object.__new__(cls)
+        object.__setattr__(chain, "segments", segments)
+        object.__setattr__(chain, "names", names)
+        return chain
+
+    def _refuse_crossing(self) -> None:
+        found = first_crossing(self.segments, closed=self._closed, tolerance=CROSSING_TOLERANCE * self.size)
+        if found is not None:
+            i, j, place = found
+            raise InputError(
+                f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at ({place[0]:.9g}, {place[1]:.9g})",
+                "a chain that does not cross or touch itself",
+                "repair these two segments, or remove a point that is given twice",
+            )
+
+    @property
+    def n_segments(self) -> int:
+        """Number of segments."""
+        return len(self.segments)
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the bounding box."""
+        return _size(self.segments)
+
+    @cached_property
+    def length(self) -> float:
+        """Length along the chain."""
+        return sum(segment.length for segment in self.segments)
+
+    def _named(self, names: Iterable[str] | None) -> list[int]:
+        """Return the numbers of the segments with one of the names, all for None."""
+        if names is None:
+            return list(range(self.n_segments))
+        wanted = {names} if isinstance(names, str) else set(names)
+        unknown = sorted(wanted - set(self.names))
+        if unknown or not wanted:
+            raise InputError(
+                f"segment names {unknown}",
+                f"one or more of {sorted(set(self.names))}",
+                "correct the names",
+            )
+        return [i for i, name in enumerate(self.names) if name in wanted]
+
+    def bounds(self, names: Iterable[str] | None = None) -> FloatArray:
+        """Return the lower-left and upper-right corner (2, 2) of all or of the named segments."""
+        boxes = np.array([self.segments[i].bounds for i in self._named(names)])
+        return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
+
+    def part(self, names: Iterable[str]) -> "Contour":
+        """Return the named segments as an open chain, in the direction of this one.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown or the segments are not one open chain.
+
+        """
+        picked = self._named(names)
+        if self._closed and 0 < len(picked) < self.n_segments:
+            # start behind a segment that is left out, so that a chain may pass the closing joint
+            missing = next(i for i in range(self.n_segments) if i not in picked)
+            picked.sort(key=lambda i: (i - missing) % self.n_segments)
+        segments = [self.segments[i] for i in picked]
+        whole = self._closed and len(picked) == self.n_segments
+        if whole or any(a.end != b.start for a, b in itertools.pairwise(segments)):
+            raise InputError(
+                f"segments {[self.names[i] for i in picked]} are not one open chain",
+                "names of neighbouring segments, not of a whole outline",
+                "name a part without gaps",
+            )
+        return Contour._trusted(tuple(segments), tuple(self.names[i] for i in picked))
+
+    def reversed(self) -> "Contour":
+        """Return the same points travelled backwards (an open chain, also of an outline)."""
+        return Contour._trusted(tuple(segment.reversed() for segment in self.segments[::-1]), self.names[::-1])
+
+    def transformed(self, placement: Placement) -> Self:
+        """Return the chain in the placed frame, with the same names."""
+        moved = tuple(segment.transformed(placement) for segment in self.segments)
+        return self._trusted(_joined(moved, closed=self._closed), self.names)
+
+    def sampled(self, *, spacing: float | None = None, max_deviation: float | None = None) -> FloatArray:
+        """Return points (n, 2) along the chain; all joints are among them.
+
+        Parameters
+        ----------
+        spacing
+            Largest distance of neighbours along the chain.
+        max_deviation
+            Largest distance between chords and arcs. At least one of both is needed.
+
+        Raises
+        ------
+        InputError
+            If neither is given or one is not positive.
+
+        """
+        for name, value in (("spacing", spacing), ("max_deviation", max_deviation)):
+            if value is not None and not value > 0.0:
+                raise InputError(f"{name} = {value}", "a positive length", "give a larger one")
+        if spacing is None and max_deviation is None:
+            raise InputError("neither spacing nor max_deviation", "one of both or both", "give a length")
+        rows = []
+        for segment in self.segments:
+            count = 1.0 if spacing is None else segment.length / spacing
+            if max_deviation is not None and isinstance(segment, Arc):
+                ratio = max(1.0 - max_deviation / segment.radius, 0.0)
+                count = max(count, abs(segment.sweep) / (2.0 * np.arccos(ratio)))
+            n_pieces = max(int(np.ceil(count - 1e-9)), 1)
+            rows.append(segment.point(np.arange(n_pieces) / n_pieces))
+        if not self._closed:
+            rows.append(np.array([self.segments[-1].end]))
+        return np.vstack(rows)
+
+    def closest(self, points: ArrayLike) -> tuple[IntArray, FloatArray, FloatArray]:
+        """Return segment numbers (n,), parameters (n,) and distances (n,) of the closest points."""
+        given = as_points(points)
+        best = np.zeros(len(given), dtype=np.int32)
+        parameters = np.zeros(len(given))
+        distances = np.full(len(given), np.inf)
+        for number, segment in enumerate(self.segments):
+            s, distance = segment.closest(given)
+            nearer = distance < distances
+            best[nearer] = number
+            parameters[nearer] = s[nearer]
+            distances[nearer] = distance[nearer]
+        return best, parameters, distances

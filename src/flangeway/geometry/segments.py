@@ -1,0 +1,286 @@
+"""The two kinds of segment that an outline is made of: straight lines and circular arcs.
+
+A parameter `s` runs from 0 at the start to 1 at the end, in proportion to the length. The normal is
+to the right of the direction of travel, so it points outward on a counter-clockwise outline.
+"""
+
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import FloatArray, Point, as_point, as_points
+from flangeway.geometry.placement import Placement
+
+RADIUS_TOLERANCE = 1e-5
+"""Largest difference of an arc's two radii, relative to the radius (files carry 6 decimals)."""
+
+
+def _parameters(s: ArrayLike) -> FloatArray:
+    """Return the parameters as an array (n,)."""
+    return np.atleast_1d(np.asarray(s, dtype=np.float64))
+
+
+def _right_of(tangents: FloatArray) -> FloatArray:
+    """Return the vectors (n, 2) turned clockwise by a right angle."""
+    return np.column_stack([tangents[:, 1], -tangents[:, 0]])
+
+
+def _cut_parameters(parameters: ArrayLike) -> list[float]:
+    """Return the inner cuts in order, with 0 and 1 added."""
+    cuts = np.unique(_parameters(parameters))
+    if not np.all((cuts > 0.0) & (cuts < 1.0)):
+        raise InputError(f"split at the parameters {cuts}", "parameters inside (0, 1)", "leave the ends out")
+    return [0.0, *cuts.tolist(), 1.0]
+
+
+@dataclass(frozen=True)
+class Line:
+    """Straight segment from `start` to `end`.
+
+    Raises
+    ------
+    InputError
+        If a coordinate is not finite or both ends coincide.
+
+    """
+
+    start: Point
+    end: Point
+
+    def __post_init__(self) -> None:
+        """Check the ends."""
+        object.__setattr__(self, "start", as_point(self.start, "start of a line"))
+        object.__setattr__(self, "end", as_point(self.end, "end of a line"))
+        _refuse_zero_length("line", self.start, self.end)
+
+    @property
+    def _step(self) -> FloatArray:
+        step: FloatArray = np.array(self.end) - np.array(self.start)
+        return step
+
+    @property
+    def length(self) -> float:
+        """Length."""
+        return math.dist(self.start, self.end)
+
+    @property
+    def curvature(self) -> float:
+        """Zero."""
+        return 0.0
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower-left and upper-right corner (2, 2)."""
+        ends = np.array([self.start, self.end])
+        return np.array([ends.min(axis=0), ends.max(axis=0)])
+
+    def point(self, s: ArrayLike) -> FloatArray:
+        """Return the points (n, 2) at the parameters (n,)."""
+        t = _parameters(s)[:, None]
+        # both ends exact
+        points: FloatArray = (1.0 - t) * np.array(self.start) + t * np.array(self.end)
+        return points
+
+    def tangent(self, s: ArrayLike) -> FloatArray:
+        """Return the unit tangents (n, 2) in the direction of travel."""
+        tangents: FloatArray = np.tile(self._step / self.length, (len(_parameters(s)), 1))
+        return tangents
+
+    def normal(self, s: ArrayLike) -> FloatArray:
+        """Return the unit normals (n, 2), right of the direction of travel."""
+        return _right_of(self.tangent(s))
+
+    def reversed(self) -> "Line":
+        """Return the same segment travelled backwards."""
+        return Line(self.end, self.start)
+
+    def transformed(self, placement: Placement) -> "Line":
+        """Return the segment in the placed frame."""
+        start, end = placement.points([self.start, self.end])
+        return Line(as_point(start), as_point(end))
+
+    def closest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return parameters (n,) and distances (n,) of the closest points of the segment."""
+        given = as_points(points)
+        step = self._step
+        s = np.clip((given - np.array(self.start)) @ step / (step @ step), 0.0, 1.0)
+        return s, np.hypot(*(given - self.point(s)).T)
+
+    def split(self, parameters: ArrayLike) -> tuple["Line", ...]:
+        """Return the pieces between the parameters (each inside (0, 1)), in order."""
+        ends = [as_point(p) for p in self.point(_cut_parameters(parameters))]
+        return tuple(Line(a, b) for a, b in itertools.pairwise(ends))
+
+
+@dataclass(frozen=True)
+class Arc:
+    """Circular segment from `start` to `end` about `centre`, less than a full turn.
+
+    Files round coordinates, so the two radii may differ by 1e-5 of the radius; the ends are then
+    kept and the centre is moved onto their perpendicular bisector, which makes all three agree.
+
+    Raises
+    ------
+    InputError
+        If a coordinate is not finite, both ends coincide, or the radii differ by more.
+
+    """
+
+    start: Point
+    end: Point
+    centre: Point
+    counter_clockwise: bool
+
+    def __post_init__(self) -> None:
+        """Check the points and move the centre onto the bisector of the ends."""
+        start = as_point(self.start, "start of an arc")
+        end = as_point(self.end, "end of an arc")
+        given = as_point(self.centre, "centre of an arc")
+        _refuse_zero_length("arc", start, end)
+        radii = math.dist(start, given), math.dist(end, given)
+        chord = math.dist(start, end)
+        along = ((end[0] - start[0]) / chord, (end[1] - start[1]) / chord)
+        middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
+        off = (given[0] - middle[0]) * along[0] + (given[1] - middle[1]) * along[1]
+        radius = max(radii)
+        if min(radii) <= 0.0 or abs(radii[0] - radii[1]) > RADIUS_TOLERANCE * radius:
+            raise InputError(
+                f"arc from {start} to {end} about {given}: radii {radii[0]:.9g} and {radii[1]:.9g}",
+                f"equal radii to {RADIUS_TOLERANCE:g} of the radius",
+                "correct the centre or an end of this arc",
+            )
+        centre = (given[0] - off * along[0], given[1] - off * along[1])
+        for name, value in (("start", start), ("end", end), ("centre", centre)):
+            object.__setattr__(self, name, value)
+
+    @property
+    def radius(self) -> float:
+        """Radius, positive."""
+        return math.dist(self.start, self.centre)
+
+    @property
+    def start_angle(self) -> float:
+        """Angle of the start about the centre, in (-pi, pi]."""
+        return math.atan2(self.start[1] - self.centre[1], self.start[0] - self.centre[0])
+
+    @property
+    def sweep(self) -> float:
+        """Angle travelled: in (0, 2 pi) if counter-clockwise, in (-2 pi, 0) if clockwise."""
+        a = (self.start[0] - self.centre[0], self.start[1] - self.centre[1])
+        b = (self.end[0] - self.centre[0], self.end[1] - self.centre[1])
+        # from the cross product: short arcs of large radius keep their digits
+        turn = math.atan2(a[0] * b[1] - a[1] * b[0], a[0] * b[0] + a[1] * b[1])
+        if self.counter_clockwise:
+            return turn if turn > 0.0 else turn + 2.0 * math.pi
+        return turn if turn < 0.0 else turn - 2.0 * math.pi
+
+    @property
+    def length(self) -> float:
+        """Length along the arc."""
+        return self.radius * abs(self.sweep)
+
+    @property
+    def curvature(self) -> float:
+        """``1 / radius``, positive if counter-clockwise (convex on an outline)."""
+        return math.copysign(1.0 / self.radius, self.sweep)
+
+    @property
+    def bounds(self) -> FloatArray:
+        """Lower-left and upper-right corner (2, 2), with the extremes between the ends."""
+        quarter = 0.5 * math.pi
+        low, high = sorted((self.start_angle, self.start_angle + self.sweep))
+        # a pole at an end is the end itself, without rounding
+        first, last = math.ceil(low / quarter + 1e-9), math.floor(high / quarter - 1e-9)
+        quarters = np.arange(first, last + 1)
+        poles = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[quarters % 4]
+        candidates = np.vstack([self.start, self.end, np.array(self.centre) + self.radius * poles])
+        return np.array([candidates.min(axis=0), candidates.max(axis=0)])
+
+    def point(self, s: ArrayLike) -> FloatArray:
+        """Return the points (n, 2) at the parameters (n,); the ends are returned exactly."""
+        t = _parameters(s)
+        angle = self.sweep * t
+        ray = np.array(self.start) - np.array(self.centre)
+        cosine, sine = np.cos(angle), np.sin(angle)
+        points: FloatArray = np.array(self.centre) + np.column_stack(
+            [cosine * ray[0] - sine * ray[1], sine * ray[0] + cosine * ray[1]]
+        )
+        points[t == 0.0] = self.start
+        points[t == 1.0] = self.end
+        return points
+
+    def tangent(self, s: ArrayLike) -> FloatArray:
+        """Return the unit tangents (n, 2) in the direction of travel."""
+        return -_right_of(self.normal(s))
+
+    def normal(self, s: ArrayLike) -> FloatArray:
+        """Return the unit normals (n, 2), right of the direction of travel."""
+        rays: FloatArray = self.point(s) - np.array(self.centre)
+        rays *= math.copysign(1.0, self.sweep) / np.hypot(*rays.T)[:, None]
+        return rays
+
+    def reversed(self) -> "Arc":
+        """Return the same segment travelled backwards."""
+        return Arc(self.end, self.start, self.centre, not self.counter_clockwise)
+
+    def transformed(self, placement: Placement) -> "Arc":
+        """Return the segment in the placed frame."""
+        start, end, centre = placement.points([self.start, self.end, self.centre])
+        turn = self.counter_clockwise != placement.mirrored
+        return Arc(as_point(start), as_point(end), as_point(centre), turn)
+
+    def closest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+        """Return parameters (n,) and distances (n,) of the closest points of the segment.
+
+        From the centre all points are equally far: the parameter is then arbitrary.
+        """
+        given = as_points(points)
+        rays = given - np.array(self.centre)
+        angle = np.arctan2(rays[:, 1], rays[:, 0]) - self.start_angle
+        angle = np.mod(math.copysign(1.0, self.sweep) * angle, 2.0 * math.pi)
+        opening = abs(self.sweep)
+        # beyond the end: the nearer of both ends, divided at the middle of the gap
+        outside = np.where(angle < 0.5 * opening + math.pi, 1.0, 0.0)
+        s = np.where(angle <= opening, angle / opening, outside)
+        return s, np.hypot(*(given - self.point(s)).T)
+
+    def split(self, parameters: ArrayLike) -> tuple["Arc", ...]:
+        """Return the pieces between the parameters (each inside (0, 1)), in order."""
+        ends = [as_point(p) for p in self.point(_cut_parameters(parameters))]
+        return tuple(Arc(a, b, self.centre, self.counter_clockwise) for a, b in itertools.pairwise(ends))
+
+
+Segment: TypeAlias = Line | Arc
+
+
+def _refuse_zero_length(kind: str, start: Point, end: Point) -> None:
+    size = max(map(abs, (*start, *end)))
+    if math.dist(start, end) <= 1e-14 * size:
+        raise InputError(
+            f"{kind} from {start} to {end} with zero length",
+            "two ends that differ",
+            "remove the duplicate point, or make a full circle of two arcs",
+        )
+
+
+def halved(segments: Sequence[Segment], largest_sweep: float) -> list[tuple[Segment, int]]:
+    """Return the segments with arcs cut into equal pieces no wider than an angle.
+
+    Returns
+    -------
+    list
+        Pairs (piece, number of the segment it comes from), in order.
+
+    """
+    pieces: list[tuple[Segment, int]] = []
+    for number, segment in enumerate(segments):
+        count = math.ceil(abs(segment.sweep) / largest_sweep) if isinstance(segment, Arc) else 1
+        cuts = np.arange(1, count) / count
+        pieces.extend((piece, number) for piece in (segment.split(cuts) if count > 1 else (segment,)))
+    return pieces

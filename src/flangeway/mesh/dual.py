@@ -1,0 +1,162 @@
+"""Dual polygons of a triangulation: one cell about every point."""
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.mesh.polymesh import PolyMesh
+from flangeway.mesh.ragged import next_in_row, offsets_of, row_numbers
+
+
+def dual(mesh: PolyMesh) -> PolyMesh:
+    """Return the polygons about the points of a mesh of triangles.
+
+    The polygon of a point is made of the barycentres of its triangles and, on the boundary, of the
+    middles of its two boundary edges and the point itself, so that the outline is kept. Cell i of
+    the dual belongs to point i of `mesh`. The dual's points are the barycentres, then the middles
+    of the boundary edges, then the boundary points, each in the order of `mesh`. A boundary edge
+    (a, b) becomes (a, m), (m, b) in its edge sets. A cell set is carried along if every point has
+    either all or none of its triangles in it.
+
+    Source: seed section 3.3.6, with the order of the points by angle.
+
+    Parameters
+    ----------
+    mesh
+        Counter-clockwise triangles.
+
+    Returns
+    -------
+    PolyMesh
+        With ``mesh.n_points`` cells.
+
+    Raises
+    ------
+    InputError
+        If a cell is not a triangle or is clockwise, a point has no triangle, the boundary touches
+        itself at a point, a cell set divides the triangles of a point, or two neighbouring
+        triangles are so flat that the polygon would fold over.
+
+    """
+    _refuse_unfit(mesh)
+    n_triangles, n_points = mesh.n_cells, mesh.n_points
+    barycentres = mesh.points[mesh.cell_points.reshape(-1, 3)].mean(axis=1)
+    rim = _sorted_rim(mesh)
+    n_rim = len(rim)
+    points = np.vstack([barycentres, mesh.points[rim].mean(axis=1), mesh.points[rim[:, 0]]])
+    leaving = np.full(n_points, -1, dtype=np.int64)
+    reaching = np.full(n_points, -1, dtype=np.int64)
+    leaving[rim[:, 0]] = np.arange(n_rim)
+    reaching[rim[:, 1]] = np.arange(n_rim)
+
+    rings, ring_points = _rings(mesh, barycentres, rim, leaving)
+    counts = np.diff(rings).astype(np.int64)
+    on_rim = leaving >= 0
+    # a boundary point adds itself and the middle of the leaving edge before, of the reaching after
+    offsets = offsets_of(counts + 3 * on_rim)
+    cell_points = np.empty(offsets[-1], dtype=np.int32)
+    places = np.arange(len(ring_points)) + np.repeat(offsets[:-1] + 2 * on_rim - rings[:-1], counts)
+    cell_points[places] = ring_points
+    start, end = offsets[:-1][on_rim], offsets[1:][on_rim]
+    cell_points[start] = n_triangles + n_rim + leaving[on_rim]
+    cell_points[start + 1] = n_triangles + leaving[on_rim]
+    cell_points[end - 1] = n_triangles + reaching[on_rim]
+    edge_sets = {name: _halved_edges(pairs, leaving, n_triangles, n_rim) for name, pairs in mesh.edge_sets.items()}
+    return PolyMesh(points, offsets, cell_points, _carried_sets(mesh), edge_sets)
+
+
+def _refuse_unfit(mesh: PolyMesh) -> None:
+    if np.any(mesh.cell_sizes != 3):
+        cell = int(np.argmax(mesh.cell_sizes != 3))
+        raise InputError(
+            f"cell {cell} with {mesh.cell_sizes[cell]} points at {mesh.cell_centroids[cell]}",
+            "triangles only",
+            "take the dual of the triangulation",
+        )
+    if mesh.cell_areas.min() <= 0.0:
+        cell = int(mesh.cell_areas.argmin())
+        raise InputError(
+            f"triangle {cell} at {mesh.points[mesh.cell_points[3 * cell]]} with area {mesh.cell_areas[cell]:.3g}",
+            "counter-clockwise triangles with positive areas",
+            "check the mesh first",
+        )
+    used = np.bincount(mesh.cell_points, minlength=mesh.n_points)
+    if used.min() == 0:
+        raise InputError(f"point {int(used.argmin())} of no triangle", "points that are used", "remove it")
+
+
+def _sorted_rim(mesh: PolyMesh) -> IntArray:
+    """Return the directed boundary edges in the order of their first points."""
+    rim = mesh.boundary_edges
+    rim = rim[np.argsort(rim[:, 0], kind="stable")]
+    twice = np.flatnonzero(rim[1:, 0] == rim[:-1, 0])
+    if len(twice):
+        point = int(rim[twice[0], 0])
+        raise InputError(
+            f"point {point} at {mesh.points[point]}, where the boundary touches itself",
+            "a boundary that passes every point once",
+            "separate the parts that touch, or take duals of the parts",
+        )
+    return rim
+
+
+def _rings(
+    mesh: PolyMesh, barycentres: FloatArray, rim: IntArray, leaving: NDArray[np.int64]
+) -> tuple[IntArray, NDArray[np.int64]]:
+    """Return offsets (n_points + 1,) and triangles about every point, by rising angle."""
+    about = mesh.cell_points.astype(np.int64)
+    triangles = row_numbers(mesh.cell_offsets)
+    rays = barycentres[triangles] - mesh.points[about]
+    angles = np.arctan2(rays[:, 1], rays[:, 0])
+    edges = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
+    first = np.zeros(mesh.n_points)
+    first[rim[:, 0]] = np.arctan2(edges[:, 1], edges[:, 0])
+    order = np.lexsort((np.mod(angles - first[about], 2.0 * np.pi), about))
+    rings = offsets_of(np.bincount(about, minlength=mesh.n_points))
+    rays = rays[order]
+    following = next_in_row(rings)
+    turns = rays[:, 0] * rays[following, 1] - rays[:, 1] * rays[following, 0]
+    closing = np.zeros(len(order), dtype=bool)
+    closing[rings[1:][leaving >= 0] - 1] = True
+    folded = (turns <= 0.0) & ~closing
+    if folded.any():
+        point = int(about[order[folded.argmax()]])
+        raise InputError(
+            f"point {point} at {mesh.points[point]}: two neighbouring triangles are so flat that "
+            "their barycentres lie half a turn or more apart",
+            "triangles that make a simple polygon about every point",
+            "refine the mesh there",
+        )
+    return rings, triangles[order]
+
+
+def _halved_edges(pairs: IntArray, leaving: NDArray[np.int64], n_triangles: int, n_rim: int) -> IntArray:
+    """Return the two halves of every edge of a set, in order, as points of the dual."""
+    starts, middles = leaving[pairs[:, 0]], n_triangles + leaving[pairs[:, 0]]
+    ends = leaving[pairs[:, 1]]
+    corners = n_triangles + n_rim
+    halves = np.column_stack([corners + starts, middles, middles, corners + ends])
+    return halves.reshape(-1, 2).astype(np.int32)
+
+
+def _carried_sets(mesh: PolyMesh) -> Mapping[str, IntArray]:
+    """Return the cell sets of the dual: the points with all their triangles in the set."""
+    total = np.bincount(mesh.cell_points, minlength=mesh.n_points)
+    carried = {}
+    for name, cells in mesh.cell_sets.items():
+        corners = mesh.cell_points.reshape(-1, 3)[cells].ravel()
+        inside = np.bincount(corners, minlength=mesh.n_points)
+        divided = (inside > 0) & (inside < total)
+        if divided.any():
+            point = int(divided.argmax())
+            raise InputError(
+                f"cell set '{name}' with {inside[point]} of the {total[point]} triangles of point "
+                f"{point} at {mesh.points[point]}",
+                "sets with all or none of the triangles of a point",
+                "take the duals of the parts, or name the cells of the dual",
+            )
+        carried[name] = np.flatnonzero(inside).astype(np.int32)
+    return carried

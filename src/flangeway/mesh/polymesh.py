@@ -1,0 +1,402 @@
+"""Mesh of polygons in the plane: points, ragged cells, named sets of cells and boundary edges."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import FloatArray, IntArray, as_points
+from flangeway.geometry.placement import Placement
+from flangeway.mesh.chains import chain_starts, ordered_pairs
+from flangeway.mesh.ragged import next_in_row, row_numbers, rows_reversed
+
+
+def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
+    """Return a read-only int32 array of indices in [0, upper)."""
+    given = np.asarray(values)
+    if given.size and given.dtype.kind not in "iu":
+        raise InputError(f"{name} of type {given.dtype}", "integers", "convert it to int32")
+    if given.size and (given.min() < 0 or given.max() >= upper):
+        raise InputError(
+            f"{name} from {given.min()} to {given.max()}",
+            f"numbers from 0 to {upper - 1}",
+            "number points and cells from zero",
+        )
+    return _frozen(given.astype(np.int32))
+
+
+def _frozen(values: NDArray[Any]) -> NDArray[Any]:
+    values.setflags(write=False)
+    return values
+
+
+def _names(names: Iterable[str]) -> str:
+    return ", ".join(sorted(names)) or "none"
+
+
+@dataclass(frozen=True, eq=False)
+class PolyMesh:
+    """Polygons with any number of sides; a triangle is a polygon with three points.
+
+    All arrays are copied and read-only; a change returns a new mesh. The constructor checks shapes
+    and index ranges only; `flangeway.mesh.check` checks the geometry.
+
+    Parameters
+    ----------
+    points
+        Coordinates (n_points, 2).
+    cell_offsets
+        Start of every cell in `cell_points` (n_cells + 1,), from 0.
+    cell_points
+        Point numbers of the cells one after the other, each counter-clockwise.
+    cell_sets
+        Cell numbers by name; they are stored in rising order, each once.
+    edge_sets
+        Pairs of points (m, 2) by name: boundary edges with the body on the left. They are stored in
+        order along the boundary.
+
+    Raises
+    ------
+    InputError
+        If a shape, an index or the order of an edge set is wrong.
+
+    """
+
+    points: FloatArray
+    cell_offsets: IntArray
+    cell_points: IntArray
+    cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    edge_sets: Mapping[str, IntArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        """Check shapes and ranges; store read-only copies."""
+        points = _frozen(as_points(self.points).copy())
+        cell_points = _index_array(self.cell_points, "cell_points", len(points)).ravel()
+        offsets = _index_array(self.cell_offsets, "cell_offsets", len(cell_points) + 1)
+        if offsets.ndim != 1 or len(offsets) < 2 or offsets[0] or offsets[-1] != len(cell_points):
+            raise InputError(
+                f"cell_offsets of shape {offsets.shape}",
+                f"n_cells + 1 numbers from 0 to {len(cell_points)}, for one cell or more",
+                "give the start of each cell and the end of the last",
+            )
+        counts = np.diff(offsets)
+        if counts.min() < 3:
+            cell = int(counts.argmin())
+            raise InputError(f"cell {cell} with {counts[cell]} points", "three points or more", "remove it")
+        cell_sets = {
+            name: _frozen(np.unique(_index_array(values, f"cell set '{name}'", len(counts))))
+            for name, values in self.cell_sets.items()
+        }
+        edge_sets = {}
+        for name, values in self.edge_sets.items():
+            pairs = _index_array(values, f"edge set '{name}'", len(points))
+            if pairs.ndim != 2 or pairs.shape[1] != 2 or not len(pairs):
+                raise InputError(
+                    f"edge set '{name}' of shape {pairs.shape}",
+                    "pairs of points (m, 2), one or more",
+                    "give start and end of every edge",
+                )
+            edge_sets[name] = _frozen(ordered_pairs(pairs, name))
+        for name, value in (
+            ("points", points),
+            ("cell_offsets", offsets),
+            ("cell_points", cell_points),
+            ("cell_sets", MappingProxyType(cell_sets)),
+            ("edge_sets", MappingProxyType(edge_sets)),
+        ):
+            object.__setattr__(self, name, value)
+
+    # counts and connections
+
+    @property
+    def n_points(self) -> int:
+        """Number of points."""
+        return len(self.points)
+
+    @property
+    def n_cells(self) -> int:
+        """Number of cells."""
+        return len(self.cell_offsets) - 1
+
+    @property
+    def n_edges(self) -> int:
+        """Number of edges."""
+        return len(self.edges)
+
+    @cached_property
+    def cell_sizes(self) -> IntArray:
+        """Number of points of every cell (n_cells,)."""
+        return _frozen(np.diff(self.cell_offsets))
+
+    @cached_property
+    def _directed(self) -> IntArray:
+        """Edges as the cells travel them (len(cell_points), 2)."""
+        after = self.cell_points[next_in_row(self.cell_offsets)]
+        return np.column_stack([self.cell_points, after])
+
+    def _keys(self, pairs: IntArray) -> NDArray[np.int64]:
+        low, high = np.sort(pairs.astype(np.int64), axis=1).T
+        keys: NDArray[np.int64] = low * self.n_points + high
+        return keys
+
+    @cached_property
+    def _numbered(self) -> tuple[NDArray[np.int64], IntArray]:
+        """Sorted keys of the edges, and the edge number of every directed edge."""
+        keys, numbers = np.unique(self._keys(self._directed), return_inverse=True)
+        return keys, _frozen(numbers.astype(np.int32))
+
+    @cached_property
+    def edges(self) -> IntArray:
+        """Pairs of points (n_edges, 2), the lower number first, in sorted order."""
+        low, high = np.divmod(self._numbered[0], self.n_points)
+        return _frozen(np.column_stack([low, high]).astype(np.int32))
+
+    @property
+    def cell_edges(self) -> IntArray:
+        """Edge numbers, ragged like `cell_points`: from its point to the next one of the cell."""
+        return self._numbered[1]
+
+    @cached_property
+    def edge_cells(self) -> IntArray:
+        """Cells on both sides of every edge (n_edges, 2), the lower number first; -1 for outside.
+
+        Raises
+        ------
+        InputError
+            If an edge has more than two cells.
+
+        """
+        order = np.argsort(self.cell_edges, kind="stable")
+        counts = np.bincount(self.cell_edges, minlength=self.n_edges)
+        if counts.max() > 2:
+            a, b = self.edges[counts.argmax()]
+            raise InputError(
+                f"edge ({a}, {b}) near {self.points[a]} with {counts.max()} cells",
+                "one or two cells at an edge",
+                "remove the cells that overlap",
+            )
+        cells = row_numbers(self.cell_offsets)[order]
+        first = np.cumsum(counts) - counts
+        pairs = np.full((self.n_edges, 2), -1, dtype=np.int32)
+        pairs[:, 0] = cells[first]
+        inner = counts == 2
+        pairs[inner, 1] = cells[first[inner] + 1]
+        return _frozen(pairs)
+
+    @cached_property
+    def boundary_edges(self) -> IntArray:
+        """Edges with one cell, as pairs of points (m, 2) with the body on the left."""
+        counts = np.bincount(self.cell_edges, minlength=self.n_edges)
+        return _frozen(self._directed[counts[self.cell_edges] == 1])
+
+    def edge_numbers(self, pairs: ArrayLike) -> IntArray:
+        """Return the numbers (m,) of the edges with the given ends (m, 2), in either direction.
+
+        Raises
+        ------
+        InputError
+            If a pair is not an edge.
+
+        """
+        given = _index_array(pairs, "pairs", self.n_points).reshape(-1, 2)
+        keys, wanted = self._numbered[0], self._keys(given)
+        numbers = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
+        missing = keys[numbers] != wanted
+        if missing.any():
+            a, b = given[missing.argmax()]
+            raise InputError(f"points {a} and {b}, near {self.points[a]}", "the ends of an edge", "correct them")
+        return numbers.astype(np.int32)
+
+    # geometry
+
+    @cached_property
+    def _local_corners(self) -> FloatArray:
+        # about the first point of the cell: areas keep their digits far from the origin
+        first = self.cell_points[self.cell_offsets[:-1]]
+        corners: FloatArray = self.points[self.cell_points]
+        corners -= np.repeat(self.points[first], self.cell_sizes, axis=0)
+        return corners
+
+    @cached_property
+    def _cross(self) -> FloatArray:
+        """Twice the signed areas of the triangles of every edge with the cell's first point."""
+        a = self._local_corners
+        b = a[next_in_row(self.cell_offsets)]
+        cross: FloatArray = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        return cross
+
+    @cached_property
+    def cell_areas(self) -> FloatArray:
+        """Areas (n_cells,), negative for clockwise cells."""
+        return _frozen(0.5 * np.add.reduceat(self._cross, self.cell_offsets[:-1]))
+
+    @cached_property
+    def cell_centroids(self) -> FloatArray:
+        """Centroids (n_cells, 2)."""
+        a = self._local_corners
+        weighted = (a + a[next_in_row(self.cell_offsets)]) * self._cross[:, None]
+        sums = np.add.reduceat(weighted, self.cell_offsets[:-1], axis=0)
+        first = self.points[self.cell_points[self.cell_offsets[:-1]]]
+        return _frozen(first + sums / (6.0 * self.cell_areas[:, None]))
+
+    @cached_property
+    def cell_diameters(self) -> FloatArray:
+        """Largest distance of two points of every cell (n_cells,)."""
+        diameters = np.zeros(self.n_cells)
+        for n_vertices, cells in self.batches():
+            corners = self.points[self.batch_points(n_vertices, cells)]
+            for shift in range(1, n_vertices // 2 + 1):
+                apart = corners - np.roll(corners, shift, axis=1)
+                squares = np.einsum("cvx,cvx->cv", apart, apart).max(axis=1)
+                diameters[cells] = np.maximum(diameters[cells], squares)
+        return _frozen(np.sqrt(diameters))
+
+    @cached_property
+    def _batches(self) -> tuple[tuple[int, IntArray], ...]:
+        order = np.argsort(self.cell_sizes, kind="stable").astype(np.int32)
+        sizes, starts = np.unique(self.cell_sizes[order], return_index=True)
+        groups = np.split(order, starts[1:])
+        return tuple((int(n), _frozen(cells)) for n, cells in zip(sizes, groups, strict=True))
+
+    def batches(self) -> tuple[tuple[int, IntArray], ...]:
+        """Return (n_vertices, cell numbers) for the cells of each number of vertices, ascending."""
+        return self._batches
+
+    def batch_points(self, n_vertices: int, cells: IntArray) -> IntArray:
+        """Return the point numbers (len(cells), n_vertices) of cells of one batch."""
+        places = self.cell_offsets[cells][:, None] + np.arange(n_vertices)
+        corners: IntArray = self.cell_points[places]
+        return corners
+
+    # named sets
+
+    def edge_set(self, name: str) -> IntArray:
+        """Return the pairs (m, 2) of an edge set; an unknown name is an InputError."""
+        if name not in self.edge_sets:
+            raise InputError(f"edge set '{name}'", f"one of: {_names(self.edge_sets)}", "correct the name")
+        return self.edge_sets[name]
+
+    def cell_set(self, name: str) -> IntArray:
+        """Return the cell numbers of a cell set; an unknown name is an InputError."""
+        if name not in self.cell_sets:
+            raise InputError(f"cell set '{name}'", f"one of: {_names(self.cell_sets)}", "correct the name")
+        return self.cell_sets[name]
+
+    def chain(self, *names: str) -> IntArray:
+        """Return the points (m + 1,) along the edges of one or more edge sets, body on the left.
+
+        The first point of a closed chain is repeated at its end, so that neighbours are edges.
+
+        Raises
+        ------
+        InputError
+            If a name is unknown or the edges are not one chain.
+
+        """
+        pairs = self._joined_sets(names)
+        points = np.append(pairs[:, 0], pairs[-1:, 1])
+        return _frozen(points)
+
+    def edge_chain(self, *names: str) -> IntArray:
+        """Return the edge numbers (m,) along one or more edge sets; see `chain`."""
+        return self.edge_numbers(self._joined_sets(names))
+
+    def _joined_sets(self, names: tuple[str, ...]) -> IntArray:
+        if not names:
+            raise InputError("no edge set", f"names of {_names(self.edge_sets)}", "give a name")
+        pairs = np.vstack([self.edge_set(name) for name in names])
+        if len(names) > 1:
+            pairs = ordered_pairs(pairs, " + ".join(names))
+        starts = chain_starts(pairs)
+        if len(starts) != 1:
+            places = ", ".join(str(tuple(self.points[p].tolist())) for p in pairs[starts, 0][:4])
+            raise InputError(
+                f"edge set {' + '.join(names)} is {len(starts)} chains, from {places}",
+                "edges that follow each other without a gap",
+                "give neighbouring parts their own name",
+            )
+        return pairs
+
+    def _changed(self, **changes: Any) -> "PolyMesh":
+        fields = {
+            name: changes.get(name, getattr(self, name))
+            for name in ("points", "cell_offsets", "cell_points", "cell_sets", "edge_sets")
+        }
+        return PolyMesh(**fields)
+
+    def with_edge_set(self, name: str, pairs: ArrayLike) -> "PolyMesh":
+        """Return the mesh with a further (or replaced) edge set.
+
+        Parameters
+        ----------
+        name
+            Name of the set.
+        pairs
+            Ends (m, 2) of boundary edges in either direction; they are turned so that the body is
+            on the left, and ordered.
+
+        Raises
+        ------
+        InputError
+            If a pair is not a boundary edge.
+
+        """
+        numbers = self.edge_numbers(pairs)
+        outer = self.edge_numbers(self.boundary_edges)
+        order = np.argsort(outer)
+        found = np.minimum(np.searchsorted(outer[order], numbers), len(outer) - 1)
+        inner = outer[order][found] != numbers
+        if inner.any():
+            a, b = self.edges[numbers[inner.argmax()]]
+            raise InputError(
+                f"edge set '{name}': edge ({a}, {b}) near {self.points[a]} is inside the body",
+                "edges of the boundary",
+                "choose among boundary_edges",
+            )
+        sets = {**self.edge_sets, name: self.boundary_edges[order[found]]}
+        return self._changed(edge_sets=sets)
+
+    def with_cell_set(self, name: str, cells: ArrayLike) -> "PolyMesh":
+        """Return the mesh with a further (or replaced) cell set: numbers, or a mask (n_cells,)."""
+        given = np.asarray(cells)
+        numbers = np.flatnonzero(given) if given.dtype == bool else given
+        return self._changed(cell_sets={**self.cell_sets, name: numbers})
+
+    # changes
+
+    def placed(self, placement: Placement) -> "PolyMesh":
+        """Return the mesh in the placed frame; a mirrored one keeps counter-clockwise cells.
+
+        Points and cells keep their numbers.
+        """
+        changes: dict[str, Any] = {"points": placement.points(self.points)}
+        if placement.mirrored:
+            changes["cell_points"] = self.cell_points[rows_reversed(self.cell_offsets)]
+            changes["edge_sets"] = {n: e[::-1, ::-1] for n, e in self.edge_sets.items()}
+        return self._changed(**changes)
+
+    def merged(self, other: "PolyMesh") -> "PolyMesh":
+        """Return both meshes as one, without gluing: points and cells of `other` are added behind.
+
+        Sets with the same name are united.
+        """
+        n_points, n_cells, n_corners = self.n_points, self.n_cells, len(self.cell_points)
+        return PolyMesh(
+            np.vstack([self.points, other.points]),
+            np.append(self.cell_offsets, other.cell_offsets[1:] + n_corners),
+            np.append(self.cell_points, other.cell_points + n_points),
+            _united(self.cell_sets, {n: c + n_cells for n, c in other.cell_sets.items()}),
+            _united(self.edge_sets, {n: e + n_points for n, e in other.edge_sets.items()}),
+        )
+
+
+def _united(first: Mapping[str, IntArray], second: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
+    sets: dict[str, NDArray[Any]] = dict(first)
+    for name, values in second.items():
+        sets[name] = np.concatenate([sets[name], values]) if name in sets else values
+    return sets

@@ -1,0 +1,70 @@
+"""Small structured meshes of a rectangle, for tests and examples."""
+
+from typing import Literal
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import Point, as_point
+from flangeway.mesh.polymesh import PolyMesh
+
+
+def rectangle_grid(
+    width: float,
+    height: float,
+    nx: int,
+    ny: int,
+    *,
+    cells: Literal["triangles", "quadrilaterals"] = "triangles",
+    origin: Point = (0.0, 0.0),
+) -> PolyMesh:
+    """Return a rectangle of ``nx`` by ``ny`` squares, each cut by its rising diagonal if asked.
+
+    Parameters
+    ----------
+    width, height
+        Sides, positive.
+    nx, ny
+        Numbers of squares along the width and the height, one or more.
+    cells
+        ``"triangles"`` or ``"quadrilaterals"``.
+    origin
+        Lower-left corner.
+
+    Returns
+    -------
+    PolyMesh
+        With edge sets ``bottom``, ``right``, ``top``, ``left``.
+
+    Raises
+    ------
+    InputError
+        If a length or number is not positive, or the kind of cell is unknown.
+
+    """
+    for name, value in (("width", width), ("height", height), ("nx", nx), ("ny", ny)):
+        if not value > 0 or not np.isfinite(value):
+            raise InputError(f"{name} = {value}", "a positive number", "give a larger one")
+    x0, y0 = as_point(origin, "origin")
+    x, y = np.meshgrid(np.linspace(x0, x0 + width, nx + 1), np.linspace(y0, y0 + height, ny + 1))
+    grid = np.arange((nx + 1) * (ny + 1), dtype=np.int32).reshape(ny + 1, nx + 1)
+    corners = (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])
+    a, b, c, d = (corner.ravel() for corner in corners)
+    if cells == "triangles":
+        rows = np.column_stack([a, b, c, a, c, d]).reshape(-1, 3)
+    elif cells == "quadrilaterals":
+        rows = np.column_stack([a, b, c, d])
+    else:
+        raise InputError(f"cells = {cells!r}", "'triangles' or 'quadrilaterals'", "choose one")
+    sides = {
+        "bottom": grid[0],
+        "right": grid[:, -1],
+        "top": grid[-1, ::-1],
+        "left": grid[::-1, 0],
+    }
+    return PolyMesh(
+        np.column_stack([x.ravel(), y.ravel()]),
+        np.arange(len(rows) + 1, dtype=np.int32) * rows.shape[1],
+        rows.ravel(),
+        edge_sets={name: np.column_stack([p[:-1], p[1:]]) for name, p in sides.items()},
+    )

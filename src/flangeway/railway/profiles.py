@@ -1,0 +1,276 @@
+"""Rail and wheel profiles that come with the package, as outlines in mm."""
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Line, Outline, Placement, Segment
+from flangeway.geometry.arrays import Point, as_point
+
+_RAIL_FILES = {
+    ("136RE", 8.0): "136RE_R8_A_arcs.csv",
+    ("136RE", 10.0): "136RE_R10_A_arcs.csv",
+    ("136RE", 14.0): "136RE_R14_arcs.csv",
+}
+_WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
+_CUT_HEIGHTS_MM = (20.0, 100.0)
+_THROAT_RADII_MM = (10.0, 20.0)
+
+_HEAD_SIDE = ("crown", "shoulder", "gauge_corner", "head_side_1:40")
+_RUNNING = (
+    "flange_back",
+    "flange_tip_land",
+    "flange_tip_front",
+    "flange_face_75deg",
+    "throat_R1",
+    "throat_R2",
+    "tread_1:20",
+    "rim_edge",
+)
+
+
+@dataclass(frozen=True)
+class RailProfile:
+    """Cross-section of the right-hand rail, seen with the centre of the track at the left.
+
+    Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
+
+    Parameters
+    ----------
+    title
+        Name to show.
+    outline
+        Whole section. Segments beside the middle bear ``_gauge`` or ``_field`` behind their name.
+    head_names
+        Segments of the running surface from the gauge side to the field side. (The outline, being
+        counter-clockwise, passes them from the field side to the gauge side.)
+    base_names
+        Segments of the base's underside.
+    certainty
+        How far the contour can be trusted.
+    source
+        Where it comes from.
+
+    """
+
+    title: str
+    outline: Outline
+    head_names: tuple[str, ...]
+    base_names: tuple[str, ...]
+    certainty: str
+    source: str
+
+
+@dataclass(frozen=True)
+class WheelProfile:
+    """Lower part of the right-hand wheel's rim, in the wheel's own frame.
+
+    Origin on the tape line: x lateral, the flange at negative x (towards the centre of the track);
+    y up towards the axle, the tip of the flange at negative y; mm.
+
+    Parameters
+    ----------
+    title
+        Name to show.
+    outline
+        Region below the straight segment ``cut``.
+    running_names
+        Segments from the flange's back to the rim's edge, in the direction of the outline.
+    flange_height_mm
+        Depth of the flange's tip below the tape line.
+    flange_back_mm
+        Distance of the flange's back face from the tape line.
+    certainty
+        How far the contour can be trusted.
+    source
+        Where it comes from.
+
+    """
+
+    title: str
+    outline: Outline
+    running_names: tuple[str, ...]
+    flange_height_mm: float
+    flange_back_mm: float
+    certainty: str
+    source: str
+
+
+def rail(name: str = "136RE", *, crown_radius_in: float = 10) -> RailProfile:
+    """Return a rail section.
+
+    Parameters
+    ----------
+    name
+        ``"136RE"``.
+    crown_radius_in
+        Radius of the crown in inches: 8, 10 or 14.
+
+    Raises
+    ------
+    InputError
+        If the name or the radius is unknown; the message lists those there are.
+
+    """
+    names = sorted({known for known, _ in _RAIL_FILES})
+    if name not in names:
+        raise InputError(f"rail '{name}'", f"one of {names}", "choose a rail that is there")
+    radii = [radius for known, radius in _RAIL_FILES if known == name]
+    if crown_radius_in not in radii:
+        raise InputError(
+            f"crown_radius_in = {crown_radius_in}",
+            f"one of {', '.join(f'{radius:g}' for radius in radii)}",
+            "choose a radius that is there",
+        )
+    field_side = _read_segments(_RAIL_FILES[name, float(crown_radius_in)], "x{}_mm", "y{}_mm")
+    outline = _mirrored_and_joined(field_side)
+    exact_head = crown_radius_in == 14
+    return RailProfile(
+        title=f"{name}, crown radius {crown_radius_in:g} in",
+        outline=outline,
+        head_names=(
+            *(f"{part}_gauge" for part in _HEAD_SIDE[:0:-1]),
+            "crown",
+            *(f"{part}_field" for part in _HEAD_SIDE[1:]),
+        ),
+        base_names=("base",),
+        certainty=(
+            ("The arcs of the head are exact" if exact_head else "Crown and shoulder are derived")
+            + "; radii of the web, fillets and base are derived so that area, centroid and inertia "
+            "agree with the published ones."
+        ),
+        source=(
+            "AREMA 136RE: published dimensions and section properties; head with crown radius "
+            "14 in as in tutorial 12 of the program GIRAFFE"
+            + ("." if exact_head else ", crown radius changed with its half-width of 0.7 in kept.")
+        ),
+    )
+
+
+def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm: float | None = None) -> WheelProfile:
+    """Return the lower part of a wheel's rim.
+
+    Parameters
+    ----------
+    name
+        ``"AAR-1B"``.
+    cut_height_mm
+        Height above the tape line of the straight cut that closes the region, 20 to 100 mm.
+    throat_radius_mm
+        Radius of the arc between the flange's face and the wider arc of the throat, 10 to 20 mm;
+        that of the file (14.2875 mm, inferred) by default. The arc stays tangent to both.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown or a length is out of range.
+
+    """
+    if name not in _WHEEL_FILES:
+        raise InputError(f"wheel '{name}'", f"one of {sorted(_WHEEL_FILES)}", "choose a wheel that is there")
+    _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
+    # the file's axes point towards the flange and away from the axle: half a turn, without rounding
+    contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
+    if throat_radius_mm is not None:
+        _refuse_outside("throat_radius_mm", throat_radius_mm, _THROAT_RADII_MM, "leave it out for the file's")
+        contour |= _rounded_throat(contour, throat_radius_mm)
+    outer, back = contour["outer_face"], contour["back_face"]
+    contour["outer_face"] = Line((outer.end[0], cut_height_mm), outer.end)
+    contour["back_face"] = Line(back.start, (back.start[0], cut_height_mm))
+    contour["cut"] = Line(contour["back_face"].end, contour["outer_face"].start)
+    outline = Outline.from_segments(contour.values(), contour.keys())
+    return WheelProfile(
+        title=f"{name} (approximate)",
+        outline=outline,
+        running_names=tuple(part for part in outline.names if part in _RUNNING),
+        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_back_mm=-float(outline.bounds(["back_face"])[0, 0]),
+        certainty=(
+            "An approximation: taper, height, thickness and angle of the flange and width of the "
+            "rim agree with the standard's figures; the radii of the throat and its junctions are "
+            "assumed."
+        ),
+        source=(
+            "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
+        ),
+    )
+
+
+def _refuse_outside(name: str, value: float, limits: tuple[float, float], advice: str) -> None:
+    low, high = limits
+    if not low <= value <= high:
+        raise InputError(f"{name} = {value}", f"{low:g} to {high:g}", advice)
+
+
+def _rounded_throat(contour: Mapping[str, Segment], radius: float) -> dict[str, Segment]:
+    """Return throat and flange face for another radius of the arc between them.
+
+    The arc is tangent to the line of the face and, from inside, to the circle of the wider arc:
+    its centre is `radius` off the line and the difference of the radii from the other's centre.
+    """
+    face, wide = contour["flange_face_75deg"], contour["throat_R2"]
+    if not isinstance(wide, Arc):
+        raise TypeError("the throat of a wheel file is made of arcs")
+    # from tread to flange the wheel is on the right: the centres of its hollow arcs are on the left
+    along, off = face.tangent(0.0)[0], -face.normal(0.0)[0]
+    start, other = np.array(face.start), np.array(wide.centre)
+    ray = start + radius * off - other
+    shift = float(along @ ray)
+    half = math.sqrt((wide.radius - radius) ** 2 - float(ray @ ray) + shift**2)
+    # of both solutions the one on the side of the tread
+    foot = start - (shift + half) * along
+    centre = foot + radius * off
+    outward = (centre - other) / np.hypot(*(centre - other))
+    junction = as_point(other + wide.radius * outward)
+    return {
+        "throat_R2": Arc(wide.start, junction, wide.centre, wide.counter_clockwise),
+        "throat_R1": Arc(junction, as_point(foot), as_point(centre), wide.counter_clockwise),
+        "flange_face_75deg": Line(as_point(foot), face.end),
+    }
+
+
+def _read_segments(file: str, first: str, second: str, *, sign: float = 1.0) -> dict[str, Segment]:
+    """Return the segments of a data file by name, in its order.
+
+    `first` and `second` are the names of the columns of both coordinates, with braces for 0, 1, c;
+    both are multiplied by `sign`.
+    """
+    text = (files("flangeway.railway") / "data" / file).read_text(encoding="utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return {row["name"]: _segment(row, first, second, sign) for row in rows}
+
+
+def _segment(row: Mapping[str, str], first: str, second: str, sign: float) -> Segment:
+    def point(key: str) -> Point:
+        return sign * float(row[first.format(key)]), sign * float(row[second.format(key)])
+
+    start, end = point("0"), point("1")
+    if row["type"] == "line":
+        return Line(start, end)
+    centre = point("c")
+    # every arc is shorter than half a turn
+    turn = (start[0] - centre[0]) * (end[1] - centre[1]) - (start[1] - centre[1]) * (end[0] - centre[0])
+    return Arc(start, end, centre, turn > 0.0)
+
+
+def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
+    """Return the whole section: crown and base across the middle, both sides between them."""
+    mirror = Placement(mirrored=True)
+    sides = {k: v for k, v in field_side.items() if k not in ("crown", "base_bottom")}
+    gauge_side = {part: segment.transformed(mirror) for part, segment in sides.items()}
+    crown, bottom = field_side["crown"], field_side["base_bottom"]
+    if not isinstance(crown, Arc):
+        raise TypeError("the crown of a rail file is an arc")
+    left_crown, left_bottom = crown.transformed(mirror), bottom.transformed(mirror)
+    chain: list[tuple[str, Segment]] = [
+        ("base", Line(left_bottom.start, bottom.start)),
+        *((f"{part}_field", segment.reversed()) for part, segment in reversed(sides.items())),
+        ("crown", Arc(crown.end, left_crown.end, (0.0, crown.centre[1]), True)),
+        *((f"{part}_gauge", segment) for part, segment in gauge_side.items()),
+    ]
+    return Outline.from_segments([s for _, s in chain], [part for part, _ in chain])

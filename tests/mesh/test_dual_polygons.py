@@ -1,0 +1,164 @@
+"""Dual polygons against their definition (seed, section 3.3.6)."""
+
+import time
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from scipy.spatial import Delaunay
+
+from flangeway.errors import InputError
+from flangeway.geometry import Placement, circle, polygon
+from flangeway.mesh import PolyMesh, check, dual, rectangle_grid, triangulate
+
+
+def corners(mesh, cell):
+    row = slice(mesh.cell_offsets[cell], mesh.cell_offsets[cell + 1])
+    return mesh.points[mesh.cell_points[row]]
+
+
+def test_dual_of_one_triangle_by_hand():
+    """A triangle gives three quadrilaterals: corner, middle, barycentre, middle."""
+    mesh = PolyMesh([[0.0, 0.0], [6.0, 0.0], [0.0, 6.0]], [0, 3], [0, 1, 2])
+    cells = dual(mesh)
+    assert corners(cells, 0).tolist() == [[0, 0], [3, 0], [2, 2], [0, 3]]
+    assert corners(cells, 1).tolist() == [[6, 0], [3, 3], [2, 2], [3, 0]]
+    np.testing.assert_allclose(cells.cell_areas, 6.0)
+
+
+def test_inner_cells_are_made_of_the_barycentres():
+    """The inner points of a grid get hexagons whose corners are the barycentres about them."""
+    mesh = rectangle_grid(3.0, 3.0, 3, 3)
+    cells = dual(mesh)
+    sizes = cells.cell_sizes.reshape(4, 4)
+    assert np.all(sizes[1:-1, 1:-1] == 6)
+    assert sizes[0].tolist() == [5, 6, 6, 4]
+    found = {tuple(p) for p in np.round(corners(cells, 5) * 3).astype(int).tolist()}
+    assert found == {(4, 5), (5, 4), (4, 2), (2, 1), (1, 2), (2, 4)}
+
+
+@st.composite
+def triangulations(draw):
+    rng = np.random.default_rng(draw(st.integers(0, 10**6)))
+    n = draw(st.integers(3, 12))
+    grid = rectangle_grid(1.0, 1.0, n, n)
+    inner = np.all((grid.points > 0.0) & (grid.points < 1.0), axis=1)
+    shift = rng.uniform(-0.28, 0.28, grid.points.shape) / n
+    points = grid.points + inner[:, None] * shift
+    triangles = Delaunay(points).simplices
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    twice = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    triangles = triangles[np.abs(twice) > 1e-12]
+    twice = twice[np.abs(twice) > 1e-12]
+    triangles[twice < 0] = triangles[twice < 0][:, ::-1]
+    edge_sets = {name: grid.edge_sets[name] for name in ("bottom", "left")}
+    offsets = np.arange(len(triangles) + 1) * 3
+    return PolyMesh(points, offsets, triangles.ravel(), edge_sets=edge_sets)
+
+
+@settings(max_examples=40, deadline=None)
+@given(triangulations())
+def test_dual_of_any_triangulation_fills_the_body(mesh):
+    """Cells are simple, positive and fill the body; each holds its own point and barycentres."""
+    cells = dual(mesh)
+    check(cells, region_area=1.0)
+    assert cells.n_cells == mesh.n_points
+    rim = np.zeros(mesh.n_points, dtype=bool)
+    rim[mesh.boundary_edges.ravel()] = True
+    about = np.bincount(mesh.cell_points, minlength=mesh.n_points)
+    assert np.array_equal(cells.cell_sizes, about + 3 * rim)
+    for cell in np.flatnonzero(rim).tolist():
+        assert np.array_equal(corners(cells, cell)[0], mesh.points[cell])
+
+
+@settings(max_examples=20, deadline=None)
+@given(triangulations(), st.booleans())
+def test_dual_commutes_with_placement(mesh, mirrored):
+    """The dual of a placed mesh has the areas of the dual, cell by cell."""
+    placed = mesh.placed(Placement(0.4, (3.0, 1.0), mirrored))
+    np.testing.assert_allclose(dual(placed).cell_areas, dual(mesh).cell_areas, rtol=1e-10)
+
+
+def test_outline_and_edge_sets_survive():
+    """Boundary points are kept, every boundary edge is halved, and sets keep order and length."""
+    mesh = rectangle_grid(4.0, 2.0, 4, 3)
+    cells = dual(mesh)
+    assert len(cells.boundary_edges) == 2 * len(mesh.boundary_edges)
+    for name in mesh.edge_sets:
+        coarse, fine = mesh.points[mesh.chain(name)], cells.points[cells.chain(name)]
+        assert np.array_equal(fine[::2], coarse)
+        np.testing.assert_allclose(fine[1::2], 0.5 * (coarse[1:] + coarse[:-1]))
+    middles = np.array([cells.edge_cells[e] for e in cells.edge_chain("top")])
+    assert middles[:, 0].tolist() == [19, 18, 18, 17, 17, 16, 16, 15]
+
+
+def test_reentrant_corners_keep_their_shape():
+    """At the reentrant corners of a cross and a slit-like notch the duals fit together."""
+    cross = [(1, 0), (2, 0), (2, 1), (3, 1), (3, 2), (2, 2), (2, 3), (1, 3), (1, 2), (0, 2)]
+    cross += [(0, 1), (1, 1)]
+    notch = [(0, 0), (3, 0), (3, 3), (1.6, 3), (1.5, 0.5), (1.4, 3), (0, 3)]
+    for shape in (cross, notch):
+        outline = polygon(shape)
+        for size in (1.0, 0.31, 0.1):
+            mesh = triangulate(outline, size=size)
+            cells = dual(mesh)
+            check(cells, region_area=outline.area)
+            kept = {tuple(p) for p in cells.points}
+            assert {tuple(map(float, p)) for p in shape} <= kept
+
+
+def test_holes_keep_their_duals():
+    """About a hole the dual cells fit as on the outside."""
+    mesh = triangulate(circle(3.0), size=0.5, holes=[circle(1.0)])
+    check(dual(mesh), region_area=mesh.cell_areas.sum(), area_tolerance=1e-12)
+
+
+def test_flat_triangles_that_would_fold_the_polygon_are_refused():
+    """A reentrant corner with two very flat triangles is refused with its place, not folded."""
+    points = [[0.0, 0.0], [10.0, -7.0], [0.0, 0.5], [-10.0, -7.0]]
+    mesh = PolyMesh(points, [0, 3, 6], [0, 1, 2, 0, 2, 3])
+    check(mesh)
+    with pytest.raises(InputError, match=r"point 0 at .*flat"):
+        dual(mesh)
+
+
+def test_only_sound_triangles_are_taken():
+    """Quadrilaterals, clockwise triangles and unused points are refused."""
+    with pytest.raises(InputError, match="4 points"):
+        dual(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"))
+    with pytest.raises(InputError, match="area -"):
+        dual(PolyMesh([[0, 0], [0, 1], [1, 0]], [0, 3], [0, 1, 2]))
+    with pytest.raises(InputError, match="point 3 of no triangle"):
+        dual(PolyMesh([[0, 0], [1, 0], [0, 1], [5, 5]], [0, 3], [0, 1, 2]))
+
+
+def test_a_boundary_that_touches_itself_is_refused():
+    """Two triangles that share one point only have no single polygon about it."""
+    points = [[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]]
+    mesh = PolyMesh(points, [0, 3, 6], [0, 1, 2, 0, 3, 4])
+    with pytest.raises(InputError, match=r"point 0 at .*touches itself"):
+        dual(mesh)
+
+
+def test_cell_sets_are_carried_only_where_they_are_clear():
+    """A set of all cells of one body of two is carried; one that divides a point is refused."""
+    left, right = rectangle_grid(1.0, 1.0, 2, 2), rectangle_grid(1.0, 1.0, 3, 3, origin=(5.0, 0.0))
+    both = left.merged(right).with_cell_set("left", np.arange(left.n_cells))
+    cells = dual(both)
+    assert cells.cell_sets["left"].tolist() == list(range(9))
+    with pytest.raises(InputError, match=r"cell set 'low' with .* triangles of point"):
+        dual(left.with_cell_set("low", [0, 1]))
+
+
+def test_fifty_thousand_points_take_a_moment():
+    """The dual about 50,625 points is made without a loop over cells, in well under a second."""
+    mesh = rectangle_grid(1.0, 1.0, 224, 224)
+    best = np.inf
+    for _ in range(3):
+        fresh = mesh.placed(Placement())
+        start = time.perf_counter()
+        cells = dual(fresh)
+        best = min(best, time.perf_counter() - start)
+    assert cells.n_cells == 225**2
+    assert best < 0.3

@@ -1,0 +1,175 @@
+"""PolyMesh on meshes small enough to count by hand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.mesh import PolyMesh, check, rectangle_grid
+
+# a unit square cut into a triangle and a quadrilateral, with a fifth point on its right side
+POINTS = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 0.5], [1.0, 1.0], [0.0, 1.0]])
+MIXED = PolyMesh(
+    POINTS,
+    [0, 3, 7],
+    [0, 1, 2, 0, 2, 3, 4],
+    cell_sets={"low": [0]},
+    edge_sets={"right": [[2, 3], [1, 2]], "left": [[4, 0]]},
+)
+PENTAGON = PolyMesh(POINTS, [0, 5], [0, 1, 2, 3, 4])
+
+
+def test_counts_and_connections_by_hand():
+    """A triangle beside a quadrilateral: six edges, one of them with both cells."""
+    assert (MIXED.n_points, MIXED.n_cells, MIXED.n_edges) == (5, 2, 6)
+    assert MIXED.edges.tolist() == [[0, 1], [0, 2], [0, 4], [1, 2], [2, 3], [3, 4]]
+    assert MIXED.cell_edges.tolist() == [0, 3, 1, 1, 4, 5, 2]
+    assert MIXED.edge_cells.tolist() == [[0, -1], [0, 1], [1, -1], [0, -1], [1, -1], [1, -1]]
+    assert sorted(map(tuple, MIXED.boundary_edges)) == [(0, 1), (1, 2), (2, 3), (3, 4), (4, 0)]
+
+
+def test_areas_centroids_and_diameters_by_hand():
+    """Areas 1/4 and 3/4, centroids of triangle and trapezium, and the longest diagonals."""
+    np.testing.assert_allclose(MIXED.cell_areas, [0.25, 0.75], rtol=1e-15)
+    np.testing.assert_allclose(MIXED.cell_centroids, [[2 / 3, 1 / 6], [4 / 9, 11 / 18]], rtol=1e-14)
+    np.testing.assert_allclose(MIXED.cell_diameters, [math.sqrt(1.25), math.sqrt(2)], rtol=1e-15)
+    np.testing.assert_allclose(PENTAGON.cell_diameters, [math.sqrt(2)], rtol=1e-15)
+
+
+def test_areas_keep_their_digits_far_from_the_origin():
+    """A cell of size one at a distance of 1e6 has its area to ten digits."""
+    far = MIXED.placed(Placement(0.0, (1e6, 1e6)))
+    np.testing.assert_allclose(far.cell_areas, [0.25, 0.75], rtol=1e-10)
+    np.testing.assert_allclose(far.cell_centroids - 1e6, MIXED.cell_centroids, atol=1e-9)
+
+
+def test_batches_group_cells_by_their_number_of_points():
+    """Every cell is in the batch of its number of points, and their points are its own."""
+    mesh = MIXED.merged(PENTAGON).merged(MIXED)
+    batches = {n: cells.tolist() for n, cells in mesh.batches()}
+    assert batches == {3: [0, 3], 4: [1, 4], 5: [2]}
+    assert mesh.batch_points(3, mesh.batches()[0][1]).tolist() == [[0, 1, 2], [10, 11, 12]]
+
+
+def test_edge_sets_are_ordered_and_make_chains():
+    """Edges given out of order come back in order along the boundary, as do several sets."""
+    assert MIXED.chain("right").tolist() == [1, 2, 3]
+    assert MIXED.edge_chain("right").tolist() == [3, 4]
+    mesh = MIXED.with_edge_set("top", [[4, 3]])
+    assert mesh.chain("left", "right", "top").tolist() == [1, 2, 3, 4, 0]
+
+
+def test_closed_chain_repeats_its_first_point():
+    """A chain once round the body ends where it starts."""
+    ring = MIXED.with_edge_set("ring", MIXED.boundary_edges[::-1])
+    points = ring.chain("ring")
+    assert len(points) == 6
+    assert points[0] == points[-1]
+    assert sorted(points[1:]) == [0, 1, 2, 3, 4]
+
+
+def test_chain_refuses_a_gap():
+    """Two sides that do not meet are not one chain; the message counts two."""
+    with pytest.raises(InputError, match="2 chains"):
+        MIXED.chain("left", "right")
+
+
+def test_with_edge_set_turns_edges_and_refuses_inner_ones():
+    """A boundary edge given backwards is turned; an inner edge or no edge is refused."""
+    mesh = MIXED.with_edge_set("bottom", [[1, 0]])
+    assert mesh.edge_set("bottom").tolist() == [[0, 1]]
+    assert "bottom" not in MIXED.edge_sets
+    with pytest.raises(InputError, match="inside the body"):
+        MIXED.with_edge_set("cut", [[0, 2]])
+    with pytest.raises(InputError, match="ends of an edge"):
+        MIXED.with_edge_set("cut", [[1, 3]])
+
+
+def test_cell_sets_take_masks_and_numbers():
+    """A mask and the numbers it stands for make the same set."""
+    mask = MIXED.with_cell_set("high", MIXED.cell_centroids[:, 1] > 0.5)
+    assert mask.cell_set("high").tolist() == [1]
+    assert MIXED.with_cell_set("high", [1, 1]).cell_set("high").tolist() == [1]
+
+
+def test_unknown_names_are_refused_with_the_known_ones():
+    """An unknown set is refused, and the message lists those there are."""
+    with pytest.raises(InputError, match="left, right"):
+        MIXED.edge_set("top")
+    with pytest.raises(InputError, match="low"):
+        MIXED.cell_set("high")
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_placed_mesh_stays_valid(mirrored):
+    """A placed mesh keeps areas and names, also mirrored, with the body left of its edge sets."""
+    placed = MIXED.placed(Placement(1.1, (5.0, -2.0), mirrored))
+    check(placed, region_area=1.0, allow_hanging=False)
+    np.testing.assert_allclose(placed.cell_areas, MIXED.cell_areas, rtol=1e-13)
+    assert set(placed.chain("right")) == {1, 2, 3}
+    back = placed.placed(Placement(1.1, (5.0, -2.0), mirrored).inverse())
+    np.testing.assert_allclose(back.points, MIXED.points, atol=1e-14)
+    assert back.chain("right").tolist() == MIXED.chain("right").tolist()
+
+
+def test_merged_keeps_both_and_unites_names():
+    """Of two meshes side by side, cells, areas and sets with one name are all there."""
+    other = MIXED.placed(Placement(0.0, (3.0, 0.0))).with_cell_set("new", [0])
+    both = MIXED.merged(other)
+    assert (both.n_points, both.n_cells) == (10, 4)
+    assert both.cell_sets["low"].tolist() == [0, 2]
+    assert both.cell_sets["new"].tolist() == [2]
+    assert both.edge_sets["left"].tolist() == [[4, 0], [9, 5]]
+    check(both, region_area=2.0)
+
+
+def test_arrays_are_read_only_copies():
+    """Neither the mesh's arrays nor those it was made of can change it."""
+    points = POINTS.copy()
+    mesh = PolyMesh(points, [0, 5], [0, 1, 2, 3, 4], edge_sets={"left": [[4, 0]]})
+    points[0] = 99.0
+    assert mesh.points[0, 0] == 0.0
+    for array in (mesh.points, mesh.cell_points, mesh.edges, mesh.edge_sets["left"]):
+        with pytest.raises(ValueError, match="read-only"):
+            array[0] = 1
+    with pytest.raises(TypeError):
+        mesh.edge_sets["more"] = mesh.edges
+    assert mesh.cell_points.dtype == mesh.cell_offsets.dtype == mesh.edges.dtype == np.int32
+
+
+@pytest.mark.parametrize(
+    ("change", "word"),
+    [
+        ({"points": POINTS.T}, r"\(2, 5\)"),
+        ({"points": [[np.nan, 0.0]] * 5}, "row 0"),
+        ({"cell_points": [0, 1, 2, 3, 5]}, "from 0 to 5"),
+        ({"cell_points": [0.0, 1.0, 2.0, 3.0, 4.0]}, "float64"),
+        ({"cell_offsets": [0, 2, 5]}, "cell 0 with 2 points"),
+        ({"cell_offsets": [0, 4]}, "cell_offsets"),
+        ({"cell_offsets": [0]}, "cell_offsets"),
+        ({"cell_sets": {"a": [1]}}, "cell set 'a'"),
+        ({"edge_sets": {"a": [0, 1]}}, "edge set 'a'"),
+        ({"edge_sets": {"a": [[0, 1], [0, 4]]}}, "2 edges leave point 0"),
+        ({"edge_sets": {"a": [[0, 1], [2, 1]]}}, "2 edges reach point 1"),
+    ],
+)
+def test_wrong_arrays_are_refused(change, word):
+    """Wrong shapes, types, index ranges and branching edge sets are refused by name."""
+    right = {"points": POINTS, "cell_offsets": [0, 5], "cell_points": [0, 1, 2, 3, 4]}
+    with pytest.raises(InputError, match=word):
+        PolyMesh(**{**right, **change})
+
+
+def test_an_edge_with_three_cells_is_refused():
+    """Three triangles on one edge are no plane mesh."""
+    mesh = PolyMesh(POINTS, [0, 3, 6, 9], [0, 1, 2, 0, 1, 3, 0, 1, 4])
+    with pytest.raises(InputError, match="3 cells"):
+        _ = mesh.edge_cells
+
+
+def test_euler_formula_of_a_large_grid():
+    """Points minus edges plus cells is one for a body without holes."""
+    mesh = rectangle_grid(3.0, 2.0, 31, 17)
+    assert mesh.n_points - mesh.n_edges + mesh.n_cells == 1

@@ -1,0 +1,268 @@
+"""Triangulation with Gmsh: geometry kept, sizes kept, and what is refused."""
+
+import importlib
+import math
+import signal
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError, MissingLibraryError
+from flangeway.geometry import Arc, Line, Outline, Placement, circle, polygon, rectangle, square
+from flangeway.mesh import Refinement, check, gmsh_session, triangulate
+from flangeway.mesh.sizing import estimated_triangles, local_sizes
+
+HALF_DISC = Outline.from_segments(
+    [Line((-2.0, 0.0), (2.0, 0.0)), Arc((2.0, 0.0), (-2.0, 0.0), (0.0, 0.0), True)],
+    ["cut", "round"],
+)
+
+
+def spacings(mesh, name):
+    return np.hypot(*np.diff(mesh.points[mesh.chain(name)], axis=0).T)
+
+
+@pytest.mark.parametrize("algorithm", ["delaunay", "frontal-delaunay"])
+@pytest.mark.parametrize("n", [10, 14, 20, 40])
+def test_a_square_gets_the_edges_asked_for(n, algorithm):
+    """A size of 1/n makes n equal edges a side, and the triangles fill the square."""
+    mesh = triangulate(square(1.0), size=1.0 / n, algorithm=algorithm)
+    check(mesh, region_area=1.0)
+    for name in ("bottom", "right", "top", "left"):
+        np.testing.assert_allclose(spacings(mesh, name), 1.0 / n, rtol=1e-9)
+
+
+def test_edge_sets_follow_the_outline():
+    """Sides have their names, and together they are the whole boundary once round."""
+    mesh = triangulate(rectangle(3.0, 1.0), size=0.25)
+    assert np.all(mesh.points[mesh.chain("right")][:, 0] == 1.5)
+    around = mesh.chain("bottom", "right", "top", "left")
+    assert len(around) == len(mesh.boundary_edges) + 1
+
+
+def test_boundary_points_lie_on_the_arcs():
+    """Points of a circular boundary are on the circle to 1e-12 of its radius, ends exactly."""
+    outline = HALF_DISC.transformed(Placement(0.3, (100.0, 50.0)))
+    mesh = triangulate(outline, size=0.1)
+    points = mesh.points[mesh.chain("round")]
+    np.testing.assert_allclose(np.hypot(*(points - [100.0, 50.0]).T), 2.0, atol=1e-12)
+    arc = outline.segments[outline.names.index("round")]
+    assert np.array_equal(points[[0, -1]], [arc.start, arc.end])
+
+
+def test_area_converges_to_the_disc_with_the_square_of_the_size():
+    """What chords cut off a disc shrinks with the square of the size."""
+    missing = [1.0 - triangulate(circle(1.0), size=size).cell_areas.sum() / math.pi for size in (0.2, 0.1, 0.05)]
+    ratios = np.array(missing[:-1]) / missing[1:]
+    np.testing.assert_allclose(ratios, 4.0, rtol=0.1)
+
+
+@pytest.mark.parametrize("n_arcs", [2, 3])
+def test_arcs_of_half_a_turn_and_more_are_meshed(n_arcs):
+    """Arcs that Gmsh does not take in one piece are halved, and keep one name."""
+    long_arc = [Arc((1.0, 0.0), (0.0, 1.0), (0.0, 0.0), False), Line((0.0, 1.0), (1.0, 0.0))]
+    for outline in (circle(1.0, n_arcs=n_arcs), Outline.from_segments(long_arc, ["arc", "chord"])):
+        mesh = triangulate(outline, size=0.2)
+        check(mesh, region_area=outline.area, area_tolerance=0.02)
+        assert set(mesh.edge_sets) == set(outline.names)
+
+
+@pytest.mark.parametrize("size", [0.02, 0.03, 0.007])
+def test_spacing_inside_a_refinement_is_uniform_and_as_asked(size):
+    """Along the refined part of the boundary edges are equal to the size within 10 %."""
+    part = HALF_DISC.part(["round"]).sampled(spacing=0.01)
+    part = part[np.abs(part[:, 0]) < 0.5]
+    mesh = triangulate(HALF_DISC, size=0.3, refinements=[Refinement(part, size, 0.15)])
+    points = mesh.points[mesh.chain("round")]
+    inside = np.all(np.abs([points[1:, 0], points[:-1, 0]]) < 0.5 - size, axis=0)
+    lengths = spacings(mesh, "round")[inside]
+    assert len(lengths) > 0.9 / size - 4
+    np.testing.assert_allclose(lengths, size, rtol=0.1)
+    assert lengths.max() / lengths.min() < 1.05
+
+
+@pytest.mark.parametrize("growth", [0.05, 0.3, 1.0, 3.0])
+def test_spacing_does_not_depend_on_the_growth(growth):
+    """On a refined straight side edges have the size asked for, however fast it grows beside it."""
+    line = Refinement([(-1.5, -2.0), (0.3127, -2.0), (1.7, -2.0)], 0.05, growth)
+    mesh = triangulate(square(4.0), size=0.5, refinements=[line])
+    inside = np.abs(mesh.points[mesh.chain("bottom"), 0][:-1]) < 1.3
+    np.testing.assert_allclose(spacings(mesh, "bottom")[inside], 0.05, rtol=0.02)
+
+
+def test_triangles_follow_the_target_size():
+    """Inside, the edges' lengths are about the local size: most within a factor of 1.5."""
+    spot = Refinement([(0.5, 0.5)], 0.01, 0.2)
+    mesh = triangulate(square(4.0), size=0.3, refinements=[spot])
+    edges = mesh.points[mesh.edges]
+    lengths = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
+    ratio = lengths / local_sizes(edges.mean(axis=1), 0.3, [spot])
+    assert np.median(ratio) == pytest.approx(1.0, abs=0.15)
+    assert np.mean((ratio > 1 / 1.5) & (ratio < 1.5)) > 0.95
+
+
+def test_a_refinement_coarser_than_the_size_changes_nothing():
+    """The smaller of both sizes holds."""
+    plain = triangulate(square(1.0), size=0.1)
+    same = triangulate(square(1.0), size=0.1, refinements=[Refinement([(0.0, 0.0)], 0.5, 0.2)])
+    assert np.array_equal(plain.points, same.points)
+
+
+def test_estimate_is_near_the_truth():
+    """The estimated number of triangles is within a third of those made."""
+    line = Refinement([(-2.0, -2.0), (2.0, -2.0)], 0.01, 0.15)
+    made = triangulate(square(4.0), size=0.2, refinements=[line]).n_cells
+    assert estimated_triangles(16.0, 0.2, [line]) == pytest.approx(made, rel=0.33)
+
+
+def test_holes_have_the_body_on_their_outside():
+    """A hole takes its area away and its named boundary has the body on the left."""
+    hole = rectangle(1.0, 1.0, (1.0, 0.5))
+    mesh = triangulate(square(4.0), size=0.3, holes=[hole, circle(0.4, (-1.0, -1.0))])
+    region = 16.0 - 1.0 - 0.16 * math.pi
+    check(mesh, region_area=region, area_tolerance=3e-3)
+    ring = mesh.points[mesh.chain("circle")]
+    x, y = ring.T
+    assert 0.5 * np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]) == pytest.approx(-0.16 * math.pi, rel=0.1)
+
+
+@pytest.mark.parametrize(
+    ("holes", "word"),
+    [
+        ([circle(0.5, (3.0, 0.0))], "inside the outline"),
+        ([circle(0.5, (1.8, 0.0))], "inside the outline|meets another"),
+        ([circle(0.5), circle(0.2)], "meets another"),
+        ([circle(0.2), circle(0.5)], "meets another"),
+        ([circle(0.5), circle(0.5, (0.7, 0.0))], "hole 1 meets another"),
+    ],
+)
+def test_holes_outside_or_together_are_refused(holes, word):
+    """Holes that leave the body, cross or contain each other are refused."""
+    with pytest.raises(InputError, match=word):
+        triangulate(square(4.0), size=0.3, holes=holes)
+
+
+def test_the_same_input_gives_the_same_mesh():
+    """Points and cells are the same to the last bit on the second call."""
+    first, second = (
+        triangulate(HALF_DISC, size=0.15, refinements=[Refinement([(0.0, 2.0)], 0.02, 0.2)]) for _ in range(2)
+    )
+    assert np.array_equal(first.points, second.points)
+    assert np.array_equal(first.cell_points, second.cell_points)
+
+
+def test_a_callers_gmsh_is_left_as_it_was():
+    """Within a caller's Gmsh the mesh is the same; his model, options and handlers stay."""
+    alone = triangulate(HALF_DISC, size=0.2)
+    handler = signal.getsignal(signal.SIGINT)
+    gmsh = importlib.import_module("gmsh")
+    assert not gmsh.isInitialized()
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        gmsh.option.setNumber("Mesh.Algorithm", 8)
+        gmsh.model.add("mine")
+        gmsh.model.geo.addPoint(1.0, 2.0, 3.0)
+        gmsh.model.geo.synchronize()
+        within = triangulate(HALF_DISC, size=0.2)
+        assert gmsh.isInitialized()
+        assert gmsh.model.getCurrent() == "mine"
+        assert gmsh.model.getEntities() == [(0, 1)]
+        assert gmsh.option.getNumber("Mesh.Algorithm") == 8
+        assert "flangeway" not in gmsh.model.list()
+    finally:
+        gmsh.finalize()
+    assert np.array_equal(within.points, alone.points)
+    assert signal.getsignal(signal.SIGINT) is handler
+
+
+def test_threads_may_triangulate():
+    """Away from the main thread, where Python allows no signal handlers, the mesh is the same."""
+    with ThreadPoolExecutor(2) as pool:
+        meshes = list(pool.map(lambda size: triangulate(HALF_DISC, size=size), [0.2, 0.3, 0.2]))
+    assert np.array_equal(meshes[0].points, meshes[2].points)
+    assert np.array_equal(meshes[0].points, triangulate(HALF_DISC, size=0.2).points)
+    assert meshes[1].n_cells < meshes[0].n_cells
+
+
+def test_gmsh_is_silent(capfd):
+    """Nothing is printed, neither by Python nor by the library."""
+    triangulate(square(1.0), size=0.2)
+    out, err = capfd.readouterr()
+    assert (out, err) == ("", "")
+
+
+def test_gmsh_is_imported_only_when_it_is_needed():
+    """Importing the package of meshes imports neither Gmsh nor meshio."""
+    code = "import sys, flangeway.mesh; print('gmsh' in sys.modules, 'meshio' in sys.modules)"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert run.stdout.split() == ["False", "False"]
+
+
+@pytest.mark.parametrize("library", ["libGLU.so.1", "libXft.so.2"])
+def test_a_missing_library_is_named_with_its_packages(monkeypatch, library):
+    """Where the system lacks a library of Gmsh's, the message names it and what brings it."""
+
+    def fail(name):
+        raise OSError(f"{library}: cannot open shared object file: No such file or directory")
+
+    monkeypatch.setattr(gmsh_session.importlib, "import_module", fail)
+    stem = library.split(".", maxsplit=1)[0]
+    with pytest.raises(MissingLibraryError) as caught:
+        triangulate(square(1.0), size=0.2)
+    assert f"{stem} (Debian package {gmsh_session.DEBIAN_PACKAGES[stem]})" in str(caught.value)
+    assert "apt-get install" in str(caught.value)
+    assert "libglu1-mesa" in str(caught.value)
+
+
+@pytest.mark.parametrize("size", [0.0, -1.0, math.nan, math.inf, 1.01, 1e-5])
+def test_sizes_that_make_no_mesh_are_refused(size):
+    """Zero, negative, NaN, larger than the body, and far too small sizes are refused quickly."""
+    with pytest.raises(InputError, match="size"):
+        triangulate(square(1.0), size=size)
+
+
+def test_a_refinement_with_far_too_many_triangles_is_refused():
+    """A fine refinement is counted before it is meshed."""
+    fine = Refinement([(0.0, 0.0), (1.0, 0.0)], 1e-6, 0.1)
+    with pytest.raises(InputError, match="triangles"):
+        triangulate(square(1.0), size=0.1, refinements=[fine])
+
+
+@pytest.mark.parametrize("wrong", [{"size": 0.0}, {"growth": 0.0}, {"points": np.zeros((0, 2))}])
+def test_wrong_refinements_are_refused(wrong):
+    """A refinement without size, growth or points is refused."""
+    with pytest.raises(InputError):
+        Refinement(**{"points": [(0.0, 0.0)], "size": 0.1, "growth": 0.1, **wrong})
+
+
+def test_an_unknown_algorithm_is_refused():
+    """The message lists the two algorithms."""
+    with pytest.raises(InputError, match=r"'delaunay', 'frontal-delaunay'"):
+        triangulate(square(1.0), size=0.5, algorithm="quads")
+
+
+@pytest.mark.parametrize("scale", [1e-4, 1e5])
+def test_units_do_not_matter(scale):
+    """A body in other units gets the same number of points and the same mesh, scaled."""
+    shape = np.array([(0, 0), (3, 0), (3, 1), (1, 1), (1, 2), (0, 2)], dtype=float)
+    usual = triangulate(polygon(shape), size=0.2)
+    other = triangulate(polygon(scale * shape), size=0.2 * scale)
+    check(other, region_area=4.0 * scale**2)
+    assert other.n_points == pytest.approx(usual.n_points, rel=0.03)
+
+
+def test_twenty_five_thousand_triangles_take_about_a_second():
+    """A body with three refinements and 25,000 triangles is meshed within 1.5 seconds."""
+    lines = [Refinement([(-1.0, y), (1.0, y)], 0.012, 0.06) for y in (-1.0, 0.2, 1.0)]
+    best = math.inf
+    for _ in range(2):
+        start = time.perf_counter()
+        mesh = triangulate(square(2.0), size=0.03, refinements=lines)
+        best = min(best, time.perf_counter() - start)
+    assert mesh.n_cells > 20_000
+    assert best < 1.5 * mesh.n_cells / 25_000
