@@ -3,7 +3,6 @@
 from functools import cache
 
 import numpy as np
-from numpy.polynomial import polynomial
 from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import gauss_lobatto
@@ -12,16 +11,14 @@ Floats = NDArray[np.float64]
 
 
 @cache
-def _coefficients(order: int) -> tuple[Floats, ...]:
-    """Power series of the functions and of their first and second derivatives, (power, node)."""
+def _coefficients(order: int) -> Floats:
+    """Power series of the functions, shape (power, node)."""
     nodes = gauss_lobatto(order + 1)[0]
-    value: Floats = np.linalg.inv(np.vander(nodes, increasing=True))
-    first: Floats = polynomial.polyder(value)
-    second: Floats = polynomial.polyder(first)
-    return value, first, second
+    values: Floats = nodes[:, None] ** np.arange(order + 1)
+    return np.asarray(np.linalg.inv(values), dtype=np.float64)
 
 
-def shape_functions(order: int, xi: Floats) -> tuple[Floats, ...]:
+def shape_functions(order: int, xi: Floats) -> tuple[Floats, Floats, Floats]:
     """Values and first and second derivatives at parameters.
 
     Parameters
@@ -38,4 +35,12 @@ def shape_functions(order: int, xi: Floats) -> tuple[Floats, ...]:
         middle node in the middle).
 
     """
-    return tuple(polynomial.polyval(xi, series).T for series in _coefficients(order))
+    value = _coefficients(order)
+    power = np.arange(1.0, order + 1.0)[:, None]
+    first = power * value[1:]
+    second = power[:-1] * first[1:]
+    return _series(value, xi), _series(first, xi), _series(second, xi)
+
+
+def _series(coefficients: Floats, xi: Floats) -> Floats:
+    return xi[:, None] ** np.arange(len(coefficients)) @ coefficients

@@ -3,12 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion
 
+Floats = NDArray[np.float64]
+
 SPACING_MM = 0.02
+WINDOW_MM = 3.0  # about the coarse touch, where the curves are graphs over x
 
 
 @dataclass(frozen=True)
@@ -72,8 +76,12 @@ def first_touch(track: Track, wheelset: Wheelset, side: Side) -> FirstTouch:
             "a touch inside the rail's head and the wheel's running surface",
             "check gauge_mm and back_to_back_mm",
         )
-    point = (float(x[place]), float(_envelope(rail, x, lowest=False)[place]))
-    vertical = -float(gap[place])
+    near = x[place] + np.linspace(-WINDOW_MM, WINDOW_MM, 6001)
+    on_rail_near = _graph(rail, near, float(_envelope(rail, x, lowest=False)[place]))
+    exact = _graph(wheel, near, float(_envelope(wheel, x, lowest=True)[place])) - on_rail_near
+    touching = int(np.argmin(exact))
+    vertical = -float(exact[touching])
+    point = (float(near[touching]), float(on_rail_near[touching]))
     on_wheel = wheel_placement.inverse().points([(point[0], point[1] - vertical)])[0]
     on_rail = rail_placement.inverse().points([point])[0]
     return FirstTouch(
@@ -92,12 +100,14 @@ def touching_motion(track: Track, wheelset: Wheelset) -> tuple[WheelsetMotion, l
     return WheelsetMotion(vertical_mm=max(touch.vertical_mm for touch in touches)), touches
 
 
-def _envelope(
-    points: np.ndarray[tuple[int, int], np.dtype[np.float64]],
-    x: np.ndarray[tuple[int], np.dtype[np.float64]],
-    *,
-    lowest: bool,
-) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def _graph(points: Floats, x: Floats, height: float) -> Floats:
+    """Height over each x of the branch of a curve that runs near a height, its chords interpolated."""
+    close = (np.abs(points[:, 0] - x.mean()) < 2.0 * WINDOW_MM) & (np.abs(points[:, 1] - height) < WINDOW_MM)
+    branch = points[close][np.argsort(points[close, 0])]
+    return np.interp(x, branch[:, 0], branch[:, 1])
+
+
+def _envelope(points: Floats, x: Floats, *, lowest: bool) -> Floats:
     """Lowest or highest height of a curve over each x, by cells of the grid, gaps interpolated."""
     sign = 1.0 if lowest else -1.0
     cell = np.rint((points[:, 0] - x[0]) / SPACING_MM).astype(int)

@@ -17,6 +17,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity
 from flangeway.solve.bodies import BodyResponse
@@ -80,6 +81,14 @@ class NewtonSettings:
 
     max_iterations: int = 40
     tolerance: float = 1e-11
+
+    def __post_init__(self) -> None:
+        if self.max_iterations < 1 or not 0.0 < self.tolerance < 1.0:
+            raise InputError(
+                f"NewtonSettings(max_iterations={self.max_iterations}, tolerance={self.tolerance})",
+                "at least one iteration and a tolerance between 0 and 1",
+                "leave them out",
+            )
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,77 @@
+"""Small contact problems that several tests share."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from flangeway.contact import Contact, ContactSystem, NodeToSegment, Penalty, Surface
+from flangeway.elements import Lagrange, Virtual
+from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
+from flangeway.materials import Elastic
+from flangeway.mesh import Refinement, dual, triangulate
+from flangeway.problems import Body, Part
+
+RADIUS = 50.0
+STEEL = Elastic(210e3, 0.3)
+
+
+@dataclass(frozen=True)
+class Press:
+    """A half disc over a block; the disc's cut and the block's bottom are held.
+
+    Parameters
+    ----------
+    system
+        The contact.
+    disc, block
+        The two parts; the disc touches the block at the origin.
+
+    """
+
+    system: ContactSystem
+    disc: Part
+    block: Part
+
+    def placements(self, depth: float, turn: float = 0.0, shift: float = 0.0) -> tuple[Placement, ...]:
+        """Parts with the disc pressed down, turned about its centre and moved sideways; the whole turned first."""
+        own = Placement.about((0.0, RADIUS), turn)
+        moved = Placement(0.0, (shift, -depth)).after(own)
+        whole = self.block.placement
+        of = {self.disc: whole.after(moved), self.block: whole}
+        return tuple(of[part] for part in self.system.parts)
+
+
+@pytest.fixture(scope="session")
+def press() -> Callable[..., Press]:
+    """Maker of small problems of a half disc on a block."""
+
+    def make(
+        method: str = "fem", size: float = 0.3, primary: str = "block", penalty: float = 1e6, whole: Placement | None = None
+    ) -> Press:
+        arc = Arc((-RADIUS, RADIUS), (RADIUS, RADIUS), (0.0, RADIUS), counter_clockwise=True)
+        disc = Outline.from_segments([arc, Line((RADIUS, RADIUS), (-RADIUS, RADIUS))], ["arc", "cut"])
+        block = rectangle(60.0, 40.0, centre=(0.0, -20.0))
+        bodies, zones = [], []
+        for name, outline, held, surface in (("disc", disc, "cut", "arc"), ("block", block, "bottom", "top")):
+            finer = 1.0 if name == "disc" else 1.13
+            zone = np.array([[-6.0, 0.0], [6.0, 0.0]])
+            mesh = triangulate(outline, size=8.0, refinements=(Refinement(zone, size * finer, 0.25),))
+            element = Lagrange(1)
+            if method == "vem":
+                mesh, element = dual(mesh), Virtual(1)
+            body = Body(name, mesh, element, STEEL, held, thickness=10.0)
+            edges = mesh.edge_set(surface)
+            near = (np.abs(mesh.points[edges][..., 0]) < 7.0).all(axis=1) & (mesh.points[edges][..., 1] < 5.0).all(axis=1)
+            bodies.append(body)
+            zones.append(edges[near])
+        where = whole or Placement()
+        parts = [Part(body.name, body, where) for body in bodies]
+        secondary, primary_side = (Surface(part, zone) for part, zone in zip(parts, zones, strict=True))
+        if primary == "disc":
+            secondary, primary_side = primary_side, secondary
+        contact = Contact(secondary, primary_side, NodeToSegment(), Penalty(penalty, per="length"))
+        return Press(ContactSystem([contact]), parts[0], parts[1])
+
+    return make

@@ -1,0 +1,86 @@
+"""Where rails and wheels stand."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+
+
+def head_points(track: Track, side: str) -> np.ndarray:
+    curve = track.rail.outline.part(track.rail.head_names)
+    return track.placement(side).points(curve.sampled(spacing=0.01))
+
+
+def wheel_points(wheelset: Wheelset, side: str, motion: WheelsetMotion | None = None) -> np.ndarray:
+    placement = (motion or WheelsetMotion()).placement(wheelset, side)
+    return placement.points(wheelset.wheel.outline.sampled(spacing=0.01))
+
+
+@pytest.mark.parametrize("cant", [0.0, 1 / 40, 1 / 20])
+@pytest.mark.parametrize("gauge", [1435.0, 1600.0])
+def test_gauge_is_the_distance_of_the_closest_head_points(gauge: float, cant: float) -> None:
+    """The two canted heads are the gauge apart at their closest, with their tops at height zero."""
+    track = Track(rail(), gauge_mm=gauge, cant=cant)
+    left, right = head_points(track, "left"), head_points(track, "right")
+    assert right[:, 0].min() - left[:, 0].max() == pytest.approx(gauge, abs=1e-4)
+    assert right[:, 1].max() == pytest.approx(0.0, abs=1e-4)
+    assert left[:, 1].max() == pytest.approx(0.0, abs=1e-4)
+
+
+def test_rails_lean_to_the_middle() -> None:
+    """With a cant of 1:40 the base's middle line is inclined by that slope, its top towards the track."""
+    track = Track(rail(), cant=1 / 40)
+    foot, top = track.placement("right").points([[0.0, 0.0], [0.0, 100.0]])
+    assert (foot - top)[0] / (top - foot)[1] == pytest.approx(1 / 40)
+
+
+def test_back_to_back_and_radius() -> None:
+    """The wheels' backs are the given distance apart, and the flange tip is the radius from the axle."""
+    wheelset = Wheelset(wheel(), back_to_back_mm=1515.0, radius_mm=500.0)
+    left, right = wheel_points(wheelset, "left"), wheel_points(wheelset, "right")
+    assert right[:, 0].min() - left[:, 0].max() == pytest.approx(1515.0, abs=1e-9)
+    axle = WheelsetMotion().axle(wheelset)
+    assert axle[1] - right[:, 1].min() == pytest.approx(500.0, abs=1e-3)
+
+
+def test_a_motion_is_rigid_and_about_the_axle() -> None:
+    """A roll keeps the axle's middle, lowers the left wheel if positive, and moves the barycentre to the left."""
+    wheelset = Wheelset(wheel())
+    motion = WheelsetMotion(lateral_mm=3.0, vertical_mm=-1.0, roll_rad=1e-3)
+    before, after = wheel_points(wheelset, "right"), wheel_points(wheelset, "right", motion)
+    assert np.linalg.norm(after[0] - after[500]) == pytest.approx(np.linalg.norm(before[0] - before[500]))
+    assert motion.axle(wheelset) == pytest.approx((3.0, 500.0 - 25.4 - 1.0))
+    assert after[:, 1].min() > before[:, 1].min() - 1.0
+    assert wheel_points(wheelset, "left", motion)[:, 1].min() < before[:, 1].min() - 1.0
+    x, y = motion.barycentre(wheelset)
+    assert x == pytest.approx(3.0 - 1457.7 * math.sin(1e-3))
+    assert y == pytest.approx(500.0 - 25.4 - 1.0 + 1457.7 * math.cos(1e-3))
+
+
+def test_left_mirrors_right() -> None:
+    """Without motion the left wheel and rail are the mirror images of the right ones."""
+    mirror = np.array([-1.0, 1.0])
+    wheelset, track = Wheelset(wheel()), Track(rail())
+    assert wheel_points(wheelset, "left") * mirror == pytest.approx(wheel_points(wheelset, "right"))
+    assert head_points(track, "left") * mirror == pytest.approx(head_points(track, "right"))
+
+
+@pytest.mark.parametrize(
+    ("make", "name"),
+    [
+        (lambda: Track(rail(), gauge_mm=0.0), "gauge_mm"),
+        (lambda: Track(rail(), gauge_mm=math.nan), "gauge_mm"),
+        (lambda: Track(rail(), cant=40.0), "cant"),
+        (lambda: Wheelset(wheel(), back_to_back_mm=-1.0), "back_to_back_mm"),
+        (lambda: Wheelset(wheel(), radius_mm=math.inf), "radius_mm"),
+        (lambda: Wheelset(wheel(), barycentre_height_mm=math.nan), "barycentre_height_mm"),
+    ],
+)
+def test_bad_measures_are_named(make, name: str) -> None:
+    """A measure that cannot be is refused with its name."""
+    with pytest.raises(InputError, match=name):
+        make()

@@ -1,0 +1,180 @@
+"""Newton's method for contact, condensed and on all unknowns."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from flangeway.exact import LineContact, contact_modulus
+from flangeway.geometry import Placement
+from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_contact
+from flangeway.solve.sensitivity import motion_derivatives
+
+DEPTH = 0.05
+RADIUS, THICKNESS = 50.0, 10.0
+
+
+def solved(press, way=CondensedBodies, depth=DEPTH, **motion):
+    response = way(press.system.surface_nodes)
+    state = solve_contact(response, press.system, press.placements(depth, **motion))
+    assert state.status.converged, state.status.message
+    return response, state
+
+
+@pytest.mark.parametrize("primary", ["block", "disc"])
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_condensed_and_sparse_agree(press, method: str, primary: str) -> None:
+    """Forces, surface displacements and fields of the condensed and the full path agree to 1e-9."""
+    problem = press(method, primary=primary)
+    condensed, first = solved(problem, CondensedBodies)
+    sparse, second = solved(problem, SparseBodies)
+    scale = first.forces.max()
+    assert (first.forces > 0).sum() > 5
+    assert np.abs(first.nodal_forces - second.nodal_forces).max() < 1e-9 * scale
+    assert np.abs(first.displacements - second.displacements).max() < 1e-9 * DEPTH
+    fields = [
+        way.fields(way.rotations(state.placements), state.nodal_forces)
+        for way, state in ((condensed, first), (sparse, second))
+    ]
+    for one, other in zip(*fields, strict=True):
+        assert np.abs(one - other).max() < 1e-9 * DEPTH
+    assert sparse.n_unknowns > 5 * condensed.n_unknowns
+
+
+def test_convergence_is_quadratic(press) -> None:
+    """Once the active set has settled each change is at most ten times the square of the one before."""
+    _, state = solved(press("vem"))
+    settled = [entry.change for entry in state.history if entry.n_changed == 0]
+    assert len(settled) >= 2
+    for before, after in itertools.pairwise(settled):
+        assert after < max(10.0 * before**2, 1e-12)
+
+
+def test_the_tangent_is_consistent(press) -> None:
+    """The derivative of the contact forces at fixed active set is B^T B / C - G, to 1e-7 of its size."""
+    problem = press("fem")
+    _, state = solved(problem)
+    lin = state.linearisation
+    positions = state.positions.copy()
+
+    def nodal(moved: np.ndarray) -> np.ndarray:
+        at = problem.system.linearise(moved, lin)
+        forces = np.where(state.forces > 0.0, -at.gaps / at.compliances, 0.0)
+        return at.jacobian.T @ forces
+
+    forces = np.where(state.forces > 0.0, -lin.gaps / lin.compliances, 0.0)
+    stiff = lin.jacobian.T @ np.diag((state.forces > 0) / lin.compliances) @ lin.jacobian.toarray()
+    tangent = -stiff + lin.curvature(forces)
+    rng = np.random.default_rng(0)
+    for _ in range(5):
+        direction = np.zeros_like(positions)
+        direction[lin.nodes] = rng.normal(size=(len(lin.nodes), 2))
+        step = 1e-7
+        difference = (nodal(positions + step * direction) - nodal(positions - step * direction)) / (2.0 * step)
+        expected = tangent @ direction[lin.nodes].ravel()
+        assert np.abs(difference - expected).max() < 1e-7 * np.abs(expected).max()
+
+
+def test_action_equals_reaction(press) -> None:
+    """Contact forces of the two sides cancel, and so do their moments."""
+    _, state = solved(press("vem", primary="disc"))
+    total = state.forces.sum()
+    x, y = state.positions.T
+    moment = x * state.nodal_forces[:, 1] - y * state.nodal_forces[:, 0]
+    assert np.abs(state.nodal_forces.sum(axis=0)).max() < 1e-12 * total
+    assert abs(moment.sum()) < 1e-10 * total * RADIUS
+
+
+def test_forces_do_not_depend_on_the_axes_of_space(press) -> None:
+    """The whole problem turned, moved, or mirrored has the same forces on the same nodes."""
+    _, plain = solved(press("fem"))
+    for whole in (Placement(0.6, (300.0, -20.0)), Placement(-0.3, (1.0, 2.0), mirrored=True)):
+        _, moved = solved(press("fem", whole=whole))
+        expected = plain.nodal_forces @ whole.matrix.T
+        assert np.abs(moved.nodal_forces - expected).max() < 1e-9 * plain.forces.max()
+
+
+def test_hertz_pressure_and_width(press) -> None:
+    """Half width and largest pressure are within 10 % of Hertz for a few nodes a half width."""
+    problem = press("fem", size=0.1, penalty=1e7)
+    _, state = solved(problem)
+    force = state.forces.sum() / THICKNESS
+    hertz = LineContact(force, 1.0 / RADIUS, contact_modulus(*2 * [problem.disc.body.material.plane_modulus]))
+    nodes = problem.system.contacts[0].node_areas
+    pairs = state.linearisation.pairs[0].nodes
+    pressure = state.forces / nodes[pairs]
+    width = nodes[pairs][state.forces > 0].sum() / THICKNESS
+    assert pressure.max() == pytest.approx(hertz.max_pressure, rel=0.1)
+    assert width / 2.0 == pytest.approx(hertz.half_width, rel=0.1)
+
+
+def test_open_bodies_have_no_force(press) -> None:
+    """Without penetration the solution is the undeformed state, and it says converged."""
+    _, state = solved(press("fem"), depth=-0.2)
+    assert not state.forces.any()
+    assert not state.displacements.any()
+
+
+def test_not_converging_is_a_result(press) -> None:
+    """Too few iterations give a status with a sentence, not an exception or a wrong answer."""
+    problem = press("fem")
+    response = CondensedBodies(problem.system.surface_nodes)
+    state = solve_contact(
+        response, problem.system, problem.placements(DEPTH), settings=NewtonSettings(max_iterations=1)
+    )
+    assert not state.status.converged
+    assert "1 iterations" in state.status.message
+
+
+def test_steps_are_halved_and_doubled(press) -> None:
+    """A step that fails is tried at half its length, the path ends at one with the same forces."""
+    problem = press("fem")
+    response = CondensedBodies(problem.system.surface_nodes)
+    visited = []
+
+    def solve_at(part, state):
+        visited.append(part)
+        few = NewtonSettings(max_iterations=1 if part == 1.0 and len(visited) == 1 else 40)
+        return solve_contact(response, problem.system, problem.placements(part * DEPTH), start=state, settings=few)
+
+    state = follow(solve_at, None)
+    assert visited == [1.0, 0.5, 1.0]
+    _, direct = solved(problem)
+    assert np.abs(state.nodal_forces - direct.nodal_forces).max() < 1e-9 * direct.forces.max()
+
+
+def test_a_path_that_cannot_be_followed_ends(press) -> None:
+    """When the smallest step fails too, the failed attempt is returned."""
+    problem = press("fem")
+    response = CondensedBodies(problem.system.surface_nodes)
+    none = NewtonSettings(max_iterations=1)
+    state = follow(
+        lambda part, start: solve_contact(
+            response, problem.system, problem.placements(part * DEPTH), start=start, settings=none
+        ),
+        None,
+    )
+    assert not state.status.converged
+
+
+@pytest.mark.parametrize("way", [CondensedBodies, SparseBodies])
+def test_motion_derivatives(press, way) -> None:
+    """Derivatives of nodal forces by translations and rotation of the disc agree with differences to 1e-6."""
+    problem = press("vem")
+    turn, shift = 0.02, 0.3
+    response, state = solved(problem, way, turn=turn, shift=shift)
+    moving = np.array([part is problem.disc for part in problem.system.parts])
+    pivot = np.array([shift, RADIUS - DEPTH])
+    exact = motion_derivatives(response, state, moving, pivot)
+    nodes = state.linearisation.nodes
+    step = 1e-6
+    for column, change in enumerate(({"shift": 1.0}, {"depth": -1.0}, {"turn": 1.0 / RADIUS})):
+        results = []
+        for sign in (1.0, -1.0):
+            at = {"depth": DEPTH, "turn": turn, "shift": shift}
+            at = {name: value + sign * step * change.get(name, 0.0) for name, value in at.items()}
+            placements = problem.placements(**at)
+            results.append(solve_contact(response, problem.system, placements, start=state))
+        difference = (results[0].nodal_forces - results[1].nodal_forces)[nodes] / (2.0 * step)
+        expected = exact.nodal_forces[:, :, column] * (1.0 / RADIUS if column == 2 else 1.0)
+        assert np.abs(difference - expected).max() < 1e-6 * np.abs(expected).max()
