@@ -48,7 +48,11 @@ def press() -> Callable[..., Press]:
     """Maker of small problems of a half disc on a block."""
 
     def make(
-        method: str = "fem", size: float = 0.3, primary: str = "block", penalty: float = 1e6, whole: Placement | None = None
+        method: str = "fem",
+        size: float = 0.3,
+        primary: str = "block",
+        penalty: float = 1e6,
+        whole: Placement | None = None,
     ) -> Press:
         arc = Arc((-RADIUS, RADIUS), (RADIUS, RADIUS), (0.0, RADIUS), counter_clockwise=True)
         disc = Outline.from_segments([arc, Line((RADIUS, RADIUS), (-RADIUS, RADIUS))], ["arc", "cut"])
@@ -63,7 +67,9 @@ def press() -> Callable[..., Press]:
                 mesh, element = dual(mesh), Virtual(1)
             body = Body(name, mesh, element, STEEL, held, thickness=10.0)
             edges = mesh.edge_set(surface)
-            near = (np.abs(mesh.points[edges][..., 0]) < 7.0).all(axis=1) & (mesh.points[edges][..., 1] < 5.0).all(axis=1)
+            near = (np.abs(mesh.points[edges][..., 0]) < 7.0).all(axis=1) & (mesh.points[edges][..., 1] < 5.0).all(
+                axis=1
+            )
             bodies.append(body)
             zones.append(edges[near])
         where = whole or Placement()

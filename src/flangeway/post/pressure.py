@@ -38,7 +38,7 @@ class PressurePatch:
     secondary_point, primary_point
         Centres of pressure on the undeformed bodies, in their own frames, shape (2,).
     at_edge
-        Whether the patch reaches an end of its surface, so that contact may go on outside.
+        Whether the patch reaches an end of either surface, so that contact may go on outside.
 
     """
 
@@ -64,6 +64,17 @@ class PressurePatch:
         """Centre of pressure, shape (2,)."""
         middle: Floats = self.normal_forces @ self.points / self.normal_forces.sum()
         return middle
+
+    @property
+    def scatter(self) -> float:
+        """Root mean square distance of a node's pressure from the mean of its neighbours', over the largest pressure.
+
+        It is the noise of node-to-segment contact; a smooth pressure has almost none. Zero below three nodes.
+        """
+        if len(self.pressures) < 3:
+            return 0.0
+        apart = self.pressures[1:-1] - (self.pressures[:-2] + self.pressures[2:]) / 2.0
+        return float(np.sqrt(np.mean(apart**2)) / self.pressures.max())
 
     @property
     def half_width(self) -> float:
@@ -121,5 +132,9 @@ def _patch(
         float(secondary.tributary_lengths[nodes[0] : nodes[-1] + 1].sum()),
         share @ on_secondary,
         share @ on_primary,
-        bool(nodes[0] == 0 or nodes[-1] == len(points) - 1),
+        _reaches_end(nodes, len(points)) or _reaches_end(pairs.edges[group], len(primary.edges)),
     )
+
+
+def _reaches_end(members: NDArray[np.int64], n_all: int) -> bool:
+    return bool(members.min() == 0 or members.max() == n_all - 1)

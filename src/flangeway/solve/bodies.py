@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.geometry import Placement
@@ -82,7 +83,7 @@ class BodyResponse(ABC):
         """
 
     @abstractmethod
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
         """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
 
         Parameters
@@ -120,13 +121,21 @@ class BodyResponse(ABC):
         """Number of unknowns that an iteration works on."""
 
 
-def to_bodies(rotations: Floats, vectors: Floats) -> Floats:
-    """Vectors of shape (n, 2, ...) from the axes of space into the bodies' own."""
-    result: Floats = np.einsum("nji,nj...->ni...", rotations, vectors)
-    return result
+def turning(rotations: Floats) -> sp.csr_array:
+    """Block-diagonal matrix that turns vectors on nodes from their bodies' axes into those of space.
+
+    Parameters
+    ----------
+    rotations
+        Matrix of each node's body, shape (n, 2, 2).
+
+    """
+    n = len(rotations)
+    columns = np.repeat(np.arange(2 * n).reshape(n, 1, 2), 2, axis=1)
+    starts = np.arange(0, 4 * n + 1, 2)
+    return sp.csr_array((rotations.ravel(), columns.ravel(), starts), shape=(2 * n, 2 * n))
 
 
-def to_space(rotations: Floats, vectors: Floats) -> Floats:
-    """Vectors of shape (n, 2, ...) from the bodies' own axes into those of space."""
-    result: Floats = np.einsum("nij,nj...->ni...", rotations, vectors)
-    return result
+def components(nodes: Ints) -> Ints:
+    """Numbers of the two components of nodes, one node after the other, shape (2 n,)."""
+    return (2 * nodes[:, None] + np.arange(2)).ravel()

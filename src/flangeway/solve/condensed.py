@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from flangeway.problems import Body
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes, to_bodies, to_space
+from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
 from flangeway.solve.linear import factorise
 
 Floats = NDArray[np.float64]
@@ -74,55 +75,51 @@ class CondensedBodies(BodyResponse):
 
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`."""
-        local = to_bodies(rotations[touched], forces)
-        result = np.zeros((self.n_nodes, 2))
+        local = turning(rotations[touched]).T @ forces.ravel()
+        result = np.zeros(2 * self.n_nodes)
         for number, body in enumerate(self._condensed):
             here, columns = self._touched_of(number, touched)
-            if len(here):
-                rows = slice(self.offsets[number], self.offsets[number + 1])
-                result[rows] = (body.flexibility[:, columns] @ local[here].ravel()).reshape(-1, 2)
-        return to_space(rotations, result)
+            rows = slice(2 * self.offsets[number], 2 * self.offsets[number + 1])
+            result[rows] = body.flexibility[:, columns] @ local[here]
+        return (turning(rotations) @ result).reshape(-1, 2)
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
         """See `BodyResponse.respond`.
 
-        With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns ``a`` of loaded
-        pairs, so by Woodbury's formula only a system of their number is solved.
+        With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns of loaded pairs,
+        so by Woodbury's formula only a system of their number is solved.
         """
         free = self._flex(rotations, touched, loads)
         bent = np.flatnonzero(geometric.any(axis=0))
         if len(bent) == 0:
             return free
-        unit = np.zeros((len(geometric), len(bent)))
-        unit[bent, np.arange(len(bent))] = 1.0
-        columns = self._flex(rotations, touched, unit)
+        ones = (np.ones(len(bent)), (bent, np.arange(len(bent))))
+        units = sp.csr_array(sp.coo_array(ones, shape=(len(geometric), len(bent))))
+        columns = self._flex(rotations, touched, units)
         inner = geometric[np.ix_(bent, bent)]
         matrix = np.eye(len(bent)) + inner @ columns[bent]
         return free - columns @ np.linalg.solve(matrix, inner @ free[bent])
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
-        local = to_bodies(rotations, forces)
+        local = (turning(rotations).T @ forces.ravel()).reshape(-1, 2)
         return [
             body.field(local[self.offsets[number] : self.offsets[number + 1]])
             for number, body in enumerate(self._condensed)
         ]
 
     def _touched_of(self, number: int, touched: Ints) -> tuple[Ints, Ints]:
-        """Places in ``touched`` of a body's nodes, and their columns in its flexibility."""
+        """Components among the touched ones of a body's nodes, and their columns in its flexibility."""
         here = np.flatnonzero(self.body_of_node[touched] == number)
         nodes = touched[here] - self.offsets[number]
-        return here, (2 * nodes[:, None] + np.arange(2)).ravel()
+        return components(here), components(nodes)
 
-    def _flex(self, rotations: Floats, touched: Ints, loads: Floats) -> Floats:
+    def _flex(self, rotations: Floats, touched: Ints, loads: sp.csr_array) -> Floats:
         """Displacements of the touched nodes under loads on them, both (2 n_touched, m) in space."""
-        matrix, n = rotations[touched], len(touched)
-        local = to_bodies(matrix, loads.reshape(n, 2, -1))
-        result = np.zeros_like(local)
+        turn = turning(rotations[touched])
+        local = sp.csr_array(turn.T @ loads)
+        result = np.zeros(local.shape)
         for number, body in enumerate(self._condensed):
             here, columns = self._touched_of(number, touched)
-            loaded = np.flatnonzero(local[here].any(axis=(0, 1)))
-            block = body.flexibility[np.ix_(columns, columns)]
-            answer = block @ local[here][:, :, loaded].reshape(len(columns), -1)
-            result[here[:, None, None], np.arange(2)[:, None], loaded] = answer.reshape(len(here), 2, -1)
-        return to_space(matrix, result).reshape(2 * n, -1)
+            result[here] = (local[here].T @ body.flexibility[np.ix_(columns, columns)]).T
+        return turn @ result

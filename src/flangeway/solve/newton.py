@@ -219,7 +219,7 @@ def _step(
         return np.zeros_like(displacements), forces, np.zeros_like(displacements)
     at_nodes = displacements[nodes].ravel()
     geometric = -current.curvature(forces)
-    loads = np.column_stack((jacobian.toarray().T, geometric @ at_nodes))
+    loads = sp.hstack((jacobian.T, sp.csr_array((geometric @ at_nodes)[:, None])), format="csr")
     answer = response.respond(rotations, nodes, geometric, loads)
     at_gaps = jacobian @ answer
     matrix = at_gaps[:, :-1] + np.diag(current.compliances)

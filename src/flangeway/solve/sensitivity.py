@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.solve.bodies import BodyResponse
@@ -67,7 +68,8 @@ def motion_derivatives(
     active = state.forces > 0.0
     jacobian = lin.jacobian[active]
     rigid = velocities.reshape(2 * n, 3)
-    loads = np.column_stack((jacobian.toarray().T, turned.reshape(2 * n, 3) - geometric @ rigid))
+    follower = sp.csr_array(turned.reshape(2 * n, 3) - geometric @ rigid)
+    loads = sp.hstack((jacobian.T, follower), format="csr")
     answer = response.respond(rotations, nodes, geometric, loads)
     by_force = answer[:, :-3]
     by_motion = rigid + answer[:, -3:]

@@ -1,13 +1,14 @@
 """Linear bodies on all their unknowns: the reference for the condensed way."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway._core import Ldlt
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes, to_bodies, to_space
+from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
 from flangeway.space import SymmetricMatrix
 
 Floats = NDArray[np.float64]
@@ -31,7 +32,7 @@ class SparseBodies(BodyResponse):
         self._starts = np.concatenate(([0], np.cumsum(sizes)))
         self._stiffness = sp.csr_array(sp.block_diag(blocks, format="csr"))
         unknowns = [
-            start + surface.body.free_numbers(surface.nodes).reshape(-1, 2)
+            start + surface.body.free_numbers(surface.nodes)
             for surface, start in zip(self.surfaces, self._starts[:-1], strict=True)
         ]
         self._unknowns: Ints = np.concatenate(unknowns).astype(np.int64)
@@ -48,27 +49,27 @@ class SparseBodies(BodyResponse):
 
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`."""
-        local = np.zeros((self.n_nodes, 2))
-        local[touched] = to_bodies(rotations[touched], forces)
-        return to_space(rotations, self._solve(self._stiffness, local)[self._unknowns])
+        at_nodes = np.zeros((self.n_nodes, 2))
+        at_nodes[touched] = forces
+        turn = turning(rotations)
+        solution = self._solve(turn.T @ at_nodes.ravel())
+        return (turn @ solution[self._unknowns]).reshape(-1, 2)
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: Floats) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
         """See `BodyResponse.respond`."""
-        matrix, n = rotations[touched], len(touched)
-        local = np.einsum("mji,mjnk,nkl->minl", matrix, geometric.reshape(n, 2, n, 2), matrix)
-        unknowns = self._unknowns[touched].ravel()
-        places = np.broadcast_to(unknowns, (2 * n, 2 * n))
-        size = self.n_unknowns
-        added = sp.coo_array((local.ravel(), (places.T.ravel(), places.ravel())), shape=(size, size))
+        turn, size = turning(rotations[touched]), self.n_unknowns
+        unknowns = self._unknowns[components(touched)]
+        local = sp.coo_array(turn.T @ sp.csr_array(geometric) @ turn)
+        places = (unknowns[local.row], unknowns[local.col])
+        added = sp.coo_array((local.data, places), shape=(size, size))
         rhs = np.zeros((size, loads.shape[1]))
-        rhs[unknowns] = to_bodies(matrix, loads.reshape(n, 2, -1)).reshape(2 * n, -1)
+        rhs[unknowns] = (turn.T @ loads).toarray()
         solution = self._factor(self._stiffness + added).solve(rhs)
-        at_nodes = solution[unknowns].reshape(n, 2, -1)
-        return to_space(matrix, at_nodes).reshape(2 * n, -1)
+        return turn @ solution[unknowns]
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
-        solution = self._solve(self._stiffness, to_bodies(rotations, forces))
+        solution = self._solve(turning(rotations).T @ forces.ravel())
         fields = []
         for surface, start, end in zip(self.surfaces, self._starts[:-1], self._starts[1:], strict=True):
             field = np.zeros(len(surface.body.free))
@@ -80,8 +81,12 @@ class SparseBodies(BodyResponse):
         lower = SymmetricMatrix.from_full(matrix)
         return Ldlt(lower.indptr, lower.indices, lower.values, self._groups)
 
-    def _solve(self, matrix: sp.csr_array, at_nodes: Floats) -> Floats:
+    @cached_property
+    def _undeformed(self) -> Ldlt:
+        return self._factor(self._stiffness)
+
+    def _solve(self, at_nodes: Floats) -> Floats:
         rhs = np.zeros(self.n_unknowns)
         rhs[self._unknowns] = at_nodes
-        solution: Floats = self._factor(matrix).solve(rhs)
+        solution: Floats = self._undeformed.solve(rhs)
         return solution

@@ -1,0 +1,51 @@
+"""Contact pressure from nodal forces."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.post import pressure_patches
+from flangeway.solve import CondensedBodies, solve_contact
+
+
+@pytest.mark.parametrize("primary", ["block", "disc"])
+def test_a_patch_carries_the_whole_force(press, primary: str) -> None:
+    """One patch: its pressures times areas are the contact force, centred where the disc points."""
+    problem = press("vem", primary=primary)
+    response = CondensedBodies(problem.system.surface_nodes)
+    state = solve_contact(response, problem.system, problem.placements(0.05, shift=0.4))
+    (patch,) = pressure_patches(problem.system, state)
+    assert patch.normal_forces.sum() == pytest.approx(state.forces.sum(), rel=1e-12)
+    areas = problem.system.contacts[0].node_areas
+    assert patch.normal_forces / patch.pressures == pytest.approx(
+        areas[state.linearisation.pairs[0].nodes][state.forces > 0]
+    )
+    assert patch.centre[0] == pytest.approx(0.4, abs=0.05)
+    sign = -1.0 if primary == "disc" else 1.0
+    assert sign * patch.force[1] > 0.0
+    on_block = patch.secondary_point if primary == "disc" else patch.primary_point
+    on_disc = patch.primary_point if primary == "disc" else patch.secondary_point
+    assert on_block[1] == pytest.approx(0.0, abs=1e-9)
+    assert np.hypot(on_disc[0], on_disc[1] - 50.0) == pytest.approx(50.0, abs=0.02)
+    assert not patch.at_edge
+
+
+def test_a_patch_at_the_end_of_its_surface_says_so(press) -> None:
+    """A disc shifted to the end of the candidate zone makes a patch that reaches the edge."""
+    problem = press("fem")
+    response = CondensedBodies(problem.system.surface_nodes)
+    state = solve_contact(response, problem.system, problem.placements(0.05, shift=-6.6))
+    assert any(patch.at_edge for patch in pressure_patches(problem.system, state))
+
+
+def test_scatter_measures_noise(press) -> None:
+    """A saw tooth of 10 % on a linear pressure has a scatter of 0.2 of its mean; a linear pressure has none."""
+    problem = press("fem")
+    response = CondensedBodies(problem.system.surface_nodes)
+    state = solve_contact(response, problem.system, problem.placements(0.05))
+    (patch,) = pressure_patches(problem.system, state)
+    smooth = np.linspace(1.0, 1.0 - 1e-9, 20)
+    assert replace(patch, pressures=smooth).scatter < 1e-12
+    rough = smooth * (1.0 + 0.1 * (-1.0) ** np.arange(20))
+    assert replace(patch, pressures=rough).scatter == pytest.approx(0.2 / 1.1, rel=1e-6)
