@@ -1,5 +1,7 @@
 """Stresses inside cells and what is derived from them."""
 
+import itertools
+
 import numpy as np
 import pytest
 
@@ -66,7 +68,7 @@ def mean_over(vertices: np.ndarray, function) -> np.ndarray:
     means = []
     for polygon in np.moveaxis(vertices, -1, 0):
         total, area = np.zeros(2), 0.0
-        for b, c in zip(polygon[1:-1], polygon[2:], strict=True):
+        for b, c in itertools.pairwise(polygon):
             a = polygon[0]
             size = 0.5 * ((b - a)[0] * (c - a)[1] - (b - a)[1] * (c - a)[0])
             total += size * function(np.stack(((a + b) / 2, (b + c) / 2, (a + c) / 2))).mean(axis=0)
