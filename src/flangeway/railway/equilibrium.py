@@ -107,8 +107,8 @@ def find_equilibrium(
         state = contact_at(model, response, target, (motion, state))
         motion = target
     failure = (
-        f"no balance in {MAX_ITERATIONS} steps, error {error:.1e}; take a finer mesh, or check that "
-        "the load can be borne by these profiles"
+        f"no balance in {MAX_ITERATIONS} steps of at most {LARGEST_STEP[1]} mm, error {error:.1e}; check that these "
+        "profiles can bear the load, and that load and Young's modulus are in the stated units"
     )
     return best or Equilibrium(Status(False, failure, MAX_ITERATIONS), motion, balance, state)
 

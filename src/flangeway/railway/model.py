@@ -232,11 +232,16 @@ def _body(
     settings = problem.discretisation
     size = settings.contact_size_mm * settings.size_scale
     zone = _zone(outline.part(contact_names), touch, reach)
-    mesh = triangulate(
-        outline,
-        size=settings.body_size_mm * settings.size_scale,
-        refinements=(Refinement(zone, size, settings.growth),),
-    )
+    body_size = settings.body_size_mm * settings.size_scale
+    try:
+        mesh = triangulate(outline, size=body_size, refinements=(Refinement(zone, size, settings.growth),))
+    except InputError as error:
+        raise InputError(
+            f"{name}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g}, "
+            f"and no mesh comes of it ({error.given})",
+            error.allowed,
+            "change size_scale, contact_size_mm or body_size_mm",
+        ) from error
     if settings.method == "vem":
         mesh = dual(mesh)
     edges = _edges_within(mesh, contact_names, touch, reach, name)

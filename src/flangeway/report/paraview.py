@@ -1,0 +1,61 @@
+"""Files for ParaView: one VTU for each part and a PVD that opens them together."""
+
+from pathlib import Path
+from xml.sax.saxutils import quoteattr
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.mesh import write_vtu
+from flangeway.report.fields import PartFields
+
+Floats = NDArray[np.float64]
+
+
+def write_part(path: Path, fields: PartFields) -> None:
+    """Write one part as it stands in space, with real polygons.
+
+    The points are those of the undeformed part at its final place, mm. Point array ``displacement_mm`` (axes of space,
+    third component 0) is elastic: it holds nothing of a wheel's rigid motion, which is in its place, so
+    "Warp By Vector" with factor 1 shows the parts as they touch. Cell arrays are means over cells in MPa, tension
+    positive, axes of space: ``stress_xx_MPa``, ``_yy_``, ``_xy_``, ``_zz_``; ``von_mises_MPa``; ``principal_1_MPa`` to
+    ``principal_3_MPa``, descending, zz among them; ``max_in_plane_shear_MPa``.
+    """
+    write_vtu(path, fields.mesh, {"displacement_mm": fields.displacement}, cell_arrays(fields))
+
+
+def cell_arrays(fields: PartFields) -> dict[str, Floats]:
+    """Cell arrays of a part by name, as `write_part` writes them."""
+    stresses = fields.stresses
+    arrays = {f"stress_{name}_MPa": stresses.components[:, i] for i, name in enumerate(("xx", "yy", "xy", "zz"))}
+    arrays["von_mises_MPa"] = stresses.von_mises
+    for i in range(3):
+        arrays[f"principal_{i + 1}_MPa"] = stresses.principal[:, i]
+    arrays["max_in_plane_shear_MPa"] = stresses.in_plane_shear
+    return arrays
+
+
+def write_collection(path: Path, files: dict[str, str]) -> None:
+    """Write a PVD file.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    files
+        Names of the VTU files in the same folder, by the name of the part.
+
+    """
+    rows = [
+        f"    <DataSet timestep='0' group='' part='{number}' name={quoteattr(part)} file={quoteattr(file)}/>"
+        for number, (part, file) in enumerate(files.items())
+    ]
+    lines = [
+        "<?xml version='1.0'?>",
+        "<VTKFile type='Collection' version='0.1' byte_order='LittleEndian'>",
+        "  <Collection>",
+        *rows,
+        "  </Collection>",
+        "</VTKFile>",
+    ]
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

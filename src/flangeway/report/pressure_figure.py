@@ -1,0 +1,46 @@
+"""Picture of the contact pressure along the surface, with Hertz's beside it."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flangeway.railway.result import WheelRailPatch
+from flangeway.railway.track import SIDES
+from flangeway.report.drawing import GREY, INK, new_figure
+from flangeway.study import CaseRun
+
+
+def pressure_figure(run: CaseRun) -> Figure:
+    """Draw the nodes' pressures (seed Figure 63) against the length along the surface, side by side."""
+    figure = new_figure(13.0, 4.6)
+    both = figure.subplots(1, 2, sharey=True)
+    for axes, side in zip(both, SIDES, strict=True):
+        for patch in run.result.patches:
+            if patch.side == side:
+                _draw_patch(axes, patch)
+        outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"
+        axes.set_title(f"{side} contact ({outwards})".capitalize(), fontsize=10)
+        axes.set_xlabel("length along the surface from the centre of pressure in mm")
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.set_ylim(bottom=0.0)
+        if axes.has_data():
+            axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+    both[0].set_ylabel("contact pressure in MPa")
+    return figure
+
+
+def _draw_patch(axes: Axes, patch: WheelRailPatch) -> None:
+    pressure = patch.pressure
+    along = np.copysign(1.0, pressure.points[-1, 0] - pressure.points[0, 0]) * pressure.along
+    axes.plot(
+        along, pressure.pressures, color=INK, lw=1.0, marker="o", ms=3.5, mfc="white",
+        label=f"nodes: largest {pressure.pressures.max():.0f} MPa, half width {pressure.half_width:.2f} mm",
+    )  # fmt: skip
+    if patch.hertz is None:
+        return
+    hertz = patch.hertz
+    x = hertz.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+    axes.plot(
+        x, hertz.pressure(x), color=GREY, lw=1.8, ls="--", zorder=1,
+        label=f"Hertz, same force: largest {hertz.max_pressure:.0f} MPa, half width {hertz.half_width:.2f} mm",
+    )  # fmt: skip

@@ -1,0 +1,77 @@
+"""Picture of the whole wheelset: both sides deformed, with von Mises stress, about a sketch of the whole."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flangeway.railway.track import SIDES
+from flangeway.report.drawing import (
+    StressColours,
+    box,
+    draw_cells,
+    draw_contours,
+    draw_outline,
+    equal_axes,
+    new_figure,
+)
+from flangeway.report.fields import PartFields
+from flangeway.report.sketch import draw_sketch
+from flangeway.study import CaseRun
+
+DEFORMATION_SHARE = 0.025
+FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
+
+
+def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
+    """Draw the left side at the left, the right side at the right, and the sketch between them."""
+    figure = new_figure(13.0, 7.0)
+    left, middle, right = figure.subplots(1, 3, width_ratios=(1.0, 1.25, 1.0))
+    colours = StressColours(np.concatenate([part.stresses.von_mises for part in parts]))
+    factor = deformation_factor(parts)
+    for axes, side in ((left, SIDES[0]), (right, SIDES[1])):
+        _draw_side(axes, [part for part in parts if part.side == side], factor, colours)
+        axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=10)
+    right.yaxis.set_label_position("right")
+    right.yaxis.tick_right()
+    draw_sketch(middle, run.result)
+    middle.set_title(_title(run), fontsize=11)
+    bar = figure.colorbar(colours.mappable(), ax=[left, middle, right], location="bottom", aspect=60, shrink=0.85)
+    bar.set_label(
+        f"von Mises stress in MPa, means of cells ({_cells(run)}); motion since first touch drawn "
+        f"{factor} times as large, first touch dashed"
+    )
+    return figure
+
+
+def deformation_factor(parts: list[PartFields]) -> int:
+    """Round factor by which the largest motion becomes a fortieth of a part or less."""
+    largest = max(float(np.abs(part.points() - part.touch_points).max()) for part in parts)
+    size = max(float(np.ptp(part.touch_points, axis=0).max()) for part in parts)
+    if not largest > 0.0:
+        return 1
+    wanted = DEFORMATION_SHARE * size / largest
+    return max((f for f in FACTORS if f <= wanted), default=1)
+
+
+def _draw_side(axes: Axes, parts: list[PartFields], factor: float, colours: StressColours) -> None:
+    equal_axes(axes, box([part.points(factor) for part in parts], 6.0))
+    for part in parts:
+        points, values = part.points(factor), part.stresses.von_mises
+        draw_cells(axes, part, points, values, colours)
+        draw_contours(axes, part, points, values, colours)
+        draw_outline(axes, part.mesh, points)
+        draw_outline(axes, part.mesh, part.touch_points, dashed=True)
+
+
+def _title(run: CaseRun) -> str:
+    problem = run.result.model.problem
+    track = problem.track
+    cant = f"canted 1:{1.0 / track.cant:g}" if track.cant else "upright"
+    return (
+        f"{problem.wheelset.wheel.title}\non {track.rail.title}, {cant}\n"
+        f"{problem.load.vertical_N / 1e3:g} kN on {problem.thickness_mm:g} mm of length; lengths in mm"
+    )
+
+
+def _cells(run: CaseRun) -> str:
+    return "triangles" if run.case.method == "fem" else "polygons"

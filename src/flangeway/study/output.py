@@ -1,0 +1,101 @@
+"""A folder of results that is filled at once or not at all."""
+
+import os
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from flangeway.errors import InputError
+
+Writer = Callable[[Path], None]
+
+
+def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
+    """Refuse a folder in which files cannot be written; nothing stays behind.
+
+    Parameters
+    ----------
+    folder
+        Folder, which need not be there yet.
+    names
+        Files that shall be written; a folder of that name is refused.
+
+    Raises
+    ------
+    InputError
+        If something that is no folder is in the way, or the system does not allow to write there.
+
+    """
+    place = _existing(folder)
+    if not place.is_dir():
+        raise InputError(
+            f"output folder {folder}: {place} is not a folder",
+            "a folder, or a place where one can be made",
+            "remove what is in the way, or choose another folder with --out",
+        )
+    try:
+        with tempfile.TemporaryDirectory(dir=place, prefix=".flangeway-"):
+            pass
+    except OSError as reason:
+        raise _unwritable(folder, reason) from reason
+    for name in names:
+        if (folder / name).is_dir():
+            raise InputError(
+                f"output file {folder / name}, which is a folder",
+                "names that are free, or files to write over",
+                "remove it, or choose another folder with --out",
+            )
+
+
+def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
+    """Write files in a temporary folder, then move them to their place one by one.
+
+    If a writer fails or the user stops it, no file is at its place and nothing stays behind. Files of the same names
+    are replaced; others are left alone.
+
+    Parameters
+    ----------
+    folder
+        Where the files go; made if needed.
+    writers
+        Functions that write one file each, by the file's name; they are called and moved in this order.
+
+    Returns
+    -------
+    list of Path
+        The files.
+
+    Raises
+    ------
+    InputError
+        If the system does not allow to write there.
+
+    """
+    try:
+        # within one file system, so that moving is renaming
+        with tempfile.TemporaryDirectory(dir=_existing(folder), prefix=".flangeway-") as name:
+            stage = Path(name)
+            for file, write in writers.items():
+                write(stage / file)
+            folder.mkdir(parents=True, exist_ok=True)
+            for file in writers:
+                os.replace(stage / file, folder / file)  # noqa: PTH105 (documented as atomic)
+    except OSError as reason:
+        raise _unwritable(folder, reason) from reason
+    return [folder / file for file in writers]
+
+
+def _existing(folder: Path) -> Path:
+    """Return the folder, or the nearest one above it that is there."""
+    place = folder.absolute()
+    while not os.path.lexists(place) and place != place.parent:
+        place = place.parent
+    return place
+
+
+def _unwritable(folder: Path, reason: OSError) -> InputError:
+    return InputError(
+        f"output folder {folder}, which cannot be written: {reason.strerror or reason}",
+        "a folder with permission and room to write",
+        "choose another folder with --out",
+    )

@@ -1,0 +1,55 @@
+"""Run a case: from its inputs to a solved problem and the summary of it."""
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from flangeway.railway.result import WheelsetResult, solve_wheelset
+from flangeway.study.summary import summarise
+from flangeway.study.wheelset_tangent import WheelsetTangentCase
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class CaseRun:
+    """A case and what came out of it.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    result
+        The solution.
+    summary
+        What ``summary.json`` holds; see `flangeway.study.summarise`.
+
+    """
+
+    case: WheelsetTangentCase
+    result: WheelsetResult
+    summary: dict[str, Any]
+
+
+def run_case(case: WheelsetTangentCase, progress: Progress = lambda _: None) -> CaseRun:
+    """Solve a case.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the inputs make no problem that can be solved.
+    MissingLibraryError
+        If the mesh generator lacks a shared library of the system.
+
+    """
+    start = time.perf_counter()
+    result = solve_wheelset(case.problem(), progress)
+    return CaseRun(case, result, summarise(case, result, time.perf_counter() - start))

@@ -1,0 +1,170 @@
+"""What a run found, as plain numbers with their units in the keys: the contents of ``summary.json``."""
+
+import json
+import math
+from pathlib import Path
+from typing import Any
+
+from flangeway.post import cell_stresses
+from flangeway.railway.equilibrium import Balance
+from flangeway.railway.result import WheelRailPatch, WheelsetResult
+from flangeway.study.versions import versions
+from flangeway.study.wheelset_tangent import WheelsetTangentCase
+
+REFERENCE = (
+    "Motion from the reference position, in which the axle is level, in the middle of the track, and the wheels' tape "
+    "lines are at the height of the rails' tops (y = 0). The approach is the descent after first touch."
+)
+AXES = {
+    "space": (
+        "x across the track to the right, y up; origin in the middle of the track at the top of the rails; "
+        "roll counter-clockwise about the axle's middle."
+    ),
+    "rail": (
+        "The right rail's profile: x from the middle of its base away from the middle of the track, y up "
+        "from its base, before cant. The left rail is its mirror image."
+    ),
+    "wheel": (
+        "The right wheel's profile: x from the tape line away from the middle of the track, y up to the "
+        "axle. The left wheel is its mirror image."
+    ),
+    "forces": "Of the rail on the wheel, axes of space: a positive lateral force pushes the wheel to the right.",
+}
+
+
+def summarise(case: WheelsetTangentCase, result: WheelsetResult, total_s: float) -> dict[str, Any]:
+    """Return the summary of a solved case.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    result
+        The solution.
+    total_s
+        Wall-clock time of the computation in seconds.
+
+    Returns
+    -------
+    dict
+        Strings, booleans, ints, floats, lists and dicts; a number that is not finite becomes None.
+
+    """
+    motion = result.equilibrium.motion
+    timings = {name.replace("-", "_"): seconds for name, seconds in result.timings_s.items()}
+    summary = {
+        "status": {"converged": result.status.converged, "message": result.status.message},
+        "motion": {
+            "vertical_mm": motion.vertical_mm,
+            "lateral_mm": motion.lateral_mm,
+            "roll_rad": motion.roll_rad,
+            "approach_mm": result.approach_mm,
+            "reference": REFERENCE,
+        },
+        "balance": _balance(result.equilibrium.balance),
+        "contacts": [_contact(patch) for patch in result.patches],
+        "stresses": _stresses(result),
+        "bodies": _bodies(result),
+        "timings_s": timings | {"total": total_s},
+        "case": {"name": case.name, **case.model_dump()},
+        "axes": AXES,
+        "assumptions": _assumptions(case, result),
+        "warnings": list(result.warnings),
+        "versions": versions(),
+    }
+    plain: dict[str, Any] = _plain(summary)
+    return plain
+
+
+def write_summary(path: Path, summary: dict[str, Any]) -> None:
+    """Write a summary as JSON."""
+    text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def _balance(balance: Balance) -> dict[str, float]:
+    return {
+        "vertical_error": balance.vertical_error,
+        "lateral_error": balance.lateral_error,
+        "moment_error": balance.moment_error,
+        "resulting_error": balance.resulting_error,
+    }
+
+
+def _contact(patch: WheelRailPatch) -> dict[str, Any]:
+    lateral, vertical = patch.force_on_wheel_N / 1e3
+    return {
+        "side": patch.side,
+        "force_kN": math.hypot(lateral, vertical),
+        "lateral_force_kN": lateral,
+        "vertical_force_kN": vertical,
+        "rail_position_mm": patch.rail_point_mm,
+        "wheel_position_mm": patch.wheel_point_mm,
+        "space_position_mm": patch.pressure.centre,
+        "half_width_mm": patch.pressure.half_width,
+        "max_pressure_MPa": patch.pressure.pressures.max(),
+        "pressure_scatter": patch.pressure.scatter,
+        "hertz_half_width_mm": patch.hertz.half_width if patch.hertz else None,
+        "hertz_pressure_MPa": patch.hertz.max_pressure if patch.hertz else None,
+        "n_nodes": len(patch.pressure.normal_forces),
+    }
+
+
+def _stresses(result: WheelsetResult) -> list[dict[str, Any]]:
+    """Extremes of the cells' mean stresses, part by part."""
+    rows = []
+    for name, displacement in result.displacements.items():
+        stresses = cell_stresses(result.model.parts[name].body.elasticity, displacement)
+        rows.append(
+            {
+                "part": name,
+                "max_von_mises_MPa": stresses.von_mises.max(),
+                "min_principal_MPa": stresses.principal[:, 2].min(),
+                "max_in_plane_shear_MPa": stresses.in_plane_shear.max(),
+            }
+        )
+    return sorted(rows, key=lambda row: row["part"])
+
+
+def _bodies(result: WheelsetResult) -> list[dict[str, Any]]:
+    model = result.model
+    return [
+        {
+            "name": body.name,
+            "unknowns": body.stiffness.n,
+            "cells": body.mesh.n_cells,
+            "points": body.mesh.n_points,
+            "parts": sorted(name for name, part in model.parts.items() if part.body is body),
+        }
+        for body in (model.wheel, model.rail)
+    ]
+
+
+def _assumptions(case: WheelsetTangentCase, result: WheelsetResult) -> list[str]:
+    problem = result.model.problem
+    wheel, rail = problem.wheelset.wheel, problem.track.rail
+    return [
+        "Plane strain: the bodies do not stretch along the track.",
+        f"Thickness {case.thickness_mm:g} mm: this length of wheel and rail bears the whole load.",
+        f"Wheel {wheel.title}. {wheel.certainty}",
+        f"Rail {rail.title}. {rail.certainty}",
+        f"Linear elastic, isotropic steel: Young's modulus {case.young_MPa:g} MPa, Poisson's ratio "
+        f"{case.poisson:g}; no yielding, however high the stress.",
+        "Contact without friction.",
+        "The rails are fixed along their whole base.",
+        "The wheels' cuts and the axle are rigid; the load acts at the car's barycentre and stays vertical.",
+        "The left side is the mirror image of the right side, mesh included.",
+    ]
+
+
+def _plain(value: Any) -> Any:
+    """Turn arrays and numpy numbers into lists and Python's own; what is not finite into None."""
+    if isinstance(value, dict):
+        return {key: _plain(entry) for key, entry in value.items()}
+    if hasattr(value, "tolist"):
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        return [_plain(entry) for entry in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

@@ -1,0 +1,19 @@
+"""Versions of the programs that made a result."""
+
+import platform
+from importlib.metadata import PackageNotFoundError, version
+
+PACKAGES = ("flangeway", "numpy", "scipy", "gmsh")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of flangeway, Python and the libraries that decide the numbers."""
+    found = {name: _version(name) for name in PACKAGES}
+    return {"flangeway": found.pop("flangeway"), "python": platform.python_version(), **found}
+
+
+def _version(name: str) -> str:
+    try:
+        return version(name)
+    except PackageNotFoundError:
+        return "not installed"  # run from its source folder

@@ -1,0 +1,68 @@
+"""Displacements and stresses in the axes of space."""
+
+import numpy as np
+import pytest
+
+from flangeway.geometry import Placement
+from flangeway.post import Stresses
+from flangeway.report import part_fields
+from flangeway.report.fields import placed_stresses
+
+ROWS = np.array([[120.0, -40.0, 25.0, 24.0], [0.0, 0.0, -70.0, 0.0]])
+
+
+def plane(row):
+    return np.array([[row[0], row[2]], [row[2], row[1]]])
+
+
+@pytest.mark.parametrize("mirrored", [False, True])
+def test_tractions_turn_with_the_body(mirrored):
+    """A placed stress gives on a placed normal the placed traction, also under a mirror; invariants stay."""
+    placement = Placement(0.3, (5.0, -2.0), mirrored)
+    moved = placed_stresses(Stresses(ROWS), placement)
+    normal = np.array([0.6, 0.8])
+    for before, after in zip(ROWS, moved.components, strict=True):
+        expected = placement.vectors([plane(before) @ normal])[0]
+        assert np.allclose(plane(after) @ placement.vectors([normal])[0], expected, atol=1e-12)
+    assert np.allclose(moved.principal, Stresses(ROWS).principal, atol=1e-12)
+    assert np.allclose(moved.von_mises, Stresses(ROWS).von_mises, atol=1e-12)
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_left_parts_mirror_the_right_ones(runs, method):
+    """The left part's points, displacements and stresses are the right one's, reflected about the track's middle."""
+    parts = {part.name: part for part in part_fields(runs[method].result)}
+    assert list(parts) == ["wheel-left", "rail-left", "wheel-right", "rail-right"]
+    for body in ("wheel", "rail"):
+        left, right = parts[f"{body}-left"], parts[f"{body}-right"]
+        assert left.mesh.points[:, 0].max() < 0.0 < right.mesh.points[:, 0].min()
+        assert np.allclose(left.mesh.points * (-1, 1), right.mesh.points, atol=1e-8)
+        assert np.allclose(left.displacement * (-1, 1), right.displacement, atol=1e-8)
+        signs = (1, 1, -1, 1)
+        scale = np.abs(right.stresses.components).max()
+        assert np.allclose(left.stresses.components * signs, right.stresses.components, atol=1e-6 * scale)
+        assert (left.mesh.cell_areas > 0.0).all()
+
+
+def test_deformed_surfaces_meet(runs):
+    """In true scale the deformed points are those of the contact solution; with factor 0 they are at first touch."""
+    result = runs["fem"].result
+    state, system = result.equilibrium.state, result.model.system
+    parts = {part.name: part for part in part_fields(result)}
+    for contact in system.contacts:
+        for surface in (contact.secondary, contact.primary):
+            part = parts[surface.part.name]
+            assert np.allclose(part.points()[surface.nodes], state.positions[system.nodes_of(surface)], atol=1e-9)
+    rail, wheel = parts["rail-right"], parts["wheel-right"]
+    assert np.array_equal(rail.points(0.0), rail.mesh.points)
+    sunk = wheel.mesh.points - wheel.points(0.0)
+    assert np.allclose(sunk, (0.0, -result.approach_mm), atol=1e-8)
+
+
+def test_means_about_points_keep_a_constant(runs):
+    """The mean about each point of a constant is that constant, and of any field lies between its extremes."""
+    part = next(part_fields(runs["vem"].result))
+    assert np.allclose(part.at_points(np.full(part.mesh.n_cells, 7.0)), 7.0)
+    values = part.stresses.von_mises
+    means = part.at_points(values)
+    assert values.min() <= means.min() <= means.max() <= values.max()

@@ -1,0 +1,98 @@
+"""Pictures: what they say, and that they can be read in black and white."""
+
+import numpy as np
+import pytest
+from matplotlib.text import Text
+
+from flangeway.report import part_fields
+from flangeway.report.contact_figure import contact_figure
+from flangeway.report.drawing import StressColours, png
+from flangeway.report.pressure_figure import pressure_figure
+from flangeway.report.wheelset_figure import deformation_factor, wheelset_figure
+
+
+def figures(run):
+    fields = list(part_fields(run.result))
+    return wheelset_figure(run, fields), contact_figure(run, fields), pressure_figure(run)
+
+
+def texts(figure):
+    return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_nothing_is_clipped(runs, method):
+    """Every text of every picture lies inside of the picture."""
+    for figure in figures(runs[method]):
+        figure.draw_without_rendering()
+        renderer = figure.canvas.get_renderer()
+        width, height = figure.bbox.size
+        for text in texts(figure):
+            (left, bottom), (right, top) = text.get_window_extent(renderer).get_points()
+            outside = left < -1 or bottom < -1 or right > width + 1 or top > height + 1
+            ticks = {
+                label for axes in figure.axes for axis in (axes.xaxis, axes.yaxis) for label in axis.get_ticklabels()
+            }
+            assert not outside or text in ticks, text.get_text()  # ticks out of range are not drawn
+
+
+def test_axes_bear_units_and_names(runs):
+    """All axes have a unit, and the pictures name the approximate wheel, the stresses and the factor."""
+    whole, zones, pressure = figures(runs["fem"])
+    said = [" ".join(text.get_text() for text in texts(figure)) for figure in (whole, zones, pressure)]
+    for words, wanted in zip(
+        said,
+        (
+            ("AAR-1B (approximate)", "von Mises stress in MPa", "times as large", "x in mm", "gauge 1600", "300 kN"),
+            ("minimum principal stress in MPa", "kN", "x in mm", "y in mm"),
+            ("contact pressure in MPa", "in mm", "Hertz"),
+        ),
+        strict=True,
+    ):
+        assert all(word in words for word in wanted)
+
+
+def test_the_left_side_is_at_the_left(runs):
+    """The first panel shows negative x, the last positive x, with x to the right in both."""
+    for figure in figures(runs["fem"])[:2]:
+        panels = [axes for axes in figure.axes if axes.get_xlabel() == "x in mm"]
+        left, right = panels[0].get_xlim(), panels[-1].get_xlim()
+        assert left[0] < left[1] < 0.0 < right[0] < right[1]
+        assert panels[0].get_position().x1 < panels[-1].get_position().x0
+
+
+def luminance(colours):
+    return np.asarray(colours)[:, :3] @ (0.2126, 0.7152, 0.0722)
+
+
+@pytest.mark.parametrize("values", [(0.0, 930.0), (-1500.0, 0.0)])
+def test_colours_stay_apart_in_grey(values):
+    """Each step of colour is clearly darker than the one before, away from zero stress."""
+    colours = StressColours(np.array(values))
+    middles = (colours.levels[1:] + colours.levels[:-1]) / 2.0
+    steps = luminance(colours.map(colours.norm(middles)))
+    order = np.argsort(np.abs(middles))
+    assert (np.diff(steps[order]) < -0.02).all()
+    assert colours.levels.min() <= values[0]
+    assert colours.levels.max() >= values[1]
+
+
+def test_colours_of_a_body_without_stress():
+    """A body without any stress can be drawn too."""
+    assert len(StressColours(np.zeros(3)).levels) > 1
+
+
+def test_the_factor_makes_the_motion_visible(runs):
+    """The deformed picture shows the largest motion as a hundredth to a fortieth of a part's size."""
+    parts = list(part_fields(runs["fem"].result))
+    factor = deformation_factor(parts)
+    largest = max(np.abs(part.points() - part.touch_points).max() for part in parts)
+    size = max(np.ptp(part.touch_points, axis=0).max() for part in parts)
+    assert size / 100.0 < factor * largest <= size / 40.0
+
+
+def test_pictures_are_png(runs):
+    """A figure becomes the contents of a PNG file of its size."""
+    data = png(pressure_figure(runs["fem"]))
+    assert data[:8] == b"\x89PNG\r\n\x1a\n"
+    assert int.from_bytes(data[16:20], "big") == 13 * 160

@@ -1,0 +1,157 @@
+"""The HTML report, and all files of a run."""
+
+import base64
+import re
+import shlex
+from dataclasses import replace
+from html.parser import HTMLParser
+
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.report import check_folder, command_line, outputs, write_outputs
+from flangeway.report.html import report_page
+from flangeway.report.outputs import NAMES
+from flangeway.study import WheelsetTangentCase
+
+VOID = {"meta", "img", "br", "link"}
+
+
+class Page(HTMLParser):
+    """Open tags, images, text, and whether tags are closed in order."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.open, self.images, self.words, self.tags = [], [], [], []
+        self.feed(text)
+        assert self.open == []
+
+    def handle_starttag(self, tag, attrs):
+        self.tags.append(tag)
+        if tag == "img":
+            self.images.append(dict(attrs))
+        if tag not in VOID:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag):
+        assert self.open.pop() == tag
+
+    def handle_data(self, data):
+        if "style" not in self.open:
+            self.words.append(data)
+
+
+@pytest.fixture(scope="module")
+def folder(runs, tmp_path_factory):
+    out = tmp_path_factory.mktemp("out") / "vem"
+    write_outputs(runs["vem"], out)
+    return out
+
+
+@pytest.fixture(scope="module")
+def text(folder):
+    return (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_a_run_leaves_its_files_and_no_others(folder):
+    """The folder holds exactly the named files, none of them empty."""
+    assert {path.name for path in folder.iterdir()} == set(NAMES)
+    assert all(path.stat().st_size > 0 for path in folder.iterdir())
+
+
+def test_the_page_needs_no_network(text):
+    """The page refers to no address and to no other file; its pictures are inside."""
+    bare = re.sub(r'base64,[^"]*"', '"', text)
+    assert not re.search(r"https?:|//|<script|<link|@import|url\(", bare)
+    images = Page(text).images
+    assert len(images) == 3
+    for image in images:
+        kind, data = image["src"].split(",")
+        assert kind == "data:image/png;base64"
+        assert base64.b64decode(data, validate=True)[:4] == b"\x89PNG"
+        assert len(image["alt"]) > 40
+
+
+def test_the_page_is_well_formed_and_in_order(text):
+    """All tags are closed, and the summary comes before pictures, tables and assumptions."""
+    page = Page(text)
+    assert {"header", "main", "footer", "figure", "figcaption", "table", "caption", "th"} <= set(page.tags)
+    places = [
+        text.index(f'id="{name}"') for name in ("summary", "pictures", "numbers", "assumptions", "inputs", "again")
+    ]
+    assert places == sorted(places)
+    assert "prefers-color-scheme: dark" in text
+    assert "@media print" in text
+
+
+def test_the_page_says_what_was_computed(text, runs):
+    """The page bears the assumptions, every input, the numbers of the summary and the versions."""
+    words = " ".join(Page(text).words)
+    summary = runs["vem"].summary
+    for wanted in ("AAR-1B (approximate)", "10 mm", "Plane strain", "Converged:", *summary["case"]):
+        if wanted != "name":
+            assert wanted in words
+    for contact in summary["contacts"]:
+        assert f"{contact['max_pressure_MPa']:.1f}" in words
+    assert f"{summary['motion']['approach_mm']:.4f}" in words
+    assert f"numpy {summary['versions']['numpy']}" in words
+    assert "Warnings" not in words
+
+
+def test_text_is_escaped_and_warnings_are_shown(runs):
+    """Characters of HTML in a message or a warning are shown, not interpreted; a failure is marked."""
+    run = runs["fem"]
+    status = {"converged": False, "message": "a <b> & c"}
+    page = report_page(
+        replace(run, summary=run.summary | {"status": status, "warnings": ["x < y"], "contacts": []}), []
+    )
+    assert "a &lt;b&gt; &amp; c" in page
+    assert "<li>x &lt; y</li>" in page
+    assert "Not converged:" in Page(page).words
+    assert 'class="status failed"' in page
+
+
+@pytest.mark.parametrize(
+    "values",
+    [{}, {"method": "vem", "size_scale": 0.1 + 0.2}, {"cant": 1 / 20, "crown_radius_in": 14.0, "primary": "wheel"}],
+)
+def test_the_command_runs_the_same_case_again(values):
+    """The command of the report holds every input that differs from its default, to the last digit."""
+    case = WheelsetTangentCase.from_values(values)
+    words = shlex.split(command_line(case))
+    assert words[:3] == ["flangeway", "run", "wheelset-tangent"]
+    keys = {
+        "--method": "method",
+        "--size-scale": "size_scale",
+        "--primary": "primary",
+        "--crown-radius": "crown_radius_in",
+    }
+    read = {}
+    for option, value in zip(words[3::2], words[4::2], strict=True):
+        key, value = value.split("=") if option == "--set" else (keys[option], value)  # noqa: PLW2901
+        read[key] = value
+    assert WheelsetTangentCase.from_values(read) == case
+
+
+def test_a_failure_while_writing_leaves_nothing(runs, tmp_path, monkeypatch):
+    """If the second part cannot be written, none of the files is there."""
+    written = []
+
+    def broken(path, fields):
+        if written:
+            raise RuntimeError("stopped")
+        written.append(path)
+        path.write_text("half")
+
+    monkeypatch.setattr(outputs, "write_part", broken)
+    with pytest.raises(RuntimeError, match="stopped"):
+        write_outputs(runs["fem"], tmp_path / "out")
+    assert written
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_folder_in_the_way_of_a_file_is_refused(tmp_path):
+    """A folder called report.html in the folder of results is refused beforehand."""
+    (tmp_path / "report.html").mkdir()
+    with pytest.raises(InputError, match=r"report\.html"):
+        check_folder(tmp_path)

@@ -1,0 +1,84 @@
+"""Inputs of cases: defaults, ranges and the messages about wrong ones."""
+
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.study import CASES, WheelsetTangentCase, find_case
+
+
+def test_defaults_are_the_published_measures():
+    """Without inputs the case is the dissertation's: broad gauge, cant 1:40, 300 kN, 10 mm, plane strain steel."""
+    problem = WheelsetTangentCase().problem()
+    assert (problem.track.gauge_mm, problem.track.cant) == (1600.0, 1 / 40)
+    assert (problem.wheelset.back_to_back_mm, problem.wheelset.radius_mm) == (1515.0, 500.0)
+    assert problem.wheelset.barycentre_height_mm == 1457.7
+    assert (problem.load.vertical_N, problem.thickness_mm) == (300e3, 10.0)
+    assert (problem.material.young, problem.material.poisson) == (210e3, 0.3)
+    assert problem.material.hypothesis == "plane_strain"
+
+
+def test_every_input_reaches_the_problem():
+    """Each input, changed alone, changes the problem that is solved: none is without effect."""
+    changes = {
+        "crown_radius_in": 14.0, "gauge_mm": 1602.0, "cant": 0.05, "back_to_back_mm": 1516.0,
+        "wheel_radius_mm": 450.0, "barycentre_height_mm": 1500.0, "axle_load_kN": 200.0, "thickness_mm": 20.0,
+        "young_MPa": 2e5, "poisson": 0.25, "method": "vem", "size_scale": 2.0, "contact_size_mm": 0.3,
+        "body_size_mm": 2.0, "penalty_factor": 10.0, "primary": "wheel",
+    }  # fmt: skip
+    one_choice_only = {"rail", "wheel"}
+    assert set(changes) | one_choice_only == set(WheelsetTangentCase.model_fields)
+    default = repr(WheelsetTangentCase().problem())
+    for key, value in changes.items():
+        assert repr(WheelsetTangentCase.from_values({key: value}).problem()) != default, key
+
+
+def test_text_and_numbers_give_the_same_case():
+    """Values from the command line, which are text, are read as numbers."""
+    given = WheelsetTangentCase.from_values({"gauge_mm": "1435", "method": "vem"})
+    assert given == WheelsetTangentCase.from_values({"gauge_mm": 1435.0, "method": "vem"})
+
+
+@pytest.mark.parametrize(
+    ("values", "given", "allowed", "advice"),
+    [
+        ({"method": "fvm"}, "method = 'fvm'", "fem or vem", "take fem"),
+        ({"primary": "axle"}, "primary = 'axle'", "rail or wheel", "take rail"),
+        ({"size_scale": 0}, "size_scale = 0", "from 0.05 up to 20", "take 1"),
+        ({"size_scale": float("nan")}, "size_scale = nan", "from 0.05", "take 1"),
+        ({"axle_load_kN": -300}, "axle_load_kN = -300", "above 0", "presses on the rails"),
+        ({"poisson": 0.5}, "poisson = 0.5", "above -1 below 0.5", "take 0.3"),
+        ({"gauge_mm": "wide"}, "gauge_mm = 'wide'", "a number above 0", "take 1600"),
+        ({"gage_mm": 1600}, "'gage_mm'", "gauge_mm", "did you mean gauge_mm?"),
+        ({"crown_radius_in": 9}, "crown_radius_in = 9", "8, 10, 14", "choose"),
+        ({"rail": "60E1"}, "rail '60E1'", "136RE", "choose"),
+        ({"wheel": "S1002"}, "wheel 'S1002'", "AAR-1B", "choose"),
+    ],
+)
+def test_wrong_inputs_are_named(values, given, allowed, advice):
+    """A wrong input is refused with what was given, what is allowed, and what to do."""
+    with pytest.raises(InputError) as caught:
+        WheelsetTangentCase.from_values(values).problem()
+    assert given in caught.value.given
+    assert allowed in caught.value.allowed
+    assert advice in caught.value.advice
+
+
+def test_all_wrong_inputs_are_named_at_once():
+    """Two wrong inputs give one message that names both."""
+    with pytest.raises(InputError, match=r"size_scale = -1; thickness_mm = 0|thickness_mm = 0; size_scale = -1"):
+        WheelsetTangentCase.from_values({"size_scale": -1, "thickness_mm": 0})
+
+
+def test_cases_are_found_by_name_and_a_wrong_name_gets_the_nearest():
+    """A case is found by its name; an unknown name lists those there are and the one most like it."""
+    assert all(find_case(name).name == name for name in CASES)
+    with pytest.raises(InputError, match="wheelset-tangent") as caught:
+        find_case("wheelset-tangnet")
+    assert caught.value.advice == "did you mean wheelset-tangent?"
+
+
+def test_every_input_is_explained():
+    """The list of inputs gives a default, what is allowed and a meaning for each."""
+    rows = WheelsetTangentCase.inputs()
+    assert [row[0] for row in rows] == list(WheelsetTangentCase.model_fields)
+    assert all(all(row) for row in rows)

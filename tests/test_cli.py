@@ -1,0 +1,193 @@
+"""The command line, as users and programs call it."""
+
+import importlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from flangeway import cli
+from flangeway.study import WheelsetTangentCase
+
+MAIN = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler); from flangeway.cli import main; main()"
+
+
+def flangeway(*arguments, cwd):
+    """Run the command line in a process of its own."""
+    return subprocess.run(
+        [sys.executable, "-c", MAIN, *map(str, arguments)],
+        cwd=cwd, capture_output=True, text=True, check=False, timeout=300, env=environment(),
+    )  # fmt: skip
+
+
+def environment():
+    paths = [str(Path(path).resolve()) for path in sys.path if path]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(paths), "COLUMNS": "100", "NO_COLOR": "1"}
+
+
+def called(monkeypatch, *arguments):
+    """Run the command line in this process; return its exit status."""
+    monkeypatch.setattr(sys, "argv", ["flangeway", *map(str, arguments)])
+    with pytest.raises(SystemExit) as caught:
+        cli.main()
+    return caught.value.code
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_the_main_job_end_to_end(tmp_path, method):
+    """A run ends with status 0, tells its progress on stderr and its results on stdout, and leaves all files."""
+    done = flangeway("run", "wheelset-tangent", "--method", method, "--size-scale", 3, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "meshing the rail" in done.stderr
+    assert "drawing" in done.stderr
+    assert "Traceback" not in done.stderr
+    for word in ("Converged", "approach after first touch, mm", "largest pressure, MPa", "AAR-1B (approximate)"):
+        assert word in done.stdout
+    out = tmp_path / "out" / "wheelset-tangent"
+    summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
+    assert summary["status"]["converged"] is True
+    assert summary["case"]["method"] == method
+    assert summary["case"]["size_scale"] == 3.0
+    names = {path.name for path in out.iterdir()}
+    vtu = {f"{body}-{side}.vtu" for body in ("wheel", "rail") for side in ("left", "right")}
+    assert names == {"summary.json", "report.html", "wheelset.pvd", "wheelset.png"} | vtu
+
+
+def test_options_reach_the_case(monkeypatch, tmp_path):
+    """All options and settings change the inputs that the summary tells."""
+    status = called(
+        monkeypatch, "run", "wheelset-tangent", "--size-scale", 4, "--primary", "wheel", "--crown-radius", 14,
+        "--set", "axle_load_kN=200", "--set", "cant=0.05", "--out", tmp_path / "x",
+    )  # fmt: skip
+    assert status == 0
+    inputs = json.loads((tmp_path / "x" / "summary.json").read_text(encoding="utf-8"))["case"]
+    assert (inputs["primary"], inputs["crown_radius_in"]) == ("wheel", 14.0)
+    assert (inputs["axle_load_kN"], inputs["cant"]) == (200.0, 0.05)
+
+
+WRONG = {
+    "unknown case": (["run", "wheelset-tangnt"], "did you mean wheelset-tangent?"),
+    "unknown method": (["run", "wheelset-tangent", "--method", "fvm"], "fem or vem"),
+    "unknown option": (["run", "wheelset-tangent", "--metod", "fem"], "--method"),
+    "unknown command": (["walk"], "run, converge, cases"),
+    "no command": ([], "run, converge, cases"),
+    "no case": (["run"], "CASE"),
+    "unknown key": (["run", "wheelset-tangent", "--set", "gage_mm=1600"], "did you mean gauge_mm?"),
+    "no value": (["run", "wheelset-tangent", "--set", "gauge_mm"], "--set KEY=VALUE"),
+    "text for a number": (["run", "wheelset-tangent", "--size-scale", "small"], "a number from 0.05"),
+    "size zero": (["run", "wheelset-tangent", "--size-scale", "0"], "from 0.05 up to 20"),
+    "size negative": (["run", "wheelset-tangent", "--size-scale", "-1"], "from 0.05 up to 20"),
+    "size tiny": (["run", "wheelset-tangent", "--size-scale", "1e-9"], "from 0.05 up to 20"),
+    "size huge": (["run", "wheelset-tangent", "--size-scale", "1e3"], "from 0.05 up to 20"),
+    "size that makes no mesh": (["run", "wheelset-tangent", "--set", "body_size_mm=500"], "extent"),
+    "too many triangles": (["run", "wheelset-tangent", "--set", "contact_size_mm=1e-5"], "triangles"),
+    "wheel beside the rail": (["run", "wheelset-tangent", "--set", "gauge_mm=3000"], "stands over its rail"),
+    "load that lifts": (["run", "wheelset-tangent", "--set", "axle_load_kN=-300"], "above 0"),
+    "unknown crown": (["run", "wheelset-tangent", "--crown-radius", "9"], "8, 10, 14"),
+    "scale too small to halve": (["converge", "wheelset-tangent", "--size-scale", "0.06"], "from 0.05"),
+}
+
+
+@pytest.mark.parametrize(("arguments", "allowed"), WRONG.values(), ids=WRONG)
+def test_wrong_input_is_told_in_three_parts(monkeypatch, capsys, tmp_path, arguments, allowed):
+    """Wrong input: status 2; what was given, what is allowed and what to do on stderr; nothing on stdout or on disk."""
+    monkeypatch.chdir(tmp_path)
+    assert called(monkeypatch, *arguments) == 2
+    said = capsys.readouterr()
+    message = said.err[said.err.index("flangeway: ") :].splitlines()
+    assert len(message[0]) > len("flangeway: ")
+    assert message[1].startswith("  allowed: ")
+    assert message[2].startswith("  what to do: ")
+    assert allowed in "\n".join(message)
+    assert said.out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("command", ["run", "converge"])
+def test_an_unwritable_folder_is_refused_before_the_work(monkeypatch, capsys, tmp_path, command):
+    """A folder below a file is refused with status 2 before any meshing."""
+    (tmp_path / "file").write_text("")
+    assert called(monkeypatch, command, "wheelset-tangent", "--out", tmp_path / "file" / "x") == 2
+    said = capsys.readouterr()
+    assert "is not a folder" in said.err
+    assert "what to do: " in said.err
+    assert "meshing" not in said.err
+
+
+def test_a_run_that_does_not_converge_has_status_1_and_says_why(monkeypatch, capsys, tmp_path):
+    """Without balance the status is 1, the reason is told, and the files show how far it came."""
+    status = called(
+        monkeypatch, "run", "wheelset-tangent", "--size-scale", 4, "--set", "axle_load_kN=1e-6", "--out", tmp_path
+    )
+    assert status == 1
+    assert "NOT converged" in capsys.readouterr().out
+    summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
+    assert summary["status"]["converged"] is False
+    assert len(summary["status"]["message"]) > 20
+    assert "Not converged:" in (tmp_path / "report.html").read_text(encoding="utf-8")
+
+
+def test_converge_compares_two_meshes(monkeypatch, capsys, tmp_path):
+    """The command runs two meshes, prints the changes, and writes them as JSON."""
+    assert called(monkeypatch, "converge", "wheelset-tangent", "--size-scale", 4, "--out", tmp_path) == 0
+    assert "within the limits" in capsys.readouterr().out
+    found = json.loads((tmp_path / "converge.json").read_text(encoding="utf-8"))
+    assert found["within"] is True
+    assert [run["size_scale"] for run in found["runs"]] == [4.0, 2.0]
+    assert found["changes"]["approach_change"] < found["limits"]["approach_change"] == 0.02
+    assert found["changes"]["position_change_mm"] < found["limits"]["position_change_mm"] == 0.2
+
+
+def test_interrupting_leaves_nothing(tmp_path):
+    """Ctrl-C while it works: status 130, a sentence, no traceback, no file."""
+    process = subprocess.Popen(
+        [sys.executable, "-c", MAIN, "run", "wheelset-tangent"],
+        cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(),
+    )  # fmt: skip
+    first = process.stderr.readline()
+    time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert first == "meshing the wheel\n"
+    assert process.returncode == 130
+    assert "interrupted; nothing was written" in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_missing_library_is_told(monkeypatch, capsys, tmp_path):
+    """If Gmsh lacks a shared library, the message of its packages is told and the status is 1."""
+    import_module = importlib.import_module
+
+    def missing(name, package=None):
+        if name == "gmsh":
+            raise OSError("libGLU.so.1: cannot open shared object file")
+        return import_module(name, package)
+
+    monkeypatch.setattr(importlib, "import_module", missing)
+    assert called(monkeypatch, "run", "wheelset-tangent", "--out", tmp_path / "x") == 1
+    assert "libglu1-mesa" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_cases_are_listed_with_their_inputs(monkeypatch, capsys):
+    """The list names the case and every input."""
+    assert called(monkeypatch, "cases") == 0
+    said = capsys.readouterr().out
+    assert "wheelset-tangent" in said
+    assert all(key in said for key in WheelsetTangentCase.model_fields)
+
+
+def test_version_and_help(monkeypatch, capsys):
+    """Version and help are told with status 0; help names the commands."""
+    assert called(monkeypatch, "--version") == 0
+    assert capsys.readouterr().out.startswith("flangeway ")
+    assert called(monkeypatch, "--help") == 0
+    said = capsys.readouterr().out
+    assert all(command in said for command in ("run", "converge", "cases"))
