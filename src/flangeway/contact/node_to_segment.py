@@ -44,19 +44,27 @@ class NodeToSegment:
         Nodes whose gap is larger take no part; None: twice the mean length of the primary edges. It must exceed the
         gaps that an iteration can close.
     slack
-        How far beyond its edge, in parts of the edge, a pair is kept before it is searched anew. It bridges the dead
-        angle at convex corners and stops a node from hopping between two edges.
+        How far beyond its edge, in parts of the edge, a node stays with the edge it faced before. It stops nodes from
+        hopping between two edges; it also is the width within which the answer depends on the path to it.
+    overhang
+        How far beyond the nearest edge, in parts of the edge, a foot may lie. It bridges the dead angle at convex
+        corners, where an open node is beyond the ends of both its edges.
 
     """
 
     reach: float | None = None
-    slack: float = 0.02
+    slack: float = 1e-3
+    overhang: float = 0.1
 
     def __post_init__(self) -> None:
         if self.reach is not None and not self.reach > 0.0:
             raise InputError(f"NodeToSegment(reach={self.reach})", "a positive length or None", "leave it out")
-        if not 0.0 < self.slack < 0.5:
-            raise InputError(f"NodeToSegment(slack={self.slack})", "0 < slack < 0.5", "leave it out")
+        if not 0.0 < self.slack <= self.overhang < 0.5:
+            raise InputError(
+                f"NodeToSegment(slack={self.slack}, overhang={self.overhang})",
+                "0 < slack <= overhang < 0.5",
+                "leave them out",
+            )
 
     def pair(
         self,
@@ -82,14 +90,14 @@ class NodeToSegment:
         partner = nearest_edges(secondary, node_normals(secondary, secondary_places), primary_edges)
         before = np.flatnonzero(kept >= 0)
         parameters = closest_parameters(secondary[before], primary_edges[kept[before]])
-        stays = before[self._within(parameters)]
+        stays = before[_within(parameters, self.slack)]
         partner[stays] = kept[stays]
 
         nodes = np.flatnonzero(partner >= 0)
         kinematics = node_edge_gaps(secondary[nodes], primary_edges[partner[nodes]])
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
-        near = self._within(kinematics.parameters) & (kinematics.gaps < reach)
+        near = _within(kinematics.parameters, self.overhang) & (kinematics.gaps < reach)
         chosen = NodeEdgeGaps(
             kinematics.parameters[near],
             kinematics.gaps[near],
@@ -99,5 +107,6 @@ class NodeToSegment:
         )
         return NodePairs(nodes[near], partner[nodes[near]], chosen)
 
-    def _within(self, parameters: Floats) -> NDArray[np.bool_]:
-        return (parameters >= -self.slack) & (parameters <= 1.0 + self.slack)
+
+def _within(parameters: Floats, margin: float) -> NDArray[np.bool_]:
+    return (parameters >= -margin) & (parameters <= 1.0 + margin)

@@ -12,16 +12,20 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Placement, Segment
 from flangeway.geometry.arrays import Point, as_point
 
-_RAIL_FILES = {
-    ("136RE", 8.0): "136RE_R8_A_arcs.csv",
-    ("136RE", 10.0): "136RE_R10_A_arcs.csv",
-    ("136RE", 14.0): "136RE_R14_arcs.csv",
+_RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
+    "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
+    "60E1": {None: "60E1_derived_arcs.csv"},
 }
+"""Files by rail and radius of the crown in inches, the default first; None for a rail with one crown."""
+
 _WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
 _CUT_HEIGHTS_MM = (20.0, 100.0)
 _THROAT_RADII_MM = (10.0, 20.0)
 
-_HEAD_SIDE = ("crown", "shoulder", "gauge_corner", "head_side_1:40")
+_HEAD_SIDE = {
+    "136RE": ("crown", "shoulder", "gauge_corner", "head_side_1:40"),
+    "60E1": ("crown", "shoulder", "gauge_corner", "head_side_1:20"),
+}
 _RUNNING = (
     "flange_back",
     "flange_tip_land",
@@ -101,15 +105,15 @@ class WheelProfile:
     source: str
 
 
-def rail(name: str = "136RE", *, crown_radius_in: float = 10) -> RailProfile:
+def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailProfile:
     """Return a rail section.
 
     Parameters
     ----------
     name
-        ``"136RE"``.
+        ``"136RE"`` or ``"60E1"``.
     crown_radius_in
-        Radius of the crown in inches: 8, 10 or 14.
+        Radius of the crown of a 136RE in inches: 8, 10 (the default) or 14. A 60E1 has one crown.
 
     Raises
     ------
@@ -117,39 +121,56 @@ def rail(name: str = "136RE", *, crown_radius_in: float = 10) -> RailProfile:
         If the name or the radius is unknown; the message lists those there are.
 
     """
-    names = sorted({known for known, _ in _RAIL_FILES})
-    if name not in names:
-        raise InputError(f"rail '{name}'", f"one of {names}", "choose a rail that is there")
-    radii = [radius for known, radius in _RAIL_FILES if known == name]
-    if crown_radius_in not in radii:
+    if name not in _RAIL_FILES:
+        raise InputError(f"rail '{name}'", f"one of {sorted(_RAIL_FILES)}", "choose a rail that is there")
+    radii = _RAIL_FILES[name]
+    radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
+    if radius not in radii:
+        known = ", ".join(f"{each:g}" for each in sorted(each for each in radii if each is not None))
         raise InputError(
-            f"crown_radius_in = {crown_radius_in}",
-            f"one of {', '.join(f'{radius:g}' for radius in radii)}",
-            "choose a radius that is there",
+            f"crown_radius_in = {crown_radius_in:g} for {name}",
+            f"one of {known}" if known else "no crown radius: this rail has one crown",
+            "choose a radius that is there" if known else "leave it out",
         )
-    field_side = _read_segments(_RAIL_FILES[name, float(crown_radius_in)], "x{}_mm", "y{}_mm")
-    outline = _mirrored_and_joined(field_side)
-    exact_head = crown_radius_in == 14
+    side = _HEAD_SIDE[name]
+    certainty, source = _RAIL_TEXTS[name](radius)
     return RailProfile(
-        title=f"{name}, crown radius {crown_radius_in:g} in",
-        outline=outline,
+        title=name if radius is None else f"{name}, crown radius {radius:g} in",
+        outline=_mirrored_and_joined(_read_segments(radii[radius], "x{}_mm", "y{}_mm")),
         head_names=(
-            *(f"{part}_gauge" for part in _HEAD_SIDE[:0:-1]),
+            *(f"{part}_gauge" for part in side[:0:-1]),
             "crown",
-            *(f"{part}_field" for part in _HEAD_SIDE[1:]),
+            *(f"{part}_field" for part in side[1:]),
         ),
         base_names=("base",),
-        certainty=(
-            ("The arcs of the head are exact" if exact_head else "Crown and shoulder are derived")
-            + "; radii of the web, fillets and base are derived so that area, centroid and inertia "
-            "agree with the published ones."
-        ),
-        source=(
-            "AREMA 136RE: published dimensions and section properties; head with crown radius "
-            "14 in as in tutorial 12 of the program GIRAFFE"
-            + ("." if exact_head else ", crown radius changed with its half-width of 0.7 in kept.")
-        ),
+        certainty=certainty,
+        source=source,
     )
+
+
+def _texts_136re(radius: float | None) -> tuple[str, str]:
+    """Certainty and source of the 136RE with some crown."""
+    exact = radius == 14
+    return (
+        ("The arcs of the head are exact" if exact else "Crown and shoulder are derived")
+        + "; radii of the web, fillets and base are derived so that area, centroid and inertia "
+        "agree with the published ones.",
+        "AREMA 136RE: published dimensions and section properties; head with crown radius "
+        "14 in as in tutorial 12 of the program GIRAFFE"
+        + ("." if exact else ", crown radius changed with its half-width of 0.7 in kept."),
+    )
+
+
+def _texts_60e1(_: float | None) -> tuple[str, str]:
+    """Certainty and source of the 60E1."""
+    return (
+        "The arcs of the head are exact; below it fillets, web and foot are derived from nominal dimensions: area, "
+        "height of the centroid and Ixx agree with EN 13674-1 to 0.15 %, Iyy to 0.9 %.",
+        "60E1 (UIC 60): head as on GENSYS's page of the profile; nominal dimensions of EN 13674-1 below it.",
+    )
+
+
+_RAIL_TEXTS = {"136RE": _texts_136re, "60E1": _texts_60e1}
 
 
 def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm: float | None = None) -> WheelProfile:
