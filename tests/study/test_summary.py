@@ -39,8 +39,10 @@ def test_keys_are_those_that_programs_rely_on(run):
     for key, names in SHAPE.items():
         assert set(run.summary[key]) == names
     assert all(set(contact) == CONTACT for contact in run.summary["contacts"])
-    kinds = {type(value) for value in leaves(run.summary)}
+    kinds = {type(value) for value in leaves({**run.summary, "case": {}})}
     assert kinds <= {str, bool, int, float}
+    inputs = {type(value) for value in run.summary["case"].values()}
+    assert inputs <= {str, bool, int, float, type(None)}  # an input that was left out is null
 
 
 def test_the_file_holds_the_summary(run, tmp_path):

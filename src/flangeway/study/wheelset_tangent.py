@@ -18,7 +18,9 @@ class WheelsetTangentCase(Case):
     title: ClassVar[str] = "A wheelset stands on two rails of straight, level track"
 
     rail: str = Field("136RE", description="rail section: 136RE")
-    crown_radius_in: float = Field(10.0, gt=0.0, description="radius of the rail's crown: 8, 10 or 14 in")
+    crown_radius_in: float | None = Field(
+        None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in; 10 if left out"
+    )
     wheel: str = Field("AAR-1B", description="wheel profile: AAR-1B, an approximation of the standard's")
     gauge_mm: float = Field(Track.gauge_mm, gt=0.0, description="distance between the rails' heads")
     cant: float = Field(Track.cant, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025")
