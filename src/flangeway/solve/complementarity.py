@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import LinAlgError, cho_factor, solve_triangular
 from scipy.linalg import solve as solve_dense
-from scipy.optimize import nnls
 
 Floats = NDArray[np.float64]
 
@@ -48,6 +47,8 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
 
 def _least_squares(matrix: Floats, offset: Floats) -> Floats | None:
     """With ``M = L L^T``, p minimises ``|L^T p + L^-1 q|`` over p >= 0."""
+    from scipy.optimize import nnls  # noqa: PLC0415 (slow to import, seldom needed)
+
     try:
         lower = np.tril(cho_factor(matrix, lower=True)[0])
     except LinAlgError:
