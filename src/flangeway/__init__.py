@@ -1,7 +1,7 @@
 """Elastic contact in two dimensions with finite and virtual elements, up to a wheelset on two rails.
 
-The packages follow the flow of data: `geometry`, `mesh`, `elements`, `space`, `materials`, `problems`, `solve`, `contact`,
-`post`, `railway`, `study`, `report`. What most scripts need stands here.
+The packages follow the flow of data: `geometry`, `mesh`, `elements`, `space`, `materials`, `problems`, `solve`,
+`contact`, `post`, `railway`, `study`, `report`. What most scripts need stands here.
 """
 
 from importlib.metadata import version
@@ -13,8 +13,8 @@ from flangeway.errors import FlangewayError, InputError, NotConvergedError
 from flangeway.geometry import Outline, Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh
-from flangeway.problems import Body, Elasticity, Part
-from flangeway.solve import CondensedBodies, ContactState, SparseBodies, Status, solve_contact
+from flangeway.problems import Body, Elasticity, Part, Torsion
+from flangeway.solve import CondensedBodies, ContactState, SparseBodies, Status, solve_contact, solve_torsion
 from flangeway.space import Space
 
 __version__ = version("flangeway")
@@ -41,6 +41,7 @@ __all__ = [
     "SparseBodies",
     "Status",
     "Surface",
+    "Torsion",
     "Virtual",
     "elements",
     "exact",
@@ -48,4 +49,5 @@ __all__ = [
     "mesh",
     "post",
     "solve_contact",
+    "solve_torsion",
 ]

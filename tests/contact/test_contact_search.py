@@ -60,7 +60,17 @@ def test_nodes_out_of_reach_take_no_part() -> None:
     assert pairs.nodes.tolist() == [0]
 
 
-@pytest.mark.parametrize("settings", [{"reach": 0.0}, {"reach": -1.0}, {"slack": 0.0}, {"slack": 0.7}, {"overhang": 0.6}, {"slack": 0.2, "overhang": 0.1}])
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {"reach": 0.0},
+        {"reach": -1.0},
+        {"slack": 0.0},
+        {"slack": 0.7},
+        {"overhang": 0.6},
+        {"slack": 0.2, "overhang": 0.1},
+    ],
+)
 def test_settings_out_of_range(settings: dict[str, float]) -> None:
     """Settings that make no sense are refused by name."""
     with pytest.raises(InputError, match=next(iter(settings))):

@@ -1,6 +1,5 @@
 """Dual polygons against their definition (seed, section 3.3.6)."""
 
-
 import numpy as np
 import pytest
 from hypothesis import given, settings

@@ -1,7 +1,30 @@
 """The mathematics of one cell, for whole batches of cells, element index last."""
 
+from flangeway.elements.cell_matrices import CellMatrices, cell_matrices
 from flangeway.elements.lagrange import Lagrange
-from flangeway.elements.reconstruction import Element, Reconstruction
+from flangeway.elements.polygon_quadrature import polygon_quadrature
+from flangeway.elements.reconstruction import Element, Function, Reconstruction
+from flangeway.elements.stabilisation import (
+    DiagonalStabilisation,
+    IdentityStabilisation,
+    NoStabilisation,
+    Stabilisation,
+    TraceStabilisation,
+)
 from flangeway.elements.virtual import Virtual
 
-__all__ = ["Element", "Lagrange", "Reconstruction", "Virtual"]
+__all__ = [
+    "CellMatrices",
+    "DiagonalStabilisation",
+    "Element",
+    "Function",
+    "IdentityStabilisation",
+    "Lagrange",
+    "NoStabilisation",
+    "Reconstruction",
+    "Stabilisation",
+    "TraceStabilisation",
+    "Virtual",
+    "cell_matrices",
+    "polygon_quadrature",
+]

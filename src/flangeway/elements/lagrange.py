@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from flangeway.elements import monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto, triangle
-from flangeway.elements.reconstruction import Element, Reconstruction
+from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -57,26 +57,34 @@ class Lagrange(Element):
     def reconstruct(self, vertices: Floats) -> Reconstruction:
         """Write the shape functions as polynomials; see `Element.reconstruct`."""
         n_cells = vertices.shape[-1]
-        value, local_gradient, moments, dofs = _reference(self.order)
+        value, moments, dofs = _reference(self.order)
         first, second = vertices[1] - vertices[0], vertices[2] - vertices[0]
         jacobian = first[0] * second[1] - first[1] * second[0]
         inverse = np.array([[second[1], -second[0]], [-first[1], first[0]]]) / jacobian
         frame = Frame(vertices[0] + (first + second) / 3.0, inverse)
-        gradient = np.einsum("ajm,jie->aime", local_gradient, inverse)
         return Reconstruction(
             self.order,
             frame,
             _for_all(value, n_cells),
-            gradient,
             moments[:, None] * jacobian,
             _for_all(dofs, n_cells),
-            exact=True,
         )
 
-    def stabilisation(
+    def interior_dofs(
         self,
-        reconstruction: Reconstruction,  # noqa: ARG002
-        consistency: Floats,  # noqa: ARG002
+        vertices: Floats,
+        function: Function,
+        degree: int,  # noqa: ARG002
+    ) -> Floats:
+        """Value at the centroid for order 3; see `Element.interior_dofs`."""
+        if not self.n_interior():
+            return np.empty((0, vertices.shape[-1]))
+        return function(vertices.mean(axis=0).T)[None]
+
+    def stabilise(
+        self,
+        reconstruction: Reconstruction,
+        consistency: Floats,
     ) -> None:
         """Nothing: the reconstruction is exact."""
 
@@ -99,13 +107,12 @@ def _reference_nodes(order: int) -> Floats:
 
 
 @cache
-def _reference(order: int) -> tuple[Floats, Floats, Floats, Floats]:
-    """Return value, local gradient, moments and monomials at the nodes, on the reference triangle."""
+def _reference(order: int) -> tuple[Floats, Floats, Floats]:
+    """Return value, moments and monomials at the nodes, on the reference triangle."""
     centroid = np.full(2, 1.0 / 3.0)
     nodes = _reference_nodes(order) - centroid
-    dofs = monomials.evaluate(order, nodes.T).T
-    value = np.linalg.inv(dofs)
-    gradient = np.einsum("jab,bm->ajm", monomials.derivatives(order), value)
+    dofs: Floats = monomials.evaluate(order, nodes.T).T
+    value = np.asarray(np.linalg.inv(dofs), dtype=np.float64)
     points, weights = triangle(2 * order)
-    moments = monomials.evaluate(2 * order, (points - centroid).T) @ weights
-    return value, gradient, moments, dofs
+    moments: Floats = monomials.evaluate(2 * order, (points - centroid).T) @ weights
+    return value, moments, dofs

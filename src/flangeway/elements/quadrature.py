@@ -56,9 +56,7 @@ def triangle(degree: int) -> tuple[Floats, Floats]:
     u, u_weights = gauss(n_points)
     v, v_weights = roots_jacobi(n_points, 1.0, 0.0)
     v, v_weights = (v + 1.0) / 2.0, v_weights / 4.0
-    points = np.stack(
-        (np.outer(u, 1.0 - v).ravel(), np.broadcast_to(v, (n_points, n_points)).ravel()), axis=1
-    )
+    points = np.stack((np.outer(u, 1.0 - v).ravel(), np.broadcast_to(v, (n_points, n_points)).ravel()), axis=1)
     weights = np.outer(u_weights, v_weights).ravel()
     points, weights = _read_only(points, weights)
     return points, weights

@@ -1,5 +1,24 @@
 """Solutions in closed form."""
 
 from flangeway.exact.hertz import LineContact, contact_modulus
+from flangeway.exact.torsion import (
+    CircularSector,
+    Ellipse,
+    EquilateralTriangle,
+    Rectangle,
+    TorsionSection,
+    thin_closed_torsion_constant,
+    thin_open_torsion_constant,
+)
 
-__all__ = ["LineContact", "contact_modulus"]
+__all__ = [
+    "CircularSector",
+    "Ellipse",
+    "EquilateralTriangle",
+    "LineContact",
+    "Rectangle",
+    "TorsionSection",
+    "contact_modulus",
+    "thin_closed_torsion_constant",
+    "thin_open_torsion_constant",
+]

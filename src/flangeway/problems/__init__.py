@@ -3,5 +3,6 @@
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity import Elasticity
 from flangeway.problems.part import Part
+from flangeway.problems.torsion import Torsion
 
-__all__ = ["Body", "Elasticity", "Part"]
+__all__ = ["Body", "Elasticity", "Part", "Torsion"]

@@ -48,7 +48,7 @@ class Elasticity:
         """Stiffness of cells: consistency (seed 3.93) plus stabilisation, (2 n_local, 2 n_local, n_cells)."""
         reconstruction = batch.element.reconstruct(batch.vertices)
         by_component = self._consistency(reconstruction)
-        stabilisation = batch.element.stabilisation(reconstruction, by_component)
+        stabilisation = batch.element.stabilise(reconstruction, by_component)
         if stabilisation is not None:
             by_component[0, 0] += stabilisation
             by_component[1, 1] += stabilisation

@@ -237,8 +237,8 @@ def _body(
         mesh = triangulate(outline, size=body_size, refinements=(Refinement(zone, size, settings.growth),))
     except InputError as error:
         raise InputError(
-            f"{name}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g}, "
-            f"and no mesh comes of it ({error.given})",
+            f"{name}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
+            f" and no mesh comes of it ({error.given})",
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error

@@ -13,6 +13,7 @@ from flangeway.solve.newton import (
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Status
 from flangeway.solve.steps import StepSettings, follow
+from flangeway.solve.torsion import TorsionSolution, solve_torsion
 
 __all__ = [
     "BodyResponse",
@@ -26,6 +27,8 @@ __all__ = [
     "Status",
     "StepSettings",
     "SurfaceNodes",
+    "TorsionSolution",
     "follow",
     "solve_contact",
+    "solve_torsion",
 ]

@@ -97,9 +97,7 @@ class Space:
             regions.append((element, cells))
         if (times != 1).any():
             cell = int(np.flatnonzero(times != 1)[0])
-            raise InputError(
-                f"cell {cell} has {times[cell]} elements", "one element for each cell", "mend the sets"
-            )
+            raise InputError(f"cell {cell} has {times[cell]} elements", "one element for each cell", "mend the sets")
         return tuple(regions)
 
     @property
@@ -171,9 +169,7 @@ class Space:
         vertices = np.ascontiguousarray(np.moveaxis(mesh.points[corners], 0, -1))
         return CellBatch(element, cells, vertices, dofs)
 
-    def assemble(
-        self, cell_matrices: Callable[[CellBatch], Floats], n_components: int
-    ) -> SymmetricMatrix:
+    def assemble(self, cell_matrices: Callable[[CellBatch], Floats], n_components: int) -> SymmetricMatrix:
         """Add up symmetric matrices of cells.
 
         Parameters
@@ -194,6 +190,4 @@ class Space:
             dofs.append(batch.vector_dofs(n_components))
             matrices.append(np.ascontiguousarray(cell_matrices(batch)))
         pattern = Pattern(n_components * self.n_dofs, dofs)
-        return SymmetricMatrix(
-            n_components * self.n_dofs, pattern.indptr, pattern.indices, pattern.scatter(matrices)
-        )
+        return SymmetricMatrix(n_components * self.n_dofs, pattern.indptr, pattern.indices, pattern.scatter(matrices))

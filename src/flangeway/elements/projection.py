@@ -1,0 +1,176 @@
+"""The integrals behind the projections of virtual elements (seed 3.3.3), for whole batches of polygons."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import batched, monomials
+from flangeway.elements.monomials import Frame, n_monomials
+from flangeway.elements.quadrature import gauss_lobatto
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Polygons:
+    """Geometry of a batch of polygons and the monomials' integrals over them.
+
+    Parameters
+    ----------
+    order
+        Order k of the element.
+    frame
+        Local coordinates of the monomials.
+    local
+        Vertices in local coordinates, shape (n_vertices, 2, n_cells).
+    normals
+        Outward normals in space times the lengths of the edges, shape (n_vertices, 2, n_cells).
+    moments
+        Integrals of the monomials up to degree 2 k, shape (n_monomials(2 k), n_cells).
+
+    """
+
+    order: int
+    frame: Frame
+    local: Floats
+    normals: Floats
+    moments: Floats
+
+    @classmethod
+    def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":
+        """Polygons with counter-clockwise vertices (n_vertices, 2, n_cells)."""
+        local = frame.local(vertices)
+        along = np.roll(vertices, -1, axis=0) - vertices
+        normals = np.stack((along[:, 1], -along[:, 0]), axis=1)
+        determinant = frame.map[0, 0] * frame.map[1, 1] - frame.map[0, 1] * frame.map[1, 0]
+        moments = monomials.integrals(2 * order, local, 1.0 / determinant)
+        return cls(order, frame, local, normals, moments)
+
+    @property
+    def n_boundary(self) -> int:
+        """Degrees of freedom on the boundary of a cell."""
+        return self.order * len(self.local)
+
+    def boundary_values(self) -> Floats:
+        """Monomials of degree k at the boundary's degrees of freedom, (n_monomials(k), n, n_cells)."""
+        start, end = self.local, np.roll(self.local, -1, axis=0)
+        inner = gauss_lobatto(self.order + 1)[0][1:-1, None, None]
+        on_edges = start[:, None] + inner * (end - start)[:, None]
+        points = np.concatenate((self.local, on_edges.reshape(-1, 2, self.local.shape[-1])))
+        return monomials.evaluate(self.order, points)
+
+    def monomial_dofs(self, boundary: Floats) -> Floats:
+        """Degrees of freedom of the monomials, the matrix D (seed 3.64), (n_local, n_monomials(k), n_cells)."""
+        n_inner = n_monomials(self.order - 2)
+        if not n_inner:
+            return np.ascontiguousarray(boundary.swapaxes(0, 1))
+        means = monomials.mass(self.order, self.moments)[:n_inner] / self.moments[0]
+        return np.concatenate((boundary.swapaxes(0, 1), means))
+
+    def gradient_moments(self, boundary: Floats) -> Floats:
+        """Integrals of the basis functions' gradients times the monomials of degree k - 1.
+
+        Green's formula ``int grad v m = -int v grad m + int_boundary v m n`` needs the traces, integrated
+        exactly by the Gauss-Lobatto points that carry them, and the moments up to degree k - 2.
+
+        Returns
+        -------
+        Floats
+            Shape (n_monomials(k - 1), 2, n_local, n_cells).
+
+        """
+        order, n_cells = self.order, self.normals.shape[-1]
+        n_low, n_inner = n_monomials(order - 1), n_monomials(order - 2)
+        weights = gauss_lobatto(order + 1)[1]
+        at_vertices = weights[0] * (self.normals + np.roll(self.normals, 1, axis=0))
+        on_edges = weights[1:-1, None, None] * self.normals[:, None]
+        weighted = np.concatenate((at_vertices, on_edges.reshape(-1, 2, n_cells)))
+        moments = np.empty((n_low, 2, self.n_boundary + n_inner, n_cells))
+        np.multiply(boundary[:n_low, None], weighted.swapaxes(0, 1), out=moments[:, :, : self.n_boundary])
+        if n_inner:
+            local = monomials.derivatives(order - 1)
+            in_space = np.einsum("jie,jga->aige", self.frame.map, local)
+            moments[:, :, self.n_boundary :] = -in_space * self.moments[0]
+        return moments
+
+    def energy_matrices(self, gradient_moments: Floats) -> tuple[Floats, Floats]:
+        """Gradient products of the monomials from degree 1, and of these with the basis functions.
+
+        These are the matrices G and B without their first rows (seed 3.56, 3.60): shapes
+        (n, n, n_cells) and (n, n_local, n_cells) with ``n = n_monomials(k) - 1``.
+        """
+        order, map_ = self.order, self.frame.map
+        local = monomials.derivatives(order)[:, :, 1:]
+        # the metric of the frame: grad m . grad m' = (map^T d m) . (map^T d m')
+        metric = np.einsum("jie,kie->jke", map_, map_)
+        mass = monomials.mass(order - 1, self.moments)
+        gram = np.zeros((local.shape[2], local.shape[2], mass.shape[-1]))
+        for j in range(2):
+            for k in range(2):
+                # each derivative of a monomial is one monomial: this is a gather with factors
+                left, right = _single_entries(local[j]), _single_entries(local[k])
+                products = mass[left[1][:, None], right[1]] * np.outer(left[2], right[2])[:, :, None]
+                gram[left[0][:, None], right[0]] += products * metric[j, k]
+        moments = np.einsum("jie,aime->jame", map_, gradient_moments)
+        rhs = np.zeros((local.shape[2], *gradient_moments.shape[2:]))
+        for j in range(2):
+            columns, rows, factors = _single_entries(local[j])
+            rhs[columns] += factors[:, None, None] * moments[j, rows]
+        return gram, rhs
+
+    def means(self) -> Floats:
+        """The functional that fixes the constant: vertex average (k = 1) or mean, shape (n_local,)."""
+        mean = np.zeros(self.n_boundary + n_monomials(self.order - 2))
+        if self.order == 1:
+            mean[:] = 1.0 / self.n_boundary
+        else:
+            mean[self.n_boundary] = 1.0
+        return mean
+
+    def energy_projection(self, monomial_dofs: Floats, gradient_moments: Floats) -> Floats:
+        """Coefficients of the energy projection (seed 3.62), shape (n_monomials(k), n_local, n_cells)."""
+        gram, rhs = self.energy_matrices(gradient_moments)
+        value = np.empty((len(gram) + 1, *rhs.shape[1:]))
+        value[1:] = batched.solve(gram, rhs)
+        mean = self.means()
+        of_monomials = np.einsum("i,iae->ae", mean, monomial_dofs[:, 1:])
+        value[0] = mean[:, None] - np.einsum("ae,aie->ie", of_monomials, value[1:])
+        return value
+
+
+def _single_entries(matrix: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
+    """Columns, rows and entries of a matrix with at most one entry in each column."""
+    rows, columns = np.nonzero(matrix)
+    return columns, rows, matrix[rows, columns]
+
+
+def principal_frame(vertices: Floats) -> Frame:
+    """Frame in which every polygon has the second moments of the unit circle, whatever its stretch.
+
+    Coordinates are taken about a vertex first, so that cells far from the origin lose no digits.
+
+    Parameters
+    ----------
+    vertices
+        Counter-clockwise vertices, shape (n_vertices, 2, n_cells).
+
+    """
+    base = vertices[0]
+    start = vertices - base
+    end = np.roll(start, -1, axis=0)
+    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    area = cross.sum(axis=0) / 2.0
+    centroid = np.einsum("vie,ve->ie", start + end, cross) / (6.0 * area)
+    start, end = start - centroid, end - centroid
+    cross = start[:, 0] * end[:, 1] - start[:, 1] * end[:, 0]
+    total = start + end
+    second = np.einsum("vie,vje,ve->ije", total, total, cross)
+    second += np.einsum("vie,vje,ve->ije", start, start, cross)
+    second += np.einsum("vie,vje,ve->ije", end, end, cross)
+    factor = 2.0 * batched.cholesky(second / (24.0 * area))
+    inverse = np.zeros_like(factor)
+    inverse[0, 0] = 1.0 / factor[0, 0]
+    inverse[1, 1] = 1.0 / factor[1, 1]
+    inverse[1, 0] = -factor[1, 0] * inverse[0, 0] * inverse[1, 1]
+    return Frame(centroid + base, inverse)

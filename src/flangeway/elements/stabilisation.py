@@ -1,0 +1,136 @@
+"""Stabilisations: a stiffness for what the projection of a virtual element does not see.
+
+Each acts on ``I - D Pi``, the part of the degrees of freedom that the projected polynomial misses, and scales with
+the problem's moduli, so that results do not depend on units.
+"""
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import batched
+from flangeway.elements.reconstruction import Reconstruction
+from flangeway.errors import InputError
+
+Floats = NDArray[np.float64]
+
+
+class Stabilisation(ABC):
+    """A stiffness that vanishes on polynomials of degree k; its subclasses are final."""
+
+    @abstractmethod
+    def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats | None:
+        """Matrices of cells; arguments and result as in `Element.stabilise`."""
+
+
+def _refuse_not_positive(owner: str, name: str, value: float) -> None:
+    if not (np.isfinite(value) and value > 0.0):
+        raise InputError(f"{owner}({name}={value})", "a positive number", "leave the default")
+
+
+def _mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
+    """Mean modulus, shape (n_cells,): the energy of the coordinates x and y, whose gradients every projection keeps.
+
+    For a scalar problem it is the problem's own modulus.
+    """
+    linear = reconstruction.coordinate_dofs()
+    forces = np.einsum("ccmne,nxe->mxe", consistency, linear)
+    energy = np.einsum("mxe,mxe->e", linear, forces)
+    return energy / (2.0 * len(consistency) * reconstruction.areas)
+
+
+@dataclass(frozen=True)
+class IdentityStabilisation(Stabilisation):
+    """Modulus times ``(I - D Pi)^T (I - D Pi)`` (seed 3.71; Beirao da Veiga et al., 2013).
+
+    Parameters
+    ----------
+    factor
+        Factor, 1 as published.
+
+    """
+
+    factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        _refuse_not_positive("IdentityStabilisation", "factor", self.factor)
+
+    def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
+        """Matrices of cells; see `Stabilisation.matrices`."""
+        dofs, value = reconstruction.monomial_dofs, reconstruction.value
+        scale = self.factor * _mean_modulus(reconstruction, consistency)
+        gram = batched.symmetric_product(dofs, dofs)
+        # (I - D Pi)^T (I - D Pi) = I + Pi^T W + W^T Pi with W = (D^T D Pi) / 2 - D^T
+        half = np.einsum("abe,bme->ame", (0.5 * scale) * gram, value) - dofs.swapaxes(0, 1) * scale
+        result = batched.symmetric_product(np.concatenate((value, half)), np.concatenate((half, value)))
+        diagonal = np.arange(reconstruction.n_local)
+        result[diagonal, diagonal] += scale
+        return result
+
+
+@dataclass(frozen=True)
+class DiagonalStabilisation(Stabilisation):
+    """``(I - D Pi)^T diag(max(modulus, K_c,ii)) (I - D Pi)``, the diagonal recipe.
+
+    It follows the growth of the consistency's diagonal with the order (Beirao da Veiga, Dassi and Russo, 2017,
+    "High-order virtual element method on polyhedral meshes", section 4).
+
+    Parameters
+    ----------
+    factor
+        Factor, 1 as published.
+
+    """
+
+    factor: float = 1.0
+
+    def __post_init__(self) -> None:
+        _refuse_not_positive("DiagonalStabilisation", "factor", self.factor)
+
+    def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
+        """Matrices of cells; see `Stabilisation.matrices`."""
+        diagonal = np.einsum("cciie->ie", consistency) / len(consistency)
+        weights = np.maximum(diagonal, _mean_modulus(reconstruction, consistency))
+        missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, reconstruction.value)
+        places = np.arange(reconstruction.n_local)
+        missed[places, places] += 1.0
+        return self.factor * np.einsum("ime,ie,ine->mne", missed, weights, missed)
+
+
+@dataclass(frozen=True)
+class TraceStabilisation(Stabilisation):
+    """``factor tr(K_c) (I - Q Q^T)``, Q an orthonormal basis of the polynomials' degrees of freedom (seed 3.96).
+
+    Parameters
+    ----------
+    factor
+        Factor of the trace over all components, 0.5 as published.
+
+    """
+
+    factor: float = 0.5
+
+    def __post_init__(self) -> None:
+        _refuse_not_positive("TraceStabilisation", "factor", self.factor)
+
+    def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
+        """Matrices of cells; see `Stabilisation.matrices`."""
+        dofs = reconstruction.monomial_dofs
+        gram = np.einsum("iae,ibe->abe", dofs, dofs)
+        polynomial = np.einsum("iae,aje->ije", dofs, batched.solve(gram, dofs.swapaxes(0, 1)))
+        trace = np.einsum("cciie->e", consistency)
+        return self.factor * trace * (np.eye(reconstruction.n_local)[:, :, None] - polynomial)
+
+
+@dataclass(frozen=True)
+class NoStabilisation(Stabilisation):
+    """Nothing, to look at the consistency alone: on most polygons the stiffness is then singular."""
+
+    def matrices(
+        self,
+        reconstruction: Reconstruction,
+        consistency: Floats,
+    ) -> None:
+        """Nothing."""

@@ -1,0 +1,113 @@
+"""Given functions on a space: interpolation and loads."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import Function, polygon_quadrature
+from flangeway.errors import InputError
+from flangeway.space.space import CellBatch, Space
+
+Floats = NDArray[np.float64]
+
+
+def quadrature_degree(space: Space) -> int:
+    """Degree of quadrature of given smooth functions, so that its error is below that of the space."""
+    return 2 * space.order + 2
+
+
+def at_points(function: Function, points: Floats) -> Floats:
+    """Values of a function at points (..., 2, n_cells).
+
+    Returns
+    -------
+    Floats
+        Shape (..., n_cells), or (m, ..., n_cells) for a function with m components.
+
+    Raises
+    ------
+    InputError
+        If the function gives another shape or a number that is not finite; the message names the place.
+
+    """
+    given = points.swapaxes(-1, -2)
+    rows = given.reshape(-1, 2)
+    values = np.asarray(function(rows), dtype=np.float64)
+    if values.shape[:1] != (len(rows),) or values.ndim > 2:
+        raise InputError(
+            f"a function that gives shape {values.shape} for {len(rows)} points",
+            f"({len(rows)},), or ({len(rows)}, m) for m components",
+            "write it for points of shape (n, 2)",
+        )
+    if not np.isfinite(values).all():
+        row = int(np.argmax(~np.isfinite(values).reshape(len(rows), -1).all(axis=1)))
+        raise InputError(
+            f"a function that is not finite at ({rows[row, 0]:g}, {rows[row, 1]:g})",
+            "finite numbers everywhere inside the mesh",
+            "check the function there",
+        )
+    shape = (*values.shape[1:], *given.shape[:-1])
+    return np.ascontiguousarray(np.moveaxis(values, 0, -1)).reshape(shape)
+
+
+def cell_quadrature(batch: CellBatch, degree: int) -> tuple[Floats, Floats]:
+    """Points (n_points, 2, n_cells) inside cells and weights (n_points, n_cells)."""
+    return polygon_quadrature(batch.vertices, degree)
+
+
+def interpolate(space: Space, function: Function, degree: int | None = None) -> Floats:
+    """Degrees of freedom of a function: values at nodes, and its moments inside virtual cells.
+
+    Parameters
+    ----------
+    space
+        The space.
+    function
+        Takes points (n, 2), gives values (n,).
+    degree
+        Degree of the quadrature of moments, ``2 k + 2`` by default.
+
+    Returns
+    -------
+    Floats
+        Shape (n_dofs,).
+
+    """
+    degree = quadrature_degree(space) if degree is None else degree
+    dofs = np.empty(space.n_dofs)
+    dofs[: space.n_nodes] = at_points(function, space.nodes.T)
+    for batch in space.batches():
+        n_interior = batch.element.n_interior()
+        if n_interior:
+            inside = batch.element.interior_dofs(batch.vertices, function, degree)
+            dofs[batch.dofs[-n_interior:]] = inside
+    return dofs
+
+
+def load_vector(space: Space, function: Function, degree: int | None = None) -> Floats:
+    """Integrals of a function times the projected basis functions (seed 3.81).
+
+    Parameters
+    ----------
+    space
+        The space.
+    function
+        Takes points (n, 2), gives values (n,).
+    degree
+        Degree of the quadrature of the function times a polynomial, ``2 k + 2`` by default.
+
+    Returns
+    -------
+    Floats
+        Shape (n_dofs,).
+
+    """
+    degree = quadrature_degree(space) if degree is None else degree
+    load = np.zeros(space.n_dofs)
+    for batch in space.batches():
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        points, weights = cell_quadrature(batch, degree)
+        weighted = at_points(function, points) * weights
+        products = np.einsum("aqe,qe->ae", reconstruction.at(points), weighted)
+        local = np.einsum("ae,ame->me", products, reconstruction.projected_value)
+        load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=space.n_dofs)
+    return load

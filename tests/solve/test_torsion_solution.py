@@ -1,0 +1,262 @@
+"""Solutions of St. Venant's torsion."""
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Lagrange, NoStabilisation, TraceStabilisation, Virtual
+from flangeway.errors import InputError
+from flangeway.exact import Ellipse, EquilateralTriangle, Rectangle, thin_closed_torsion_constant
+from flangeway.geometry import circle, polygon, rectangle, square
+from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined, triangulate
+from flangeway.post import corner_shear_stresses, error_norms, shear_stresses
+from flangeway.problems import Torsion
+from flangeway.solve import solve_torsion
+from flangeway.space import Space, interpolate
+
+TRIANGLE = EquilateralTriangle(1.5)
+TRIANGLE_MESH = triangulate(polygon(TRIANGLE.corners), size=0.3)
+SQUARE_MESH = triangulate(square(1.0), size=0.1)
+
+
+def constants(mesh, element, **options):
+    """Torsion constants from the warping and from Prandtl's function."""
+    space = Space(mesh, element)
+    return [
+        solve_torsion(Torsion(space, formulation=formulation, **options)).torsion_constant
+        for formulation in ("warping", "prandtl")
+    ]
+
+
+@pytest.mark.parametrize("formulation", ["warping", "prandtl"])
+@pytest.mark.parametrize(
+    ("mesh", "element"),
+    [(TRIANGLE_MESH, Lagrange(3)), (TRIANGLE_MESH, Virtual(3)), (dual(TRIANGLE_MESH), Virtual(3))],
+    ids=["Lagrange", "virtual triangles", "polygons"],
+)
+def test_cubic_solution_of_the_triangle_is_exact(mesh, element, formulation):
+    """The equilateral triangle's functions are cubic: elements of order 3 give them to rounding."""
+    space = Space(mesh, element)
+    solution = solve_torsion(Torsion(space, formulation=formulation))
+    exact = TRIANGLE.warping if formulation == "warping" else TRIANGLE.stress_function
+    assert solution.function == pytest.approx(interpolate(space, exact), abs=1e-10)
+    assert solution.torsion_constant == pytest.approx(TRIANGLE.torsion_constant, rel=1e-10)
+
+
+@pytest.mark.parametrize("formulation", ["warping", "prandtl"])
+def test_stresses_of_the_triangle_are_exact(formulation):
+    """On polygons of order 3 the shear stresses, which are quadratic, are exact; their resultant is zero."""
+    mesh = dual(TRIANGLE_MESH)
+    solution = solve_torsion(Torsion(Space(mesh, Virtual(3)), formulation=formulation))
+    exact = TRIANGLE.shear_stress(mesh.points[mesh.cell_points])
+    assert corner_shear_stresses(solution) == pytest.approx(exact, abs=1e-9)
+    torque = mesh.cell_areas @ shear_stresses(solution)
+    assert torque == pytest.approx([0.0, 0.0], abs=1e-10)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("formulation", ["warping", "prandtl"])
+def test_functions_of_the_square_converge(formulation, order):
+    """Halving the cells of the square divides the H1 error by 2^0.75 (order 1) or 2^1.6 (orders 2 and 3) at least.
+
+    Both functions have a singularity r^2 ln r at the corners, which holds higher orders down to 2.
+    """
+    exact = Rectangle(1.0, 1.0)
+    value, slope = (
+        (exact.warping, exact.warping_gradient)
+        if formulation == "warping"
+        else (exact.stress_function, exact.stress_function_gradient)
+    )
+    errors = []
+    for mesh in (triangulate(square(1.0), size=0.25), triangulate(square(1.0), size=0.125)):
+        space = Space(mesh, Lagrange(order))
+        solution = solve_torsion(Torsion(space, formulation=formulation))
+        errors.append(error_norms(space, solution.function, value, slope).relative_h1)
+    assert np.log2(errors[0] / errors[1]) > {1: 0.75, 2: 1.6, 3: 1.6}[order]
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize(
+    ("outline", "exact"),
+    [(square(1.0), Rectangle(1.0, 1.0)), (rectangle(1.0, 0.2), Rectangle(1.0, 0.2))],
+    ids=["square", "flat"],
+)
+def test_lagrange_elements_bracket_the_exact_constant(order, outline, exact):
+    """Lagrange elements: Prandtl's function below, the warping function above."""
+    upper, lower = constants(triangulate(outline, size=0.1), Lagrange(order))
+    assert lower < exact.torsion_constant < upper
+
+
+def test_virtual_elements_do_not_bracket_in_general():
+    """Polygons of order 2 with the published stabilisation are above the exact constant in both formulations."""
+    exact = Rectangle(1.0, 1.0).torsion_constant
+    upper, lower = constants(dual(SQUARE_MESH), Virtual(2))
+    assert min(upper, lower) > exact
+    assert upper == pytest.approx(exact, rel=5e-5)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_stiff_stabilisation_brackets_on_dual_polygons(order):
+    """With the trace stabilisation, which is stiffer, dual polygons of the square bracket the exact constant."""
+    upper, lower = constants(dual(SQUARE_MESH), Virtual(order, TraceStabilisation()))
+    assert lower < Rectangle(1.0, 1.0).torsion_constant < upper
+
+
+def test_both_gradients_agree_in_the_limit_and_differ_on_polygons():
+    """The L2 projection of the gradient changes order 2 on polygons slightly, and order 1 not at all."""
+    energy, l2 = (constants(dual(SQUARE_MESH), Virtual(2), gradient=g) for g in ("energy", "l2"))
+    assert energy[0] != pytest.approx(l2[0], rel=1e-7)
+    assert energy[0] == pytest.approx(l2[0], rel=1e-4)
+    assert constants(SQUARE_MESH, Virtual(1), gradient="energy") == pytest.approx(
+        constants(SQUARE_MESH, Virtual(1), gradient="l2"), rel=1e-12
+    )
+
+
+@pytest.mark.parametrize("element", [Lagrange(2), Virtual(2)], ids=["Lagrange", "virtual"])
+def test_hollow_circle(element):
+    """A hollow circle: both formulations within 0.1 % of the closed form, the hole's value (R^2 - r^2) / 2."""
+    mesh = triangulate(circle(1.0), size=0.05, holes=[circle(0.5)])
+    exact = Ellipse.circle(1.0, 0.5)
+    assert constants(mesh, element) == pytest.approx([exact.torsion_constant] * 2, rel=1e-3)
+    solution = solve_torsion(Torsion(Space(mesh, element), formulation="prandtl"))
+    assert solution.hole_values == pytest.approx([0.375], rel=1e-3)
+    space = Space(mesh, element)
+    assert (
+        error_norms(space, solution.function, exact.stress_function, exact.stress_function_gradient).relative_h1 < 5e-3
+    )
+
+
+def test_round_hollow_section_does_not_warp():
+    """A circle's warping function is zero."""
+    mesh = triangulate(circle(1.0), size=0.1, holes=[circle(0.5)])
+    solution = solve_torsion(Torsion(Space(mesh, Lagrange(1))))
+    # the polygon of 63 sides warps a little
+    assert np.abs(solution.function).max() < 1e-3
+
+
+def test_hollow_square_is_bracketed_and_extrapolates():
+    """A square with a square hole: bounds close in with refinement and enclose the finer ones (no closed form)."""
+    mesh = triangulate(square(1.0), size=0.1, holes=[square(0.5)])
+    upper, lower = constants(mesh, Lagrange(2))
+    finer_upper, finer_lower = constants(refined(mesh), Lagrange(2))
+    assert lower < finer_lower < finer_upper < upper
+    assert finer_upper / finer_lower - 1.0 < 2e-3
+
+
+def test_thin_closed_box_approaches_bredts_formula():
+    """A thin box: within 1 % of Bredt's formula on the middle line for walls of 1/50."""
+    mesh = triangulate(square(1.02), size=0.02, holes=[square(0.98)])
+    upper, lower = constants(mesh, Lagrange(2))
+    bredt = thin_closed_torsion_constant(1.0, [4.0], [0.02])
+    assert lower < upper
+    assert (upper + lower) / 2.0 == pytest.approx(bredt, rel=0.01)
+
+
+def test_two_holes_carry_equal_values_by_symmetry():
+    """A symmetric pair of holes has one common value, and a wall between them that carries no shear at mid length."""
+    holes = [square(0.5, (-0.5, 0.0)), square(0.5, (0.5, 0.0))]
+    mesh = triangulate(rectangle(2.0, 1.0), size=0.1, holes=holes)
+    solution = solve_torsion(Torsion(Space(mesh, Lagrange(2)), formulation="prandtl"))
+    assert len(solution.hole_values) == 2
+    assert solution.hole_values[0] == pytest.approx(solution.hole_values[1], rel=1e-3)
+    upper = solve_torsion(Torsion(Space(mesh, Lagrange(2)))).torsion_constant
+    assert solution.torsion_constant < upper < 1.01 * solution.torsion_constant
+
+
+def test_warping_has_zero_circulation_mismatch_and_prandtl_the_right_one():
+    """About the hole of a hollow square, the circulation of Prandtl's shear stress is twice the hole's area."""
+    mesh = triangulate(square(1.0), size=0.05, holes=[square(0.5)])
+    problem = Torsion(Space(mesh, Lagrange(2)), formulation="prandtl")
+    solution = solve_torsion(problem)
+    residual = problem.stiffness().full() @ solution.function - problem.load_vector()
+    nodes = np.unique(problem.space.edge_nodes(problem.boundary.holes[0]))
+    assert residual[nodes].sum() == pytest.approx(2.0 * 0.25, rel=1e-10)
+
+
+def test_composite_of_equal_materials_is_the_homogeneous_section():
+    """Two materials with one modulus are one material; both scaled by ten have ten times the rigidity."""
+    mesh = halves()
+    for formulation in ("warping", "prandtl"):
+        space = Space(mesh, Lagrange(2))
+        one = solve_torsion(Torsion(space, 3.0, formulation))
+        two = solve_torsion(Torsion(space, {"left": 3.0, "right": 3.0}, formulation))
+        ten = solve_torsion(Torsion(space, 30.0, formulation))
+        assert two.torsional_rigidity == pytest.approx(one.torsional_rigidity, rel=1e-12)
+        assert ten.torsional_rigidity == pytest.approx(10.0 * one.torsional_rigidity, rel=1e-12)
+        assert one.torsion_constant == pytest.approx(ten.torsion_constant, rel=1e-12)
+
+
+@pytest.mark.parametrize("element", [Lagrange(2), Virtual(2)], ids=["Lagrange", "virtual"])
+def test_composite_circle_of_two_rings_has_the_sum_of_rigidities(element):
+    """Concentric materials do not warp: the rigidity is the sum of G J of disc and ring."""
+    mesh = triangulate(circle(1.0), size=0.06)
+    inside = np.hypot(*mesh.cell_centroids.T) < 0.5
+    mesh = mesh.with_cell_set("core", inside).with_cell_set("shell", ~inside)
+    moments = [np.sum(polar_moments(mesh)[part]) for part in (inside, ~inside)]
+    space = Space(mesh, element)
+    for formulation in ("warping", "prandtl"):
+        solution = solve_torsion(Torsion(space, {"core": 5.0, "shell": 1.0}, formulation))
+        assert solution.torsional_rigidity == pytest.approx(5.0 * moments[0] + moments[1], rel=0.02)
+
+
+def polar_moments(mesh):
+    """Integral of x^2 + y^2 over triangles, by the rule of edge middles."""
+    corners = mesh.points[mesh.cell_points.reshape(-1, 3)]
+    middles = (corners + np.roll(corners, -1, axis=1)) / 2.0
+    return mesh.cell_areas * (middles**2).sum(axis=2).mean(axis=1)
+
+
+def halves():
+    mesh = rectangle_grid(1.0, 0.5, 8, 4, origin=(3.0, 7.0))
+    left = mesh.cell_centroids[:, 0] < 3.5
+    return mesh.with_cell_set("left", left).with_cell_set("right", ~left)
+
+
+def test_composite_formulations_agree_and_bracket():
+    """Two halves of different stiffness: Prandtl below, warping above, 1 % apart."""
+    mesh = refined(halves())
+    space = Space(mesh, Lagrange(2))
+    moduli = {"left": 1.0, "right": 4.0}
+    upper, lower = (solve_torsion(Torsion(space, moduli, f)).torsional_rigidity for f in ("warping", "prandtl"))
+    assert lower < upper < 1.01 * lower
+
+
+def test_result_does_not_depend_on_place_or_unit():
+    """Moved by 1e5 diameters the constant keeps 9 digits; in another unit it scales with the fourth power."""
+    mesh = dual(SQUARE_MESH)
+    moved = PolyMesh(mesh.points + 1e5, mesh.cell_offsets, mesh.cell_points)
+    scaled = PolyMesh(1e3 * mesh.points, mesh.cell_offsets, mesh.cell_points)
+    base = constants(mesh, Virtual(2))
+    assert constants(moved, Virtual(2)) == pytest.approx(base, rel=1e-9)
+    assert constants(scaled, Virtual(2)) == pytest.approx(1e12 * np.array(base), rel=1e-9)
+
+
+def test_separate_parts_twist_about_their_own_centres():
+    """Two squares that do not touch have twice the constant of one, and a warping function of mean zero on each."""
+    first = rectangle_grid(1.0, 1.0, 8, 8)
+    both = first.merged(rectangle_grid(1.0, 1.0, 8, 8, origin=(3.0, 1.0)))
+    single = constants(first, Lagrange(2))
+    assert constants(both, Lagrange(2)) == pytest.approx(2.0 * np.array(single), rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"shear_modulus": 0.0}, "positive"),
+        ({"shear_modulus": {"left": 1.0}}, "0 shear moduli"),
+        ({"shear_modulus": {"nowhere": 1.0}}, "nowhere"),
+        ({"formulation": "stress"}, "warping or prandtl"),
+        ({"load": "vertex_mean"}, "order 1"),
+        ({"gradient": "exact"}, "energy or l2"),
+    ],
+)
+def test_wrong_problems_are_refused(options, message):
+    """Moduli that are not positive or do not cover the mesh, and unknown choices, are refused by name."""
+    with pytest.raises(InputError, match=message):
+        Torsion(Space(halves(), Lagrange(2)), **options)
+
+
+def test_missing_stabilisation_is_reported():
+    """Squares of order 1 without a stabilisation have a free hourglass: the error says what to do."""
+    mesh = rectangle_grid(1.0, 1.0, 4, 4, cells="quadrilaterals")
+    with pytest.raises(InputError, match="stabilisation"):
+        solve_torsion(Torsion(Space(mesh, Virtual(1, NoStabilisation()))))
