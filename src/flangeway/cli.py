@@ -54,6 +54,32 @@ Out = Annotated[
     typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False),
 ]
 
+SectionName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME_OR_FILE", help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file."
+    ),
+]
+SectionSize = Annotated[
+    float | None,
+    typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit.", show_default=False),
+]
+SectionOrder = Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")]
+SectionMethod = Annotated[str, typer.Option("--method", metavar="[fem|vem]", help="Triangles, or virtual polygons.")]
+SectionPoisson = Annotated[
+    float | None,
+    typer.Option(
+        "--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out.", show_default=False
+    ),
+]
+SectionUnit = Annotated[
+    str | None,
+    typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
+]
+SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file holds one half, up to x = 0.")]
+ReproductionName = Annotated[str, typer.Argument(metavar="NAME", help="torsion: Tables 4 to 7.")]
+Quick = Annotated[bool, typer.Option("--quick", help="Compute the coarser half of the meshes only.")]
+
 
 def _show_version(wanted: bool) -> None:
     if wanted:
@@ -127,6 +153,61 @@ def converge(
         file = write_together(folder, {name: lambda path: write_summary(path, found.to_json())})[0]
         print_convergence(_stdout(), found, file)
         raise typer.Exit(DONE if found.within else FAILED)
+
+
+@app.command()
+def section(
+    name_or_file: SectionName,
+    size: SectionSize = None,
+    order: SectionOrder = 2,
+    method: SectionMethod = "fem",
+    poisson: SectionPoisson = None,
+    unit: SectionUnit = None,
+    mirror: SectionMirror = False,
+    out: Out = None,
+) -> None:
+    """Compute the constants of a cross-section; JSON, pictures and a VTU file in a folder (out/section-NAME)."""
+    with _errors_as_exit_status():
+        from flangeway.report.section_outputs import (  # noqa: PLC0415
+            check_section_folder,
+            print_section,
+            write_section,
+        )
+        from flangeway.study.section import SectionOptions, find_section, run_section  # noqa: PLC0415
+
+        drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
+        options = SectionOptions(size, order, method, poisson)
+        folder = out or Path("out", f"section-{Path(name_or_file).stem}")
+        check_section_folder(folder)
+        with _progress() as progress:
+            done = run_section(drawn, options, progress)
+            files = write_section(done, folder, progress)
+        print_section(_stdout(), done.summary, files)
+
+
+@app.command()
+def reproduce(
+    name: ReproductionName,
+    quick: Quick = False,
+    out: Out = None,
+) -> None:
+    """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
+    with _errors_as_exit_status():
+        from flangeway.report.reproduction import (  # noqa: PLC0415
+            check_reproduction_folder,
+            print_torsion,
+            write_torsion,
+        )
+        from flangeway.study.reproduce import refuse_unknown_reproduction, reproduce_torsion  # noqa: PLC0415
+
+        refuse_unknown_reproduction(name)
+        folder = (out or Path("out", "reproduce")) / name
+        check_reproduction_folder(folder)
+        with _progress() as progress:
+            found = reproduce_torsion(quick=quick, progress=progress)
+            files = write_torsion(found, folder, progress)
+        print_torsion(_stdout(), found, files)
+        raise typer.Exit(DONE if found.passed else FAILED)
 
 
 @app.command()

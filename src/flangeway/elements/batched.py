@@ -19,7 +19,7 @@ def cholesky(matrices: Floats) -> Floats:
     return factor
 
 
-def solve(matrices: Floats, rhs: Floats) -> Floats:
+def solve(matrices: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
     """Solve systems with symmetric positive definite matrices by Cholesky's method.
 
     Parameters
@@ -28,6 +28,8 @@ def solve(matrices: Floats, rhs: Floats) -> Floats:
         Shape (n, n, n_cells).
     rhs
         Right-hand sides, shape (n, m, n_cells).
+    out
+        Where the solutions go, shape (n, m, n_cells), if not into a new array.
 
     Returns
     -------
@@ -37,7 +39,8 @@ def solve(matrices: Floats, rhs: Floats) -> Floats:
     """
     factor = cholesky(matrices)
     n = factor.shape[0]
-    x = np.array(np.broadcast_to(rhs, (*rhs.shape[:-1], factor.shape[-1])))
+    x = np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
+    x[:] = rhs
     for j in range(n):
         if j:
             x[j] -= np.einsum("ke,kme->me", factor[j, :j], x[:j])
@@ -68,5 +71,17 @@ def symmetric_product(left: Floats, right: Floats) -> Floats:
     for i in range(n):
         row = product[i, : i + 1]
         np.einsum("ae,aje->je", left[:, i], right[:, : i + 1], out=row)
+        product[:i, i] = row[:i]
+    return product
+
+
+def symmetrised_product(left: Floats, right: Floats) -> Floats:
+    """Sums ``left^T right + right^T left``; arguments and result as in `symmetric_product`."""
+    n = left.shape[1]
+    product = np.empty((n, n, left.shape[2]))
+    for i in range(n):
+        row = product[i, : i + 1]
+        np.einsum("ae,aje->je", left[:, i], right[:, : i + 1], out=row)
+        row += np.einsum("ae,aje->je", right[:, i], left[:, : i + 1])
         product[:i, i] = row[:i]
     return product

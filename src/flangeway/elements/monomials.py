@@ -102,6 +102,18 @@ def derivatives(degree: int) -> Floats:
     return matrices
 
 
+@cache
+def derivative_entries(degree: int) -> tuple[tuple[Ints, Floats], tuple[Ints, Floats]]:
+    """The only entry in each row of both matrices of `derivatives`: its column and its value.
+
+    Row a of the derivative by xi or eta comes from one monomial of degree k: ``(columns, factors)``, each of
+    shape (n_monomials(degree - 1),).
+    """
+    by_xi, by_eta = derivatives(degree)
+    columns = by_xi.argmax(axis=1), by_eta.argmax(axis=1)
+    return (columns[0], by_xi.max(axis=1)), (columns[1], by_eta.max(axis=1))
+
+
 def integrals(degree: int, local_vertices: Floats, jacobian: Floats) -> Floats:
     """Exact integrals of all monomials over straight-sided polygons.
 

@@ -101,23 +101,21 @@ class Polygons:
         (n, n, n_cells) and (n, n_local, n_cells) with ``n = n_monomials(k) - 1``.
         """
         order, map_ = self.order, self.frame.map
-        local = monomials.derivatives(order)[:, :, 1:]
         # the metric of the frame: grad m . grad m' = (map^T d m) . (map^T d m')
         metric = np.einsum("jie,kie->jke", map_, map_)
         mass = monomials.mass(order - 1, self.moments)
-        gram = np.zeros((local.shape[2], local.shape[2], mass.shape[-1]))
-        for j in range(2):
-            for k in range(2):
-                # each derivative of a monomial is one monomial: this is a gather with factors
-                left, right = _single_entries(local[j]), _single_entries(local[k])
-                products = mass[left[1][:, None], right[1]] * np.outer(left[2], right[2])[:, :, None]
-                gram[left[0][:, None], right[0]] += products * metric[j, k]
-        moments = np.einsum("jie,aime->jame", map_, gradient_moments)
-        rhs = np.zeros((local.shape[2], *gradient_moments.shape[2:]))
-        for j in range(2):
-            columns, rows, factors = _single_entries(local[j])
-            rhs[columns] += factors[:, None, None] * moments[j, rows]
-        return gram, rhs
+        # each derivative of a monomial is a multiple of one monomial: sums are gathers with factors
+        entries = monomials.derivative_entries(order)
+        n = n_monomials(order)
+        gram = np.zeros((n, n, mass.shape[-1]))
+        rhs = np.zeros((n, *gradient_moments.shape[2:]))
+        for j, (columns, factors) in enumerate(entries):
+            for k, (other_columns, other_factors) in enumerate(entries):
+                products = mass * (np.outer(factors, other_factors)[:, :, None] * metric[j, k])
+                gram[columns[:, None], other_columns] += products
+            along = gradient_moments[:, 0] * map_[j, 0] + gradient_moments[:, 1] * map_[j, 1]
+            rhs[columns] += factors[:, None, None] * along
+        return gram[1:, 1:], rhs[1:]
 
     def means(self) -> Floats:
         """The functional that fixes the constant: vertex average (k = 1) or mean, shape (n_local,)."""
@@ -128,21 +126,24 @@ class Polygons:
             mean[self.n_boundary] = 1.0
         return mean
 
-    def energy_projection(self, monomial_dofs: Floats, gradient_moments: Floats) -> Floats:
-        """Coefficients of the energy projection (seed 3.62), shape (n_monomials(k), n_local, n_cells)."""
+    def energy_projection(self, monomial_dofs: Floats, gradient_moments: Floats) -> tuple[Floats, Floats]:
+        """Energy projection and the integrals that it is made of (seed 3.60, 3.62).
+
+        Returns
+        -------
+        tuple of Floats
+            Coefficients of the projection, (n_monomials(k), n_local, n_cells), and the gradient products of the
+            monomials from degree 1 with the basis functions, (n_monomials(k) - 1, n_local, n_cells).
+
+        """
         gram, rhs = self.energy_matrices(gradient_moments)
         value = np.empty((len(gram) + 1, *rhs.shape[1:]))
-        value[1:] = batched.solve(gram, rhs)
+        batched.solve(gram, rhs, out=value[1:])
         mean = self.means()
         of_monomials = np.einsum("i,iae->ae", mean, monomial_dofs[:, 1:])
-        value[0] = mean[:, None] - np.einsum("ae,aie->ie", of_monomials, value[1:])
-        return value
-
-
-def _single_entries(matrix: Floats) -> tuple[NDArray[np.int64], NDArray[np.int64], Floats]:
-    """Columns, rows and entries of a matrix with at most one entry in each column."""
-    rows, columns = np.nonzero(matrix)
-    return columns, rows, matrix[rows, columns]
+        np.einsum("ae,aie->ie", of_monomials, value[1:], out=value[0])
+        np.subtract(mean[:, None], value[0], out=value[0])
+        return value, rhs
 
 
 def principal_frame(vertices: Floats) -> Frame:

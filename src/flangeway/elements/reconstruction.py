@@ -41,6 +41,9 @@ class Reconstruction:
         Integrals of the gradient times the monomials of degree k - 1, in the axes of space,
         shape (n_monomials(k - 1), 2, n_local, n_cells). None if every discrete function is a polynomial
         of degree k, so that nothing is left to project or to stabilise.
+    energy_moments
+        Integrals of the gradient times those of the monomials from degree 1, the matrix B of seed (3.60) without its
+        first row, shape (n_monomials(k) - 1, n_local, n_cells); None likewise.
 
     """
 
@@ -50,6 +53,7 @@ class Reconstruction:
     moments: Floats
     monomial_dofs: Floats
     gradient_moments: Floats | None = None
+    energy_moments: Floats | None = None
 
     @property
     def exact(self) -> bool:
@@ -74,8 +78,30 @@ class Reconstruction:
     @cached_property
     def value_gradient(self) -> Floats:
         """Coefficients of the gradient of `value`, degree k - 1, shape as `gradient`."""
-        local = np.tensordot(monomials.derivatives(self.order)[:, :, 1:], self.value[1:], axes=(2, 0))
-        return np.einsum("jie,jame->aime", self.frame.map, local)
+        (first, first_factors), (second, second_factors) = monomials.derivative_entries(self.order)
+        map_ = self.frame.map
+        by_xi = self.value[first] * first_factors[:, None, None]
+        by_eta = self.value[second] * second_factors[:, None, None]
+        gradient = np.empty((len(first), 2, *self.value.shape[1:]))
+        for axis in range(2):
+            np.multiply(by_xi, map_[0, axis], out=gradient[:, axis])
+            gradient[:, axis] += by_eta * map_[1, axis]
+        return gradient
+
+    def value_energy(self, moduli: Floats) -> Floats:
+        """Integrals of products of the gradients of `value` times moduli (n_cells,), (n_local, n_local, n_cells).
+
+        This is the consistency of seed (3.69), ``Pi^T B``.
+        """
+        if self.energy_moments is None:
+            return self.gradient_energy(self.value_gradient, moduli)
+        return batched.symmetric_product(self.value[1:], self.energy_moments * moduli)
+
+    def gradient_energy(self, gradient: Floats, moduli: Floats) -> Floats:
+        """Likewise of gradients with coefficients like those of `gradient`."""
+        weighted = np.einsum("abe,bime->aime", self.mass * moduli, gradient)
+        rows = (-1, *gradient.shape[2:])
+        return batched.symmetric_product(gradient.reshape(rows), weighted.reshape(rows))
 
     @cached_property
     def gradient(self) -> Floats:

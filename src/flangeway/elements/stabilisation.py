@@ -64,7 +64,7 @@ class IdentityStabilisation(Stabilisation):
         gram = batched.symmetric_product(dofs, dofs)
         # (I - D Pi)^T (I - D Pi) = I + Pi^T W + W^T Pi with W = (D^T D Pi) / 2 - D^T
         half = np.einsum("abe,bme->ame", (0.5 * scale) * gram, value) - dofs.swapaxes(0, 1) * scale
-        result = batched.symmetric_product(np.concatenate((value, half)), np.concatenate((half, value)))
+        result = batched.symmetrised_product(value, half)
         diagonal = np.arange(reconstruction.n_local)
         result[diagonal, diagonal] += scale
         return result

@@ -11,6 +11,7 @@ from flangeway.elements.polygon_quadrature import polygon_quadrature
 from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.stabilisation import (
+    DiagonalStabilisation,
     IdentityStabilisation,
     Stabilisation,
     TraceStabilisation,
@@ -41,8 +42,8 @@ class Virtual(Element):
     order
         Order k, 1 to 10.
     stabilisation
-        Stiffness of what the projection misses. None takes the published one: `IdentityStabilisation` for one field
-        (seed 3.71), `TraceStabilisation` for a displacement (seed 3.96).
+        Stiffness of what the projection misses. None takes `IdentityStabilisation` for one field (seed 3.71), and for a
+        displacement `TraceStabilisation` (seed 3.96) up to order 2, `DiagonalStabilisation` above.
 
     """
 
@@ -72,8 +73,8 @@ class Virtual(Element):
         boundary = cells.boundary_values()
         gradient_moments = cells.gradient_moments(boundary)
         dofs = cells.monomial_dofs(boundary)
-        value = cells.energy_projection(dofs, gradient_moments)
-        return Reconstruction(self.order, cells.frame, value, cells.moments, dofs, gradient_moments)
+        value, energy_moments = cells.energy_projection(dofs, gradient_moments)
+        return Reconstruction(self.order, cells.frame, value, cells.moments, dofs, gradient_moments, energy_moments)
 
     def interior_dofs(self, vertices: Floats, function: Function, degree: int) -> Floats:
         """Mean products with the monomials of degree k - 2; see `Element.interior_dofs`."""
@@ -89,5 +90,8 @@ class Virtual(Element):
         """Stiffness of what the projection misses; see `Element.stabilise`."""
         chosen = self.stabilisation
         if chosen is None:
-            chosen = IdentityStabilisation() if len(consistency) == 1 else TraceStabilisation()
+            if len(consistency) == 1:
+                chosen = IdentityStabilisation()
+            else:  # the moments' stiffness makes the trace, and its round-off, too large at higher orders
+                chosen = TraceStabilisation() if self.order <= 2 else DiagonalStabilisation()
         return chosen.matrices(reconstruction, consistency)

@@ -122,10 +122,12 @@ class Outline(Contour):
             winding += (a[1] <= given[:, 1]) & (b[1] > given[:, 1]) & (left > 0.0)
             winding -= (a[1] > given[:, 1]) & (b[1] <= given[:, 1]) & (left < 0.0)
             if isinstance(piece, Arc):
-                # between chord and arc the loop winds once more than the chords do
+                # between chord and arc the loop winds once more than the chords do; a point on the
+                # chord is where the rule above sees it: beside and above
                 disc = np.hypot(*(given - np.array(piece.centre)).T) < piece.radius
-                turn = 1 if piece.counter_clockwise else -1
-                winding += turn * (disc & (turn * left < 0.0))
+                on_right = b[1] > a[1] or (b[1] == a[1] and b[0] < a[0])
+                right = (left < 0.0) | ((left == 0.0) & on_right)
+                winding += disc & right if piece.counter_clockwise else -1 * (disc & ~right)
         return winding > 0
 
     def transformed(self, placement: Placement) -> Self:

@@ -5,6 +5,7 @@ from flangeway.mesh.dual import dual
 from flangeway.mesh.gmsh_mesher import triangulate
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.refine import refined
+from flangeway.mesh.section_mesher import dual_section, triangulate_section
 from flangeway.mesh.sizing import Refinement
 from flangeway.mesh.structured import rectangle_grid
 from flangeway.mesh.vtu import write_vtu
@@ -14,8 +15,10 @@ __all__ = [
     "Refinement",
     "check",
     "dual",
+    "dual_section",
     "rectangle_grid",
     "refined",
     "triangulate",
+    "triangulate_section",
     "write_vtu",
 ]

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.elements import Reconstruction, batched, monomials
+from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
@@ -133,13 +133,13 @@ class Torsion:
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (seed 3.69) plus stabilisation, (n_local, n_local, n_cells)."""
         reconstruction = batch.element.reconstruct(batch.vertices)
-        gradient = self.cell_gradient(reconstruction)
         moduli = self.cell_moduli[batch.cells]
         if self.formulation == "prandtl":
             moduli = 1.0 / moduli
-        weighted = np.einsum("abe,bime->aime", reconstruction.mass * moduli, gradient)
-        rows = (-1, *gradient.shape[2:])
-        matrices = batched.symmetric_product(gradient.reshape(rows), weighted.reshape(rows))
+        if self.gradient == "energy":
+            matrices = reconstruction.value_energy(moduli)
+        else:
+            matrices = reconstruction.gradient_energy(reconstruction.gradient, moduli)
         stabilisation = batch.element.stabilise(reconstruction, matrices[None, None])
         if stabilisation is not None:
             matrices += stabilisation

@@ -1,0 +1,141 @@
+"""Closed outlines from what a file draws: duplicate points and direction mended with a notice, the rest refused."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import Point
+from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
+from flangeway.geometry.outline import Outline
+from flangeway.geometry.segments import Arc, Line, Segment
+
+LARGEST_COORDINATE = 1e30
+"""So that the sixth power of a length, and products of such, stay within floating-point numbers."""
+
+
+@dataclass(frozen=True)
+class DrawnSegment:
+    """Line, or arc if it has a centre, as a file gives it: not checked yet.
+
+    Parameters
+    ----------
+    start, end
+        Ends.
+    centre
+        Centre of an arc.
+    counter_clockwise
+        Direction of an arc.
+    name
+        Name of the segment.
+
+    """
+
+    start: Point
+    end: Point
+    centre: Point | None = None
+    counter_clockwise: bool = True
+    name: str = "side"
+
+    def checked(self) -> Segment:
+        """Return the segment; see `Line` and `Arc` for what is refused."""
+        if self.centre is None:
+            return Line(self.start, self.end)
+        return Arc(self.start, self.end, self.centre, self.counter_clockwise)
+
+
+def drawn_polygon(points: Sequence[Point], names: Sequence[str] | None = None) -> list[DrawnSegment]:
+    """Return the sides from each point to the next and from the last to the first."""
+    labels = [f"side_{i + 1}" for i in range(len(points))] if names is None else names
+    following = [*points[1:], points[0]]
+    return [DrawnSegment(a, b, name=label) for a, b, label in zip(points, following, labels, strict=True)]
+
+
+def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[DrawnSegment]:
+    """Return a circle of four arcs, counter-clockwise."""
+    x, y = centre
+    ends = [(x + radius, y), (x, y + radius), (x - radius, y), (x, y - radius)]
+    return [
+        DrawnSegment(a, b, centre, counter_clockwise=True, name=name)
+        for a, b in zip(ends, ends[1:] + ends[:1], strict=True)
+    ]
+
+
+def mended_outline(
+    drawn: Sequence[DrawnSegment], what: str, *, direction_matters: bool = True
+) -> tuple[Outline, tuple[str, ...]]:
+    """Return a counter-clockwise outline, and a notice of each thing that was mended.
+
+    Mended are points given twice (lines shorter than `JOINT_TOLERANCE` of the whole) and a clockwise direction.
+
+    Parameters
+    ----------
+    drawn
+        Segments in order; the last ends where the first starts.
+    what
+        Name of the loop in messages.
+    direction_matters
+        Whether to tell that a clockwise loop was reversed.
+
+    Raises
+    ------
+    InputError
+        If a number is not finite, the loop is open, meets itself or has no area; the message names the place.
+
+    """
+    if not drawn:
+        raise InputError(f"{what}: no segment", "two segments or more", "draw the loop")
+    _refuse_not_finite(drawn, what)
+    kept, notices = _without_duplicates(drawn, what)
+    _refuse_flat(kept or drawn, what)
+    try:
+        segments = tuple(segment.checked() for segment in kept)
+        names = [segment.name for segment in kept]
+        outline = Outline.from_segments(segments, names)
+    except InputError as reason:
+        raise InputError(f"{what}: {reason.given}", reason.allowed, reason.advice) from reason
+    if direction_matters and Outline._trusted(_joined(segments, closed=True), tuple(names))._signed_area < 0.0:
+        notices.append(f"{what}: drawn clockwise; its direction is reversed.")
+    return outline, tuple(notices)
+
+
+def _refuse_not_finite(drawn: Sequence[DrawnSegment], what: str) -> None:
+    for number, segment in enumerate(drawn):
+        for kind, point in (("start", segment.start), ("end", segment.end), ("centre", segment.centre)):
+            if point is not None and not all(abs(coordinate) <= LARGEST_COORDINATE for coordinate in point):
+                raise InputError(
+                    f"{what}: {kind} of segment {number} ({segment.name}) is ({point[0]}, {point[1]})",
+                    f"finite coordinates up to {LARGEST_COORDINATE:g}",
+                    "repair or remove this point",
+                )
+
+
+def _without_duplicates(drawn: Sequence[DrawnSegment], what: str) -> tuple[list[DrawnSegment], list[str]]:
+    """Leave out lines without length, and say where they were."""
+    ends = np.array([point for segment in drawn for point in (segment.start, segment.end)])
+    tolerance = JOINT_TOLERANCE * float(np.hypot(*np.ptp(ends, axis=0)))
+    kept, notices = [], []
+    for segment in drawn:
+        if segment.centre is None and math.dist(segment.start, segment.end) <= tolerance:
+            x, y = segment.start
+            notices.append(f"{what}: the point ({x:.9g}, {y:.9g}) is given twice; one of both is left out.")
+        else:
+            kept.append(segment)
+    return kept, notices
+
+
+def _refuse_flat(drawn: Sequence[DrawnSegment], what: str) -> None:
+    """Refuse points on one line: they would be found as sides that overlap, which explains less."""
+    points = np.array([point for segment in drawn for point in (segment.start, segment.end)])
+    local = points - points[0]
+    spread = np.linalg.svd(local, compute_uv=False)
+    if any(segment.centre is not None for segment in drawn) or spread[-1] > 1e-12 * max(spread[0], 1e-300):
+        return
+    x, y = points[0]
+    raise InputError(
+        f"{what}: no area, since all of its points lie on one line through ({x:.9g}, {y:.9g})",
+        "a loop that encloses an area",
+        "check the points",
+    )

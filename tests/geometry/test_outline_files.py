@@ -1,0 +1,370 @@
+"""Sections from files: what is read, what is mended with a notice, what is refused with its place."""
+
+import math
+
+import ezdxf
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, DrawnSection, read_section
+
+BOX = 'unit = "mm"\n[outer]\npoints = [[0, 0], [40, 0], [40, 20], [0, 20]]\n'
+
+
+@pytest.fixture
+def read(tmp_path):
+    """Write text or bytes to a file and read it as a section."""
+
+    def from_content(content, ending=".toml", **options):
+        file = tmp_path / f"outline{ending}"
+        file.write_bytes(content if isinstance(content, bytes) else content.encode())
+        return read_section(file, **options)
+
+    return from_content
+
+
+@pytest.fixture
+def read_drawing(tmp_path):
+    """Draw in a new DXF file with `draw(modelspace)` and read it as a section."""
+
+    def from_drawing(draw, units=4, version="R2010", **options):
+        drawing = ezdxf.new(version)
+        drawing.header["$INSUNITS"] = units
+        draw(drawing.modelspace())
+        file = tmp_path / "outline.dxf"
+        drawing.saveas(file)
+        return read_section(file, **options)
+
+    return from_drawing
+
+
+# what is read
+
+
+def test_toml_with_rounded_corners_holes_and_title(read):
+    """A box with corners rounded by r loses (4 - pi) r^2, holes their area; title, unit and names are kept."""
+    found = read(
+        """
+        title = "Box"
+        unit = "cm"
+        [outer]
+        points = [[0, 0, 3], [40, 0, 3], [40, 20, 3], [0, 20, 3]]
+        names = ["bottom", "right", "top", "left"]
+        [[holes]]
+        circle = { centre = [10, 10], radius = 2 }
+        [[holes]]
+        points = [[20, 5], [20, 15], [30, 15], [30, 5]]
+        """
+    )
+    region = found.section.parts["section"]
+    assert (found.title, found.unit, found.notices) == ("Box", "cm", ())
+    assert region.area == pytest.approx(800.0 - (4.0 - math.pi) * 9.0 - math.pi * 4.0 - 100.0, rel=1e-12)
+    assert set(region.outer.names) == {"bottom", "right", "top", "left", *(f"corner_{i}" for i in range(1, 5))}
+    assert not found.materials
+
+
+def test_toml_rounds_a_hollow_corner_inwards(read):
+    """Rounding the inner corner of an L with radius r adds (1 - pi/4) r^2, and radii may use up a side."""
+    found = read('unit = "mm"\nouter.points = [[0, 0], [6, 0], [6, 2], [2, 2, 4], [2, 6], [0, 6]]')
+    assert found.section.area == pytest.approx(20.0 + (1.0 - math.pi / 4) * 16.0, rel=1e-12)
+
+
+def test_toml_path_of_lines_and_arcs(read):
+    """A half disc drawn by its diameter and an arc, through a point or about a centre, has area pi r^2 / 2."""
+    through = "{ arc_to = [-2, 0], through = [0, 2], name = 'round' }"
+    about = "{ arc_to = [-2, 0], centre = [0, 0], turn = 'left', name = 'round' }"
+    for arc in (through, about):
+        found = read(f"unit = 'm'\nouter.path = [{{ from = [-2, 0] }}, {{ line_to = [2, 0] }}, {arc}]")
+        assert found.section.area == pytest.approx(2.0 * math.pi, rel=1e-12)
+        assert found.section.parts["section"].outer.names == ("step_1", "round")
+
+
+def test_toml_parts_with_materials(read):
+    """Parts have their own regions and materials, whose shear modulus is E / (2 (1 + nu))."""
+    found = read(
+        """
+        unit = "mm"
+        [parts.steel]
+        young_MPa = 210000
+        poisson = 0.3
+        outer.points = [[0, 0], [10, 0], [10, 5], [0, 5]]
+        [parts.concrete]
+        young_MPa = 30e3
+        poisson = 0.2
+        outer.points = [[0, 5], [10, 5], [10, 25], [0, 25]]
+        """
+    )
+    assert list(found.section.parts) == ["steel", "concrete"]
+    assert found.materials["steel"].shear_modulus_MPa == pytest.approx(210e3 / 2.6)
+    assert found.section.area == 250.0
+
+
+def test_csv_of_corners_names_its_unit(read):
+    """Corners in columns x_in, y_in make a polygon in inches; a second unit is refused."""
+    text = "x_in,y_in\n0,0\n2,0\n2,1\n0,1\n"
+    found = read(text, ".csv")
+    assert (found.unit, found.section.area, found.title) == ("in", 2.0, "outline")
+    assert read(text, ".csv", unit="in").unit == "in"
+    with pytest.raises(InputError, match="unit mm for a file in in"):
+        read(text, ".csv", unit="mm")
+
+
+def test_csv_half_outline_is_mirrored(read):
+    """A quarter-disc-topped half, mirrored by option or by comment, is whole and has twice the half's area."""
+    rows = "arc,0,3,2,1,0,1\nline,2,1,2,0,,\nline,2,0,0,0,,\n"
+    header = "type,x0,y0,x1,y1,xc,yc\n"
+    by_option = read(header + rows, ".csv", unit="mm", mirrored=True)
+    by_comment = read("# unit: mm\n# mirror\n" + header + rows, ".csv")
+    for found in (by_option, by_comment):
+        assert found.section.area == pytest.approx(4.0 + 2.0 * math.pi, rel=1e-12)
+        assert found.section.centroid()[0] == pytest.approx(0.0, abs=1e-12)
+        assert found.notices == ()
+
+
+def test_csv_loops_inside_others_are_holes(read):
+    """Rows that come back to their start end a loop; the smaller loop inside becomes a hole."""
+    text = (
+        "type,x0_mm,y0_mm,x1_mm,y1_mm,xc_mm,yc_mm,turn\n"
+        "line,0,0,9,0,,,\nline,9,0,9,9,,,\nline,9,9,0,9,,,\nline,0,9,0,0,,,\n"
+        "arc,3,4,5,4,4,4,right\narc,5,4,3,4,4,4,right\n"
+    )
+    found = read(text, ".csv")
+    assert found.section.area == pytest.approx(81.0 - math.pi, rel=1e-12)
+    assert found.notices == ()
+
+
+def test_dxf_polyline_with_bulges_and_circles(read_drawing):
+    """A stadium drawn as one polyline with bulges, with two circles in it, has its textbook area."""
+
+    def draw(space):
+        space.add_lwpolyline([(0, 0, 0), (10, 0, 1), (10, 4, 0), (0, 4, 1)], format="xyb", close=True)
+        space.add_circle((0, 2), 1)
+        space.add_circle((10, 2), 1)
+        space.add_text("not a part of it")
+
+    found = read_drawing(draw)
+    assert found.unit == "mm"
+    assert found.section.area == pytest.approx(40.0 + 4.0 * math.pi - 2.0 * math.pi, rel=1e-12)
+    assert found.notices == ("Left out: 1 TEXT.",)
+
+
+@pytest.mark.parametrize("bulge", [-0.4, 0.4])
+@pytest.mark.parametrize("version", ["R12", "R2010"])
+def test_dxf_bulge_to_either_side(read_drawing, version, bulge):
+    """A bulge outwards adds its circular segment and one inwards takes it off, clockwise polylines too."""
+    corners = [(0, 0, bulge), (6, 0, 0), (6, 5, 0), (0, 5, 0)]
+
+    def draw(space):
+        if version == "R12":
+            space.add_polyline2d(corners, format="xyb", close=True)
+        else:
+            space.add_lwpolyline(corners, format="xyb", close=True)
+
+    angle = 4.0 * math.atan(0.4)
+    radius = 3.0 / math.sin(angle / 2.0)
+    segment = 0.5 * radius**2 * (angle - math.sin(angle))
+    found = read_drawing(draw, version=version, **({"unit": "mm"} if version == "R12" else {}))
+    assert found.section.area == pytest.approx(30.0 + math.copysign(segment, bulge), rel=1e-12)
+
+
+def test_dxf_lines_and_arcs_in_any_order_and_direction(read_drawing):
+    """Lines and arcs that are drawn crisscross, one seen from below, are joined at their ends into one loop."""
+
+    def draw(space):
+        space.add_line((10, 4), (0, 4))
+        space.add_arc((-10, 2), 2, -90, 90, dxfattribs={"extrusion": (0, 0, -1)})  # centre at (10, 2) from above
+        space.add_line((10, 0), (0, 0))
+        space.add_arc((0, 2), 2, 90, 270)
+
+    # from below the arc's opening is turned over: it runs from (10, 0) to (10, 4) through (8, 2)
+    found = read_drawing(draw)
+    assert found.section.area == pytest.approx(40.0, rel=1e-12)
+    assert sum(isinstance(s, Arc) for s in found.section.parts["section"].outer.segments) == 2
+
+
+def test_dxf_units_come_from_the_drawing_or_the_option(read_drawing):
+    """Inches are read from $INSUNITS; a drawing without a unit needs the option, and one with it refuses another."""
+
+    def draw(space):
+        space.add_lwpolyline([(0, 0), (1, 0), (0, 1)], close=True)
+
+    assert read_drawing(draw, units=1).unit == "in"
+    assert read_drawing(draw, units=0, unit="cm").unit == "cm"
+    with pytest.raises(InputError, match="without a unit of length"):
+        read_drawing(draw, units=0)
+    with pytest.raises(InputError, match="leave --unit out"):
+        read_drawing(draw, units=1, unit="mm")
+
+
+# what is mended
+
+
+def test_clockwise_and_duplicate_points_are_mended_with_a_notice(read):
+    """A clockwise outline with a point given twice is the same region, and two notices say what was done."""
+    found = read('unit = "mm"\nouter.points = [[0, 0], [0, 20], [40, 20], [40, 20], [40, 0], [0, 0]]')
+    assert found.section.area == 800.0
+    assert len(found.notices) == 3
+    assert any("(40, 20) is given twice" in notice for notice in found.notices)
+    assert any("(0, 0) is given twice" in notice for notice in found.notices)
+    assert any("clockwise" in notice for notice in found.notices)
+
+
+def test_duplicates_in_csv_and_dxf_are_mended_too(read, read_drawing):
+    """Lines without length are left out with a notice, in CSV and in DXF."""
+    found = read("x_mm,y_mm\n0,0\n2,0\n2,0\n0,1\n", ".csv")
+    assert found.section.area == 1.0
+    assert found.notices == ("outline: the point (2, 0) is given twice; one of both is left out.",)
+    drawn = read_drawing(lambda space: space.add_lwpolyline([(0, 0), (2, 0), (2, 0), (0, 1)], close=True))
+    assert drawn.section.area == 1.0
+    assert "(2, 0) is given twice" in drawn.notices[0]
+
+
+def test_a_clockwise_hole_needs_no_notice(read):
+    """Holes are often drawn clockwise on purpose: that is read without a word."""
+    found = read(BOX + "[[holes]]\npoints = [[5, 5], [5, 15], [15, 15], [15, 5]]\n")
+    assert (found.section.area, found.notices) == (700.0, ())
+
+
+# what is refused
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (BOX.replace("[40, 20]", "[nan, 20]"), "point 3: x is nan"),
+        (BOX.replace("[40, 20]", "[inf, 20]"), "point 3: x is inf"),
+        (BOX.replace("[40, 20]", "[1e31, 20]"), r"\(1e\+31, 20.0\)"),
+        (BOX.replace("[40, 20], [0, 20]", "[0, 20], [40, 20]"), r"meet at \(20, 10\)"),
+        (BOX.replace("[40, 20], [0, 20]", "[20, 0], [60, 0]"), "all of its points lie on one line"),
+        (BOX.replace("[40, 20]", "[40]"), r"point 3 is \[40\]"),
+        (BOX.replace("[40, 20]", "[40, 20, 30]"), "cut 30 off a side of 20"),
+        (BOX.replace("[40, 20]", "[40, 20, -1]"), "radius -1"),
+        (BOX.replace("[40, 20]", "['a', 20]"), "point 3: x is 'a'"),
+        (BOX.replace("mm", "furlong"), "unit of length 'furlong'"),
+        (BOX.replace('unit = "mm"', ""), "without a unit"),
+        (BOX.replace("points", "pionts"), "did you mean points"),
+        (BOX.replace("[outer]", "[out"), "not TOML"),
+        (BOX + "names = ['a']\n", "4 names"),
+        (
+            BOX + "[[holes]]\ncircle = { centre = [40, 10], radius = 3 }\n",
+            r"hole 1 of 1 meets the outer boundary at \(",
+        ),
+        (BOX + "[[holes]]\ncircle = { centre = [90, 10], radius = 3 }\n", r"hole 1 of 1 at \(93, 10\) is outside"),
+        (BOX + "[[holes]]\ncircle = { centre = [20, 10], radius = 10 }\n", "meets the outer boundary"),
+        (BOX + "[[holes]]\ncircle = { centre = [20, 10], radius = 0 }\n", "radius of the circle = 0"),
+        ("unit = 'mm'\nyoung_MPa = 1.0\n" + BOX.split("\n", 1)[1], "poisson is missing"),
+        ("unit = 'mm'\nyoung_MPa = 1.0\npoisson = 0.5\n" + BOX.split("\n", 1)[1], "below 0.5"),
+        ("unit = 'mm'\n", "no outer boundary"),
+        ("unit = 'mm'\nparts = 3\n", "parts = 3"),
+        (
+            "unit = 'mm'\nouter.path = [{from = [0, 0]}, {line_to = [1, 0]}, {line_to = [1, 1]}]",
+            r"segment 0 starts at \(0.0, 0.0\), 1.414\d* from the end \(1.0, 1.0\) of segment 1",
+        ),
+        (
+            "unit = 'mm'\nouter.path = [{from = [0, 0]}, {arc_to = [2, 0], through = [1, 0]}, {line_to = [0, 0]}]",
+            "three points on one line",
+        ),
+        (
+            "unit = 'mm'\nouter.path = [{from = [0, 0]}, {arc_to = [2, 0], centre = [3, 0], turn = 'left'}, "
+            "{line_to = [0, 0]}]",
+            "radii 3 and 1",
+        ),
+    ],
+)
+def test_wrong_toml_is_refused_with_the_place(read, text, message):
+    """Every mistake in a TOML outline is an InputError whose message names the place or the key."""
+    with pytest.raises(InputError, match=message):
+        read(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("x_mm,y_mm\n0,0\n1,zero\n0,1\n", "line 3: y = 'zero'"),
+        ("x_mm,y_mm\n0,0\n1,nan\n0,1\n", r"end of segment 0 \(side_1\) is \(1.0, nan\)"),
+        ("x_mm,y_mm\n", "a header without rows"),
+        ("x_mm,y_cm\n0,0\n", "columns in cm and mm"),
+        ("a,b\n1,2\n", "columns a, b"),
+        ("x,y\n0,0\n1,0\n0,1\n", "without a unit"),
+        ("x_mm,y_mm\n0,0,0\n", "line 2 with 3 cells"),
+        ("type,x0_mm,y0_mm,x1_mm,y1_mm\nspline,0,0,1,1\n", "type = 'spline'"),
+        ("type,x0_mm,y0_mm,x1_mm,y1_mm,xc_mm,yc_mm\narc,-1,0,1,0,0,0\nline,1,0,-1,0,,\n", "half a turn"),
+        ("type,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,0\nline,1,0,1,1\n", "--mirror"),
+        ("# mirror\ntype,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,0\nline,1,0,1,1\n", r"ends at \(1, 1\)"),
+    ],
+)
+def test_wrong_csv_is_refused_with_the_line(read, text, message):
+    """Every mistake in a CSV outline is an InputError whose message names the line, column or place."""
+    with pytest.raises(InputError, match=message):
+        read(text, ".csv")
+
+
+@pytest.mark.parametrize(
+    ("draw", "message"),
+    [
+        (lambda space: space.add_line((0, 0), (3, 0)), r"an open end at \(0, 0\)"),
+        (lambda space: space.add_lwpolyline([(0, 0), (3, 0), (0, 3)]), "an open end at"),
+        (lambda space: space.add_spline([(0, 0), (1, 1), (2, 0)]), "SPLINE on layer '0'"),
+        (lambda space: space.add_ellipse((0, 0), (3, 0), 0.5), "ELLIPSE"),
+        (lambda space: space.add_text("nothing else"), "without a closed outline"),
+        (lambda space: space.add_circle((0, 0), 1, dxfattribs={"extrusion": (0, 1, 1)}), "not parallel"),
+        (
+            lambda space: space.add_lwpolyline([(0, 0), (3, 3), (3, 0), (0, 3)], close=True),
+            r"meet at \(1.5, 1.5\)",
+        ),
+        (
+            lambda space: [space.add_line((0, 0), end) for end in ((1, 0), (0, 1), (-1, 0))],
+            r"3 ends that meet at \(0, 0\)",
+        ),
+    ],
+)
+def test_wrong_drawings_are_refused_with_the_place(read_drawing, draw, message):
+    """Open ends, branches, curves that are no arcs and empty drawings are refused with place or layer."""
+    with pytest.raises(InputError, match=message):
+        read_drawing(draw)
+
+
+@pytest.mark.parametrize("ending", [".toml", ".csv", ".dxf"])
+@pytest.mark.parametrize("content", [b"", b"  \n", b"\x00\xff\xfe" * 50, b"%PDF-1.7\n\x93\x8c\x8b\x9e\n", b"0\nEOF\n"])
+def test_junk_is_refused_in_every_format(read, ending, content):
+    """Empty files, binary junk and other formats are an InputError that names the file."""
+    with pytest.raises(InputError, match=rf"outline\{ending}"):
+        read(content, ending)
+
+
+def test_unknown_endings_and_missing_files_are_refused(tmp_path):
+    """Another ending, a missing file, a folder, and a mirror for TOML are InputErrors."""
+    with pytest.raises(InputError, match=r"ending '\.dwg'"):
+        read_section(tmp_path / "outline.dwg")
+    with pytest.raises(InputError, match="No such file"):
+        read_section(tmp_path / "missing.toml")
+    (tmp_path / "folder.csv").mkdir()
+    with pytest.raises(InputError, match=r"folder\.csv"):
+        read_section(tmp_path / "folder.csv")
+    with pytest.raises(InputError, match="--mirror"):
+        read_section(tmp_path / "a.toml", mirrored=True)
+
+
+@settings(max_examples=150, deadline=None)
+@given(ending=st.sampled_from([".toml", ".csv", ".dxf"]), content=st.binary(max_size=200))
+def test_no_content_breaks_the_reader(tmp_path_factory, ending, content):
+    """Whatever bytes a file holds, reading it gives a section or an InputError."""
+    file = tmp_path_factory.mktemp("junk") / f"junk{ending}"
+    file.write_bytes(content)
+    try:
+        found = read_section(file)
+    except InputError:
+        return
+    assert isinstance(found, DrawnSection)
+
+
+def test_bundled_csv_files_read_as_half_outlines():
+    """The rail files that come with the package are read by their columns and mirrored."""
+    from importlib.resources import files  # noqa: PLC0415
+
+    for name, area in (("136RE_R10_A_arcs.csv", 8602.42), ("60E1_derived_arcs.csv", 7677.5)):
+        found = read_section(files("flangeway.railway") / "data" / name, mirrored=True)
+        np.testing.assert_allclose(found.section.area, area, rtol=1e-5)

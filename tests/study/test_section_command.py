@@ -1,0 +1,132 @@
+"""`flangeway section` and `flangeway reproduce`, as users call them."""
+
+import csv
+import json
+import struct
+import sys
+
+import meshio
+import numpy as np
+import pytest
+
+from flangeway import cli
+
+BOX = """
+title = "Box girder"
+unit = "mm"
+[outer]
+points = [[0, 0], [0, 60], [100, 60], [100, 0]]
+[[holes]]
+points = [[10, 10, 5], [90, 10, 5], [90, 50, 5], [10, 50, 5]]
+"""
+FILES = {"mesh.png", "warping.png", "prandtl.png", "shear_stress.png", "section.vtu", "section.json"}
+
+
+@pytest.fixture
+def call(monkeypatch, tmp_path, capsys):
+    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flangeway", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        return caught.value.code, *capsys.readouterr()
+
+    return run
+
+
+def png_size(path):
+    head = path.read_bytes()[:24]
+    assert head.startswith(b"\x89PNG")
+    return struct.unpack(">II", head[16:])
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_section_of_a_file(call, tmp_path, method):
+    """A clockwise outline in TOML gives a notice, the constants with units, and all files, whose numbers agree."""
+    (tmp_path / "box.toml").write_text(BOX)
+    status, out, err = call("section", "box.toml", "--method", method, "--size", 4)
+    assert status == 0, err
+    assert "Note: outer boundary: drawn clockwise" in out
+    for words in ("Box girder", "torsion constant J, mm⁴", "shear centre (x, y), mm", "warping constant, mm⁶"):
+        assert words in out
+    folder = tmp_path / "out" / "section-box"
+    assert {path.name for path in folder.iterdir()} == FILES
+    summary = json.loads((folder / "section.json").read_text(encoding="utf-8"))
+    assert summary["area_mm2"] == pytest.approx(6000.0 - 3200.0 + (4.0 - np.pi) * 25.0)
+    assert summary["centroid_mm"] == pytest.approx([50.0, 30.0])
+    assert summary["torsion_bounds_certain"] is (method == "fem")
+    assert summary["torsion_constant_prandtl_mm4"] == pytest.approx(summary["torsion_constant_warping_mm4"], rel=2e-3)
+    fields = meshio.read(folder / "section.vtu")
+    assert {"warping_mm2", "prandtl_mm2"} <= set(fields.point_data)
+    assert fields.point_data["prandtl_mm2"].min() == pytest.approx(0.0, abs=1e-6)
+    for name in FILES:
+        if name.endswith(".png"):
+            assert min(png_size(folder / name)) > 400
+
+
+def test_bundled_section_and_folder(call, tmp_path):
+    """A bundled rail goes into the folder asked for, with the word on how certain its outline is."""
+    status, out, _ = call("section", "60e1", "--order", 1, "--size", 8, "--out", "here")
+    assert status == 0
+    assert "below it fillets, web and foot are derived" in out
+    assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("section", "52RE"), "a section called '52RE'"),
+        (("section", "missing.toml"), "missing.toml"),
+        (("section", "136RE", "--order", "5"), "--order 5"),
+        (("section", "136RE", "--size", "-1"), "--size -1"),
+        (("section", "136RE", "--size", "few"), "--size"),
+        (("section",), "NAME_OR_FILE"),
+        (("reproduce", "everything"), "one of: torsion"),
+    ],
+)
+def test_wrong_input_is_status_2_and_leaves_nothing(call, tmp_path, arguments, message):
+    """Wrong input ends with status 2 and a message of three parts on stderr, and leaves no file."""
+    status, out, err = call(*arguments)
+    assert status == 2
+    assert message in err
+    assert "allowed:" in err
+    assert "what to do:" in err
+    assert out == ""
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_cannot_be_written_is_refused_before_computing(call, tmp_path):
+    """A file in the way of the folder is status 2 before anything is meshed."""
+    (tmp_path / "taken").write_text("")
+    for arguments in (("section", "136RE"), ("reproduce", "torsion")):
+        status, _, err = call(*arguments, "--out", "taken")
+        assert status == 2
+        assert "meshing" not in err
+        assert "table 4" not in err
+
+
+def test_reproduce_torsion_quick(call, tmp_path):
+    """Quick reproduction ends with status 0, tells how many errors are within, and leaves table and pictures."""
+    status, out, err = call("reproduce", "torsion", "--quick", "--out", "found")
+    assert status == 0, err
+    assert "48 of 48 errors" in out
+    folder = tmp_path / "found" / "torsion"
+    names = {"table.csv", "convergence_h.png", "convergence_unknowns.png", "warping.png", "prandtl.png"}
+    assert {path.name for path in folder.iterdir()} == names
+    rows = list(csv.DictReader((folder / "table.csv").read_text(encoding="utf-8").splitlines()))
+    assert {row["within"] for row in rows if row["quantity"] == "relative_error"} == {"True"}
+
+
+def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch):
+    """When too few numbers are within their limits, the files are written and the status is 1."""
+    from flangeway.study import reproduce  # noqa: PLC0415
+
+    monkeypatch.setitem(reproduce.LIMITS, "relative_error", 1e-6)
+    monkeypatch.setattr(reproduce, "_NEIGHBOURS", np.array([1.0]))
+    status, out, _ = call("reproduce", "torsion", "--quick", "--out", "found")
+    assert status == 1
+    assert "of 48 errors" in out

@@ -1,0 +1,173 @@
+"""Constants of drawn sections against closed forms, and what is refused."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.exact import Rectangle
+from flangeway.geometry import DrawnSection, PartMaterial, Region, Section, circle, polygon, rectangle, square
+from flangeway.study.section import SectionOptions, find_section, run_section, usual_size
+
+
+def drawn(region, **options):
+    return DrawnSection("test", Section({"section": region}), "mm", **options)
+
+
+def regular(n, radius):
+    """Corners of a regular polygon whose corners are on a circle."""
+    angles = 2.0 * np.pi * np.arange(n) / n
+    return polygon(radius * np.column_stack([np.cos(angles), np.sin(angles)]))
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_hollow_circle(method):
+    """A tube of radii 50 and 40: J is the polar moment pi (R^4 - r^4) / 2 to 0.1 %, and it does not warp."""
+    found = run_section(drawn(Region(circle(50.0), (circle(40.0),))), SectionOptions(method=method)).constants
+    exact = math.pi / 2.0 * (50.0**4 - 40.0**4)
+    assert found.torsion_constant == pytest.approx(exact, rel=1e-3)
+    assert found.area == pytest.approx(math.pi * 900.0, rel=1e-12)
+    assert found.shear_centre == pytest.approx((0.0, 0.0), abs=1e-3)
+    assert found.warping_constant < 1e-6 * exact * 50.0**2
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_both_formulations_bracket_a_hollow_circle(order):
+    """Prandtl's function on a polygon inside the tube and warping on one outside bracket the tube's exact J."""
+    exact = math.pi / 2.0 * (50.0**4 - 40.0**4)
+    grow = 1.0 / math.cos(math.pi / 180.0)
+    inside = Region(regular(180, 50.0), (regular(180, 40.0 * grow),))
+    outside = Region(regular(180, 50.0 * grow), (regular(180, 40.0),))
+    low, high = (
+        run_section(drawn(region), SectionOptions(size=2.5, order=order)).constants.torsion_bounds[side]
+        for region, side in ((inside, 0), (outside, 1))
+    )
+    assert low < exact < high
+    assert high / low == pytest.approx(1.0, abs=5e-3)
+
+
+def test_both_formulations_bracket_a_square_and_a_hollow_square():
+    """Bounds of coarse triangles hold the exact J of a square, and that of a hollow square as finer ones narrow it."""
+    found = run_section(drawn(Region(square(10.0))), SectionOptions(size=1.0, order=1)).constants
+    assert found.bounds_certain
+    assert found.torsion_bounds[0] < Rectangle(10.0, 10.0).torsion_constant < found.torsion_bounds[1]
+    tube = drawn(Region(square(10.0), (square(6.0),)))
+    coarse, fine = (run_section(tube, SectionOptions(size=size)).constants.torsion_bounds for size in (1.0, 0.15))
+    assert coarse[0] < fine[0] < fine[1] < coarse[1]
+    assert fine[1] / fine[0] < 1.001
+
+
+def test_thin_strip_is_an_open_section():
+    """A strip of 100 by 1 has the rectangle's exact J, about b t^3 / 3, and warps by b^3 t^3 / 144."""
+    found = run_section(drawn(Region(rectangle(100.0, 1.0)))).constants
+    assert found.torsion_constant == pytest.approx(Rectangle(100.0, 1.0).torsion_constant, rel=1e-4)
+    assert found.torsion_constant == pytest.approx(100.0 / 3.0, rel=1e-2)
+    assert found.warping_constant == pytest.approx(100.0**3 / 144.0, rel=2e-2)
+
+
+def test_thin_tube_follows_bredt():
+    """A closed tube of thickness R/100: Bredt's 2 pi R^3 t to 0.1 %, ten thousand times the same tube slit open."""
+    radius, thickness = 100.0, 1.0
+    tube = Region(circle(radius + 0.5), (circle(radius - 0.5),))
+    found = run_section(drawn(tube)).constants
+    assert found.torsion_constant == pytest.approx(2.0 * math.pi * radius**3 * thickness, rel=1e-3)
+
+
+def test_largest_shear_stress_of_a_disc_and_none_at_a_notch():
+    """A disc's largest stress per torque is 2 / (pi R^3); a section with a reentrant corner has none, and says so."""
+    found = run_section(drawn(Region(circle(10.0)))).summary
+    assert found["max_shear_stress_per_torque_per_mm3"] == pytest.approx(2.0 / (math.pi * 1e3), rel=5e-3)
+    ell = run_section(drawn(Region(polygon([(0, 0), (30, 0), (30, 5), (5, 5), (5, 30), (0, 30)])))).summary
+    assert ell["max_shear_stress_per_torque_per_mm3"] is None
+    assert "reentrant corner, the first at (5, 5)" in ell["notices"][0]
+
+
+@pytest.mark.parametrize("method", ["fem", "vem"])
+def test_composite_of_one_material_is_the_whole(method):
+    """A rectangle of two parts with one material has the constants of the whole rectangle."""
+    parts = Section({"left": Region(rectangle(4.0, 3.0, (2.0, 0.0))), "right": Region(rectangle(2.0, 3.0, (5.0, 0.0)))})
+    steel = PartMaterial(210e3, 0.3)
+    whole = DrawnSection("two parts", parts, "mm", {"left": steel, "right": steel})
+    found = run_section(whole, SectionOptions(method=method))
+    assert found.constants.torsion_constant == pytest.approx(Rectangle(6.0, 3.0).torsion_constant, rel=1e-4)
+    assert found.constants.centroid == pytest.approx((3.0, 0.0))
+    assert found.summary["poisson"] == 0.3
+    assert found.summary["weights"]["reference_young_MPa"] == pytest.approx(210e3)
+
+
+def test_composite_tube_adds_its_layers():
+    """Two concentric tubes of different materials do not warp: G J is the sum of theirs; G and E weigh apart."""
+    inner, outer = PartMaterial(70e3, 0.3), PartMaterial(210e3, 0.3)
+    parts = Section({"inner": Region(circle(45.0), (circle(40.0),)), "outer": Region(circle(50.0), (circle(45.0),))})
+    found = run_section(DrawnSection("layers", parts, "mm", {"inner": inner, "outer": outer}), SectionOptions(size=3.0))
+    polar = [math.pi / 2.0 * (a**4 - b**4) for a, b in ((45.0, 40.0), (50.0, 45.0))]
+    stiffness = inner.shear_modulus_MPa * polar[0] + outer.shear_modulus_MPa * polar[1]
+    weights = found.summary["weights"]
+    computed = found.constants.torsion_constant * weights["reference_shear_modulus_MPa"]
+    assert computed == pytest.approx(stiffness, rel=1e-3)
+    bending = found.constants.second_moments[0] * weights["reference_young_MPa"]
+    assert bending == pytest.approx((70e3 * polar[0] + 210e3 * polar[1]) / 2.0, rel=1e-9)
+
+
+def test_different_poissons_ratios_are_told():
+    """Materials with different Poisson's ratios give Trefftz's shear centre and a notice."""
+    parts = Section({"a": Region(square(2.0)), "b": Region(square(2.0, (2.0, 0.0)))})
+    materials = {"a": PartMaterial(1.0, 0.2), "b": PartMaterial(1.0, 0.3)}
+    found = run_section(DrawnSection("two", parts, "mm", materials), SectionOptions(size=0.5))
+    assert found.summary["poisson"] == 0.0
+    assert "several Poisson's ratios" in found.summary["notices"][0]
+
+
+def test_keys_bear_the_unit_and_sizes_are_usual():
+    """A section in inches has inches in its keys; usual sizes follow wall, area, or limits of cells and edges."""
+    found = run_section(DrawnSection("in", Section({"section": Region(square(1.0))}), "in"), SectionOptions(size=0.2))
+    assert {"area_in2", "torsion_constant_in4", "warping_constant_in6", "shear_centre_in"} <= set(found.summary)
+    assert not any("mm" in key for key in found.summary)
+    assert usual_size(Section({"tube": Region(circle(50.0), (circle(49.0),))})) == pytest.approx(0.25)
+    disc = Section({"disc": Region(circle(1.0))})
+    assert 0.03 < usual_size(disc) < 0.08
+    assert usual_size(Section({"foil": Region(rectangle(1e5, 1.0))})) == pytest.approx(20.0, rel=1e-2)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"size": 0.0}, "--size 0"),
+        ({"size": math.nan}, "--size nan"),
+        ({"order": 0}, "--order 0"),
+        ({"order": 4}, "1 to 3"),
+        ({"order": 7, "method": "vem"}, "1 to 6"),
+        ({"method": "fdm"}, "--method fdm"),
+        ({"poisson": 0.6}, "--poisson 0.6"),
+    ],
+)
+def test_wrong_options_are_refused(options, message):
+    """Sizes, orders, methods and ratios that do not exist are refused by the option's name."""
+    with pytest.raises(InputError, match=message):
+        SectionOptions(**options)
+
+
+def test_sections_that_cannot_be_computed_are_refused():
+    """Pieces apart, an element larger than the section, and a ratio beside materials are refused."""
+    apart = Section({"a": Region(square(1.0)), "b": Region(square(1.0, (5.0, 0.0)))})
+    with pytest.raises(InputError, match="2 pieces that do not touch"):
+        run_section(DrawnSection("apart", apart, "mm"))
+    with pytest.raises(InputError, match=r"size = 5\.0"):
+        run_section(drawn(Region(square(1.0))), SectionOptions(size=5.0))
+    with pytest.raises(InputError, match="leave it out"):
+        run_section(
+            drawn(Region(square(1.0)), materials={"section": PartMaterial(1.0, 0.3)}), SectionOptions(poisson=0.2)
+        )
+
+
+def test_sections_are_found_by_name_or_file(tmp_path):
+    """A bundled name, a file, and neither: found, found, refused."""
+    assert find_section("60E1").title == "60E1"
+    file = tmp_path / "box.toml"
+    file.write_text('unit = "mm"\nouter.points = [[0, 0], [1, 0], [0, 1]]')
+    assert find_section(str(file)).title == "box"
+    with pytest.raises(InputError, match="a file that ends with"):
+        find_section("137RE-box")
+    with pytest.raises(InputError, match="for 136RE"):
+        find_section("136RE", unit="mm")

@@ -1,0 +1,111 @@
+"""The how-to 'add an element in one file', followed to the letter: its code is taken from the page and used."""
+
+import importlib
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Lagrange
+from flangeway.errors import InputError
+from flangeway.exact import Rectangle
+from flangeway.geometry import Placement
+from flangeway.mesh import PolyMesh, rectangle_grid
+from flangeway.problems import Torsion
+from flangeway.solve import solve_torsion
+from flangeway.space import Space
+
+PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "add-an-element.md"
+TRAPEZOID = np.array([[0.0, 0.0], [3.0, 0.2], [2.5, 2.0], [-0.5, 1.0]])[:, :, None]
+
+
+def code_blocks():
+    return re.findall(r"```python\n(.*?)```", PAGE.read_text(encoding="utf-8"), flags=re.DOTALL)
+
+
+@pytest.fixture
+def quadrilateral(tmp_path, monkeypatch):
+    """The module `quadrilateral`, saved from the page into a file of its own."""
+    (tmp_path / "quadrilateral.py").write_text(code_blocks()[0], encoding="utf-8")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setattr(sys, "dont_write_bytecode", True)
+    yield importlib.import_module("quadrilateral")
+    del sys.modules["quadrilateral"]
+
+
+def stiffness(element, vertices):
+    """Laplace's stiffness of one cell, consistency and stabilisation."""
+    reconstruction = element.reconstruct(vertices)
+    gradient = reconstruction.gradient
+    consistency = np.einsum("abe,aime,bine->mne", reconstruction.mass, gradient, gradient)
+    return (consistency + element.stabilise(reconstruction, consistency[None, None]))[:, :, 0]
+
+
+def bilinear_stiffness(corners):
+    """Laplace's stiffness of the isoparametric bilinear element by 4 x 4 Gauss points."""
+    points, weights = np.polynomial.legendre.leggauss(4)
+    signs = np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+    total = np.zeros((4, 4))
+    for xi, weight in zip(points, weights, strict=True):
+        for eta, other in zip(points, weights, strict=True):
+            local = 0.25 * np.array([signs[:, 0] * (1 + eta * signs[:, 1]), signs[:, 1] * (1 + xi * signs[:, 0])])
+            jacobian = local @ corners
+            gradient = np.linalg.solve(jacobian, local)
+            total += weight * other * np.linalg.det(jacobian) * gradient.T @ gradient
+    return total
+
+
+def test_the_use_shown_on_the_page_runs(quadrilateral):
+    """The second block of the page runs as it stands, its own assertion included."""
+    exec(compile(code_blocks()[1], str(PAGE), "exec"), {})
+
+
+def test_polynomials_are_reconstructed_exactly(quadrilateral):
+    """On a trapezoid, the values of 1, x and y at the vertices give 1, x and y back, and their gradients."""
+    reconstruction = quadrilateral.Quadrilateral().reconstruct(TRAPEZOID)
+    identity = np.einsum("ame,mbe->abe", reconstruction.value, reconstruction.monomial_dofs)[:, :, 0]
+    np.testing.assert_allclose(identity, np.eye(3), atol=1e-14)
+    assert reconstruction.areas[0] == pytest.approx(4.5, rel=1e-12)
+
+
+def test_stiffness_vanishes_on_constants_only(quadrilateral):
+    """The eigenvalues of a trapezoid's stiffness are one zero and three positive."""
+    eigenvalues = np.linalg.eigvalsh(stiffness(quadrilateral.Quadrilateral(), TRAPEZOID))
+    assert abs(eigenvalues[0]) < 1e-13
+    assert eigenvalues[1] > 0.1
+
+
+@pytest.mark.parametrize("slant", [0.0, 0.7])
+def test_parallelograms_have_the_bilinear_stiffness(quadrilateral, slant):
+    """On a turned rectangle or parallelogram the stiffness is that of the bilinear element, integrated exactly."""
+    corners = np.array([[0.0, 0.0], [3.0, 0.0], [3.0 + slant, 1.0], [slant, 1.0]])
+    corners = Placement(0.4, (7.0, -2.0)).points(corners)
+    found = stiffness(quadrilateral.Quadrilateral(), corners[:, :, None])
+    np.testing.assert_allclose(found, bilinear_stiffness(corners), atol=1e-12)
+
+
+def test_error_falls_fourfold_when_the_mesh_is_halved(quadrilateral):
+    """The torsion constant of a rectangle converges with h squared, from above by warping, from below by Prandtl's."""
+    exact = Rectangle(2.0, 1.0).torsion_constant
+    for formulation, sign in (("warping", 1.0), ("prandtl", -1.0)):
+        errors = []
+        for n in (8, 16):
+            mesh = rectangle_grid(2.0, 1.0, 2 * n, n, cells="quadrilaterals")
+            space = Space(mesh, quadrilateral.Quadrilateral())
+            errors.append(sign * (solve_torsion(Torsion(space, formulation=formulation)).torsion_constant - exact))
+        assert errors[0] > errors[1] > 0.0
+        assert 1.8 < np.log2(errors[0] / errors[1]) < 2.2
+
+
+def test_it_mixes_with_other_elements_and_refuses_other_cells(quadrilateral):
+    """A square and two triangles share their edge in one space; cells with three points are refused with advice."""
+    points = np.array([[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [0.0, 1.0], [1.0, 1.0], [2.0, 1.0]])
+    mesh = PolyMesh(points, [0, 4, 7, 10], [0, 1, 4, 3, 1, 2, 5, 1, 5, 4], {"square": [0], "triangles": [1, 2]})
+    space = Space(mesh, {"square": quadrilateral.Quadrilateral(), "triangles": Lagrange(1)})
+    assert space.n_dofs == 6
+    whole = Torsion(space).stiffness().full().toarray()
+    np.testing.assert_allclose(whole[4, 4], 2.0 / 3.0 + 1.0, rtol=1e-12)
+    with pytest.raises(InputError, match="3 vertices"):
+        Space(rectangle_grid(1.0, 1.0, 2, 2), quadrilateral.Quadrilateral())

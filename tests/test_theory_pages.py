@@ -1,0 +1,37 @@
+"""Theory pages lead to functions by name: the names are there."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCE = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "src" / "flangeway").rglob("*.py"))
+PAGES = ("elements.md", "torsion.md")
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_every_name_on_the_page_is_in_the_program(page):
+    """Each identifier in backticks is defined in the package: a class, a function, or a field; each path exists."""
+    text = (ROOT / "docs" / "theory" / page).read_text(encoding="utf-8")
+    quoted = re.findall(r"`([A-Za-z_][\w./]*)(?:\([^`]*\))?`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
+    names = {word for word in quoted if "_" in word or "." in word or re.match(r"[A-Z][a-z]+[A-Z]?", word)}
+    assert len(names) > 10
+    for name in names:
+        if "/" in name:
+            assert (ROOT / name).exists() or (ROOT / "src" / "flangeway" / name).exists(), name
+        elif name.endswith(".csv"):
+            continue
+        else:
+            for part in name.removeprefix("fw.").removeprefix("flangeway.").split("."):
+                defined = re.search(
+                    rf"(class|def) {part}\b|^\s*{part}\b\s*[:=]|flangeway\.{part}\b", SOURCE, re.MULTILINE
+                )
+                assert defined, f"{name} on {page}"
+
+
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.name)
+def test_links_between_pages_lead_somewhere(page):
+    """Every relative link of a page of the documentation leads to a file."""
+    for target in re.findall(r"\]\(([^)#:]+)\)", page.read_text(encoding="utf-8")):
+        assert (page.parent / target).exists(), f"{target} in {page.name}"
