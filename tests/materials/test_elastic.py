@@ -53,7 +53,9 @@ def test_plane_strain_is_three_dimensional_hooke() -> None:
         ((1.0, 0.5), "poisson"),
         ((1.0, -1.0), "poisson"),
         ((1.0, math.nan), "poisson"),
-        ((1.0, 0.3, "axisymmetric"), "hypothesis"),
+        ((1.0, 0.3, "plane"), "hypothesis"),
+        ((1.0, 0.3, "plane_strain", 0.0), "density"),
+        ((1.0, 0.3, "plane_strain", None, math.inf), "expansion"),
     ],
 )
 def test_impossible_materials_are_refused(values: tuple, name: str) -> None:

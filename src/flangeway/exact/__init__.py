@@ -1,5 +1,6 @@
 """Solutions in closed form."""
 
+from flangeway.exact.elasticity import PlateWithHole, ThickCylinder
 from flangeway.exact.hertz import LineContact, contact_modulus
 from flangeway.exact.torsion import (
     CircularSector,
@@ -16,7 +17,9 @@ __all__ = [
     "Ellipse",
     "EquilateralTriangle",
     "LineContact",
+    "PlateWithHole",
     "Rectangle",
+    "ThickCylinder",
     "TorsionSection",
     "contact_modulus",
     "thin_closed_torsion_constant",

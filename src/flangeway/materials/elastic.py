@@ -1,20 +1,26 @@
-"""Linear elastic materials."""
+"""Isotropic linear elasticity."""
 
 from dataclasses import dataclass
-from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.materials.material import (
+    Hypothesis,
+    Material,
+    check_density,
+    check_finite,
+    check_hypothesis,
+    no_expansion,
+)
 
 Floats = NDArray[np.float64]
-Hypothesis = Literal["plane_strain", "plane_stress"]
 
 
 @dataclass(frozen=True)
-class Elastic:
-    """Isotropic linear elasticity in the plane.
+class Elastic(Material):
+    """Isotropic linear elasticity in the plane or about an axis.
 
     Parameters
     ----------
@@ -23,13 +29,20 @@ class Elastic:
     poisson
         Poisson's ratio, -1 < nu < 1/2.
     hypothesis
-        ``"plane_strain"`` (no strain out of the plane) or ``"plane_stress"`` (no stress out of it).
+        ``"plane_strain"`` (no strain out of the plane), ``"plane_stress"`` (no stress out of it) or ``"axisymmetric"``
+        (x is the radius, y the axis of revolution).
+    density
+        Mass per volume, for gravity.
+    expansion
+        Coefficient of thermal expansion, per unit of temperature.
 
     """
 
     young: float
     poisson: float
     hypothesis: Hypothesis = "plane_strain"
+    density: float | None = None
+    expansion: float | None = None
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.young) and self.young > 0.0):
@@ -44,12 +57,9 @@ class Elastic:
                 "-1 < poisson < 0.5",
                 "for nearly incompressible materials take 0.4999 and elements of order 2",
             )
-        if self.hypothesis not in get_args(Hypothesis):
-            raise InputError(
-                f"Elastic(hypothesis={self.hypothesis!r})",
-                " or ".join(repr(name) for name in get_args(Hypothesis)),
-                "choose one of these",
-            )
+        check_hypothesis("Elastic", self.hypothesis)
+        check_density("Elastic", self.density)
+        check_finite("Elastic", "expansion", self.expansion)
 
     @property
     def shear_modulus(self) -> float:
@@ -58,30 +68,36 @@ class Elastic:
 
     @property
     def plane_modulus(self) -> float:
-        """Modulus of plane contact, E / (1 - nu^2) in plane strain and E in plane stress."""
+        """Modulus of plane contact, E in plane stress and E / (1 - nu^2) otherwise."""
         if self.hypothesis == "plane_stress":
             return self.young
         return self.young / (1.0 - self.poisson**2)
 
     @property
-    def _lame(self) -> float:
-        """Lame's first parameter of the plane problem."""
-        nu = self.poisson
-        if self.hypothesis == "plane_stress":
-            return self.young * nu / (1.0 - nu**2)
-        return self.young * nu / ((1.0 + nu) * (1.0 - 2.0 * nu))
+    def spatial_matrix(self) -> Floats:
+        """See `Material.spatial_matrix`."""
+        return self._matrix(self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson)))
 
     @property
-    def stiffness(self) -> Floats:
-        """In-plane elasticity tensor ``C[i, j, k, l]``, shape (2, 2, 2, 2): stress = C : strain."""
-        delta = np.eye(2)
-        symmetric = np.einsum("ik,jl->ijkl", delta, delta) + np.einsum("il,jk->ijkl", delta, delta)
-        volumetric: Floats = np.einsum("ij,kl->ijkl", delta, delta)
-        return self._lame * volumetric + self.shear_modulus * symmetric
+    def matrix(self) -> Floats:
+        """See `Material.matrix`; plane stress in closed form, so that it keeps its digits near nu = 1/2."""
+        if self.hypothesis != "plane_stress":
+            return self.spatial_matrix
+        matrix = self._matrix(self.young * self.poisson / (1.0 - self.poisson**2))
+        matrix[3] = matrix[:, 3] = 0.0
+        return matrix
+
+    def _matrix(self, lame: float) -> Floats:
+        matrix = np.zeros((4, 4))
+        normal = np.array([0, 1, 3])
+        matrix[np.ix_(normal, normal)] = lame
+        matrix[normal, normal] += 2.0 * self.shear_modulus
+        matrix[2, 2] = self.shear_modulus
+        return matrix
 
     @property
-    def out_of_plane(self) -> Floats:
-        """Normal stress out of the plane for each in-plane strain, shape (2, 2)."""
-        if self.hypothesis == "plane_stress":
-            return np.zeros((2, 2))
-        return self._lame * np.eye(2)
+    def thermal_strain(self) -> Floats:
+        """See `Material.thermal_strain`."""
+        if self.expansion is None:
+            raise no_expansion(str(self))
+        return self.expansion * np.array([1.0, 1.0, 0.0, 1.0])

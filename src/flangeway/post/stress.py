@@ -6,7 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.elements import monomials
+from flangeway.mesh import PolyMesh
 from flangeway.problems import Elasticity
+from flangeway.solve import ElasticitySolution
 
 Floats = NDArray[np.float64]
 
@@ -84,3 +86,23 @@ def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
         places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
         components[places] = np.einsum("sae,ave->evs", stress, values)
     return Stresses(components)
+
+
+def nodal_stresses(solution: ElasticitySolution) -> Stresses:
+    """Stresses at the mesh's points, averaged over the cells there with their areas as weights.
+
+    Averages hide jumps between cells, which tell how good a mesh is, and between materials, which are real; prefer
+    `corner_stresses`, or `recovered_stresses`, which are more accurate.
+    """
+    return at_mesh_points(solution.problem.space.mesh, corner_stresses(solution.problem, solution.displacements))
+
+
+def at_mesh_points(mesh: PolyMesh, corners: Stresses) -> Stresses:
+    """Means of values at the cells' corners over each point, weighted by the cells' areas; zero at unused points."""
+    weights = np.repeat(mesh.cell_areas, mesh.cell_sizes)
+    total = np.bincount(mesh.cell_points, weights, minlength=mesh.n_points)
+    sums = [
+        np.bincount(mesh.cell_points, weights * component, minlength=mesh.n_points)
+        for component in corners.components.T
+    ]
+    return Stresses(np.stack(sums, axis=1) / np.maximum(total, np.finfo(np.float64).tiny)[:, None])

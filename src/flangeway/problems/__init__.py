@@ -2,7 +2,26 @@
 
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity import Elasticity
+from flangeway.problems.loads import BodyForce, Gravity, Load, PointForce, Pressure, TemperatureChange, Traction
 from flangeway.problems.part import Part
+from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, fixed
 from flangeway.problems.torsion import Torsion
 
-__all__ = ["Body", "Elasticity", "Part", "Torsion"]
+__all__ = [
+    "Body",
+    "BodyForce",
+    "Elasticity",
+    "Gravity",
+    "Load",
+    "Part",
+    "PointForce",
+    "PrescribedDisplacement",
+    "Pressure",
+    "RigidHandle",
+    "Spring",
+    "Support",
+    "TemperatureChange",
+    "Torsion",
+    "Traction",
+    "fixed",
+]

@@ -1,5 +1,6 @@
 """A linear elastic body that is held along a named part of its boundary."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -8,10 +9,12 @@ from numpy.typing import NDArray
 
 from flangeway.elements import Element
 from flangeway.errors import InputError
-from flangeway.materials import Elastic
+from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity import Elasticity
-from flangeway.space import Space, SymmetricMatrix
+from flangeway.space import CondensedMatrix, Space, SymmetricMatrix
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +33,7 @@ class Body:
     element
         Element of all cells.
     material
-        Material of all cells.
+        Material of all cells, or of each named cell set, in plane strain or plane stress.
     held
         Name of the mesh's edge set that stays rigid with the frame.
     thickness
@@ -41,7 +44,7 @@ class Body:
     name: str
     mesh: PolyMesh
     element: Element
-    material: Elastic
+    material: Material | Mapping[str, Material]
     held: str
     thickness: float = 1.0
 
@@ -52,11 +55,18 @@ class Body:
                 f"one of its mesh's edge sets: {', '.join(sorted(self.mesh.edge_sets))}",
                 "name the edges with mesh.with_edge_set",
             )
+        materials = self.material.values() if isinstance(self.material, Mapping) else (self.material,)
+        if any(material.hypothesis == "axisymmetric" for material in materials):
+            raise InputError(
+                f"body {self.name!r} of an axisymmetric material",
+                "plane strain or plane stress: contact is per thickness",
+                "take Elasticity for a body of revolution without contact",
+            )
 
     @cached_property
     def elasticity(self) -> Elasticity:
         """The elastic problem of the body."""
-        return Elasticity(Space(self.mesh, self.element), self.material, self.thickness)
+        return Elasticity(Space(self.mesh, self.element), self.material, self.thickness, name=self.name)
 
     @property
     def space(self) -> Space:
@@ -65,16 +75,26 @@ class Body:
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """Which unknowns are free to move in the body's frame, shape (2 n_dofs,)."""
+        """Which unknowns at nodes are free to move in the body's frame, shape (2 n_nodes,)."""
         nodes = self.space.edge_nodes(self.mesh.edge_sets[self.held])
-        free = np.ones((self.space.n_dofs, 2), dtype=np.bool_)
+        free = np.ones((self.space.n_nodes, 2), dtype=np.bool_)
         free[nodes.ravel()] = False
         return free.ravel()
 
     @cached_property
+    def _condensed(self) -> CondensedMatrix:
+        return self.elasticity.condensed_stiffness()
+
+    @cached_property
     def stiffness(self) -> SymmetricMatrix:
-        """Stiffness of the free unknowns, in their order."""
-        return self.elasticity.stiffness().restricted(self.free)
+        """Stiffness of the free unknowns at nodes, in their order; those inside cells are condensed."""
+        return self._condensed.matrix.restricted(self.free)
+
+    def field(self, values: Floats) -> Floats:
+        """All displacements (n_dofs, 2) from those of the free unknowns (n_free,), without body forces."""
+        at_nodes = np.zeros(len(self.free))
+        at_nodes[self.free] = values
+        return self._condensed.recover(at_nodes)
 
     @property
     def free_nodes(self) -> NDArray[np.int32]:

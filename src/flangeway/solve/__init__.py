@@ -2,6 +2,7 @@
 
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes
 from flangeway.solve.condensed import CondensedBodies
+from flangeway.solve.elasticity import ElasticitySolution, solve_elasticity
 from flangeway.solve.newton import (
     Constraints,
     ContactState,
@@ -20,6 +21,7 @@ __all__ = [
     "CondensedBodies",
     "Constraints",
     "ContactState",
+    "ElasticitySolution",
     "Iteration",
     "Linearisation",
     "NewtonSettings",
@@ -30,5 +32,6 @@ __all__ = [
     "TorsionSolution",
     "follow",
     "solve_contact",
+    "solve_elasticity",
     "solve_torsion",
 ]

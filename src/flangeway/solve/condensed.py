@@ -40,11 +40,8 @@ class CondensedBody:
 
     def field(self, forces: Floats) -> Floats:
         """Displacements (n_dofs, 2) of all nodes under forces (n, 2) on the surface nodes, body's axes."""
-        displacement = np.zeros(len(self.body.free))
         at_surface = self.flexibility @ forces.ravel()
-        nothing = np.zeros(self._factor.n)
-        displacement[self.body.free] = self._factor.recover(at_surface, nothing)
-        return displacement.reshape(-1, 2)
+        return self.body.field(self._factor.recover(at_surface, np.zeros(self._factor.n)))
 
 
 class CondensedBodies(BodyResponse):

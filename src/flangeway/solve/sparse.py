@@ -70,12 +70,10 @@ class SparseBodies(BodyResponse):
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
         solution = self._solve(turning(rotations).T @ forces.ravel())
-        fields = []
-        for surface, start, end in zip(self.surfaces, self._starts[:-1], self._starts[1:], strict=True):
-            field = np.zeros(len(surface.body.free))
-            field[surface.body.free] = solution[start:end]
-            fields.append(field.reshape(-1, 2))
-        return fields
+        return [
+            surface.body.field(solution[start:end])
+            for surface, start, end in zip(self.surfaces, self._starts[:-1], self._starts[1:], strict=True)
+        ]
 
     def _factor(self, matrix: sp.sparray) -> Ldlt:
         lower = SymmetricMatrix.from_full(matrix)

@@ -17,7 +17,8 @@ from flangeway.space.symmetric import SymmetricMatrix
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
-CELLS_PER_BATCH = 1024  # small enough for the arrays of a batch to stay in cache
+ENTRIES_PER_BATCH = 250_000  # 2 MB of matrices: a batch's arrays stay in cache
+MOST_CELLS_PER_BATCH = 2000  # no power of two, which would put all rows into the same sets of the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,8 +153,10 @@ class Space:
         for element, region in self._regions:
             for n_vertices in np.unique(counts[region]):
                 cells = region[counts[region] == n_vertices]
-                for start in range(0, len(cells), CELLS_PER_BATCH):
-                    yield self._batch(element, int(n_vertices), cells[start : start + CELLS_PER_BATCH])
+                n_local = int(n_vertices) * self.order + element.n_interior()
+                step = min(MOST_CELLS_PER_BATCH, max(ENTRIES_PER_BATCH // n_local**2, 100))
+                for start in range(0, len(cells), step):
+                    yield self._batch(element, int(n_vertices), cells[start : start + step])
 
     def _batch(self, element: Element, n_vertices: int, cells: NDArray[np.int64]) -> CellBatch:
         mesh = self.mesh

@@ -1,0 +1,129 @@
+"""Orthotropic linear elasticity."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.materials.material import (
+    Hypothesis,
+    Material,
+    check_density,
+    check_finite,
+    check_hypothesis,
+    no_expansion,
+)
+
+Floats = NDArray[np.float64]
+Triple = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class Orthotropic(Material):
+    """Orthotropic linear elasticity with axes 1 and 2 in the plane and 3 out of it.
+
+    Parameters
+    ----------
+    young
+        Young's moduli E1, E2, E3 > 0.
+    poisson
+        Poisson's ratios nu12, nu23, nu13: a stress along the first index strains the second by ``-nu / E`` of the
+        first, so that ``nu21 = nu12 E2 / E1``.
+    shear
+        Shear modulus G12 > 0.
+    angle
+        Angle in radians from the x axis to axis 1, counter-clockwise.
+    hypothesis
+        ``"plane_strain"``, ``"plane_stress"`` or ``"axisymmetric"`` (then 3 is the hoop direction).
+    density
+        Mass per volume, for gravity.
+    expansion
+        Coefficients of thermal expansion along 1, 2 and 3.
+
+    """
+
+    young: Triple
+    poisson: Triple
+    shear: float
+    angle: float = 0.0
+    hypothesis: Hypothesis = "plane_strain"
+    density: float | None = None
+    expansion: Triple | None = None
+
+    def __post_init__(self) -> None:
+        self._check_shapes()
+        check_hypothesis("Orthotropic", self.hypothesis)
+        check_density("Orthotropic", self.density)
+        check_finite("Orthotropic", "angle", self.angle)
+        for name, values in (("young", self.young), ("shear", (self.shear,))):
+            if not all(np.isfinite(value) and value > 0.0 for value in values):
+                raise InputError(
+                    f"Orthotropic({name}={getattr(self, name)})",
+                    "positive numbers",
+                    "give moduli in the unit of stress",
+                )
+        if not np.isfinite(self.poisson).all():
+            raise InputError(f"Orthotropic(poisson={self.poisson})", "finite numbers", "correct the values")
+        least = float(np.linalg.eigvalsh(self._scaled_compliance).min())
+        if least <= 1e-12:
+            raise InputError(
+                f"Orthotropic(young={self.young}, poisson={self.poisson}) with a strain of no or negative energy",
+                "constants whose compliance is positive definite, so nu12^2 < E1 / E2, nu23^2 < E2 / E3, "
+                "nu13^2 < E1 / E3 and more",
+                "check that nu12, nu23, nu13 go with stresses along the first index; nu21 = nu12 E2 / E1",
+            )
+
+    def _check_shapes(self) -> None:
+        for name in ("young", "poisson", "expansion"):
+            values = getattr(self, name)
+            if name == "expansion" and values is None:
+                continue
+            if np.shape(values) != (3,):
+                raise InputError(
+                    f"Orthotropic({name}={values})", "three numbers, for the axes 1, 2 and 3", "give all three"
+                )
+
+    @property
+    def _scaled_compliance(self) -> Floats:
+        """Compliance of the normal stresses 1, 2, 3, scaled to ones on the diagonal, shape (3, 3)."""
+        (first, second, third), (nu12, nu23, nu13) = self.young, self.poisson
+        scaled = np.eye(3)
+        scaled[0, 1] = scaled[1, 0] = -nu12 * np.sqrt(second / first)
+        scaled[1, 2] = scaled[2, 1] = -nu23 * np.sqrt(third / second)
+        scaled[0, 2] = scaled[2, 0] = -nu13 * np.sqrt(third / first)
+        return scaled
+
+    @property
+    def _to_axes(self) -> Floats:
+        """Strains 11, 22, 2 12, 33 from xx, yy, 2 xy, zz, shape (4, 4)."""
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        return np.array(
+            [
+                [c * c, s * s, c * s, 0.0],
+                [s * s, c * c, -c * s, 0.0],
+                [-2.0 * c * s, 2.0 * c * s, c * c - s * s, 0.0],
+                [0.0, 0.0, 0.0, 1.0],
+            ]
+        )
+
+    @property
+    def spatial_matrix(self) -> Floats:
+        """See `Material.spatial_matrix`."""
+        root = np.sqrt(np.array(self.young))
+        normal = np.linalg.inv(self._scaled_compliance) * np.outer(root, root)
+        matrix = np.zeros((4, 4))
+        places = np.array([0, 1, 3])
+        matrix[np.ix_(places, places)] = (normal + normal.T) / 2.0
+        matrix[2, 2] = self.shear
+        turned: Floats = self._to_axes.T @ matrix @ self._to_axes
+        return turned
+
+    @property
+    def thermal_strain(self) -> Floats:
+        """See `Material.thermal_strain`."""
+        if self.expansion is None:
+            raise no_expansion(str(self))
+        first, second, third = self.expansion
+        strain: Floats = np.linalg.solve(self._to_axes, np.array([first, second, 0.0, third]))
+        return strain

@@ -1,0 +1,208 @@
+"""Fields at points, stresses along lines, and forces through cuts, all from the reconstruction inside cells."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.elements import Reconstruction, monomials
+from flangeway.elements.monomials import Frame
+from flangeway.elements.quadrature import gauss
+from flangeway.errors import InputError
+from flangeway.post.location import OUTSIDE, locate
+from flangeway.post.stress import Stresses
+from flangeway.solve import ElasticitySolution
+from flangeway.space import CellBatch
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Point = Sequence[float]
+Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
+"""Reconstruction of a batch, and coefficients of the field's components, shape (n_components, n, n_cells)."""
+
+
+@dataclass(frozen=True, eq=False)
+class StressLine:
+    """Stresses along a straight line.
+
+    Parameters
+    ----------
+    points
+        Shape (n, 2).
+    distances
+        From the start of the line, shape (n,).
+    stresses
+        At the points; not-a-number where the line is outside of the body.
+
+    """
+
+    points: Floats
+    distances: Floats
+    stresses: Stresses
+
+
+@dataclass(frozen=True, eq=False)
+class CutForce:
+    """Resultant of the stresses on a straight cut: what the right of its direction does to the left.
+
+    Parameters
+    ----------
+    force
+        Shape (2,), in a body of revolution all around the axis.
+    moment
+        Moment about the origin, counter-clockwise.
+    length
+        Length of the cut inside the body.
+
+    """
+
+    force: Floats
+    moment: float
+    length: float
+
+
+def stresses_at(solution: ElasticitySolution, points: ArrayLike) -> Stresses:
+    """Stresses at points (n, 2) inside the body, each from the cell that it lies in.
+
+    Raises
+    ------
+    InputError
+        If a point lies outside of the body.
+
+    """
+    given = np.asarray(points, dtype=np.float64)
+    return Stresses(_at(solution, given, _cells_of(solution, given), _stress_polynomials(solution), 4))
+
+
+def displacements_at(solution: ElasticitySolution, points: ArrayLike) -> Floats:
+    """Displacements (n, 2) at points (n, 2) inside the body, from the projection of each cell.
+
+    Raises
+    ------
+    InputError
+        If a point lies outside of the body.
+
+    """
+    given = np.asarray(points, dtype=np.float64)
+
+    def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        local = solution.displacements[batch.dofs]
+        return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, local)
+
+    return _at(solution, given, _cells_of(solution, given), polynomials, 2)
+
+
+def stresses_along(solution: ElasticitySolution, start: Point, end: Point, n_points: int = 101) -> StressLine:
+    """Stresses at equally spaced points of a line, both ends included.
+
+    Raises
+    ------
+    InputError
+        If the ends are the same, there are fewer than two points, or none lies in the body.
+
+    """
+    first, along = _line(start, end)
+    if n_points < 2:
+        raise InputError(f"stresses_along(n_points={n_points})", "2 or more", "leave the default")
+    share = np.linspace(0.0, 1.0, n_points)
+    points = first + share[:, None] * along
+    cells = locate(solution.problem.space.mesh, points)
+    inside = cells != OUTSIDE
+    if not inside.any():
+        raise _no_body("a line", start, end)
+    components = np.full((n_points, 4), np.nan)
+    components[inside] = _at(solution, points[inside], cells[inside], _stress_polynomials(solution), 4)
+    return StressLine(points, share * float(np.linalg.norm(along)), Stresses(components))
+
+
+def force_through_cut(solution: ElasticitySolution, start: Point, end: Point) -> CutForce:
+    """Integrate the stresses on the parts of a straight line that are inside the body, cell by cell, exactly.
+
+    Raises
+    ------
+    InputError
+        If the ends are the same, or the line does not cross the body.
+
+    """
+    first, along = _line(start, end)
+    length = float(np.linalg.norm(along))
+    breaks = _crossings(solution, first, along)
+    middles = first + ((breaks[1:] + breaks[:-1]) / 2.0)[:, None] * along
+    cells = locate(solution.problem.space.mesh, middles)
+    inside = cells != OUTSIDE
+    if not inside.any():
+        raise _no_body("a cut", start, end)
+    shares = np.diff(breaks)[inside]
+    abscissae, weights = gauss(solution.problem.space.order // 2 + 1)
+    places = breaks[:-1][inside, None] + shares[:, None] * abscissae
+    points = (first + places[..., None] * along).reshape(-1, 2)
+    at_cells = np.repeat(cells[inside], len(abscissae))
+    xx, yy, xy, _ = _at(solution, points, at_cells, _stress_polynomials(solution), 4).T
+    normal = np.array([along[1], -along[0]]) / length
+    traction = np.stack((xx * normal[0] + xy * normal[1], xy * normal[0] + yy * normal[1]), axis=1)
+    lengths = (shares[:, None] * weights).ravel() * length
+    forces = traction * (lengths * solution.problem.depth(points))[:, None]
+    moment = float(np.sum(points[:, 0] * forces[:, 1] - points[:, 1] * forces[:, 0]))
+    return CutForce(forces.sum(axis=0), moment, float(shares.sum()) * length)
+
+
+def _line(start: Point, end: Point) -> tuple[Floats, Floats]:
+    ends = np.array([start, end], dtype=np.float64)
+    if ends.shape != (2, 2) or not np.isfinite(ends).all() or (ends[0] == ends[1]).all():
+        raise InputError(f"a line from {start} to {end}", "two different points (x, y)", "give its ends")
+    return ends[0], ends[1] - ends[0]
+
+
+def _no_body(what: str, start: Point, end: Point) -> InputError:
+    return InputError(f"{what} from {tuple(start)} to {tuple(end)}", "one that crosses the body", "move its ends")
+
+
+def _crossings(solution: ElasticitySolution, first: Floats, along: Floats) -> Floats:
+    """Shares of the line at its ends and where it meets edges, rising."""
+    mesh = solution.problem.space.mesh
+    a, b = (mesh.points[mesh.edges[:, side]] - first for side in (0, 1))
+    side_a, side_b = (p[:, 1] * along[0] - p[:, 0] * along[1] for p in (a, b))
+    meets = (side_a * side_b <= 0.0) & (side_a != side_b)
+    a, b, side_a, side_b = a[meets], b[meets], side_a[meets], side_b[meets]
+    at = a + (side_a / (side_a - side_b))[:, None] * (b - a)
+    shares = at @ along / (along @ along)
+    shares = np.sort(np.concatenate(([0.0, 1.0], shares[(shares > 0.0) & (shares < 1.0)])))
+    kept = np.concatenate(([True], np.diff(shares) > 1e-12))
+    kept[-1] = True
+    return shares[kept]
+
+
+def _cells_of(solution: ElasticitySolution, points: Floats) -> Ints:
+    cells = locate(solution.problem.space.mesh, points)
+    if (cells == OUTSIDE).any():
+        x, y = points[np.argmax(cells == OUTSIDE)]
+        raise InputError(
+            f"the point ({x:g}, {y:g}) outside of body `{solution.problem.name}`", "points inside", "move the point"
+        )
+    return cells
+
+
+def _stress_polynomials(solution: ElasticitySolution) -> Polynomials:
+    return lambda batch: solution.problem.cell_stresses(batch, solution.displacements)
+
+
+def _at(
+    solution: ElasticitySolution, points: Floats, cells: Ints, polynomials: Polynomials, n_components: int
+) -> Floats:
+    """Values (n, n_components) of polynomials at points (n, 2) of cells (n,)."""
+    values = np.empty((len(points), n_components))
+    place = np.full(solution.problem.space.mesh.n_cells, -1, dtype=np.int64)
+    for batch in solution.problem.space.batches():
+        place[batch.cells] = np.arange(len(batch.cells))
+        here = np.flatnonzero(place[cells] >= 0)
+        if len(here):
+            reconstruction, coefficients = polynomials(batch)
+            columns = place[cells[here]]
+            frame = Frame(reconstruction.frame.origin[:, columns], reconstruction.frame.map[:, :, columns])
+            monomial = monomials.evaluate(reconstruction.order, frame.local(points[here].T))
+            chosen = coefficients[:, :, columns]
+            values[here] = np.einsum("cae,ae->ec", chosen, monomial[: chosen.shape[1]])
+        place[batch.cells] = -1
+    return values

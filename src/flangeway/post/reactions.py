@@ -1,0 +1,102 @@
+"""Reactions of the supports of an elastic body."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.problems import RigidHandle, Spring, Support
+from flangeway.solve import ElasticitySolution
+from flangeway.solve.constraints import RANK, HandleNodes, Rows
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Reaction:
+    """What one support does to the body.
+
+    Parameters
+    ----------
+    support
+        The support.
+    force
+        Components x and y, shape (2,); in a body of revolution, summed around the axis.
+    moment
+        Moment about the origin, counter-clockwise.
+
+    """
+
+    support: Support
+    force: Floats
+    moment: float
+
+
+def reactions(solution: ElasticitySolution) -> tuple[Reaction, ...]:
+    """Reaction of each support, in the problem's order.
+
+    Where two supports hold a node, each bears the force along the direction that it holds; if both hold the same
+    direction, they share it equally. Together with the loads (applied forces of handles included) the reactions are in
+    balance.
+    """
+    problem, constraints = solution.problem, solution.constraints
+    n_supports = len(problem.supports)
+    forces, moments = np.zeros((n_supports, 2)), np.zeros(n_supports)
+    _add_nodes(solution, constraints.node_rows, forces, moments)
+    for handle in constraints.handles:
+        _add_handle(solution, handle, forces, moments)
+    springs = iter(solution.spring_forces)
+    for number, support in enumerate(problem.supports):
+        if isinstance(support, Spring):
+            at_nodes = next(springs)
+            forces[number] = at_nodes.sum(axis=0)
+            moments[number] = _moment(problem.space.nodes, at_nodes).sum()
+    forces.setflags(write=False)
+    return tuple(
+        Reaction(support, force, float(moment))
+        for support, force, moment in zip(problem.supports, forces, moments, strict=True)
+    )
+
+
+def _moment(points: Floats, forces: Floats) -> Floats:
+    moment: Floats = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
+    return moment
+
+
+def _add_nodes(solution: ElasticitySolution, rows: Rows, forces: Floats, moments: Floats) -> None:
+    """Share the reaction of each held node among the rows that hold it."""
+    nodes, place = np.unique(rows.nodes, return_inverse=True)
+    gram = np.zeros((len(nodes), 2, 2))
+    np.add.at(gram, place, rows.directions[:, :, None] * rows.directions[:, None])
+    values, vectors = np.linalg.eigh(gram)
+    inverse = np.where(values > RANK, 1.0 / np.where(values > RANK, values, 1.0), 0.0)
+    strain = np.einsum("nij,nj,nkj,nk->ni", vectors, inverse, vectors, solution.nodal_reactions[nodes])
+    share = np.einsum("ni,ni->n", rows.directions, strain[place])
+    _add(solution, rows, share[:, None] * rows.directions, forces, moments)
+
+
+def _add(solution: ElasticitySolution, rows: Rows, at_nodes: Floats, forces: Floats, moments: Floats) -> None:
+    """Add forces (n, 2) of rows with a node to those of their supports; the axis of revolution bears its own."""
+    own = rows.supports >= 0
+    supports = rows.supports[own]
+    np.add.at(forces, supports, at_nodes[own])
+    np.add.at(moments, supports, _moment(solution.problem.space.nodes[rows.nodes[own]], at_nodes[own]))
+
+
+def _add_handle(solution: ElasticitySolution, handle: HandleNodes, forces: Floats, moments: Floats) -> None:
+    """Share the resultant on a handle among its prescribed motions and the supports on its nodes."""
+    support = solution.problem.supports[handle.support]
+    if not isinstance(support, RigidHandle):
+        return
+    resultant = np.einsum("nij,ni->j", handle.arms, solution.nodal_reactions[handle.nodes])
+    resultant -= np.array([*support.force, support.moment])
+    scale = np.array([1.0, 1.0, solution.problem.size])
+    scaled = handle.rows.directions / scale
+    share = scaled @ (np.linalg.pinv(scaled.T @ scaled, rcond=RANK, hermitian=True) @ (resultant / scale))
+    own = handle.rows.nodes < 0
+    mine = own & (handle.rows.supports == handle.support)
+    x, y, turn = share[mine] @ handle.rows.directions[mine]
+    forces[handle.support] += (x, y)
+    moments[handle.support] += turn + float(_moment(handle.pivot, np.array([x, y])))
+    others = handle.rows.where(~own)
+    _add(solution, others, share[~own, None] * others.directions[:, :2], forces, moments)

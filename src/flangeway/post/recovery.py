@@ -1,0 +1,176 @@
+"""Superconvergent patch recovery of stresses, and the error that it estimates."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from flangeway.elements import batched, monomials, polygon_quadrature
+from flangeway.elements.monomials import n_monomials
+from flangeway.errors import InputError
+from flangeway.post.stress import Stresses, at_mesh_points
+from flangeway.problems import Elasticity
+from flangeway.solve import ElasticitySolution
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SMALLEST_SINGULAR = 1e-11
+"""Eigenvalue of a patch's normal equations, over the largest, below which a polynomial is not seen by its cells."""
+
+
+@dataclass(frozen=True, eq=False)
+class RecoveredStresses:
+    """Stresses of one order more than the reconstruction's, and the difference between both.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    coefficients
+        Polynomials of degree k of each cell in its patch's coordinates, shape (n_cells, 4, n_monomials(k)).
+    scales
+        Lengths by which the patches' coordinates about the cells' centroids are divided, shape (n_cells,).
+
+    """
+
+    solution: ElasticitySolution
+    coefficients: Floats
+    scales: Floats
+
+    @cached_property
+    def cell_errors(self) -> Floats:
+        """Estimated error of the stresses in each cell in the energy norm, shape (n_cells,).
+
+        It is the root of the integral of the differences' stress times strain. The energy of a virtual element's
+        stabilisation is no part of it.
+        """
+        problem = self.solution.problem
+        squares = np.empty(problem.space.mesh.n_cells)
+        for batch in problem.space.batches():
+            reconstruction, stress = problem.cell_stresses(batch, self.solution.displacements)
+            points, weights = polygon_quadrature(batch.vertices, 2 * reconstruction.order)
+            values = reconstruction.at(points)[: stress.shape[1]]
+            difference = self._at(batch.cells, points) - np.einsum("sae,aqe->sqe", stress, values)
+            weights = weights * problem.depth(points.swapaxes(1, 2))
+            compliance = _compliances(problem)[:, :, problem.cell_material[batch.cells]]
+            strain = np.einsum("ste,tqe->sqe", compliance, difference)
+            squares[batch.cells] = np.einsum("sqe,sqe,qe->e", strain, difference, weights)
+        errors = np.sqrt(squares)
+        errors.setflags(write=False)
+        return errors
+
+    @property
+    def error(self) -> float:
+        """Estimated error of the stresses in the energy norm, the root of twice an energy."""
+        return float(np.linalg.norm(self.cell_errors))
+
+    @property
+    def relative_error(self) -> float:
+        """Estimated error over the energy norm of the solution (Zienkiewicz and Zhu, 1987)."""
+        size = np.sqrt(2.0 * max(self.solution.energy, 0.0) + self.error**2)
+        return self.error / float(size) if size > 0.0 else 0.0
+
+    def corners(self) -> Stresses:
+        """Recovered stresses at the cells' corners, in the order of ``mesh.cell_points``."""
+        mesh = self.solution.problem.space.mesh
+        components = np.empty((len(mesh.cell_points), 4))
+        for batch in self.solution.problem.space.batches():
+            places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+            components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
+        return Stresses(components)
+
+    def nodal(self) -> Stresses:
+        """Means of the recovered stresses at the mesh's points; of all cells there, whatever their material."""
+        return at_mesh_points(self.solution.problem.space.mesh, self.corners())
+
+    def _at(self, cells: Ints, points: Floats) -> Floats:
+        """Values (4, n_points, n_cells) at points (n_points, 2, n_cells) of cells."""
+        centres = self.solution.problem.space.mesh.cell_centroids[cells].T
+        values = monomials.evaluate(self.solution.problem.space.order, (points - centres) / self.scales[cells])
+        return np.einsum("esb,bqe->sqe", self.coefficients[cells], values)
+
+
+def _compliances(problem: Elasticity) -> Floats:
+    """Strains per stress of the materials, in the plane without zz, shape (4, 4, n_materials)."""
+    result = np.zeros((4, 4, len(problem.materials)))
+    n = 4 if problem.axisymmetric else 3
+    for number, material in enumerate(problem.materials):
+        result[:n, :n, number] = np.linalg.inv(material.matrix[:n, :n])
+    return result
+
+
+def recovered_stresses(solution: ElasticitySolution) -> RecoveredStresses:
+    """Fit to each cell and its neighbours one polynomial of degree k whose projections are nearest to their stresses.
+
+    The projection of a cell's stress onto polynomials of degree k - 1 converges faster than the stress itself, as at
+    the superconvergent points of triangles and quadrilaterals (Zienkiewicz and Zhu, 1992, Int. J. Numer. Methods Eng.
+    33), and exists on every polygon. A patch holds the cells of one material around a cell, with further ones where
+    they are too few.
+
+    Raises
+    ------
+    InputError
+        If the body has fewer cells of a material than a polynomial needs.
+
+    """
+    problem = solution.problem
+    mesh, order = problem.space.mesh, problem.space.order
+    patches = _patches(problem, n_monomials(order), n_monomials(order - 1))
+    scales = 2.0 * mesh.cell_diameters
+    normal = np.zeros((mesh.n_cells, n_monomials(order), n_monomials(order)))
+    rhs = np.zeros((mesh.n_cells, n_monomials(order), 4))
+    for batch in problem.space.batches():
+        reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
+        mass = problem.strains(batch, reconstruction).mass
+        points, weights = polygon_quadrature(batch.vertices, 2 * order)
+        if problem.axisymmetric:
+            weights = weights * points[:, 0]
+        weighted = reconstruction.at(points)[: len(mass)] * weights
+        # one pair for each patch, named by its middle cell, that a cell of the batch belongs to
+        columns, middles = patches[batch.cells].tocoo().coords
+        local = (points[:, :, columns] - mesh.cell_centroids[middles].T) / scales[middles]
+        products = np.einsum("aqp,bqp->abp", weighted[:, :, columns], monomials.evaluate(order, local))
+        projected = batched.solve(mass[:, :, columns], products)
+        np.add.at(normal, middles, np.einsum("abp,acp->pbc", products, projected))
+        np.add.at(rhs, middles, np.einsum("abp,sap->pbs", products, stress[:, :, columns]))
+    coefficients = _solved(normal, rhs).swapaxes(1, 2)
+    coefficients.setflags(write=False)
+    return RecoveredStresses(solution, coefficients, scales)
+
+
+def _patches(problem: Elasticity, n_wanted: int, n_each: int) -> sp.csr_array:
+    """Which cells belong to which patch, symmetric, (n_cells, n_cells): those that share a point and the material."""
+    mesh = problem.space.mesh
+    cells = np.repeat(np.arange(mesh.n_cells), mesh.cell_sizes)
+    shape = (mesh.n_cells, mesh.n_points)
+    at_points = sp.csr_array((np.ones(len(cells)), (cells, mesh.cell_points)), shape=shape)
+    neighbours = sp.coo_array(at_points @ at_points.T)
+    first, second = neighbours.coords
+    alike = problem.cell_material[first] == problem.cell_material[second]
+    ring = sp.csr_array((np.ones(alike.sum()), (first[alike], second[alike])), shape=neighbours.shape)
+    patches = ring
+    while True:
+        few = np.diff(patches.indptr) * n_each < n_wanted + 2
+        if not few.any():
+            return sp.csr_array(patches.T)
+        grown = sp.csr_array(sp.diags_array(few.astype(np.float64)) @ patches @ ring)
+        wider = sp.csr_array(patches + grown)
+        if wider.nnz == patches.nnz:
+            cell = int(few.argmax())
+            raise InputError(
+                f"stresses recovered in cell {cell}, which has too few cells of its material around it",
+                f"{-(-(n_wanted + 2) // n_each)} joined cells of each material, or more",
+                "refine the mesh",
+            )
+        patches = wider
+
+
+def _solved(normal: Floats, rhs: Floats) -> Floats:
+    """Least-squares solutions (n_cells, n, 4); what a patch does not see is left zero."""
+    values, vectors = np.linalg.eigh(normal)
+    seen = values > SMALLEST_SINGULAR * values[:, -1:]
+    inverse = np.where(seen, 1.0 / np.where(seen, values, 1.0), 0.0)
+    return (vectors * inverse[:, None]) @ (vectors.swapaxes(1, 2) @ rhs)

@@ -1,0 +1,271 @@
+"""Loads of an elastic body: items of an `Elasticity` problem.
+
+Every load gives the forces on all unknowns that do its work. Tractions are forces per area, that is per length of edge
+and per thickness; in a body of revolution they act all around the axis.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import polygon_quadrature
+from flangeway.errors import InputError
+from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.given import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
+
+if TYPE_CHECKING:
+    from flangeway.problems.elasticity import Elasticity
+
+Floats = NDArray[np.float64]
+Point = tuple[float, float]
+
+
+class Load(ABC):
+    """A load; its subclasses are final."""
+
+    @abstractmethod
+    def check(self, problem: "Elasticity") -> None:
+        """Raise `InputError` where the load does not fit the problem."""
+
+    @abstractmethod
+    def forces(self, problem: "Elasticity") -> Floats:
+        """Forces on all unknowns, shape (n_dofs, 2)."""
+
+
+@dataclass(frozen=True)
+class Traction(Load):
+    """Force per area on named edges, in a direction that does not follow them.
+
+    Parameters
+    ----------
+    edges
+        Name of an edge set.
+    value
+        Components x and y, or a function of points (n, 2) with values (n, 2).
+
+    """
+
+    edges: str
+    value: Vector
+
+    def __post_init__(self) -> None:
+        check_vector(f"Traction on {self.edges!r}", self.value)
+
+    def check(self, problem: "Elasticity") -> None:
+        """See `Load.check`."""
+        problem.space.mesh.edge_set(self.edges)
+
+    def forces(self, problem: "Elasticity") -> Floats:
+        """See `Load.forces`."""
+        name = f"Traction on {self.edges!r}"
+        return _edge_forces(problem, self.edges, lambda points, _: vector_at(name, self.value, points))
+
+
+@dataclass(frozen=True)
+class Pressure(Load):
+    """Pressure on named edges, positive into the body; it keeps the direction of the undeformed edges.
+
+    Parameters
+    ----------
+    edges
+        Name of an edge set.
+    value
+        A number, or a function of points (n, 2) with values (n,).
+
+    """
+
+    edges: str
+    value: Scalar
+
+    def __post_init__(self) -> None:
+        check_scalar(f"Pressure on {self.edges!r}", self.value)
+
+    def check(self, problem: "Elasticity") -> None:
+        """See `Load.check`."""
+        problem.space.mesh.edge_set(self.edges)
+
+    def forces(self, problem: "Elasticity") -> Floats:
+        """See `Load.forces`."""
+        name = f"Pressure on {self.edges!r}"
+        return _edge_forces(
+            problem, self.edges, lambda points, normals: -scalar_at(name, self.value, points)[:, None] * normals
+        )
+
+
+def _edge_forces(problem: "Elasticity", edges: str, traction: Callable[[Floats, Floats], Floats]) -> Floats:
+    """Forces of a traction, a function of points and normals (n, 2)."""
+    rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(edges))
+    n_edges, n_points, _ = rule.points.shape
+    points = rule.points.reshape(-1, 2)
+    values = traction(points, np.repeat(rule.normals, n_points, axis=0)).reshape(n_edges, n_points, 2)
+    weights = rule.weights * problem.depth(rule.points)
+    at_nodes = np.einsum("eq,eqi,qm->emi", weights, values, rule.shapes)
+    forces = np.zeros((problem.space.n_dofs, 2))
+    np.add.at(forces, rule.nodes, at_nodes)
+    return forces
+
+
+@dataclass(frozen=True)
+class PointForce(Load):
+    """Force at a point of the mesh; in a body of revolution, the sum around the axis.
+
+    The displacement below it grows without limit as the mesh is refined.
+
+    Parameters
+    ----------
+    at
+        Place of a node.
+    force
+        Components x and y.
+
+    """
+
+    at: Point
+    force: Point
+
+    def __post_init__(self) -> None:
+        check_vector("PointForce(at)", self.at)
+        check_vector(f"PointForce at {self.at}", self.force)
+        if callable(self.at) or callable(self.force):
+            raise InputError("PointForce with a function", "two numbers", "take Traction for distributed forces")
+
+    def check(self, problem: "Elasticity") -> None:
+        """See `Load.check`."""
+        problem.node_at(self.at)
+
+    def forces(self, problem: "Elasticity") -> Floats:
+        """See `Load.forces`."""
+        forces = np.zeros((problem.space.n_dofs, 2))
+        forces[problem.node_at(self.at)] = self.force
+        return forces
+
+
+@dataclass(frozen=True)
+class BodyForce(Load):
+    """Force per volume.
+
+    Parameters
+    ----------
+    value
+        Components x and y, or a function of points (n, 2) with values (n, 2).
+    cells
+        Name of the cell set that it acts on; None is the whole body.
+
+    """
+
+    value: Vector
+    cells: str | None = None
+
+    def __post_init__(self) -> None:
+        check_vector("BodyForce", self.value)
+
+    def check(self, problem: "Elasticity") -> None:
+        """See `Load.check`."""
+        if self.cells is not None:
+            problem.space.mesh.cell_set(self.cells)
+
+    def forces(self, problem: "Elasticity") -> Floats:
+        """See `Load.forces`."""
+        factors = problem.cells_in(self.cells).astype(np.float64)
+        return _volume_forces(problem, self.value, factors)
+
+
+@dataclass(frozen=True)
+class Gravity(Load):
+    """Weight: density times an acceleration; every material needs its density.
+
+    Parameters
+    ----------
+    acceleration
+        Components x and y, in the units of the model: (0, -9810) in mm, s and t.
+
+    """
+
+    acceleration: Point
+
+    def __post_init__(self) -> None:
+        check_vector("Gravity", self.acceleration)
+        if callable(self.acceleration):
+            raise InputError("Gravity with a function", "two numbers", "take BodyForce")
+
+    def check(self, problem: "Elasticity") -> None:
+        """See `Load.check`."""
+        _ = self._densities(problem)
+
+    def forces(self, problem: "Elasticity") -> Floats:
+        """See `Load.forces`."""
+        return _volume_forces(problem, self.acceleration, self._densities(problem))
+
+    def _densities(self, problem: "Elasticity") -> Floats:
+        densities = []
+        for material in problem.materials:
+            if material.density is None:
+                raise InputError(f"Gravity on {material} without a density", "a material with one", "give density")
+            densities.append(material.density)
+        return np.array(densities)[problem.cell_material]
+
+
+def _volume_forces(problem: "Elasticity", value: Vector, factors: Floats) -> Floats:
+    """Forces of a force per volume times a factor of each cell (n_cells,), on the projected functions (seed 3.81)."""
+    space = problem.space
+    # a constant is of degree 0, times the radius of degree 1
+    degree = 2 * space.order + 2 if callable(value) else space.order + 1
+    forces = np.zeros((space.n_dofs, 2))
+    for batch in space.batches():
+        here = factors[batch.cells]
+        if not here.any():
+            continue
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        points, weights = polygon_quadrature(batch.vertices, degree)
+        rows = points.swapaxes(1, 2)
+        values = vector_at("a force per volume", value, rows.reshape(-1, 2)).reshape(rows.shape)
+        weights = weights * problem.depth(rows) * here
+        products = np.einsum("aqe,qe,qei->iae", reconstruction.at(points), weights, values)
+        local = np.einsum("iae,ame->ime", products, reconstruction.projected_value)
+        for component in range(2):
+            forces[:, component] += np.bincount(batch.dofs.ravel(), local[component].ravel(), minlength=space.n_dofs)
+    return forces
+
+
+@dataclass(frozen=True)
+class TemperatureChange(Load):
+    """Thermal strain: a rise of temperature times the materials' coefficients of expansion.
+
+    Parameters
+    ----------
+    change
+        A number, or a function of points (n, 2) with values (n,).
+    cells
+        Name of the cell set that it acts on; None is the whole body.
+
+    """
+
+    change: Scalar
+    cells: str | None = None
+
+    def __post_init__(self) -> None:
+        check_scalar("TemperatureChange", self.change)
+
+    def check(self, problem: "Elasticity") -> None:
+        """See `Load.check`."""
+        cells = problem.cells_in(self.cells)
+        for number in np.unique(problem.cell_material[cells]):
+            _ = problem.materials[number].thermal_strain
+
+    def at(self, points: Floats) -> Floats:
+        """Rise of temperature at points (n, 2), shape (n,)."""
+        return scalar_at("TemperatureChange", self.change, points)
+
+    def forces(self, problem: "Elasticity") -> Floats:
+        """See `Load.forces`."""
+        forces = np.zeros((problem.space.n_dofs, 2))
+        for batch in problem.space.batches():
+            reconstruction = batch.element.reconstruct(batch.vertices)
+            local = problem.thermal_forces(batch, reconstruction, [self])
+            for component in range(2):
+                forces[:, component] += np.bincount(batch.dofs.ravel(), local[component].ravel(), minlength=len(forces))
+        return forces

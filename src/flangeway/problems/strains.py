@@ -1,0 +1,128 @@
+"""Strains of cells as polynomials of degree k - 1: in the plane, and about an axis with the radius as weight."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import Reconstruction, batched, monomials
+from flangeway.elements.monomials import exponents, index, n_monomials
+from flangeway.elements.quadrature import gauss
+from flangeway.problems.edges import edge_shapes
+from flangeway.space import CellBatch
+
+Floats = NDArray[np.float64]
+
+STRAIN_PLACES = np.array([[0, 2, 3], [2, 1, -1]])
+"""Place among xx, yy, 2 xy, zz of the strain that is a component's (row) derivative by x, by y, or its hoop strain."""
+
+
+@dataclass(frozen=True, eq=False)
+class StrainOperators:
+    """Derivatives of one component by x and y, and in a body of revolution its hoop strain, on a batch of cells.
+
+    The strains of a discrete displacement are their projections onto polynomials of degree k - 1, orthogonal in L2,
+    with the radius as weight in a body of revolution (seed 3.84 to 3.88).
+
+    Parameters
+    ----------
+    moments
+        Weighted integrals times the monomials of degree k - 1, shape (n_monomials(k - 1), 2 or 3, n_local, n_cells).
+    mass
+        Weighted integrals of the products of these monomials, shape (n, n, n_cells).
+    exact_coefficients
+        The polynomials where they are known without solving, shape as `moments`.
+
+    """
+
+    moments: Floats
+    mass: Floats
+    exact_coefficients: Floats | None = None
+
+    @cached_property
+    def coefficients(self) -> Floats:
+        """Coefficients of the polynomials, shape as `moments`."""
+        if self.exact_coefficients is not None:
+            return self.exact_coefficients
+        flat = self.moments.reshape(len(self.moments), -1, self.moments.shape[-1])
+        return batched.solve(self.mass, flat).reshape(self.moments.shape)
+
+    def products(self, first: int, second: int) -> Floats:
+        """Weighted integrals of products of two of the derivatives, shape (n_local, n_local, n_cells)."""
+        left, right = self.moments[:, first], self.coefficients[:, second]
+        if first == second:
+            return batched.symmetric_product(left, right)
+        return np.einsum("ame,ane->mne", left, right)
+
+
+def strain_operators(batch: CellBatch, reconstruction: Reconstruction, *, axisymmetric: bool) -> StrainOperators:
+    """Strains of a batch of cells; x is the radius if ``axisymmetric``."""
+    if axisymmetric:
+        return _about_axis(batch, reconstruction)
+    gradient, mass = reconstruction.gradient, reconstruction.mass
+    moments = reconstruction.gradient_moments
+    if moments is None:
+        moments = np.einsum("abe,bsme->asme", mass, gradient)
+    return StrainOperators(moments, mass, gradient)
+
+
+def _about_axis(batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
+    """Operators with the radius r = x as weight.
+
+    ``int r p u,j = int_boundary r p u n_j - int u (r p),j`` holds the moments of u up to degree k - 1 only, which the
+    enhanced space gives for every order, and so does the hoop strain's ``int r p (u / r) = int p u``.
+    """
+    order = reconstruction.order
+    n_low, n_below = n_monomials(order - 1), n_monomials(order - 2)
+    radius = _radius(reconstruction)
+    all_moments = reconstruction.moments
+    value_moments = np.einsum(
+        "abe,bme->ame", monomials.mass(order, all_moments)[:n_low], reconstruction.projected_value
+    )
+    moments = np.empty((n_low, 3, *value_moments.shape[1:]))
+    moments[:, :2] = _boundary_moments(batch, reconstruction)
+    moments[:, 0] -= value_moments
+    moments[:, 2] = value_moments
+    if n_below:
+        weighted = _times_radius(value_moments, order - 2, radius)
+        in_space = np.einsum("jie,jba->abie", reconstruction.frame.map, monomials.derivatives(order - 1))
+        moments[:, :2] -= np.einsum("abie,bme->aime", in_space, weighted)
+    products = exponents(order - 1)[:, None] + exponents(order - 1)
+    weighted_moments = _times_radius(all_moments, 2 * (order - 1), radius)
+    return StrainOperators(moments, weighted_moments[index(products)])
+
+
+def _radius(reconstruction: Reconstruction) -> Floats:
+    """Coefficients of x as a polynomial of degree 1 in the local coordinates, shape (3, n_cells)."""
+    (a, b), (c, d) = reconstruction.frame.map
+    determinant = a * d - b * c
+    return np.stack((reconstruction.frame.origin[0], d / determinant, -b / determinant))
+
+
+def _times_radius(moments: Floats, degree: int, radius: Floats) -> Floats:
+    """Moments with monomials up to a degree times the radius, from moments up to one degree more, first axis."""
+    powers = exponents(degree)
+    result = np.zeros((len(powers), *moments.shape[1:]))
+    for step, factor in zip(((0, 0), (1, 0), (0, 1)), radius, strict=True):
+        result += factor * moments[index(powers + np.array(step))]
+    return result
+
+
+def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Floats:
+    """Integrals of r times monomials of degree k - 1 times traces times the normal, (n, 2, n_local, n_cells)."""
+    order, vertices = reconstruction.order, batch.vertices
+    n_vertices, _, n_cells = vertices.shape
+    places, weights = gauss(order + 1)
+    shapes = edge_shapes(order, places)
+    along = np.roll(vertices, -1, axis=0) - vertices
+    normals = np.stack((along[:, 1], -along[:, 0]), axis=1)
+    result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))
+    for edge in range(n_vertices):
+        points = vertices[edge] + places[:, None, None] * along[edge]
+        values = monomials.evaluate(order - 1, reconstruction.frame.local(points))
+        traces = np.einsum("aqe,qe,q,qn->ane", values, points[:, 0], weights, shapes)
+        inner = n_vertices + edge * (order - 1) + np.arange(order - 1)
+        local = np.concatenate(([edge], inner, [(edge + 1) % n_vertices]))
+        result[:, :, local] += traces[:, None] * normals[edge][None, :, None]
+    return result

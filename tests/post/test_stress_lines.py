@@ -1,0 +1,136 @@
+"""Fields at points, along lines and through cuts."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flangeway.elements import Lagrange, Virtual
+from flangeway.geometry import square
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
+from flangeway.post import (
+    displacements_at,
+    force_through_cut,
+    locate,
+    nodal_stresses,
+    stresses_along,
+    stresses_at,
+)
+from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction, fixed
+from flangeway.solve import ElasticitySolution, solve_elasticity
+from flangeway.space import Space
+
+MATERIAL = Elastic(100.0, 0.3)
+POLYGONS = dual(triangulate(square(1.0), size=0.15))
+
+
+def quadratic(points: np.ndarray) -> np.ndarray:
+    """A displacement whose stress is in balance without a body force."""
+    x, y = points.T
+    return 1e-2 * np.stack((x * y, -0.5 * x**2 - 0.5 * y**2 * 0.3 / 0.7), axis=1)
+
+
+def bent(mesh: PolyMesh, element) -> ElasticitySolution:
+    mesh = mesh.with_edge_set("boundary", mesh.boundary_edges)
+    support = PrescribedDisplacement("boundary", lambda p: quadratic(p)[:, 0], lambda p: quadratic(p)[:, 1])
+    return solve_elasticity(Elasticity(Space(mesh, element), MATERIAL, supports=[support]))
+
+
+def bending_stress(points: np.ndarray) -> np.ndarray:
+    """Pure bending: xx is linear in y, yy and xy are none."""
+    y = points[:, 1]
+    xx = 100.0 / (1.0 - 0.09) * 1e-2 * y
+    return np.stack((xx, 0.0 * y, 0.0 * y, 0.3 * xx), axis=1)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)), min_size=1, max_size=20))
+def test_points_are_found_in_their_cells(points: list) -> None:
+    """A located cell holds its point on the left of all its edges, and exactly the points outside have none."""
+    given_points = np.array(points)
+    cells = locate(POLYGONS, given_points)
+    outside = (np.abs(given_points) > 0.5).any(axis=1)
+    assert np.array_equal(cells < 0, outside)
+    for point, cell in zip(given_points[~outside], cells[~outside], strict=True):
+        corners = POLYGONS.points[POLYGONS.cell_points[POLYGONS.cell_offsets[cell] : POLYGONS.cell_offsets[cell + 1]]]
+        a, b = corners - point, np.roll(corners, -1, axis=0) - point
+        areas = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        assert areas.min() > -1e-9
+
+
+def test_mesh_points_and_corners_belong_to_a_cell() -> None:
+    """Points of the mesh, on its boundary too, are found in a cell that has them as a corner."""
+    cells = locate(POLYGONS, POLYGONS.points)
+    used = np.unique(POLYGONS.cell_points)
+    for point in used:
+        cell = cells[point]
+        assert point in POLYGONS.cell_points[POLYGONS.cell_offsets[cell] : POLYGONS.cell_offsets[cell + 1]]
+
+
+def test_cells_that_are_not_convex_are_told_apart() -> None:
+    """A point in the notch of an L belongs to the square that fills it."""
+    points = np.array([[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2], [2, 2]], dtype=np.float64)
+    mesh = PolyMesh(points, np.array([0, 6, 10]), np.array([0, 1, 2, 3, 4, 5, 3, 2, 6, 4]))
+    assert locate(mesh, [[1.5, 1.5], [0.5, 1.5], [1.5, 0.5], [2.5, 0.5]]).tolist() == [1, 0, 0, -1]
+
+
+@pytest.mark.parametrize(
+    ("mesh", "element"), [(triangulate(square(1.0), size=0.3), Lagrange(2)), (POLYGONS, Virtual(2))]
+)
+def test_pure_bending_everywhere(mesh: PolyMesh, element) -> None:
+    """Order 2 has the stresses and displacements of pure bending at any point, along a line, and at nodes."""
+    solution = bent(mesh, element)
+    points = np.random.default_rng(2).uniform(-0.5, 0.5, (50, 2))
+    assert stresses_at(solution, points).components == pytest.approx(bending_stress(points), abs=1e-9)
+    assert displacements_at(solution, points) == pytest.approx(quadratic(points), abs=1e-12)
+    line = stresses_along(solution, (0.1, -0.5), (0.1, 0.7), 13)
+    inside = line.points[:, 1] < 0.5 + 1e-12
+    assert line.distances == pytest.approx(np.linspace(0.0, 1.2, 13))
+    assert line.stresses.components[inside] == pytest.approx(bending_stress(line.points[inside]), abs=1e-9)
+    assert np.isnan(line.stresses.components[~inside]).all()
+    assert inside.sum() == 11
+    used = np.unique(mesh.cell_points)
+    assert nodal_stresses(solution).components[used] == pytest.approx(bending_stress(mesh.points[used]), abs=1e-9)
+
+
+def test_a_cut_carries_the_bending_moment() -> None:
+    """The force through any straight cut of pure bending has the moment of the linear stress, oblique or not."""
+    solution = bent(POLYGONS, Virtual(2))
+    moment = -100.0 / 0.91 * 1e-2 / 12.0
+    for top in (0.1, 0.35):
+        cut = force_through_cut(solution, (0.1, -0.6), (top, 0.6))
+        assert cut.force == pytest.approx([0.0, 0.0], abs=1e-9)
+        assert cut.moment == pytest.approx(moment)
+    straight, back = (
+        force_through_cut(solution, *ends) for ends in (((0.1, 0.0), (0.1, 0.6)), ((0.1, 0.6), (0.1, 0.0)))
+    )
+    assert straight.length == pytest.approx(0.5)
+    assert straight.force[0] == pytest.approx(100.0 / 0.91 * 1e-2 * 0.125)
+    assert back.force == pytest.approx(-straight.force)
+
+
+def test_a_cut_through_a_loaded_block_carries_the_load() -> None:
+    """What the loaded right does to the left of a cut is the load, and the reaction balances it."""
+    problem = Elasticity(
+        Space(rectangle_grid(4.0, 1.0, 32, 8), Lagrange(2)),
+        MATERIAL,
+        thickness=2.0,
+        loads=[Traction("right", (3.0, 0.5))],
+        supports=[fixed("left")],
+    )
+    cut = force_through_cut(solve_elasticity(problem), (2.03, -1.0), (2.03, 2.0))
+    assert cut.force == pytest.approx([6.0, 1.0], rel=2e-3)
+    assert cut.moment == pytest.approx(4.0 * 1.0 - 0.5 * 6.0, rel=5e-3)
+
+
+def test_a_cut_of_a_ring_counts_the_circumference() -> None:
+    """A horizontal cut of a pressed tube carries the pressure times its area, seen from below."""
+    problem = Elasticity(
+        Space(dual(rectangle_grid(1.0, 1.0, 6, 6, origin=(1.0, 0.0))), Virtual(2)),
+        Elastic(100.0, 0.3, "axisymmetric"),
+        loads=[Pressure("top", 2.0)],
+        supports=[PrescribedDisplacement("bottom", y=0.0)],
+    )
+    cut = force_through_cut(solve_elasticity(problem), (3.0, 0.4), (0.0, 0.4))
+    assert cut.force[1] == pytest.approx(-2.0 * np.pi * 3.0)
