@@ -132,11 +132,11 @@ def test_holes_have_the_body_on_their_outside():
 @pytest.mark.parametrize(
     ("holes", "word"),
     [
-        ([circle(0.5, (3.0, 0.0))], "inside the outline"),
-        ([circle(0.5, (1.8, 0.0))], "inside the outline|meets another"),
-        ([circle(0.5), circle(0.2)], "meets another"),
-        ([circle(0.2), circle(0.5)], "meets another"),
-        ([circle(0.5), circle(0.5, (0.7, 0.0))], "hole 1 meets another"),
+        ([circle(0.5, (3.0, 0.0))], "inside the outer boundary"),
+        ([circle(0.5, (1.8, 0.0))], "inside the outer boundary|keep apart"),
+        ([circle(0.5), circle(0.2)], "one inside the other"),
+        ([circle(0.2), circle(0.5)], "one inside the other"),
+        ([circle(0.5), circle(0.5, (0.7, 0.0))], "keep apart"),
     ],
 )
 def test_holes_outside_or_together_are_refused(holes, word):

@@ -9,9 +9,8 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, IntArray
-from flangeway.geometry.contour import CROSSING_TOLERANCE
-from flangeway.geometry.crossings import chains_meet
 from flangeway.geometry.outline import Outline
+from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Arc, halved
 from flangeway.mesh.gmsh_session import gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
@@ -81,7 +80,7 @@ def triangulate(
     if algorithm not in ALGORITHMS:
         raise InputError(f"algorithm = {algorithm!r}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
     refuse_size(outline, size, refinements)
-    _refuse_holes(outline, holes)
+    Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
     with gmsh_model("flangeway", _OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
         loops = [_add_loop(gmsh, loop) for loop in (outline, *holes)]
         surface = gmsh.model.geo.addPlaneSurface(
@@ -99,29 +98,6 @@ def triangulate(
                 "reduce the size, or look at the outline",
             ) from reason
         return _collected(gmsh, surface, (outline, *holes), loops)
-
-
-def _refuse_holes(outline: Outline, holes: Sequence[Outline]) -> None:
-    """Refuse holes that are not inside the outline or not apart from each other."""
-    for number, hole in enumerate(holes):
-        tolerance = CROSSING_TOLERANCE * outline.size
-        start = np.array([hole.segments[0].start])
-        if not outline.contains(start)[0]:
-            raise InputError(
-                f"hole {number}, which starts at {hole.segments[0].start}",
-                "holes inside the outline",
-                "move the hole",
-            )
-        for other in (outline, *holes[:number]):
-            place = chains_meet(hole.segments, other.segments, tolerance)
-            nested = other is not outline and (other.contains(start)[0] or hole.contains([other.segments[0].start])[0])
-            if place is not None or nested:
-                where = hole.segments[0].start if place is None else tuple(place.tolist())
-                raise InputError(
-                    f"hole {number} meets another loop at {where}",
-                    "holes apart from the outline and from each other",
-                    "move the hole, or unite the two",
-                )
 
 
 def _add_point(gmsh: Any, point: Sequence[float] | FloatArray) -> int:

@@ -113,6 +113,10 @@ class PolyMesh:
 
     # counts and connections
 
+    def __repr__(self) -> str:
+        sets = f"cell_sets={sorted(self.cell_sets)}, edge_sets={sorted(self.edge_sets)}"
+        return f"PolyMesh(n_points={self.n_points}, n_cells={self.n_cells}, {sets})"
+
     @property
     def n_points(self) -> int:
         """Number of points."""

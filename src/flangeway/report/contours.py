@@ -10,7 +10,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.mesh import PolyMesh
-from flangeway.report.drawing import INK, _boundary_loops, _triangles
+from flangeway.report.drawing import INK, boundary_loops, triangles
 
 Floats = NDArray[np.float64]
 
@@ -43,7 +43,7 @@ class Shades:
 
 def draw_field(axes: Axes, mesh: PolyMesh, values: Floats, shades: Shades, *, lines: bool = True) -> None:
     """Fill between contour lines of values at a mesh's points (n_points,); dashed lines are negative."""
-    surface = Triangulation(mesh.points[:, 0], mesh.points[:, 1], _triangles(mesh))
+    surface = Triangulation(mesh.points[:, 0], mesh.points[:, 1], triangles(mesh))
     # rounding below the first level would leave a hole
     values = np.clip(values, shades.levels[0], shades.levels[-1])
     axes.tricontourf(surface, values, levels=shades.levels, cmap=shades.map, norm=shades.norm)
@@ -54,5 +54,5 @@ def draw_field(axes: Axes, mesh: PolyMesh, values: Floats, shades: Shades, *, li
 
 def draw_boundary(axes: Axes, mesh: PolyMesh) -> None:
     """Draw the outer boundary and the holes'."""
-    for loop in _boundary_loops(mesh):
+    for loop in boundary_loops(mesh):
         axes.plot(*mesh.points[loop].T, color=INK, linewidth=0.9)

@@ -76,7 +76,7 @@ class StressColours:
 
 def draw_cells(axes: Axes, part: PartFields, points: Floats, values: Floats, colours: StressColours) -> None:
     """Fill the cells of a part, drawn at `points`, by their values."""
-    collection = PolyCollection(_corners(part.mesh, points), cmap=colours.map, norm=colours.norm, linewidths=0.2)
+    collection = PolyCollection(cell_corners(part.mesh, points), cmap=colours.map, norm=colours.norm, linewidths=0.2)
     collection.set_array(values)
     collection.set_edgecolor("face")
     axes.add_collection(collection)
@@ -89,7 +89,7 @@ def draw_contours(axes: Axes, part: PartFields, points: Floats, values: Floats, 
     if not levels:
         return
     lines = axes.tricontour(
-        Triangulation(points[:, 0], points[:, 1], _triangles(part.mesh)),
+        Triangulation(points[:, 0], points[:, 1], triangles(part.mesh)),
         smooth,
         levels=levels,
         colors=INK,
@@ -117,7 +117,7 @@ def _well_inside(axes: Axes, x: float, y: float) -> bool:
 
 def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats, *, dashed: bool = False) -> None:
     """Draw the boundary of a part at `points`."""
-    for loop in _boundary_loops(mesh):
+    for loop in boundary_loops(mesh):
         axes.plot(
             points[loop, 0],
             points[loop, 1],
@@ -142,7 +142,7 @@ def box(points: Sequence[Floats], margin: float) -> Floats:
     return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
 
 
-def _boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
+def boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
     """Points along each closed boundary, the first repeated at the end."""
     after = dict(mesh.boundary_edges.tolist())
     loops = []
@@ -154,11 +154,12 @@ def _boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
     return loops
 
 
-def _corners(mesh: PolyMesh, points: Floats) -> list[Floats]:
+def cell_corners(mesh: PolyMesh, points: Floats) -> list[Floats]:
+    """Corners of each cell at the given positions of the mesh's points, each (n_vertices, 2)."""
     return np.split(points[mesh.cell_points], mesh.cell_offsets[1:-1])
 
 
-def _triangles(mesh: PolyMesh) -> NDArray[np.int32]:
+def triangles(mesh: PolyMesh) -> NDArray[np.int32]:
     """Polygons as fans of triangles about their first corner, shape (n, 3)."""
     fans = []
     for n_vertices, cells in mesh.batches():

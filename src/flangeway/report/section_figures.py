@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flangeway.mesh import PolyMesh
 from flangeway.post import corner_shear_stresses, shear_stresses
 from flangeway.report.contours import Shades, draw_boundary, draw_field
-from flangeway.report.drawing import GREY, INK, _corners, new_figure
+from flangeway.report.drawing import GREY, INK, cell_corners, new_figure
 from flangeway.study.section import SectionRun
 
 Floats = NDArray[np.float64]
@@ -36,7 +36,7 @@ def mesh_figure(run: SectionRun) -> Figure:
     figure, axes = _new(run)
     shades = ("#f2f2f2", "#c9c9c9", "#e0e0e0", "#b4b4b4")
     for number, (name, cells) in enumerate(mesh.cell_sets.items()):
-        corners = _corners(mesh, mesh.points)
+        corners = cell_corners(mesh, mesh.points)
         axes.add_collection(
             PolyCollection(
                 [corners[cell] for cell in cells],

@@ -1,6 +1,8 @@
 """Discrete spaces: the numbering of unknowns on a mesh, and assembly."""
 
+import os
 from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -188,9 +190,16 @@ class Space:
             Of size ``n_components * n_dofs``.
 
         """
-        dofs, matrices = [], []
-        for batch in self.batches():
-            dofs.append(batch.vector_dofs(n_components))
-            matrices.append(np.ascontiguousarray(cell_matrices(batch)))
+        batches = list(self.batches())
+        dofs = [batch.vector_dofs(n_components) for batch in batches]
+
+        def matrices_of(batch: CellBatch) -> Floats:
+            return np.ascontiguousarray(cell_matrices(batch))
+
+        if self.order == 1:
+            matrices = [matrices_of(batch) for batch in batches]
+        else:  # NumPy releases the interpreter in its loops; those of order 1 are too short for threads to pay
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                matrices = list(pool.map(matrices_of, batches))
         pattern = Pattern(n_components * self.n_dofs, dofs)
         return SymmetricMatrix(n_components * self.n_dofs, pattern.indptr, pattern.indices, pattern.scatter(matrices))
