@@ -12,14 +12,14 @@ from flangeway.geometry.arrays import FloatArray, IntArray
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Arc, halved
-from flangeway.mesh.gmsh_session import gmsh_model
+from flangeway.mesh.gmsh_session import generate, gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, refuse_size
 
 ALGORITHMS = {"delaunay": 5, "frontal-delaunay": 6}
 """Gmsh's numbers of the algorithms."""
 
-_OPTIONS = {
+OPTIONS = {
     "General.Terminal": 0,
     "General.NumThreads": 1,
     "Mesh.ElementOrder": 1,
@@ -81,22 +81,15 @@ def triangulate(
         raise InputError(f"algorithm = {algorithm!r}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
     refuse_size(outline, size, refinements)
     Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
-    with gmsh_model("flangeway", _OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+    with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
         loops = [_add_loop(gmsh, loop) for loop in (outline, *holes)]
         surface = gmsh.model.geo.addPlaneSurface(
             [gmsh.model.geo.addCurveLoop([curve for curve, _ in loop]) for loop in loops]
         )
         seeds = [[_add_point(gmsh, p) for p in r.seeds()] for r in refinements]
         gmsh.model.geo.synchronize()
-        _set_field(gmsh, size, refinements, seeds)
-        try:
-            gmsh.model.mesh.generate(2)
-        except Exception as reason:
-            raise InputError(
-                f"a region that Gmsh does not mesh: {reason}",
-                "an outline without slivers much smaller than the size",
-                "reduce the size, or look at the outline",
-            ) from reason
+        set_size_field(gmsh, size, refinements, seeds)
+        generate(gmsh)
         return _collected(gmsh, surface, (outline, *holes), loops)
 
 
@@ -121,7 +114,7 @@ def _add_loop(gmsh: Any, outline: Outline) -> list[tuple[int, int]]:
     return curves
 
 
-def _set_field(gmsh: Any, size: float, refinements: Sequence[Refinement], seeds: Sequence[Sequence[int]]) -> None:
+def set_size_field(gmsh: Any, size: float, refinements: Sequence[Refinement], seeds: Sequence[Sequence[int]]) -> None:
     """Make the target size Gmsh's background field.
 
     Gmsh's own distance to a cloud of points is a search tree in compiled code, so that meshing
@@ -174,12 +167,12 @@ def _collected(
     return PolyMesh(
         points,
         np.arange(len(triangles) + 1, dtype=np.int32) * 3,
-        _counter_clockwise(points, triangles).astype(np.int32).ravel(),
+        counter_clockwise(points, triangles).astype(np.int32).ravel(),
         edge_sets={name: np.vstack(parts) for name, parts in pairs.items()},
     )
 
 
-def _counter_clockwise(points: FloatArray, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+def counter_clockwise(points: FloatArray, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return triangles (n, 3) that all turn counter-clockwise."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-from flangeway.errors import MissingLibraryError
+from flangeway.errors import InputError, MissingLibraryError
 
 DEBIAN_PACKAGES = {
     "libGL": "libgl1",
@@ -89,3 +89,22 @@ def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
                 for option, value in before.items():
                     gmsh.option.setNumber(option, value)
                 gmsh.model.setCurrent(current)
+
+
+def generate(gmsh: Any) -> None:
+    """Make the plane mesh of the current model.
+
+    Raises
+    ------
+    InputError
+        With Gmsh's reason, if it fails.
+
+    """
+    try:
+        gmsh.model.mesh.generate(2)
+    except Exception as reason:
+        raise InputError(
+            f"a region that Gmsh does not mesh: {reason}",
+            "outlines without slivers much smaller than the size",
+            "reduce the size, or look at the outline",
+        ) from reason

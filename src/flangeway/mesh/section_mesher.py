@@ -13,8 +13,8 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, IntArray, Outline, Placement, Section
 from flangeway.geometry.segments import halved
 from flangeway.mesh.dual import dual
-from flangeway.mesh.gmsh_mesher import _OPTIONS, ALGORITHMS, _counter_clockwise, _set_field, triangulate
-from flangeway.mesh.gmsh_session import gmsh_model
+from flangeway.mesh.gmsh_mesher import ALGORITHMS, OPTIONS, counter_clockwise, set_size_field, triangulate
+from flangeway.mesh.gmsh_session import generate, gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, refuse_size
 
@@ -69,19 +69,12 @@ def triangulate_section(
     for region in section.regions:
         extent = float(np.max(np.ptp(region.bounds(), axis=0)))
         refuse_size(region.outer, min(size, extent), refinements)
-    with gmsh_model("flangeway", _OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+    with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
         surfaces = _fragments(gmsh, section)
         seeds = [[gmsh.model.occ.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
         gmsh.model.occ.synchronize()
-        _set_field(gmsh, size, refinements, seeds)
-        try:
-            gmsh.model.mesh.generate(2)
-        except Exception as reason:
-            raise InputError(
-                f"a section that Gmsh does not mesh: {reason}",
-                "parts without slivers much smaller than the size",
-                "reduce the size, or look at the outlines",
-            ) from reason
+        set_size_field(gmsh, size, refinements, seeds)
+        generate(gmsh)
         return _collected(gmsh, section, surfaces)
 
 
@@ -143,7 +136,7 @@ def _collected(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> P
         n_cells += found
     used, numbers = np.unique(np.vstack(corners), return_inverse=True)
     points = points[np.searchsorted(tags, used)]
-    triangles = _counter_clockwise(points, numbers.reshape(-1, 3))
+    triangles = counter_clockwise(points, numbers.reshape(-1, 3))
     plain = PolyMesh(points, np.arange(n_cells + 1, dtype=np.int32) * 3, triangles.astype(np.int32).ravel(), cell_sets)
     return _with_names(plain, section)
 
