@@ -9,7 +9,7 @@ from importlib.metadata import version
 from flangeway import elements, exact, geometry, mesh, post
 from flangeway.contact import Contact, ContactSystem, NodeToSegment, Penalty, Surface
 from flangeway.elements import Lagrange, Virtual
-from flangeway.errors import FlangewayError, InputError, NotConvergedError
+from flangeway.errors import FlangewayError, InputError
 from flangeway.geometry import Outline, Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh
@@ -31,7 +31,6 @@ __all__ = [
     "InputError",
     "Lagrange",
     "NodeToSegment",
-    "NotConvergedError",
     "Outline",
     "Part",
     "Penalty",

@@ -29,9 +29,5 @@ class InputError(FlangewayError):
         self.advice = advice
 
 
-class NotConvergedError(FlangewayError):
-    """A solution was asked for with ``throw=True`` and not reached: exit status 1."""
-
-
 class MissingLibraryError(FlangewayError):
     """A shared library of the system is missing; the message names the packages that bring it."""

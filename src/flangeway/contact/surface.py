@@ -46,18 +46,6 @@ class Surface:
                 "make one contact for each chain",
             )
 
-    @classmethod
-    def named(cls, part: Part, name: str) -> "Surface":
-        """Surface of a named edge set of the part's mesh."""
-        sets = part.body.mesh.edge_sets
-        if name not in sets:
-            raise InputError(
-                f"a contact surface {name!r} of {part.name!r}",
-                f"the mesh's edge sets: {', '.join(sorted(sets))}",
-                "name the edges with mesh.with_edge_set",
-            )
-        return cls(part, np.asarray(sets[name], dtype=np.int32))
-
     @cached_property
     def edge_nodes(self) -> Ints:
         """Nodes of each edge so that the placed body lies on the left, shape (n_edges, order + 1)."""

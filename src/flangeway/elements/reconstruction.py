@@ -1,6 +1,6 @@
 """What every element gives, whatever its method: polynomials from degrees of freedom.
 
-An element is a reconstruction plus a stabilisation (see `docs/theory.md`). Stiffness, loads, stresses and
+An element is a reconstruction plus a stabilisation (see `docs/theory/elements.md`). Stiffness, loads, stresses and
 norms are computed from the coefficients below and never ask which method a cell uses.
 """
 

@@ -2,8 +2,6 @@
 
 from dataclasses import dataclass
 
-from flangeway.errors import NotConvergedError
-
 
 @dataclass(frozen=True)
 class Status:
@@ -23,8 +21,3 @@ class Status:
     converged: bool
     message: str
     iterations: int
-
-    def require(self) -> None:
-        """Raise `NotConvergedError` unless converged."""
-        if not self.converged:
-            raise NotConvergedError(self.message)
