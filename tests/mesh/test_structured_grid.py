@@ -41,5 +41,3 @@ def test_refined_cuts_every_triangle_into_four_equal_ones():
     assert fine.cell_sets["part"].tolist() == [4, 5, 6, 7, 16, 17, 18, 19]
     middles = fine.points[fine.chain("top")][1::2, 0]
     assert middles.tolist() == [5.0, 3.0, 1.0]
-    with pytest.raises(InputError, match="triangles only"):
-        refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"))

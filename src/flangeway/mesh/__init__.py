@@ -1,8 +1,12 @@
-"""Meshes of polygons: triangulation, dual polygons, checks and files."""
+"""Meshes of polygons: triangulation, dual polygons, refinement, checks and files."""
 
 from flangeway.mesh.checks import check
+from flangeway.mesh.conforming import conforming
 from flangeway.mesh.dual import dual
+from flangeway.mesh.files import read_mesh
 from flangeway.mesh.gmsh_mesher import triangulate
+from flangeway.mesh.marking import doerfler_marking
+from flangeway.mesh.mending import MeshFile
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.refine import refined
 from flangeway.mesh.section_mesher import dual_section, triangulate_section
@@ -11,11 +15,15 @@ from flangeway.mesh.structured import rectangle_grid
 from flangeway.mesh.vtu import write_vtu
 
 __all__ = [
+    "MeshFile",
     "PolyMesh",
     "Refinement",
     "check",
+    "conforming",
+    "doerfler_marking",
     "dual",
     "dual_section",
+    "read_mesh",
     "rectangle_grid",
     "refined",
     "triangulate",

@@ -8,7 +8,7 @@ from scipy.spatial import cKDTree
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import row_numbers
+from flangeway.mesh.ragged import IndexArray, row_numbers
 
 TOUCHING = 1e-9
 """Distance, relative to the size of mesh or edge, below which points count as touching."""
@@ -20,6 +20,7 @@ def check(
     region_area: float | None = None,
     area_tolerance: float = 1e-9,
     allow_hanging: bool = False,
+    allow_coincident: bool = False,
 ) -> None:
     """Check that cells are simple, positive, and fit together without gap or overlap.
 
@@ -34,6 +35,8 @@ def check(
         miss some of it.
     allow_hanging
         Whether points may lie inside edges of other cells.
+    allow_coincident
+        Whether several points may be at the same place, as where bodies touch or a crack is closed.
 
     Raises
     ------
@@ -44,7 +47,7 @@ def check(
         it is.
 
     """
-    _check_points(mesh)
+    _check_points(mesh, allow_coincident=allow_coincident)
     _check_cells(mesh)
     _check_sides(mesh)
     if region_area is not None:
@@ -63,7 +66,7 @@ def _cell(mesh: PolyMesh, cell: int) -> str:
     return f"cell {cell} near {_place(middle.mean(axis=0))}"
 
 
-def _check_points(mesh: PolyMesh) -> None:
+def _check_points(mesh: PolyMesh, *, allow_coincident: bool) -> None:
     used = np.bincount(mesh.cell_points, minlength=mesh.n_points)
     if used.min() == 0:
         point = int(used.argmin())
@@ -72,6 +75,8 @@ def _check_points(mesh: PolyMesh) -> None:
             "points that a cell uses",
             "remove it",
         )
+    if allow_coincident:
+        return
     size = float(np.hypot(*np.ptp(mesh.points, axis=0)))
     distances, nearest = cKDTree(mesh.points).query(mesh.points, k=2)
     if distances[:, 1].min() <= TOUCHING * size:
@@ -160,34 +165,36 @@ def _check_sum(mesh: PolyMesh, region_area: float, tolerance: float) -> None:
 
 
 def _check_hanging(mesh: PolyMesh) -> None:
-    """Refuse points inside boundary edges.
+    edges, points = hanging_points(mesh)
+    if len(points):
+        start, end = mesh.boundary_edges[edges[0]]
+        raise InputError(
+            f"point {points[0]} at {_place(mesh.points[points[0]])} hangs on the edge ({start}, {end})",
+            "points at the ends of edges",
+            "add the point to the cell of that edge, which may be a polygon with one side more; see `conforming`",
+        )
+
+
+def hanging_points(mesh: PolyMesh) -> tuple[IndexArray, IndexArray]:
+    """Return rows of ``mesh.boundary_edges`` and the points (n,) that lie inside them.
 
     Of two cells that meet along an edge with a hanging point, both have edges with one cell only:
     so it is enough to look at boundary edges and their points.
     """
     pairs = mesh.boundary_edges
-    if not len(pairs):
-        return
     rim = np.unique(pairs)
     a, b = mesh.points[pairs[:, 0]], mesh.points[pairs[:, 1]]
     lengths = np.hypot(*(b - a).T)
     near = cKDTree(mesh.points[rim]).query_ball_point(0.5 * (a + b), 0.5 * lengths)
     counts = np.array([len(found) for found in near])
     edges = np.repeat(np.arange(len(pairs)), counts)
-    points = rim[np.concatenate([np.asarray(found, dtype=np.int64) for found in near])]
+    points = rim[np.concatenate([np.asarray(found, dtype=np.int64) for found in near])].astype(np.int64)
     rays = mesh.points[points] - a[edges]
     steps = (b - a)[edges]
     off = np.abs(steps[:, 0] * rays[:, 1] - steps[:, 1] * rays[:, 0]) / lengths[edges]
     own = (points == pairs[edges, 0]) | (points == pairs[edges, 1])
     hanging = ~own & (off <= TOUCHING * lengths[edges])
-    if hanging.any():
-        point = int(points[hanging.argmax()])
-        start, end = pairs[edges[hanging.argmax()]]
-        raise InputError(
-            f"point {point} at {_place(mesh.points[point])} hangs on the edge ({start}, {end})",
-            "points at the ends of edges",
-            "add the point to the cell of that edge, which may be a polygon with one side more",
-        )
+    return edges[hanging], points[hanging]
 
 
 def _check_edge_sets(mesh: PolyMesh) -> None:

@@ -1,49 +1,253 @@
-"""Uniform refinement of triangles."""
+"""Refinement of triangles and polygons, of all cells or of some."""
+
+from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.mesh.kernel import cell_centres, star_parts
 from flangeway.mesh.polymesh import PolyMesh
+from flangeway.mesh.ragged import offsets_of
+from flangeway.mesh.sides import Sides, cell_sides
+from flangeway.mesh.snapping import Curves, snapped_points
+
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 
-def refined(mesh: PolyMesh) -> PolyMesh:
-    """Return the mesh with every triangle cut into four at the middles of its edges.
+def refined(
+    mesh: PolyMesh, cells: ArrayLike | None = None, *, most_hanging: int | None = None, outline: Curves | None = None
+) -> PolyMesh:
+    """Return the mesh with all cells, or some, cut into smaller ones.
 
-    Points keep their numbers, the middles follow in the order of `mesh.edges`; triangle i becomes
-    the triangles 4 i to 4 i + 3. Names are carried along. New points lie on the straight edges,
-    also where the outline is an arc.
+    A triangle is cut into four at the middles of its sides, any other polygon into quadrilaterals from its centre to
+    the middles of its sides. The centre is the centroid, or, where it does not see the whole polygon well, the point
+    that does best; a polygon that no point sees whole is cut along diagonals into parts for which there is one.
+
+    The cells beside refined ones only get the new points, which hang on their sides: they become polygons with a point
+    more, and neither shape nor solution need anything else. A cell that is refined later is divided at the points that
+    hang on it. Cells and edges of named sets hand their names down.
+
+    A mesh of triangles of which all are refined stays one: points keep their numbers, the middles follow in the order
+    of ``mesh.edges``, and triangle i becomes the triangles 4 i to 4 i + 3.
+
+    Parameters
+    ----------
+    mesh
+        Any mesh whose cells fit together.
+    cells
+        Cells to refine: numbers, or a mask (n_cells,); all by default.
+    most_hanging
+        Refine also the cells with a side on which more points would hang, until there is none. No limit by default.
+    outline
+        All curves of the boundary: its points near an arc, new ones and old ones, are moved onto it. Without it new
+        points lie on the straight edges.
 
     Raises
     ------
     InputError
-        If a cell is not a triangle.
+        If a cell number is wrong, the limit is below one, or a cell folds over.
 
     """
-    if np.any(mesh.cell_sizes != 3):
-        cell = int(np.argmax(mesh.cell_sizes != 3))
+    marked = _mask(mesh, cells)
+    if most_hanging is not None and most_hanging < 1:
+        raise InputError(f"most_hanging={most_hanging}", "1 or more, or None for no limit", "leave it out")
+    if marked.all() and np.all(mesh.cell_sizes == 3):
+        return _finished(_refined_triangles(mesh), outline)
+    sides = cell_sides(mesh)
+    centres = np.full((mesh.n_cells, 2), np.nan)
+    seen = np.zeros(mesh.n_cells, dtype=bool)
+    n_sides = np.bincount(sides.cell, minlength=mesh.n_cells)
+    seen[n_sides == 3] = True
+    new = marked
+    while True:
+        many = np.flatnonzero(new & (n_sides > 3)).astype(np.int32)
+        if len(many):
+            centres[many], seen[many] = cell_centres(mesh, many)
+        split = _split_edges(mesh, sides, marked & seen)
+        if most_hanging is None:
+            break
+        new = _crowded(mesh, sides, split, most_hanging) & ~marked
+        if not new.any():
+            break
+        marked = marked | new
+    fine = _finished(_Division(mesh, sides, marked, seen, split, n_sides, centres).mesh(), outline)
+    if most_hanging is None:
+        return fine
+    # one division may not be enough where several points hang already
+    still = _crowded(fine, cell_sides(fine), np.zeros(fine.n_edges, dtype=bool), most_hanging)
+    return refined(fine, still, most_hanging=most_hanging, outline=outline) if still.any() else fine
+
+
+def _mask(mesh: PolyMesh, cells: ArrayLike | None) -> Bools:
+    if cells is None:
+        return np.ones(mesh.n_cells, dtype=bool)
+    given = np.asarray(cells)
+    if given.dtype == bool and given.shape == (mesh.n_cells,):
+        return given
+    mask = np.zeros(mesh.n_cells, dtype=bool)
+    if given.size:
+        if given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= mesh.n_cells:
+            raise InputError(
+                f"cells to refine of type {given.dtype}, from {given.min()} to {given.max()}",
+                f"cell numbers from 0 to {mesh.n_cells - 1}, or a mask of {mesh.n_cells}",
+                "number the cells from zero",
+            )
+        mask[given] = True
+    return mask
+
+
+def _split_edges(mesh: PolyMesh, sides: Sides, divided: Bools) -> Bools:
+    """Which edges are halved, (n_edges,), when these cells are divided."""
+    halved = sides.in_edge[divided[sides.cell] & (sides.in_edge >= 0)]
+    split = np.zeros(mesh.n_edges, dtype=bool)
+    split[mesh.cell_edges[sides.entries[halved]]] = True
+    return split
+
+
+def _crowded(mesh: PolyMesh, sides: Sides, split: Bools, most_hanging: int) -> Bools:
+    """Which cells have a side with more hanging points than allowed, (n_cells,)."""
+    counts = np.bincount(sides.side, sides.hanging + 1.0 * split[mesh.cell_edges[sides.entries]])
+    crowded = np.zeros(mesh.n_cells, dtype=bool)
+    crowded[sides.cell[counts > most_hanging]] = True
+    return crowded
+
+
+def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
+    if outline is not None:
+        points = snapped_points(mesh, outline)
+        mesh = PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)
+    if mesh.cell_areas.min() <= 0.0:
+        x, y = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
         raise InputError(
-            f"cell {cell} with {mesh.cell_sizes[cell]} points at {mesh.cell_centroids[cell]}",
-            "triangles only",
-            "refine the triangulation and take its dual",
+            f"a cell near ({x:.9g}, {y:.9g}) that folds over when it is refined",
+            "cells that stay simple" + ("" if outline is None else " with their new points on the outline"),
+            "check the mesh" if outline is None else "refine the cells at the boundary first, or leave out the outline",
         )
+    return mesh
+
+
+def _middles(mesh: PolyMesh, edges: Ints) -> FloatArray:
+    middles: FloatArray = mesh.points[mesh.edges[edges]].mean(axis=1)
+    return middles
+
+
+def _halved_sets(mesh: PolyMesh, split: Bools) -> dict[str, IntArray]:
+    """Edge sets with the new points, which are numbered behind the mesh's own in the order of the edges."""
+    number = mesh.n_points + np.cumsum(split) - 1
+    sets = {}
+    for name, pairs in mesh.edge_sets.items():
+        edges = mesh.edge_numbers(pairs)
+        middle = number[edges]
+        halves = np.column_stack([pairs[:, 0], middle, middle, pairs[:, 1]]).reshape(-1, 2, 2)
+        halves[~split[edges], 0] = pairs[~split[edges]]
+        kept = np.ones(halves.shape[:2], dtype=bool)
+        kept[~split[edges], 1] = False
+        sets[name] = halves[kept].astype(np.int32)
+    return sets
+
+
+@dataclass(frozen=True, eq=False)
+class _Division:
+    """What is cut how: the cells of `seen` among the marked ones about centres, the other marked ones by diagonals."""
+
+    old: PolyMesh
+    sides: Sides
+    marked: Bools
+    seen: Bools
+    split: Bools
+    n_sides: Ints
+    centres: FloatArray
+
+    def mesh(self) -> PolyMesh:
+        old = self.old
+        with_centre = np.flatnonzero(self.marked & self.seen & (self.n_sides > 3))
+        middles = _middles(old, np.flatnonzero(self.split))
+        points = np.vstack([old.points, middles, self.centres[with_centre]])
+        parents, counts, corners = self._rows(points, with_centre)
+        order = np.argsort(parents, kind="stable")
+        starts = (np.cumsum(counts) - counts)[order]
+        offsets = offsets_of(counts[order])
+        places = np.repeat(starts - offsets[:-1], counts[order]) + np.arange(offsets[-1])
+        owner = parents[order]
+        cell_sets = {}
+        for name, cells in old.cell_sets.items():
+            inside = np.zeros(old.n_cells, dtype=bool)
+            inside[cells] = True
+            cell_sets[name] = np.flatnonzero(inside[owner]).astype(np.int32)
+        return PolyMesh(points, offsets, corners[places], cell_sets, _halved_sets(old, self.split))
+
+    def _rows(self, points: FloatArray, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
+        """New cells: old cell and number of points of each, and their points one after the other."""
+        ring, offsets, place = self._rings()
+        sizes = np.diff(offsets)
+        groups = [_picked(ring, offsets, np.flatnonzero(~self.marked))]
+        cut = self.marked & self.seen
+        mine = np.flatnonzero(cut[self.sides.cell])
+        cell = self.sides.cell[mine]
+        before = _previous(cell)
+        start, end = place[mine][before], place[mine]
+        lengths = (end - start) % sizes[cell] + 1
+        centre = np.full(self.old.n_cells, -1, dtype=np.int64)
+        centre[with_centre] = self.old.n_points + self.split.sum() + np.arange(len(with_centre))
+        counts = lengths + (centre[cell] >= 0)
+        rows = np.repeat(np.arange(len(mine)), counts)
+        step = np.arange(len(rows)) - (np.cumsum(counts) - counts)[rows]
+        at = offsets[cell[rows]] + (start[rows] - offsets[cell[rows]] + step) % sizes[cell[rows]]
+        corners = np.where(step < lengths[rows], ring[at], centre[cell[rows]])
+        groups.append((cell, counts, corners))
+        inner = cell[centre[cell] < 0]
+        groups.append((inner[::3], np.full(len(inner) // 3, 3), ring[end[centre[cell] < 0]]))
+        for number in np.flatnonzero(self.marked & ~self.seen).tolist():
+            parts = star_parts(ring[offsets[number] : offsets[number + 1]].astype(np.int32), points)
+            sizes_of = np.array([len(part) for part in parts])
+            groups.append((np.full(len(parts), number), sizes_of, np.concatenate(parts)))
+        parents, counts, corners = (np.concatenate(parts) for parts in zip(*groups, strict=True))
+        return parents, counts, corners.astype(np.int32)
+
+    def _rings(self) -> tuple[Ints, Ints, Ints]:
+        """Points of the cells with the new ones among them, offsets, and the place of each side's division."""
+        old, sides = self.old, self.sides
+        halved = self.split[old.cell_edges[sides.entries]]
+        middle = old.n_points + np.cumsum(self.split) - 1
+        counts = 1 + halved
+        at = np.cumsum(counts) - counts
+        ring = np.empty(int(counts.sum()), dtype=np.int64)
+        ring[at] = old.cell_points[sides.entries]
+        ring[at[halved] + 1] = middle[old.cell_edges[sides.entries[halved]]]
+        offsets = np.append(at[old.cell_offsets[:-1]], len(ring))
+        place = np.where(sides.at_point >= 0, at[sides.at_point], at[sides.in_edge] + 1)
+        return ring, offsets, place
+
+
+def _picked(ring: Ints, offsets: Ints, cells: Ints) -> tuple[Ints, Ints, Ints]:
+    counts = np.diff(offsets)[cells]
+    places = np.repeat(offsets[cells] - (np.cumsum(counts) - counts), counts) + np.arange(counts.sum())
+    return cells, counts, ring[places]
+
+
+def _previous(cell: Ints) -> Ints:
+    """Place of the side before each one of the same cell, cyclically; the sides of a cell follow each other."""
+    first = np.ones(len(cell), dtype=bool)
+    first[1:] = cell[1:] != cell[:-1]
+    before = np.arange(len(cell)) - 1
+    last = np.append(np.flatnonzero(first)[1:], len(cell)) - 1
+    before[first] = last
+    return before
+
+
+def _refined_triangles(mesh: PolyMesh) -> PolyMesh:
     corners = mesh.cell_points.reshape(-1, 3)
     middles = mesh.n_points + mesh.cell_edges.reshape(-1, 3)
     (a, b, c), (ab, bc, ca) = corners.T, middles.T
     triangles = np.column_stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca]).reshape(-1, 3)
-    edge_sets = {}
-    for name, pairs in mesh.edge_sets.items():
-        middle = mesh.n_points + mesh.edge_numbers(pairs)
-        halves = np.column_stack([pairs[:, 0], middle, middle, pairs[:, 1]])
-        edge_sets[name] = halves.reshape(-1, 2).astype(np.int32)
+    split = np.ones(mesh.n_edges, dtype=bool)
     return PolyMesh(
-        np.vstack([mesh.points, mesh.points[mesh.edges].mean(axis=1)]),
+        np.vstack([mesh.points, _middles(mesh, np.arange(mesh.n_edges))]),
         np.arange(len(triangles) + 1, dtype=np.int32) * 3,
         triangles.astype(np.int32).ravel(),
-        {name: _children(cells) for name, cells in mesh.cell_sets.items()},
-        edge_sets,
+        {name: np.add.outer(4 * cells, np.arange(4)).ravel() for name, cells in mesh.cell_sets.items()},
+        _halved_sets(mesh, split),
     )
-
-
-def _children(cells: IntArray) -> IntArray:
-    return np.add.outer(4 * cells, np.arange(4)).ravel().astype(np.int32)

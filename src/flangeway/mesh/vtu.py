@@ -16,6 +16,7 @@ def write_vtu(
     mesh: PolyMesh,
     point_data: Mapping[str, ArrayLike] | None = None,
     cell_data: Mapping[str, ArrayLike] | None = None,
+    corner_data: Mapping[str, ArrayLike] | None = None,
 ) -> None:
     """Write a mesh with values at points and cells, binary and compressed.
 
@@ -33,11 +34,14 @@ def write_vtu(
         Arrays (n_points,) or (n_points, n_components) by name.
     cell_data
         Arrays (n_cells,) or (n_cells, n_components) by name.
+    corner_data
+        Arrays with a row for each entry of ``mesh.cell_points`` by name, for fields that jump between cells. With any,
+        each cell gets points of its own, in the order of ``mesh.cell_points``.
 
     Raises
     ------
     InputError
-        If the ending is another one, an array has another length, or a name is ``cell_number``.
+        If the ending is another one, an array has another length, a name is given twice or is ``cell_number``.
 
     """
     import meshio  # noqa: PLC0415  (slow to import, and few programs write files)
@@ -47,6 +51,14 @@ def write_vtu(
         raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
     at_points = _checked(point_data or {}, mesh.n_points, "points")
     at_cells = _checked(cell_data or {}, mesh.n_cells, "cells")
+    at_corners = _checked(corner_data or {}, len(mesh.cell_points), "corners of the cells")
+    if at_points.keys() & at_corners.keys():
+        raise InputError(f"'{min(at_points.keys() & at_corners.keys())}' at points and corners", "one", "rename one")
+    if at_corners:
+        at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners
+        mesh = PolyMesh(
+            mesh.points[mesh.cell_points], mesh.cell_offsets, np.arange(len(mesh.cell_points), dtype=np.int32)
+        )
     if "cell_number" in at_cells:
         raise InputError("cell data named 'cell_number'", "other names", "rename the array")
     batches = mesh.batches()

@@ -1,0 +1,316 @@
+"""Meshes read from files of other programs, sound ones, those with small faults, and broken ones."""
+
+import gmsh
+import meshio
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.mesh import PolyMesh, check, conforming, dual, read_mesh, rectangle_grid, refined, write_vtu
+
+# two squares, the right one of two triangles; the left one is clockwise
+ABAQUS = """*Heading
+ two squares
+** a comment
+*Part, name=body
+*Node, nset=every
+1, 0.0, 0.0
+2, 1.0, 0.0
+3, 2.0, 0.
+4, 0.0, 1.0D0
+5, 1.0, 1.0
+6, 2.0, 1.0
+7, 5.0, 5.0
+*Element, type=CPE4R, elset=square
+10, 1, 4, 5, 2
+*ELEMENT, TYPE=CPS3,
+ ELSET=halves
+20, 2, 3, 6
+21, 2, 6, 5
+*Nset, nset="left side"
+1, 4
+*Nset, nset=bottom, generate
+1, 3, 1
+*Nset, nset=corner
+6
+*Elset, elset=Steel
+square, 20
+*Surface, type=ELEMENT, name=top
+10, S2
+21, S2
+*Surface, name=rim
+halves,
+*End Part
+*Assembly, name=all
+*Instance, name=body-1, part=body
+*End Instance
+*Nset, nset=right, instance=body-1
+3, 6
+*End Assembly
+*Material, name=steel
+*Elastic
+ 210000., 0.3
+"""
+
+
+@pytest.fixture(scope="module")
+def two_parts():
+    """Gmsh's model of two rectangles side by side, with named, shared and nameless physical groups."""
+    gmsh.initialize(readConfigFiles=False, interruptible=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    model, occ = gmsh.model, gmsh.model.occ
+    left, right = occ.addRectangle(0, 0, 0, 2, 1), occ.addRectangle(2, 0, 0, 1, 1)
+    occ.fragment([(2, left)], [(2, right)])
+    occ.synchronize()
+
+    def curves(x):
+        return [tag for _, tag in model.getEntitiesInBoundingBox(x - 0.1, -0.1, -0.1, x + 0.1, 1.1, 0.1, 1)]
+
+    model.addPhysicalGroup(2, [left], name="left part")
+    model.addPhysicalGroup(2, [right], tag=77)
+    model.addPhysicalGroup(2, [left, right], name="all")
+    model.addPhysicalGroup(1, curves(0), name="held")
+    model.addPhysicalGroup(1, curves(3), name="all")
+    model.addPhysicalGroup(1, curves(2), name="seam")
+    gmsh.option.setNumber("Mesh.MeshSizeMax", 0.4)
+    model.mesh.generate(2)
+    yield gmsh
+    gmsh.finalize()
+
+
+@pytest.mark.parametrize("order", [1, 2])
+@pytest.mark.parametrize(("version", "binary"), [(2.2, 0), (2.2, 1), (4.0, 0), (4.1, 0), (4.1, 1)])
+def test_gmsh_groups_become_sets(two_parts, tmp_path, version, binary, order):
+    """Physical surfaces and curves come back by name, or number, from each version, also those of one name."""
+    two_parts.model.mesh.setOrder(order)
+    two_parts.option.setNumber("Mesh.MshFileVersion", version)
+    two_parts.option.setNumber("Mesh.Binary", binary)
+    file = tmp_path / "two.msh"
+    two_parts.write(str(file))
+    read = read_mesh(file)
+    mesh = read.mesh
+    check(mesh, region_area=3.0, area_tolerance=1e-9)
+    assert set(mesh.cell_sets) == {"left part", "77", "all"}
+    assert mesh.cell_areas[mesh.cell_set("left part")].sum() == pytest.approx(2.0)
+    assert mesh.cell_areas[mesh.cell_set("77")].sum() == pytest.approx(1.0)
+    assert len(mesh.cell_set("all")) == mesh.n_cells
+    assert set(mesh.edge_sets) == {"held", "all"}
+    assert np.all(mesh.points[mesh.edge_set("held"), 0] == 0.0)
+    assert np.all(mesh.points[mesh.edge_set("all"), 0] == 3.0)
+    told = " ".join(read.notices)
+    assert "'seam'" in told
+    assert ("second or higher order" in told) == (order == 2)
+
+
+def test_abaqus_sets_and_surfaces_become_sets(tmp_path):
+    """Element sets, faces, rims and node sets are found, the clockwise square is turned, the spare node left out."""
+    file = tmp_path / "two.inp"
+    file.write_text(ABAQUS)
+    read = read_mesh(file)
+    mesh = read.mesh
+    check(mesh, region_area=2.0)
+    assert mesh.n_points == 6
+    assert mesh.cell_sizes.tolist() == [4, 3, 3]
+    assert {name: cells.tolist() for name, cells in mesh.cell_sets.items()} == {
+        "square": [0],
+        "halves": [1, 2],
+        "Steel": [0, 1],
+    }
+
+    def ends(name):
+        return sorted(map(tuple, mesh.points[np.unique(mesh.edge_set(name))].tolist()))
+
+    assert ends("left side") == [(0.0, 0.0), (0.0, 1.0)]
+    assert ends("bottom") == [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]
+    assert ends("top") == [(0.0, 1.0), (1.0, 1.0), (2.0, 1.0)]
+    assert ends("right") == [(2.0, 0.0), (2.0, 1.0)]
+    assert len(mesh.edge_set("rim")) == 3
+    assert "corner" not in mesh.edge_sets
+    told = " ".join(read.notices)
+    for words in ("1 cell clockwise", "1 point of no cell", "'rim': 1 edge", "'corner'"):
+        assert words in told
+
+
+def test_abaqus_second_order_and_lines_from_gmsh(two_parts, tmp_path):
+    """CPS6 and T3D3 are read as corners and ends, the same mesh as of first order."""
+    meshes = []
+    for order in (1, 2):
+        two_parts.model.mesh.setOrder(order)
+        file = tmp_path / f"two{order}.inp"
+        two_parts.write(str(file))
+        meshes.append(read_mesh(file).mesh)
+    assert meshes[0].n_points == meshes[1].n_points
+    np.testing.assert_array_equal(meshes[0].cell_points, meshes[1].cell_points)
+    assert np.all(meshes[1].points[meshes[1].edge_set("held"), 0] == 0.0)
+
+
+def test_polygons_of_a_vtu_come_back(tmp_path):
+    """A refined mesh of polygons with hanging points is read as it was written, cells in their order."""
+    mesh = refined(dual(rectangle_grid(2.0, 1.0, 5, 4)), np.arange(7))
+    write_vtu(tmp_path / "cells.vtu", mesh)
+    read = read_mesh(tmp_path / "cells.vtu")
+    assert not read.notices
+    assert np.array_equal(read.mesh.points, mesh.points)
+    assert np.array_equal(read.mesh.cell_offsets, mesh.cell_offsets)
+    assert np.array_equal(read.mesh.cell_points, mesh.cell_points)
+
+
+def test_sides_of_cells_of_its_own_points_are_joined_or_not(tmp_path):
+    """Two squares with their own points at the common side are one body, with a notice, or two if asked."""
+    square = rectangle_grid(1.0, 1.0, 1, 1, cells="quadrilaterals")
+    beside = square.placed(Placement(0.0, (1.0, 0.0)))
+    write_vtu(tmp_path / "two.vtu", square.merged(beside))
+    joined = read_mesh(tmp_path / "two.vtu")
+    assert joined.mesh.n_points == 6
+    assert "2 points at the place of another one" in joined.notices[0]
+    apart = read_mesh(tmp_path / "two.vtu", merge_points=False)
+    assert not apart.notices
+    assert apart.mesh.n_points == 8
+    assert len(apart.mesh.boundary_edges) == 8
+
+
+@pytest.mark.parametrize("kind", ["vtk", "vtu", "mesh", "off", "avs", "bdf"])
+def test_other_formats_by_way_of_meshio(tmp_path, kind):
+    """A triangulation comes back from formats that meshio writes and reads without further packages."""
+    mesh = rectangle_grid(2.0, 1.0, 3, 2)
+    file = tmp_path / f"a.{kind}"
+    points = np.column_stack([mesh.points, np.zeros(mesh.n_points)])
+    meshio.Mesh(points, [("triangle", mesh.cell_points.reshape(-1, 3))]).write(file)
+    read = read_mesh(str(file)).mesh
+    check(read, region_area=2.0)
+    assert np.array_equal(read.cell_points, mesh.cell_points)
+
+
+def test_hanging_nodes_of_other_programs_make_polygons(tmp_path):
+    """A square below two halves that share a node inside its upper side becomes a pentagon, with a notice."""
+    points = [*SQUARE, [0.5, 1, 0], [0.5, 2, 0], [0, 2, 0], [1, 2, 0]]
+    cells = [("quad", [[0, 1, 2, 3], [3, 4, 5, 6], [4, 2, 7, 5]])]
+    read = read_mesh(written(tmp_path / "a.vtu", points, cells))
+    assert read.mesh.cell_sizes.tolist() == [5, 4, 4]
+    check(read.mesh, region_area=2.0)
+    assert "1 point hanging on edges" in read.notices[0]
+    drawn = PolyMesh(
+        np.array(points)[:, :2], [0, 4, 8, 12], np.ravel(cells[0][1]), {}, {"up": [[2, 3]], "low": [[0, 1]]}
+    )
+    assert set(conforming(drawn).edge_sets) == {"low"}  # the other one lies inside the body now
+
+
+@settings(max_examples=30, deadline=None)
+@given(seed=st.integers(0, 2**31))
+def test_conforming_finds_the_points_that_refinement_added(seed):
+    """Polygons of a refined grid robbed of their hanging points get them back; sets keep the boundary's edges."""
+    random = np.random.default_rng(seed)
+    mesh = rectangle_grid(2.0, 1.0, 4, 2, cells="quadrilaterals")
+    for _ in range(2):
+        mesh = refined(mesh, random.random(mesh.n_cells) < 0.4)
+    rows = np.split(mesh.cell_points, mesh.cell_offsets[1:-1])
+    corners = []
+    for row in rows:
+        before, after = mesh.points[np.roll(row, 1)], mesh.points[np.roll(row, -1)]
+        step, other = mesh.points[row] - before, after - mesh.points[row]
+        corners.append(row[np.abs(step[:, 0] * other[:, 1] - step[:, 1] * other[:, 0]) > 1e-12])
+    offsets = np.cumsum([0, *map(len, corners)])
+    robbed = PolyMesh(mesh.points, offsets, np.concatenate(corners), edge_sets=mesh.edge_sets)
+    whole = conforming(robbed)
+    check(whole, region_area=2.0)
+    assert np.array_equal(whole.edge_set("top"), mesh.edge_set("top"))
+    assert np.array_equal(whole.cell_sizes, mesh.cell_sizes)
+
+
+def written(path, points, cells):
+    meshio.Mesh(np.array(points, dtype=float), cells).write(path)
+    return path
+
+
+SQUARE = [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]]
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "word"),
+    [
+        ([[*p[:2], 2.5] for p in SQUARE], [("quad", [[0, 1, 2, 3]])], "z = 2.5"),
+        (SQUARE, [("triangle", [[0, 1, 2], [0, 2, 3], [2, 3, 0]])], "1 cell given a second time"),
+        (SQUARE, [("quad", [[0, 1, 2, 2], [0, 2, 3, 3]])], "2 cells with one point several times"),
+        (SQUARE, [("quad", [[0, 1, 2, 3]]), ("triangle", [[1, 2, 2]])], "fewer than three different points"),
+    ],
+)
+def test_small_faults_are_mended_with_a_notice(tmp_path, points, cells, word):
+    """A height that is the same everywhere, cells given twice, repeated and collapsed points still make the square."""
+    read = read_mesh(written(tmp_path / "a.vtu", points, cells))
+    assert read.mesh.cell_areas.sum() == 1.0
+    assert any(word in notice for notice in read.notices)
+
+
+@pytest.mark.parametrize(
+    ("points", "cells", "word"),
+    [
+        ([[0, 0, 0], [1, 0, 0], [1, 1, 1]], [("triangle", [[0, 1, 2]])], "z from 0 to 1"),
+        ([*SQUARE, [0, 0, 1]], [("tetra", [[0, 1, 2, 4]])], "tetra"),
+        (SQUARE, [("line", [[0, 1]])], "without plane cells"),
+        ([*SQUARE[:3], [0, 3, 0]], [("quad", [[0, 2, 1, 3]])], "cross"),
+        (SQUARE, [("triangle", [[0, 1, 2], [0, 1, 3]])], "same side of edge"),
+        ([[0, 0, 0], [1, 0, 0], [2, 0, 0]], [("triangle", [[0, 1, 2]])], "area"),
+        ([[np.nan, 0, 0], *SQUARE[1:]], [("quad", [[0, 1, 2, 3]])], "finite"),
+    ],
+)
+def test_what_cannot_be_mended_is_refused(tmp_path, points, cells, word):
+    """Bodies in space, solids, lines alone, crossed, overlapping and flat cells are refused."""
+    file = written(tmp_path / "a.vtu", points, cells)
+    with pytest.raises(InputError, match=word):
+        read_mesh(file)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "word"),
+    [
+        ("missing.msh", None, "file that exists"),
+        ("a.msh", b"", "empty"),
+        ("a.xyz", b"1 2 3", "ending"),
+        ("a.msh", b"$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Nodes\n1 2", "cannot be read"),
+        ("a.msh", b"$MeshFormat\n4 0 8\n$EndMeshFormat\n$Nodes\n1 2", "Gmsh cannot read"),
+        ("a.msh", b"\x00\x01\x02 junk", "cannot be read"),
+        ("a.vtu", b"<VTKFile type='UnstructuredGrid'><UnstructuredGrid/></VTKFile>", "No Piece"),
+        ("a.vtk", b"# vtk DataFile Version 3.0\nx\nASCII\nDATASET UNSTRUCTURED_GRID\nPOINTS 9 double\n1", "cannot be"),
+        ("a.inp", b"\x00\x01\x02", "binary"),
+        ("a.inp", b"*HEADING\nno mesh", r"without \*NODE"),
+        ("a.inp", b"*NODE\n1, 0, 0\n", "without plane cells"),
+        ("a.inp", b"*NODE\n1, 0, x\n", "number and coordinates"),
+        ("a.inp", b"*NODE\n1, 0\n", "1 coordinates"),
+        ("a.inp", b"*NODE\n1, 0, 0\n1, 1, 1\n", "second time"),
+        ("a.inp", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=C3D4\n1, 1, 1, 1, 1\n", "C3D4"),
+        ("a.inp", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=CPE3\n1, 1, 2\n", "4 for each element"),
+        ("a.inp", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=CPE3\n1, 1, 2, 3\n", "node 2, which is missing"),
+        ("a.inp", b"*NODE\n1, 0, 0\n*NGEN\n1, 5\n", "NGEN in line 3"),
+        ("a.inp", b"*INCLUDE, INPUT=b.inp\n", "INCLUDE"),
+        ("a.inp", b"*NODE, SYSTEM=C\n1, 0, 0\n", "rectangular"),
+        ("a.inp", b"*INSTANCE, PART=a\n0., 1.\n", "moved"),
+        ("a.inp", b"*INSTANCE, PART=a\n*INSTANCE, PART=a\n", "second one"),
+        ("a.inp", b"*NODE\n1, 0, 0\n*NSET, NSET=a\nb\n", "sets defined before"),
+        ("a.inp", b"*NODE\n1, 0, 0\n*NSET, NSET=a, GENERATE\n1\n", "first, last and step"),
+    ],
+)
+def test_broken_files_are_refused(tmp_path, capfd, name, content, word):
+    """Missing, empty, unknown, truncated and wrong files end in an InputError, and nothing is printed."""
+    file = tmp_path / name
+    if content is not None:
+        file.write_bytes(content)
+    with pytest.raises(InputError, match=word):
+        read_mesh(file)
+    assert capfd.readouterr() == ("", "")
+
+
+@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(
+    ending=st.sampled_from(["msh", "inp", "vtu", "vtk", "su2", "off", "bdf"]),
+    start=st.sampled_from([b"", b"$MeshFormat\n4.1 1 8\n", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=CPE3\n"]),
+    junk=st.binary(min_size=1, max_size=200),
+)
+def test_junk_is_refused(tmp_path, ending, start, junk):
+    """Random bytes in a file of any ending are refused by an InputError and by nothing else."""
+    file = tmp_path / f"junk.{ending}"
+    file.write_bytes(start + junk)
+    with pytest.raises(InputError):
+        read_mesh(file)

@@ -1,0 +1,241 @@
+"""Refinement of polygons with hanging points."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import circle, square
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, check, doerfler_marking, dual, rectangle_grid, refined, triangulate
+from flangeway.mesh.kernel import kernel_centre, star_parts
+from flangeway.mesh.sides import cell_sides
+from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
+from flangeway.solve import solve_elasticity
+from flangeway.space import Space
+
+TRIANGLES = triangulate(square(1.0), size=0.4)
+BASES = {
+    "triangles": TRIANGLES,
+    "polygons": dual(TRIANGLES),
+    "quadrilaterals": rectangle_grid(1.0, 1.0, 3, 2, cells="quadrilaterals"),
+}
+# no point of it sees the whole of this U
+U_SHAPE = PolyMesh(
+    [[0, 0], [4, 0], [4, 3], [3, 3], [3, 1], [1, 1], [1, 3], [0, 3]],
+    [0, 8],
+    range(8),
+    {"all": [0]},
+    {"bottom": [[0, 1]]},
+)
+
+
+def named(mesh: PolyMesh) -> PolyMesh:
+    """The mesh with two cell sets, and an edge set of its whole boundary."""
+    left = mesh.cell_centroids[:, 0] < mesh.cell_centroids[:, 0].mean()
+    whole = mesh.with_edge_set("rim", mesh.boundary_edges)
+    return whole.with_cell_set("left", left).with_cell_set("right", ~left)
+
+
+def chunkiness(mesh: PolyMesh) -> float:
+    """Least radius of a cell's kernel over its diameter."""
+    rows = np.split(mesh.points[mesh.cell_points], mesh.cell_offsets[1:-1])
+    radii = np.array([kernel_centre(row)[1] for row in rows])
+    return float((radii / mesh.cell_diameters).min())
+
+
+def hanging(mesh: PolyMesh) -> int:
+    """Most points that hang on a side of a cell inside the body."""
+    sides = cell_sides(mesh)
+    return int(np.bincount(sides.side, sides.hanging).max())
+
+
+def rim_length(mesh: PolyMesh) -> float:
+    ends = mesh.points[mesh.edge_set("rim")]
+    return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    kind=st.sampled_from(sorted(BASES)),
+    seed=st.integers(0, 2**31),
+    share=st.floats(0.0, 1.0),
+    most_hanging=st.sampled_from([None, 1, 2]),
+)
+def test_random_refinements_keep_area_orientation_and_sets(kind, seed, share, most_hanging):
+    """After three random refinements cells are sound and fit together without a point unknown to a neighbour."""
+    random = np.random.default_rng(seed)
+    base = named(BASES[kind])
+    mesh = base
+    for _ in range(3):
+        mesh = refined(mesh, random.random(mesh.n_cells) < share, most_hanging=most_hanging)
+    check(mesh, region_area=1.0, area_tolerance=1e-12, allow_hanging=False)
+    assert mesh.n_points - mesh.n_edges + mesh.n_cells == 1
+    for name in ("left", "right"):
+        area, before = mesh.cell_areas[mesh.cell_set(name)].sum(), base.cell_areas[base.cell_set(name)].sum()
+        assert area == pytest.approx(before, rel=1e-12)
+    assert len(mesh.cell_set("left")) + len(mesh.cell_set("right")) == mesh.n_cells
+    assert rim_length(mesh) == pytest.approx(4.0, rel=1e-12)
+    assert len(mesh.edge_set("rim")) == len(mesh.boundary_edges)
+    if most_hanging is not None:
+        assert hanging(mesh) <= most_hanging
+
+
+@settings(max_examples=12, deadline=None)
+@given(kind=st.sampled_from(sorted(BASES)), seed=st.integers(0, 2**31), order=st.integers(1, 4))
+def test_patch_test_of_each_order_on_refined_meshes(kind, seed, order):
+    """A displacement of degree k, with its body force, is reproduced by order k to 1e-9 despite hanging points."""
+    random = np.random.default_rng(seed)
+    mesh = named(BASES[kind])
+    for _ in range(2):
+        mesh = refined(mesh, random.random(mesh.n_cells) < 0.3)
+    a, b = random.normal(size=(2, 2))
+
+    def exact(p, derivative=0):
+        power = order - derivative
+        return (0.3 + p @ a) ** power if power >= 0 else np.zeros(len(p))
+
+    # u = b (0.3 + a . x)^k in plane strain: div sigma = k (k - 1) (...)^(k - 2) ((lame + G) (a . b) a + G |a|^2 b)
+    shear, lame = 1.0 / 2.6, 0.3 / 1.3 / 0.4
+    vector = -order * (order - 1) * ((lame + shear) * (a @ b) * a + shear * (a @ a) * b)
+    held = PrescribedDisplacement("rim", x=lambda p: b[0] * exact(p), y=lambda p: b[1] * exact(p))
+    loads = [BodyForce(lambda p: exact(p, 2)[:, None] * vector)] if order > 1 else []
+    space = Space(mesh, Virtual(order))
+    solution = solve_elasticity(Elasticity(space, Elastic(1.0, 0.3), loads=loads, supports=[held]))
+    wanted = exact(space.nodes)[:, None] * b
+    assert np.abs(solution.displacements[: space.n_nodes] - wanted).max() < 1e-9 * np.abs(wanted).max()
+
+
+def test_a_cell_beside_a_refined_one_gets_a_point_and_no_more():
+    """Of two squares one is refined: four squares, and a pentagon of the same area with its other points."""
+    mesh = rectangle_grid(2.0, 1.0, 2, 1, cells="quadrilaterals")
+    fine = refined(mesh, [0])
+    assert sorted(fine.cell_sizes.tolist()) == [4, 4, 4, 4, 5]
+    assert fine.cell_areas.tolist() == [0.25, 0.25, 0.25, 0.25, 1.0]
+    assert fine.n_points == mesh.n_points + 5
+    check(fine, region_area=2.0)
+
+
+def test_a_hanging_point_divides_the_side_it_hangs_on():
+    """Refined one after the other, two squares make the mesh that they make together."""
+    mesh = rectangle_grid(2.0, 1.0, 2, 1, cells="quadrilaterals")
+    fine = refined(refined(mesh, [0]), [4])
+    assert fine.cell_sizes.tolist() == [4] * 8
+    both = refined(mesh)
+    assert sorted(map(tuple, fine.points.tolist())) == sorted(map(tuple, both.points.tolist()))
+
+
+@pytest.mark.parametrize("kind", sorted(BASES))
+def test_cells_stay_well_shaped_towards_a_corner(kind):
+    """Ten refinements towards a corner: the worst cell is at most half as good as after one, and sides stay few."""
+    mesh = BASES[kind]
+    first = chunkiness(refined(mesh))
+    for _ in range(10):
+        near = np.hypot(*(mesh.cell_centroids - mesh.points.min(axis=0)).T) < 1.5 * mesh.cell_diameters
+        mesh = refined(mesh, near, most_hanging=1)
+    assert chunkiness(mesh) > 0.5 * first
+    assert mesh.cell_sizes.max() <= 12
+    assert mesh.cell_diameters.min() < 1e-3
+
+
+def test_the_limit_bounds_hanging_points_and_its_absence_does_not():
+    """A square beside one that is refined five times towards it gets 31 points, or is refined itself."""
+    free = limited = rectangle_grid(2.0, 1.0, 2, 1, cells="quadrilaterals")
+    for _ in range(5):
+        free = refined(free, free.cell_centroids[:, 0] < 1.0)
+        limited = refined(limited, limited.cell_centroids[:, 0] < 1.0, most_hanging=1)
+    assert hanging(free) == 31
+    assert hanging(limited) == 1
+    assert limited.n_cells > free.n_cells
+
+
+def test_a_cell_that_no_point_sees_whole_is_cut_along_diagonals():
+    """A U becomes convex parts of its area, which are then refined like others; its names stay."""
+    once = refined(U_SHAPE)
+    assert 2 <= once.n_cells <= 4
+    assert once.n_points == 8
+    twice = refined(once)
+    check(twice, region_area=8.0)
+    assert twice.n_cells > 6
+    assert chunkiness(twice) > 0.02
+    assert len(twice.cell_set("all")) == twice.n_cells
+    assert len(twice.edge_set("bottom")) == 2
+
+
+def test_star_parts_of_a_convex_polygon_are_itself():
+    """Nothing is cut that need not be."""
+    polygon = np.arange(6, dtype=np.int32)
+    points = np.array([[np.cos(t), np.sin(t)] for t in np.arange(6) * np.pi / 3])
+    (part,) = star_parts(polygon, points)
+    assert part.tolist() == polygon.tolist()
+
+
+@pytest.mark.parametrize("size", [0.5, 1.5])
+@pytest.mark.parametrize("kind", ["triangles", "polygons"])
+def test_points_on_arcs_make_the_area_converge(kind, size):
+    """With the outline of a disc every refinement leaves a quarter of the missing area, without it all of it.
+
+    The first is left out: it divides the sides of dual polygons at the points that they have.
+    """
+    outline = circle(1.0)
+    mesh = triangulate(outline, size=size)
+    mesh = mesh if kind == "triangles" else dual(mesh)
+    straight, missing = mesh, []
+    for _ in range(4):
+        mesh, straight = refined(mesh, outline=outline), refined(straight)
+        missing.append(np.pi - mesh.cell_areas.sum())
+    check(mesh)
+    np.testing.assert_allclose(np.hypot(*mesh.points[np.unique(mesh.boundary_edges)].T), 1.0, rtol=1e-12)
+    assert np.all(np.array(missing[1:-1]) / missing[2:] > 3.5)
+    assert np.pi - straight.cell_areas.sum() > 100 * missing[-1]
+
+
+@pytest.mark.parametrize(
+    ("cells", "options", "word"),
+    [
+        ([9], {}, "cell numbers from 0"),
+        ([-1], {}, "cell numbers from 0"),
+        ([0.5], {}, "float64"),
+        ([True], {}, "bool"),
+        ([0], {"most_hanging": 0}, "1 or more"),
+    ],
+)
+def test_wrong_cells_to_refine_are_refused(cells, options, word):
+    """Numbers out of range, numbers that are none, masks of another length, and a limit of zero are refused."""
+    with pytest.raises(InputError, match=word):
+        refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"), cells, **options)
+
+
+def test_refining_no_cell_changes_nothing_but_the_first_point_of_cells():
+    """An empty choice gives a mesh of the same points and areas."""
+    mesh = BASES["polygons"]
+    same = refined(mesh, [])
+    assert np.array_equal(same.points, mesh.points)
+    np.testing.assert_allclose(same.cell_areas, mesh.cell_areas, rtol=1e-13)
+
+
+@given(
+    errors=st.lists(st.floats(0.0, 1e3), min_size=1, max_size=30),
+    share=st.floats(0.01, 1.0),
+)
+def test_marking_takes_the_fewest_cells_that_hold_the_share(errors, share):
+    """The marked squares reach the share of the sum, and without the smallest of them they do not."""
+    squares = np.array(errors) ** 2
+    marked = doerfler_marking(errors, share)
+    if squares.sum() == 0.0:
+        assert not len(marked)
+        return
+    assert squares[marked].sum() >= share * squares.sum() * (1.0 - 1e-9)
+    assert squares[marked].sum() - squares[marked].min() < share * squares.sum()
+
+
+@pytest.mark.parametrize(
+    ("errors", "share", "word"),
+    [([-1.0], 0.5, "zero or more"), ([np.nan], 0.5, "finite"), ([], 0.5, "one number"), ([1.0], 0.0, "above 0")],
+)
+def test_wrong_marking_is_refused(errors, share, word):
+    """Negative, missing and infinite errors, and shares out of range are refused."""
+    with pytest.raises(InputError, match=word):
+        doerfler_marking(errors, share)

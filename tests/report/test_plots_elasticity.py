@@ -1,0 +1,219 @@
+"""Pictures of meshes and fields: what is drawn is what the elements say."""
+
+import numpy as np
+import pytest
+from matplotlib.collections import TriMesh
+from matplotlib.figure import Figure
+
+from flangeway.elements import Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import circle, rectangle
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined, triangulate
+from flangeway.post import corner_stresses, displacements_at, nodal_stresses, stresses_at
+from flangeway.problems import Elasticity, Traction, fixed
+from flangeway.report.display import NO_EDGE, display, displayed_stresses, edge_weights
+from flangeway.report.plots import (
+    plot_deformed,
+    plot_displacement,
+    plot_function,
+    plot_mesh,
+    plot_stress,
+    stress_quantity,
+)
+from flangeway.solve import ElasticitySolution, solve_elasticity
+from flangeway.space import Space, interpolate
+
+TRIANGLES = triangulate(rectangle(4.0, 2.0), size=0.8, holes=[circle(0.5)])
+U_SHAPE = PolyMesh([[0, 0], [4, 0], [4, 3], [3, 3], [3, 1], [1, 1], [1, 3], [0, 3]], [0, 8], range(8))
+MESHES = {
+    "triangles": TRIANGLES,
+    "polygons": dual(TRIANGLES),
+    "hanging": refined(TRIANGLES, np.arange(5)),
+    "u": U_SHAPE,
+}
+
+
+def pulled(mesh: PolyMesh, order: int, element: type = Virtual) -> ElasticitySolution:
+    """The plate with a hole, held at the left and pulled to the right."""
+    problem = Elasticity(
+        Space(mesh, element(order)), Elastic(70.0, 0.3), loads=[Traction("right", (1.0, 0.2))], supports=[fixed("left")]
+    )
+    return solve_elasticity(problem)
+
+
+@pytest.mark.parametrize("pieces", [1, 2, 5])
+@pytest.mark.parametrize("kind", sorted(MESHES))
+def test_triangles_fill_the_cells(kind, pieces):
+    """The small triangles are counter-clockwise, have the area of their cells, and share places across edges."""
+    mesh = MESHES[kind]
+    shown = display(Space(mesh, Virtual(2)), pieces)
+    corners = shown.points[shown.triangles]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    areas = 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+    assert areas.min() > 0.0
+    sums = np.bincount(shown.cells[shown.triangles[:, 0]], areas, minlength=mesh.n_cells)
+    np.testing.assert_allclose(sums, mesh.cell_areas, rtol=1e-12)
+    place_points = np.zeros((shown.places.max() + 1, 2))
+    place_points[shown.places] = shown.points
+    np.testing.assert_allclose(place_points[shown.places], shown.points, atol=1e-14)
+    on_edges = np.unique(shown.places[shown.edge != NO_EDGE])
+    assert len(on_edges) == mesh.n_points + mesh.n_edges * (pieces - 1)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+@pytest.mark.parametrize("kind", sorted(MESHES))
+def test_a_polynomial_is_drawn_exactly(kind, order):
+    """A polynomial of degree k of a space of order k has its values at all small triangles' points."""
+    space = Space(MESHES[kind], Virtual(order))
+    shown = display(space, 4)
+
+    def exact(points):
+        return (0.3 + points @ [0.7, -0.4]) ** order
+
+    values = shown.function(interpolate(space, exact)[:, None])[:, 0]
+    np.testing.assert_allclose(values, exact(shown.points), atol=1e-10)
+
+
+@pytest.mark.parametrize("kind", ["triangles", "polygons", "hanging"])
+def test_displacements_are_continuous_and_stresses_those_of_the_cells(kind):
+    """Displacements agree across edges; inside, both agree with post's values at the same points."""
+    solution = pulled(MESHES[kind], 2)
+    shown = display(solution.problem.space, 3)
+    moved = shown.function(solution.displacements)
+    np.testing.assert_allclose(shown.averaged(moved), moved, atol=1e-13)
+    inside = shown.edge == NO_EDGE
+    np.testing.assert_allclose(moved[inside], displacements_at(solution, shown.points[inside]), atol=1e-12)
+    stresses = displayed_stresses(solution, shown).components
+    np.testing.assert_allclose(stresses[inside], stresses_at(solution, shown.points[inside]).components, atol=1e-10)
+    own = corner_stresses(solution.problem, solution.displacements).components
+    corners = np.flatnonzero(shown.places < shown.mesh.n_points)
+    assert len(corners) == len(own)
+    assert np.sort(stresses[corners], axis=0) == pytest.approx(np.sort(own, axis=0), abs=1e-10)
+
+
+def test_averaged_stresses_are_continuous_and_nodal_at_points():
+    """Asked for, averages agree across edges, are post's nodal stresses at points, and leave the centres alone."""
+    solution = pulled(MESHES["polygons"], 2)
+    shown = display(solution.problem.space, 3)
+    own = displayed_stresses(solution, shown).components
+    averaged = shown.averaged(own)
+    assert np.abs(averaged - own).max() > 0.1
+    np.testing.assert_allclose(shown.averaged(averaged), averaged, atol=1e-12)
+    corner = shown.places < shown.mesh.n_points
+    np.testing.assert_allclose(
+        averaged[corner], nodal_stresses(solution).components[shown.places[corner]], rtol=1e-10, atol=1e-12
+    )
+    centre = shown.outward_weights.sum(axis=1) == 0.0
+    assert centre.sum() == shown.mesh.n_cells
+    assert np.array_equal(averaged[centre], own[centre])
+
+
+def test_edge_weights_reproduce_polynomials():
+    """The weights of an edge's nodes add up to one, and are those of a cubic for order 3."""
+    weights = edge_weights(3, 6)
+    nodes = np.array([0.0, 0.5 - np.sqrt(0.05), 0.5 + np.sqrt(0.05), 1.0])
+    at = np.arange(7) / 6
+    for power in range(4):
+        np.testing.assert_allclose(weights @ nodes**power, at**power, atol=1e-14)
+
+
+@pytest.mark.parametrize("element", [Virtual, Lagrange])
+def test_pictures_show_the_values_and_say_the_units(element):
+    """The drawn values are the quantity's, the bar names it with its unit, limits are kept, and no state is left."""
+    import matplotlib.pyplot as plt  # noqa: PLC0415
+
+    solution = pulled(TRIANGLES, 2, element)
+    for quantity in ("von_mises", "xx", "zz", "in_plane_shear", "principal_1", "principal_3"):
+        axes = plot_stress(solution, quantity, unit="MPa", length_unit="mm", limits=(0.0, 2.0), factor="auto")
+        (drawn,) = [c for c in axes.collections if isinstance(c, TriMesh)]
+        assert drawn.get_clim() == (0.0, 2.0)
+        bar = axes.figure.axes[1]
+        assert bar.get_ylabel().endswith(" in MPa")
+        assert axes.get_xlabel() == "x in mm"
+        assert "times as large" in axes.get_title()
+    shown = display(solution.problem.space, 6)
+    wanted = stress_quantity(displayed_stresses(solution, shown), "principal_3")
+    assert drawn.get_array().max() == pytest.approx(wanted.max())
+    assert not plt.get_fignums()
+
+
+def test_a_picture_of_cells_with_constant_stress_has_their_colours():
+    """Rendered, the middle of each of two cells has the colour of its own value, without a blend between them."""
+    grid = rectangle_grid(2.0, 1.0, 2, 1, cells="quadrilaterals")
+    soft = grid.with_cell_set("soft", [0]).with_cell_set("hard", [1])
+    problem = Elasticity(
+        Space(soft, Virtual(1)),
+        {"soft": Elastic(1.0, 0.0), "hard": Elastic(4.0, 0.0)},
+        loads=[Traction("top", (0.0, 1.0))],
+        supports=[fixed("bottom")],
+    )
+    solution = solve_elasticity(problem)
+    figure = Figure(figsize=(4.0, 2.0), dpi=100)
+    axes = plot_stress(solution, "yy", figure.add_axes((0.0, 0.0, 1.0, 1.0)), edges=False)
+    from matplotlib.backends.backend_agg import FigureCanvasAgg  # noqa: PLC0415
+
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    image = np.asarray(canvas.buffer_rgba())
+    (drawn,) = [c for c in axes.collections if isinstance(c, TriMesh)]
+    values = stresses_at(solution, soft.cell_centroids).components[:, 1]
+    assert abs(values[0] - values[1]) > 0.1
+    for place, value in zip(soft.cell_centroids, values, strict=True):
+        column, row = axes.transData.transform(place)
+        pixel = image[image.shape[0] - 1 - int(row), int(column), :3] / 255.0
+        np.testing.assert_allclose(pixel, drawn.cmap(drawn.norm(value))[:3], atol=0.02)
+
+
+def test_named_edges_are_in_the_legend():
+    """Every edge set is drawn with as many lines as it has edges, and named; so are cell sets if asked."""
+    mesh = MESHES["polygons"].with_cell_set("upper", MESHES["polygons"].cell_centroids[:, 1] > 0.0)
+    axes = plot_mesh(mesh, cell_sets=True)
+    labels = [text.get_text() for text in axes.get_legend().get_texts()]
+    assert labels == ["upper", *mesh.edge_sets]
+    lines = {c.get_label(): len(c.get_paths()) for c in axes.collections}
+    assert all(lines[name] == len(pairs) for name, pairs in mesh.edge_sets.items())
+    assert plot_mesh(mesh, edge_sets=False).get_legend() is None
+
+
+def test_deformed_edges_of_order_2_are_curved():
+    """Deformed edges have inner points off their chords for order 2, none for order 1, and end at moved points."""
+    for order, curved in ((1, False), (2, True)):
+        solution = pulled(MESHES["polygons"], order)
+        axes = plot_deformed(solution, factor=3.0)
+        lines = np.array([path.vertices for path in axes.collections[0].get_paths()])
+        mesh = solution.problem.space.mesh
+        moved = mesh.points + 3.0 * solution.displacements[: mesh.n_points]
+        np.testing.assert_allclose(lines[:, 0], moved[mesh.edges[:, 0]], atol=1e-12)
+        chords = lines[:, :1] + np.linspace(0.0, 1.0, lines.shape[1])[:, None] * (lines[:, -1:] - lines[:, :1])
+        assert (np.abs(lines - chords).max() > 1e-3) == curved
+
+
+def test_pictures_of_functions_and_displacements():
+    """A function of a space and displacement components are drawn into given axes with their range of values."""
+    solution = pulled(MESHES["polygons"], 1)
+    axes = plot_displacement(solution, "x", unit="mm")
+    (drawn,) = [c for c in axes.collections if isinstance(c, TriMesh)]
+    n_points = solution.problem.space.mesh.n_points
+    assert drawn.get_clim()[1] == pytest.approx(solution.displacements[:n_points, 0].max())
+    space = Space(MESHES["u"], Virtual(2))
+    given = Figure().subplots()
+    assert plot_function(space, np.full(space.n_dofs, 2.0), given, label="level") is given
+    (drawn,) = [c for c in given.collections if isinstance(c, TriMesh)]
+    assert drawn.get_clim() == pytest.approx((1.0, 3.0))
+
+
+@pytest.mark.parametrize(
+    ("call", "word"),
+    [
+        (lambda s: plot_stress(s, "sigma"), "von_mises"),
+        (lambda s: plot_displacement(s, "z"), "magnitude"),
+        (lambda s: plot_stress(s, limits=(2.0, 1.0)), "lesser value first"),
+        (lambda s: plot_deformed(s, factor=float("nan")), "finite number"),
+        (lambda s: display(s.problem.space, 0), "1 or more"),
+    ],
+)
+def test_wrong_pictures_are_refused(call, word):
+    """Unknown quantities and components, exchanged limits, and factors and pieces that are none are refused."""
+    with pytest.raises(InputError, match=word):
+        call(pulled(TRIANGLES, 1))

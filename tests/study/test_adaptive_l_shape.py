@@ -1,0 +1,109 @@
+"""Adaptive refinement of an L-shaped body against its exact solution, and the loop that drives it."""
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.exact.notch import EXPONENT, Notch
+from flangeway.mesh import check, rectangle_grid
+from flangeway.study.adaptive import adapt
+from flangeway.study.l_shape import EXACT, MATERIAL, adaptive_rows, l_shape, uniform_rows
+
+
+def test_the_exact_stresses_are_those_of_the_exact_displacements():
+    """Stresses agree with Hooke's law on differences of displacements, are in equilibrium, and leave the notch free."""
+    rng = np.random.default_rng(5)
+    points, h = rng.uniform(0.1, 0.9, size=(20, 2)), 1e-5
+    steps = np.array([[h, 0.0], [0.0, h]])
+    slope = [(EXACT.displacements(points + s) - EXACT.displacements(points - s)) / (2 * h) for s in steps]
+    strain = np.stack((slope[0][:, 0], slope[1][:, 1], slope[0][:, 1] + slope[1][:, 0]), axis=1)
+    np.testing.assert_allclose(strain @ MATERIAL.matrix[:3, :3].T, EXACT.stresses(points), rtol=1e-6, atol=1e-8)
+    by_x, by_y = ((EXACT.stresses(points + s) - EXACT.stresses(points - s)) / (2 * h) for s in steps)
+    np.testing.assert_allclose(by_x[:, 0] + by_y[:, 2], 0.0, atol=1e-7)
+    np.testing.assert_allclose(by_x[:, 2] + by_y[:, 1], 0.0, atol=1e-7)
+    down, left = EXACT.stresses([[0.0, -0.3]])[0], EXACT.stresses([[-0.3, 0.0]])[0]
+    np.testing.assert_allclose([down[0], down[2], left[1], left[2]], 0.0, atol=1e-12)
+    assert np.sin(1.5 * np.pi * EXPONENT) + EXPONENT * np.sin(1.5 * np.pi) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_the_opening_of_the_notch_grows_with_the_exponent():
+    """Twice as far from the corner displacements are larger by two to the power of the exponent, for any material."""
+    notch = Notch(2.0, 1.8)
+    near, far = notch.displacements([[0.1, 0.2], [0.2, 0.4]])
+    np.testing.assert_allclose(far / near, 2.0**EXPONENT, rtol=1e-12)
+
+
+@pytest.mark.parametrize(("order", "cells"), [(1, "quadrilaterals"), (1, "polygons"), (2, "quadrilaterals")])
+def test_adaptive_reaches_the_error_of_uniform_with_a_tenth_of_the_unknowns(order, cells):
+    """Order 1 and 2, from quadrilaterals and polygons: ten times fewer unknowns for the error of the finest mesh."""
+    element, mesh = Virtual(order), l_shape(4, cells)
+    finest = uniform_rows(element, mesh, 5)[-1]
+    rows = adaptive_rows(element, mesh, tolerance=1e-9, most_steps=12)
+    first = next(row for row in rows if row.error <= finest.error)
+    assert finest.n_unknowns > 10 * first.n_unknowns
+    check(rows[-1].mesh, region_area=3.0)
+
+
+def test_rates_are_those_of_theory():
+    """Over unknowns N uniform errors fall as N to minus half the exponent, adaptive ones of order 2 as 1 / N."""
+    uniform = uniform_rows(Virtual(2), l_shape(2), 4)
+    adaptive = adaptive_rows(Virtual(2), l_shape(2), tolerance=5e-3)
+
+    def rate(rows):
+        return -np.polyfit(*np.log([(row.n_unknowns, row.error) for row in rows]).T, 1)[0]
+
+    assert rate(uniform[-3:]) == pytest.approx(EXPONENT / 2, abs=0.02)
+    assert rate([row for row in adaptive if row.n_unknowns > 1000]) == pytest.approx(1.0, abs=0.15)
+
+
+def test_the_estimate_is_near_the_true_error():
+    """On adaptive meshes of order 1 and 2 it is 0.8 to 1.25 times the true error, once there are 500 unknowns."""
+    for order in (1, 2):
+        for row in adaptive_rows(Virtual(order), l_shape(2), tolerance=0.04):
+            if row.n_unknowns > 500:
+                assert 0.8 < row.estimated_error / row.error < 1.25
+
+
+def side_errors(mesh):
+    """An error that sits at the left side: there the cells' widths."""
+    return np.where(mesh.cell_centroids[:, 0] < mesh.cell_diameters, mesh.cell_diameters, 0.0)
+
+
+def test_the_loop_ends_at_the_tolerance_or_tells_why_not():
+    """With enough steps and cells the status is converged; with too few of either it says which."""
+    mesh = rectangle_grid(1.0, 1.0, 4, 4, cells="quadrilaterals")
+
+    def run(**limits):
+        return adapt(lambda mesh: mesh, mesh, lambda mesh: side_errors(mesh) ** 2, **limits)
+
+    done = run(tolerance=0.02)
+    assert done.status.converged
+    assert done.last.error <= 0.02 < done.steps[-2].error
+    assert done.steps[0].mesh is mesh
+    assert done.last.solution is done.last.mesh
+    few = run(tolerance=0.02, most_steps=2)
+    assert not few.status.converged
+    assert len(few.steps) == 2
+    assert "2 solutions" in few.status.message
+    small = run(tolerance=0.02, most_cells=30)
+    assert not small.status.converged
+    assert small.last.mesh.n_cells <= 30
+    assert "the next mesh has" in small.status.message
+
+
+@pytest.mark.parametrize(
+    ("options", "errors", "word"),
+    [
+        ({"tolerance": 0.0}, side_errors, "positive tolerance"),
+        ({"tolerance": 1.0, "most_steps": 0}, side_errors, "one step or more"),
+        ({"tolerance": 0.1}, lambda _: np.ones(3), "one for each cell"),
+        ({"tolerance": 0.1}, lambda mesh: -np.ones(mesh.n_cells), "zero or more"),
+        ({"tolerance": 0.1, "share": 2.0}, side_errors, "share"),
+    ],
+)
+def test_wrong_runs_are_refused(options, errors, word):
+    """Tolerances and limits out of range, and estimates of another shape or below zero, are refused."""
+    mesh = rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals")
+    with pytest.raises(InputError, match=word):
+        adapt(lambda mesh: mesh, mesh, errors, **options)
