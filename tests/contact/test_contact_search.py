@@ -45,19 +45,19 @@ def test_a_pair_is_kept_a_little_beyond_its_edge() -> None:
     nodes = np.array([[2.5, -0.01], [0.99, -0.01], [-0.5, -0.01]])[::-1]
     pairing = NodeToSegment(reach=1.0, slack=0.02)
     kept = np.array([-1, 0, -1])
-    pairs = pairing.pair(nodes, CHAIN, edges, kept)
-    assert pairs.edges[pairs.nodes == 1] == 0
+    found, facing, _ = pairing.find(nodes, CHAIN, edges, kept)
+    assert facing[found == 1] == 0
     nodes[1, 0] = 0.97
-    pairs = pairing.pair(nodes, CHAIN, edges, kept)
-    assert pairs.edges[pairs.nodes == 1] == 1
+    found, facing, _ = pairing.find(nodes, CHAIN, edges, kept)
+    assert facing[found == 1] == 1
 
 
 def test_nodes_out_of_reach_take_no_part() -> None:
     """A gap larger than the reach, or a foot beyond the chain, makes no pair."""
     edges = flat_edges(np.array([0.0, 1.0, 2.0]))
     nodes = np.array([[0.5, 0.2], [1.5, 5.0], [2.7, 0.1]])
-    pairs = NodeToSegment(reach=1.0).pair(nodes, CHAIN, edges, np.full(3, -1))
-    assert pairs.nodes.tolist() == [0]
+    found, _, _ = NodeToSegment(reach=1.0).find(nodes, CHAIN, edges, np.full(3, -1))
+    assert found.tolist() == [0]
 
 
 @pytest.mark.parametrize(
@@ -81,8 +81,8 @@ def test_the_dead_angle_of_a_corner_is_bridged() -> None:
     """An open node below a convex corner, beyond the ends of both edges, still has a pair."""
     points = np.array([[1.0, -0.02], [0.0, 0.0], [-1.0, -0.02]])
     edges = np.stack((points[:-1], points[1:]), axis=1)
-    pairs = NodeToSegment(reach=3.0).pair(np.array([[1e-9, 2.0]]), np.array([[0, 0]]), edges, np.array([-1]))
-    assert pairs.nodes.tolist() == []  # without a chain there is no direction to face
+    found, _, _ = NodeToSegment(reach=3.0).find(np.array([[1e-9, 2.0]]), np.array([[0, 0]]), edges, np.array([-1]))
+    assert found.tolist() == []  # without a chain there is no direction to face
     nodes = np.array([[0.5, 2.5], [0.0, 2.0], [-0.5, 2.5]])[::-1]
-    pairs = NodeToSegment(reach=3.0).pair(nodes, CHAIN, edges, np.full(3, -1))
-    assert 1 in pairs.nodes
+    found, _, _ = NodeToSegment(reach=3.0).find(nodes, CHAIN, edges, np.full(3, -1))
+    assert 1 in found

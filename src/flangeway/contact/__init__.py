@@ -1,15 +1,24 @@
 """Contact surfaces, search, pairing, gap kinematics and enforcement."""
 
-from flangeway.contact.contact import Contact, ContactLinearisation, ContactSystem
-from flangeway.contact.enforcement import Penalty
+from flangeway.contact.contact import Contact
+from flangeway.contact.enforcement import AugmentedLagrange, Multiplier, Penalty
 from flangeway.contact.node_to_segment import NodeToSegment
+from flangeway.contact.press import ContactSolution, LoadStep, press
+from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
+from flangeway.contact.system import ContactLinearisation, ContactSystem
 
 __all__ = [
+    "AugmentedLagrange",
     "Contact",
     "ContactLinearisation",
+    "ContactSolution",
     "ContactSystem",
+    "LoadStep",
+    "Multiplier",
     "NodeToSegment",
     "Penalty",
+    "SegmentToSegment",
     "Surface",
+    "press",
 ]

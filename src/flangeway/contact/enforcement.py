@@ -19,28 +19,88 @@ class Penalty:
     ----------
     value
         The penalty, > 0. There is no default: it depends on the material, the size of the elements and the accuracy
-        that is wanted. Ten times the plane modulus over the size of the elements is a usual first choice.
+        that is wanted. A contact without it names a first choice for its bodies.
     per
-        ``"node"``: force per penetration at each secondary node (seed 3.5). ``"length"``: pressure per penetration,
-        so that the answer does not depend on the number of nodes (seed 3.5.8).
+        ``"node"``: force per penetration at each secondary node (seed 3.5), with `NodeToSegment` only. ``"length"``:
+        pressure per penetration, so that the answer does not depend on the number of nodes (seed 3.5.8).
 
     """
 
-    value: float
+    value: float | None
     per: Literal["node", "length"]
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.value) and self.value > 0.0):
-            raise InputError(
-                f"Penalty(value={self.value})",
-                "a positive number",
-                "start with ten times E / (1 - nu^2) over the size of the elements, per='length'",
-            )
-        if self.per not in ("node", "length"):
-            raise InputError(f"Penalty(per={self.per!r})", "'node' or 'length'", "choose one of these")
+        _refuse_bad_penalty(type(self).__name__, self.value, self.per)
 
     def compliances(self, areas: Floats) -> Floats:
-        """Penetration per force of nodes with tributary areas (length times thickness)."""
-        if self.per == "node":
-            return np.full(len(areas), 1.0 / self.value)
-        return 1.0 / (self.value * areas)
+        """Penetration per force of constraints with some areas (length times thickness)."""
+        return _compliances(self.value, self.per, areas)
+
+    @property
+    def penetration(self) -> float:
+        """Largest penetration that is tolerated: any."""
+        return np.inf
+
+
+@dataclass(frozen=True)
+class AugmentedLagrange:
+    """A penalty about forces that are corrected until the penetration is within a tolerance (Uzawa's method).
+
+    Parameters
+    ----------
+    value, per
+        As in `Penalty`. The larger, the fewer corrections are needed.
+    penetration
+        Largest penetration, and largest gap under pressure, that is tolerated; a length > 0.
+
+    """
+
+    value: float | None
+    per: Literal["node", "length"]
+    penetration: float
+
+    def __post_init__(self) -> None:
+        _refuse_bad_penalty(type(self).__name__, self.value, self.per)
+        if not (np.isfinite(self.penetration) and self.penetration > 0.0):
+            raise InputError(
+                f"AugmentedLagrange(penetration={self.penetration})",
+                "a positive length",
+                "a thousandth of the expected approach is a usual choice",
+            )
+
+    def compliances(self, areas: Floats) -> Floats:
+        """Penetration per force about the last correction; see `Penalty.compliances`."""
+        return _compliances(self.value, self.per, areas)
+
+
+@dataclass(frozen=True)
+class Multiplier:
+    """Forces as unknowns that leave no penetration (Lagrange multipliers with an active set)."""
+
+    def compliances(self, areas: Floats) -> Floats:
+        """Nothing gives."""
+        return np.zeros_like(areas)
+
+    @property
+    def penetration(self) -> float:
+        """Largest penetration that is tolerated; the solver's own tolerance decides."""
+        return np.inf
+
+
+Enforcement = Penalty | AugmentedLagrange | Multiplier
+
+
+def _refuse_bad_penalty(name: str, value: float | None, per: str) -> None:
+    if value is not None and not (np.isfinite(value) and value > 0.0):
+        raise InputError(
+            f"{name}(value={value})",
+            "a positive number",
+            "start with ten times E / (1 - nu^2) over the size of the elements, per='length'",
+        )
+    if per not in ("node", "length"):
+        raise InputError(f"{name}(per={per!r})", "'node' or 'length'", "choose one of these")
+
+
+def _compliances(value: float | None, per: str, areas: Floats) -> Floats:
+    assert value is not None  # a contact refuses a penalty without a value
+    return np.full(len(areas), 1.0 / value) if per == "node" else 1.0 / (value * areas)

@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
 from flangeway.contact.search import nearest_edges
-from flangeway.contact.surface import node_normals
+from flangeway.contact.shape import shape_functions
+from flangeway.contact.surface import Surface, node_normals
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -16,22 +17,66 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class NodePairs:
-    """Secondary nodes and the primary edges that they face, with their gaps.
+    """Secondary nodes and the primary edges that they face: a constraint each; see `flangeway.contact.pairs.Pairs`.
 
     Parameters
     ----------
     nodes
         Places of the nodes in the secondary surface, shape (m,).
-    edges
+    primary_edges
         Numbers of the edges in the primary surface, shape (m,).
+    areas
+        Areas of the nodes, shape (m,).
     kinematics
         Gaps and their derivatives.
 
     """
 
     nodes: Ints
-    edges: Ints
+    primary_edges: Ints
+    areas: Floats
     kinematics: NodeEdgeGaps
+
+    @property
+    def keys(self) -> Ints:
+        """See `flangeway.contact.pairs.Pairs.keys`."""
+        return self.nodes
+
+    @property
+    def partners(self) -> Ints:
+        """See `flangeway.contact.pairs.Pairs.partners`."""
+        return self.primary_edges
+
+    @property
+    def gaps(self) -> Floats:
+        """See `flangeway.contact.pairs.Pairs.gaps`."""
+        return self.kinematics.gaps
+
+    @property
+    def secondary_members(self) -> Ints:
+        """See `flangeway.contact.pairs.Pairs.secondary_members`."""
+        return self.nodes[:, None]
+
+    @property
+    def rows(self) -> Ints:
+        """See `flangeway.contact.pairs.Pairs.rows`."""
+        return np.arange(len(self.nodes))[:, None]
+
+    @property
+    def gradients(self) -> Floats:
+        """See `flangeway.contact.pairs.Pairs.gradients`."""
+        return self.kinematics.gradients[:, None]
+
+    def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
+        """See `flangeway.contact.pairs.Pairs.curvatures`."""
+        loaded = np.flatnonzero(forces)
+        return loaded, forces[loaded, None, None] * self.kinematics.hessians[loaded]
+
+    def opposite_points(self, edges: Floats) -> Floats:
+        """See `flangeway.contact.pairs.Pairs.opposite_points`."""
+        shapes = shape_functions(edges.shape[1] - 1, self.kinematics.parameters, 0)[0]
+        points: Floats = np.einsum("na,nai->ni", shapes, edges[self.primary_edges])
+        return points
 
 
 @dataclass(frozen=True)
@@ -66,35 +111,55 @@ class NodeToSegment:
                 "leave them out",
             )
 
+    def node_areas(self, secondary: Surface) -> Floats:
+        """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
+        return secondary.tributary_lengths * secondary.part.body.thickness
+
+    def key_nodes(self, secondary: Surface) -> Ints:
+        """Places in a surface of the nodes of all constraints that it can have, by key."""
+        return np.arange(len(secondary.nodes))
+
     def pair(
         self,
-        secondary: Floats,
-        secondary_places: Ints,
+        secondary: Surface,
+        primary: Surface,  # noqa: ARG002 (pairings have one signature)
+        positions: Floats,
         primary_edges: Floats,
         kept: Ints,
+        *,
+        settle: bool = False,
     ) -> NodePairs:
-        """Find the pairs within reach.
+        """Find the constraints within reach.
 
         Parameters
         ----------
-        secondary
-            Positions of the secondary nodes, shape (n_nodes, 2).
-        secondary_places
-            The secondary surface's `edge_places`.
+        secondary, primary
+            The surfaces.
+        positions
+            Current positions of the secondary nodes, shape (n_nodes, 2).
         primary_edges
-            Positions of the primary edges' nodes, shape (n_edges, order + 1, 2).
+            Current positions of the primary edges' nodes, shape (n_edges, order + 1, 2).
         kept
-            Edge that each node faced before, -1 for none, shape (n_nodes,).
+            Partner that each constraint had before, -1 for none, shape (n_keys,).
+        settle
+            Whether pairs are kept within ``overhang`` of their edge, not within ``slack``.
 
         """
-        partner = nearest_edges(secondary, node_normals(secondary, secondary_places), primary_edges)
+        nodes, edges, kinematics = self.find(positions, secondary.edge_places, primary_edges, kept, settle=settle)
+        return NodePairs(nodes, edges, self.node_areas(secondary)[nodes], kinematics)
+
+    def find(
+        self, positions: Floats, edge_places: Ints, primary_edges: Floats, kept: Ints, *, settle: bool = False
+    ) -> tuple[Ints, Ints, NodeEdgeGaps]:
+        """Nodes, the edges they face, and their gaps; ``edge_places`` is the secondary surface's, else as `pair`."""
+        partner = nearest_edges(positions, node_normals(positions, edge_places), primary_edges)
         before = np.flatnonzero(kept >= 0)
-        parameters = closest_parameters(secondary[before], primary_edges[kept[before]])
-        stays = before[_within(parameters, self.slack)]
+        parameters = closest_parameters(positions[before], primary_edges[kept[before]])
+        stays = before[_within(parameters, self.overhang if settle else self.slack)]
         partner[stays] = kept[stays]
 
         nodes = np.flatnonzero(partner >= 0)
-        kinematics = node_edge_gaps(secondary[nodes], primary_edges[partner[nodes]])
+        kinematics = node_edge_gaps(positions[nodes], primary_edges[partner[nodes]])
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         near = _within(kinematics.parameters, self.overhang) & (kinematics.gaps < reach)
@@ -105,7 +170,7 @@ class NodeToSegment:
             kinematics.gradients[near],
             kinematics.hessians[near],
         )
-        return NodePairs(nodes[near], partner[nodes[near]], chosen)
+        return nodes[near], partner[nodes[near]], chosen
 
 
 def _within(parameters: Floats, margin: float) -> NDArray[np.bool_]:

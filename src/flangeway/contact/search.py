@@ -1,18 +1,64 @@
-"""Which edge each node faces."""
+"""Which edges are near each other, and which edge each node faces."""
+
+from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 PAIRS_PER_CHUNK = 2_000_000
+FIRST_NEIGHBOURS = 8  # edges measured for each point at first; four times as many in each further round
+LAST_NEIGHBOURS = 512  # beyond, all edges are measured
+CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
+
+
+def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float) -> tuple[Ints, Ints]:
+    """All pairs of edges whose bounding boxes, those of the secondary enlarged by ``reach``, touch or overlap.
+
+    Edges are sorted into classes of size with a spatial index each, so that a few long ones do not slow the search.
+
+    Parameters
+    ----------
+    secondary_edges, primary_edges
+        Positions of the edges' nodes, shapes (n, k + 1, 2) and (m, j + 1, 2); boxes are those of the nodes.
+    reach
+        Length >= 0 by which boxes are enlarged on all sides; infinity pairs all with all.
+
+    Returns
+    -------
+    tuple of Ints
+        Numbers of secondary and of primary edges, one entry a pair, in rising order of the first, then the second.
+
+    """
+    sides = [_boxes(edges) for edges in (secondary_edges, primary_edges)]
+    if not np.isfinite(reach):
+        i, j = np.indices((len(secondary_edges), len(primary_edges))).reshape(2, -1).astype(np.int64)
+        return i, j
+    classes = [_size_classes(half.max(axis=1), reach) for _, half in sides]
+    found: list[tuple[Ints, Ints]] = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
+    trees = [cKDTree(sides[1][0][members]) for members in classes[1]]
+    for mine in classes[0]:
+        tree = cKDTree(sides[0][0][mine])
+        for theirs, other in zip(classes[1], trees, strict=True):
+            radius = float(sides[0][1][mine].max() + sides[1][1][theirs].max()) + reach
+            near = tree.sparse_distance_matrix(other, radius * (1.0 + 1e-12), p=np.inf, output_type="ndarray")
+            found.append((mine[near["i"]], theirs[near["j"]]))
+    i, j = (np.concatenate([pair[side] for pair in found]) for side in range(2))
+    apart = np.abs(sides[0][0][i] - sides[1][0][j]) - sides[0][1][i] - sides[1][1][j]
+    near = (apart <= reach).all(axis=1)
+    i, j = i[near], j[near]
+    order = np.lexsort((j, i))
+    return i[order], j[order]
 
 
 def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     """Nearest edge that faces each point, by distance to its chord.
 
-    Every edge is measured, so that none is missed however unequal the edges are; chunks bound the memory.
+    A spatial index on the edges' middles proposes edges until no other can be nearer, however unequal the edges are:
+    the answer is that of measuring them all.
 
     Parameters
     ----------
@@ -26,21 +72,103 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     Returns
     -------
     Ints
-        Number of the edge, shape (n_points,); -1 where no edge faces the point.
+        Number of the edge, shape (n_points,), the lowest of equally near ones; -1 where no edge faces the point.
 
     """
-    start, chord = edges[:, 0], edges[:, -1] - edges[:, 0]
-    squared = np.einsum("ei,ei->e", chord, chord)
-    normals = np.stack((chord[:, 1], -chord[:, 0]), axis=1)
-    nearest = np.empty(len(points), dtype=np.int64)
-    size = max(1, PAIRS_PER_CHUNK // len(edges))
-    for first in range(0, len(points), size):
-        part = slice(first, first + size)
-        apart = points[part, None] - start
-        parameter = np.clip(np.einsum("pei,ei->pe", apart, chord) / squared, 0.0, 1.0)
-        distance = np.linalg.norm(apart - parameter[..., None] * chord, axis=-1)
-        distance[directions[part] @ normals.T >= 0.0] = np.inf
-        best = np.argmin(distance, axis=1)
-        found = np.isfinite(distance[np.arange(len(best)), best])
-        nearest[part] = np.where(found, best, -1)
-    return nearest
+    chords = _Chords(edges)
+    best = _Best(len(points))
+    wanted = np.flatnonzero(chords.may_face(directions))
+    for members in _size_classes(chords.halves, 0.0)[::-1]:
+        tree = cKDTree(chords.middles[members])
+        widest = float(chords.halves[members].max()) * (1.0 + 1e-12)
+        open_points, count = wanted, min(FIRST_NEIGHBOURS, len(members))
+        while len(open_points) and count <= LAST_NEIGHBOURS:
+            far, near = tree.query(points[open_points], k=np.arange(1, count + 1))
+            best.measure(points, directions, chords, np.repeat(open_points, count), members[near.ravel()])
+            if count == len(members):
+                open_points = open_points[:0]
+                break
+            # every edge not proposed has its middle beyond the last one proposed
+            open_points = open_points[far[:, -1] <= best.distances[open_points] + widest]
+            count = min(4 * count, len(members))
+        for part in _chunks(open_points, len(members)):
+            pairs = np.repeat(part, len(members)), np.tile(members, len(part))
+            best.measure(points, directions, chords, *pairs)
+    return best.edges
+
+
+class _Chords:
+    """Chords of edges."""
+
+    def __init__(self, edges: Floats) -> None:
+        self.starts, ends = edges[:, 0], edges[:, -1]
+        self.vectors: Floats = ends - self.starts
+        self.squares: Floats = self.vectors[:, 0] ** 2 + self.vectors[:, 1] ** 2
+        self.middles: Floats = (self.starts + ends) / 2.0
+        self.halves: Floats = np.sqrt(self.squares) / 2.0
+        self.normals: Floats = np.stack((self.vectors[:, 1], -self.vectors[:, 0]), axis=1)
+
+    def may_face(self, directions: Floats) -> NDArray[np.bool_]:
+        """Whether any edge may face points with these outward directions: the one most against them, shape (n,)."""
+        angles = np.sort(np.arctan2(self.normals[:, 1], self.normals[:, 0]))
+        against = np.arctan2(-directions[:, 1], -directions[:, 0])
+        place = np.searchsorted(angles, against)
+        neighbours = np.stack((angles[place - 1], angles[place % len(angles)]))
+        may: NDArray[np.bool_] = (np.cos(neighbours - against) > -1e-9).any(axis=0)
+        return may
+
+
+class _Best:
+    """Nearest facing edge of each point so far."""
+
+    def __init__(self, n_points: int) -> None:
+        self.edges: Ints = np.full(n_points, -1, dtype=np.int64)
+        self.distances: Floats = np.full(n_points, np.inf)
+        self._squares: Floats = np.full(n_points, np.inf)
+
+    def measure(self, points: Floats, directions: Floats, chords: _Chords, of: Ints, edges: Ints) -> None:
+        """Take into account edges of points ``of``, one pair an entry; ``of`` rises."""
+        normals, ahead = chords.normals[edges], directions[of]
+        facing = ahead[:, 0] * normals[:, 0] + ahead[:, 1] * normals[:, 1] < 0.0
+        of, edges = of[facing], edges[facing]
+        if len(of) == 0:
+            return
+        squares = _squared_distances(points[of], chords, edges)
+        order = np.lexsort((edges, squares, of))
+        of, edges, squares = of[order], edges[order], squares[order]
+        first = np.concatenate(([True], of[1:] != of[:-1]))
+        of, edges, squares = of[first], edges[first], squares[first]
+        better = (squares < self._squares[of]) | ((squares == self._squares[of]) & (edges < self.edges[of]))
+        of = of[better]
+        self.edges[of], self._squares[of] = edges[better], squares[better]
+        self.distances[of] = np.sqrt(squares[better])
+
+
+def _squared_distances(points: Floats, chords: _Chords, edges: Ints) -> Floats:
+    """Squared distance of each point to the chord of its edge, shape (n,)."""
+    apart, vectors = points - chords.starts[edges], chords.vectors[edges]
+    along = (apart[:, 0] * vectors[:, 0] + apart[:, 1] * vectors[:, 1]) / chords.squares[edges]
+    rest = apart - np.clip(along, 0.0, 1.0)[:, None] * vectors
+    squares: Floats = rest[:, 0] ** 2 + rest[:, 1] ** 2
+    return squares
+
+
+def _boxes(edges: Floats) -> tuple[Floats, Floats]:
+    """Middles and half sides of the edges' bounding boxes, each (n, 2)."""
+    low, high = edges.min(axis=1), edges.max(axis=1)
+    return (low + high) / 2.0, (high - low) / 2.0
+
+
+def _size_classes(sizes: Floats, least: float) -> list[Ints]:
+    """Numbers of things of like size, from small to large; those below ``least`` are one class."""
+    if len(sizes) == 0:
+        return []
+    smallest = max(least, 1e-9 * float(sizes.max()), np.finfo(np.float64).tiny)
+    levels = np.floor(np.log(np.maximum(sizes, smallest) / smallest) / np.log(CLASS_FACTOR)).astype(np.int64)
+    return [np.flatnonzero(levels == level) for level in np.unique(levels)]
+
+
+def _chunks(numbers: Ints, width: int) -> Iterator[Ints]:
+    size = max(1, PAIRS_PER_CHUNK // width)
+    for first in range(0, len(numbers), size):
+        yield numbers[first : first + size]

@@ -18,29 +18,28 @@ def _coefficients(order: int) -> Floats:
     return np.asarray(np.linalg.inv(values), dtype=np.float64)
 
 
-def shape_functions(order: int, xi: Floats) -> tuple[Floats, Floats, Floats]:
-    """Values and first and second derivatives at parameters.
+def shape_functions(order: int, xi: Floats, highest: int = 2) -> tuple[Floats, ...]:
+    """Values and derivatives at parameters.
 
     Parameters
     ----------
     order
         Polynomial degree of the edge.
     xi
-        Parameters along the edge, 0 at its start and 1 at its end, shape (n,).
+        Parameters along the edge, 0 at its start and 1 at its end, any shape.
+    highest
+        Highest derivative.
 
     Returns
     -------
     tuple of Floats
-        Three arrays of shape (n, order + 1), nodes in the direction of the edge (seed 3.122 and 3.131 with its
-        middle node in the middle).
+        ``highest + 1`` arrays of shape (*xi.shape, order + 1), nodes in the direction of the edge (seed 3.122 and 3.131
+        with its middle node in the middle).
 
     """
-    value = _coefficients(order)
-    power = np.arange(1.0, order + 1.0)[:, None]
-    first = power * value[1:]
-    second = power[:-1] * first[1:]
-    return _series(value, xi), _series(first, xi), _series(second, xi)
-
-
-def _series(coefficients: Floats, xi: Floats) -> Floats:
-    return xi[:, None] ** np.arange(len(coefficients)) @ coefficients
+    coefficients = _coefficients(order)
+    results = []
+    for _ in range(highest + 1):
+        results.append(xi[..., None] ** np.arange(len(coefficients)) @ coefficients)
+        coefficients = np.arange(1.0, len(coefficients))[:, None] * coefficients[1:]
+    return tuple(results)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
+from flangeway.mesh.chains import chain_starts, ordered_pairs
 from flangeway.problems import Part
 
 Floats = NDArray[np.float64]
@@ -23,7 +24,13 @@ class Surface:
     part
         The part.
     edges
-        Pairs of the mesh's points, one edge after the other with the body on the left, shape (n_edges, 2).
+        Pairs of the mesh's points, shape (n_edges, 2): boundary edges that make one chain, in any order and either
+        direction. They are stored one after the other with the body on the left.
+
+    Raises
+    ------
+    InputError
+        If a pair is not an edge of the mesh's boundary, is given twice, or the edges are not one chain.
 
     """
 
@@ -31,20 +38,46 @@ class Surface:
     edges: Ints
 
     def __post_init__(self) -> None:
-        edges = self.edges
-        if edges.ndim != 2 or edges.shape[1:] != (2,) or len(edges) == 0:
+        edges = np.asarray(self.edges)
+        if edges.ndim != 2 or edges.shape[1:] != (2,) or len(edges) == 0 or edges.dtype.kind not in "iu":
             raise InputError(
-                f"a contact surface of {self.part.name!r} with edges of shape {edges.shape}",
-                "a chain of at least one edge, shape (n_edges, 2)",
+                f"{self._name} with edges of shape {edges.shape} and type {edges.dtype}",
+                "a chain of at least one edge, pairs of point numbers, shape (n_edges, 2)",
                 "take the edges from mesh.edge_sets",
             )
-        if not (edges[:-1, 1] == edges[1:, 0]).all():
-            place = int(np.flatnonzero(edges[:-1, 1] != edges[1:, 0])[0])
+        chain = ordered_pairs(self._on_the_left(edges), self._name)
+        starts = chain_starts(chain)
+        if len(starts) > 1:
+            places = ", ".join(f"({x:g}, {y:g})" for x, y in self.part.body.mesh.points[chain[starts[:4], 0]])
             raise InputError(
-                f"a contact surface of {self.part.name!r} that is interrupted after its edge {place}",
-                "one chain of edges",
+                f"{self._name} of {len(starts)} chains, which start at {places}",
+                "one chain of edges that follow each other",
                 "make one contact for each chain",
             )
+        chain = chain.astype(np.int32)
+        chain.setflags(write=False)
+        object.__setattr__(self, "edges", chain)
+
+    @property
+    def _name(self) -> str:
+        return f"contact surface of {self.part.name!r}"
+
+    def _on_the_left(self, edges: NDArray[np.integer]) -> NDArray[np.int32]:
+        """Edges turned so that the body is on their left."""
+        mesh = self.part.body.mesh
+        numbers, outer = mesh.edge_numbers(edges), mesh.boundary_edges
+        keys = mesh.edge_numbers(outer)
+        order = np.argsort(keys)
+        places = order[np.minimum(np.searchsorted(keys, numbers, sorter=order), len(order) - 1)]
+        inner = keys[places] != numbers
+        if inner.any():
+            a, b = edges[inner.argmax()]
+            raise InputError(
+                f"{self._name} with the edge ({a}, {b}) near {mesh.points[a]}, which is inside the body",
+                "edges of the boundary",
+                "choose among mesh.boundary_edges",
+            )
+        return outer[places]
 
     @cached_property
     def edge_nodes(self) -> Ints:
@@ -67,10 +100,16 @@ class Surface:
         return places % len(self.nodes)
 
     @cached_property
+    def edge_lengths(self) -> Floats:
+        """Undeformed lengths of the edges, shape (n_edges,)."""
+        points = self.part.body.mesh.points
+        lengths: Floats = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
+        return lengths
+
+    @cached_property
     def tributary_lengths(self) -> Floats:
         """Length of surface that belongs to each node: weights of its edges, shape (n_nodes,)."""
-        points = self.part.body.mesh.points
-        lengths = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
+        lengths = self.edge_lengths
         weights = gauss_lobatto(self.edge_nodes.shape[1])[1]
         total = np.zeros(len(self.nodes))
         np.add.at(total, self.edge_places, lengths[:, None] * weights)

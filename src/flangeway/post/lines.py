@@ -12,7 +12,7 @@ from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.post.location import OUTSIDE, locate
 from flangeway.post.stress import Stresses
-from flangeway.solve import ElasticitySolution
+from flangeway.problems import ElasticField
 from flangeway.space import CellBatch
 
 Floats = NDArray[np.float64]
@@ -62,7 +62,7 @@ class CutForce:
     length: float
 
 
-def stresses_at(solution: ElasticitySolution, points: ArrayLike) -> Stresses:
+def stresses_at(solution: ElasticField, points: ArrayLike) -> Stresses:
     """Stresses at points (n, 2) inside the body, each from the cell that it lies in.
 
     Raises
@@ -75,7 +75,7 @@ def stresses_at(solution: ElasticitySolution, points: ArrayLike) -> Stresses:
     return Stresses(_at(solution, given, _cells_of(solution, given), _stress_polynomials(solution), 4))
 
 
-def displacements_at(solution: ElasticitySolution, points: ArrayLike) -> Floats:
+def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
     """Displacements (n, 2) at points (n, 2) inside the body, from the projection of each cell.
 
     Raises
@@ -94,7 +94,7 @@ def displacements_at(solution: ElasticitySolution, points: ArrayLike) -> Floats:
     return _at(solution, given, _cells_of(solution, given), polynomials, 2)
 
 
-def stresses_along(solution: ElasticitySolution, start: Point, end: Point, n_points: int = 101) -> StressLine:
+def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: int = 101) -> StressLine:
     """Stresses at equally spaced points of a line, both ends included.
 
     Raises
@@ -117,7 +117,7 @@ def stresses_along(solution: ElasticitySolution, start: Point, end: Point, n_poi
     return StressLine(points, share * float(np.linalg.norm(along)), Stresses(components))
 
 
-def force_through_cut(solution: ElasticitySolution, start: Point, end: Point) -> CutForce:
+def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutForce:
     """Integrate the stresses on the parts of a straight line that are inside the body, cell by cell, exactly.
 
     Raises
@@ -159,7 +159,7 @@ def _no_body(what: str, start: Point, end: Point) -> InputError:
     return InputError(f"{what} from {tuple(start)} to {tuple(end)}", "one that crosses the body", "move its ends")
 
 
-def _crossings(solution: ElasticitySolution, first: Floats, along: Floats) -> Floats:
+def _crossings(solution: ElasticField, first: Floats, along: Floats) -> Floats:
     """Shares of the line at its ends and where it meets edges, rising."""
     mesh = solution.problem.space.mesh
     a, b = (mesh.points[mesh.edges[:, side]] - first for side in (0, 1))
@@ -174,7 +174,7 @@ def _crossings(solution: ElasticitySolution, first: Floats, along: Floats) -> Fl
     return shares[kept]
 
 
-def _cells_of(solution: ElasticitySolution, points: Floats) -> Ints:
+def _cells_of(solution: ElasticField, points: Floats) -> Ints:
     cells = locate(solution.problem.space.mesh, points)
     if (cells == OUTSIDE).any():
         x, y = points[np.argmax(cells == OUTSIDE)]
@@ -184,13 +184,11 @@ def _cells_of(solution: ElasticitySolution, points: Floats) -> Ints:
     return cells
 
 
-def _stress_polynomials(solution: ElasticitySolution) -> Polynomials:
+def _stress_polynomials(solution: ElasticField) -> Polynomials:
     return lambda batch: solution.problem.cell_stresses(batch, solution.displacements)
 
 
-def _at(
-    solution: ElasticitySolution, points: Floats, cells: Ints, polynomials: Polynomials, n_components: int
-) -> Floats:
+def _at(solution: ElasticField, points: Floats, cells: Ints, polynomials: Polynomials, n_components: int) -> Floats:
     """Values (n, n_components) of polynomials at points (n, 2) of cells (n,)."""
     values = np.empty((len(points), n_components))
     place = np.full(solution.problem.space.mesh.n_cells, -1, dtype=np.int64)

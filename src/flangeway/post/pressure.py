@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem
-from flangeway.contact.node_to_segment import NodePairs
-from flangeway.contact.shape import shape_functions
+from flangeway.contact.pairs import Pairs
 from flangeway.solve import ContactState
 
 Floats = NDArray[np.float64]
@@ -28,13 +27,14 @@ class PressurePatch:
     along
         Length along the surface from the centre of pressure, shape (n,).
     forces
-        Forces on the secondary nodes, shape (n, 2).
+        Resultants of the loaded nodes' contact on the secondary side, shape (n, 2).
     normal_forces
         Contact forces of the nodes, shape (n,).
     pressures
-        Contact forces over the nodes' tributary areas (seed Figure 63), shape (n,).
+        Contact forces over the nodes' areas: for node-to-segment by influence width (seed Figure 63), for
+        segment-to-segment the values of the integrated field, shape (n,).
     width
-        Sum of the nodes' tributary lengths.
+        Sum of the lengths that belong to the nodes.
     secondary_point, primary_point
         Centres of pressure on the undeformed bodies, in their own frames, shape (2,).
     at_edge
@@ -106,12 +106,12 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
 def _patch(
     number: int,
     contact: Contact,
-    pairs: NodePairs,
+    pairs: Pairs,
     points: Floats,
     forces: Floats,
     group: NDArray[np.int64],
 ) -> PressurePatch:
-    """Patch of the pairs in ``group``, which are sorted along the surface at ``points``."""
+    """Patch of the constraints in ``group``, which are sorted along the surface at ``points``."""
     nodes, force = pairs.nodes[group], forces[group]
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     along = np.concatenate(([0.0], np.cumsum(steps)))[nodes]
@@ -119,21 +119,28 @@ def _patch(
 
     secondary, primary = contact.secondary, contact.primary
     on_secondary = secondary.part.body.space.nodes[secondary.nodes[nodes]]
-    edges = primary.part.body.space.nodes[primary.edge_nodes[pairs.edges[group]]]
-    shapes = shape_functions(edges.shape[1] - 1, pairs.kinematics.parameters[group])[0]
-    on_primary = np.einsum("na,nai->ni", shapes, edges)
+    on_primary = pairs.opposite_points(primary.part.body.space.nodes[primary.edge_nodes])[group]
+    touched = np.isin(pairs.rows, group).any(axis=1)
     return PressurePatch(
         number,
         points[nodes],
         along - share @ along,
-        force[:, None] * pairs.kinematics.normals[group],
+        force[:, None] * _directions(pairs)[group],
         force,
-        force / contact.node_areas[nodes],
-        float(secondary.tributary_lengths[nodes[0] : nodes[-1] + 1].sum()),
+        force / pairs.areas[group],
+        float(contact.node_areas[nodes[0] : nodes[-1] + 1].sum()) / secondary.part.body.thickness,
         share @ on_secondary,
         share @ on_primary,
-        _reaches_end(nodes, len(points)) or _reaches_end(pairs.edges[group], len(primary.edges)),
+        _reaches_end(nodes, len(points)) or _reaches_end(pairs.primary_edges[touched], len(primary.edges)),
     )
+
+
+def _directions(pairs: Pairs) -> Floats:
+    """Resultant on the secondary side of a unit force of each constraint, shape (m, 2)."""
+    on_secondary = pairs.gradients[:, :, : pairs.secondary_members.shape[1]].sum(axis=2)
+    directions = np.zeros((len(pairs.keys), 2))
+    np.add.at(directions, pairs.rows, on_secondary)
+    return directions
 
 
 def _reaches_end(members: NDArray[np.int64], n_all: int) -> bool:

@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.elements import monomials
 from flangeway.mesh import PolyMesh
-from flangeway.problems import Elasticity
-from flangeway.solve import ElasticitySolution
+from flangeway.problems import ElasticField, Elasticity
 
 Floats = NDArray[np.float64]
 
@@ -88,7 +87,7 @@ def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
     return Stresses(components)
 
 
-def nodal_stresses(solution: ElasticitySolution) -> Stresses:
+def nodal_stresses(solution: ElasticField) -> Stresses:
     """Stresses at the mesh's points, averaged over the cells there with their areas as weights.
 
     Averages hide jumps between cells, which tell how good a mesh is, and between materials, which are real; prefer

@@ -2,6 +2,7 @@
 
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity import Elasticity
+from flangeway.problems.field import ElasticField
 from flangeway.problems.loads import BodyForce, Gravity, Load, PointForce, Pressure, TemperatureChange, Traction
 from flangeway.problems.part import Part
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, fixed
@@ -10,6 +11,7 @@ from flangeway.problems.torsion import Torsion
 __all__ = [
     "Body",
     "BodyForce",
+    "ElasticField",
     "Elasticity",
     "Gravity",
     "Load",

@@ -1,8 +1,9 @@
-"""A linear elastic body that is held along a named part of its boundary."""
+"""A linear elastic body that is held along named parts of its boundary."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal, get_args
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,8 @@ from flangeway.problems.elasticity import Elasticity
 from flangeway.space import CondensedMatrix, Space, SymmetricMatrix
 
 Floats = NDArray[np.float64]
+Point = tuple[float, float]
+Components = Literal["x", "y", "xy"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,30 +34,32 @@ class Body:
     mesh
         Mesh in the body's frame.
     element
-        Element of all cells.
+        Element of all cells, or of each named cell set, which must then cover the mesh once.
     material
         Material of all cells, or of each named cell set, in plane strain or plane stress.
     held
-        Name of the mesh's edge set that stays rigid with the frame.
+        Name of the mesh's edge set that stays rigid with the frame; or edge sets, and points of the mesh ``(x, y)``,
+        with the components that do not move in the frame's axes, ``"x"``, ``"y"`` or ``"xy"``. What is held in one
+        component slides along the other, as on a line of symmetry or a greased plate.
     thickness
         Length out of the plane.
+
+    Raises
+    ------
+    InputError
+        If nothing is held, a name, point or component is unknown, or the material is axisymmetric.
 
     """
 
     name: str
     mesh: PolyMesh
-    element: Element
+    element: Element | Mapping[str, Element]
     material: Material | Mapping[str, Material]
-    held: str
+    held: str | Mapping[str | Point, Components]
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
-        if self.held not in self.mesh.edge_sets or len(self.mesh.edge_sets[self.held]) == 0:
-            raise InputError(
-                f"Body {self.name!r} held along {self.held!r}",
-                f"one of its mesh's edge sets: {', '.join(sorted(self.mesh.edge_sets))}",
-                "name the edges with mesh.with_edge_set",
-            )
+        self._check_held()
         materials = self.material.values() if isinstance(self.material, Mapping) else (self.material,)
         if any(material.hypothesis == "axisymmetric" for material in materials):
             raise InputError(
@@ -62,6 +67,28 @@ class Body:
                 "plane strain or plane stress: contact is per thickness",
                 "take Elasticity for a body of revolution without contact",
             )
+
+    def _check_held(self) -> None:
+        if not self.supports:
+            raise InputError(f"Body {self.name!r} held={self.held!r}", "at least one edge set", "name what is held")
+        for where, components in self.supports.items():
+            if components not in get_args(Components):
+                raise InputError(
+                    f"Body {self.name!r} held along {where!r} in {components!r}",
+                    "'x', 'y' or 'xy'",
+                    "choose one of them",
+                )
+            if isinstance(where, str) and len(self.mesh.edge_sets.get(where, ())) == 0:
+                raise InputError(
+                    f"Body {self.name!r} held along {where!r}",
+                    f"one of its mesh's edge sets: {', '.join(sorted(self.mesh.edge_sets))}",
+                    "name the edges with mesh.with_edge_set",
+                )
+
+    @property
+    def supports(self) -> Mapping[str | Point, Components]:
+        """Components held along each edge set and at each point."""
+        return {self.held: "xy"} if isinstance(self.held, str) else self.held
 
     @cached_property
     def elasticity(self) -> Elasticity:
@@ -76,9 +103,14 @@ class Body:
     @cached_property
     def free(self) -> NDArray[np.bool_]:
         """Which unknowns at nodes are free to move in the body's frame, shape (2 n_nodes,)."""
-        nodes = self.space.edge_nodes(self.mesh.edge_sets[self.held])
         free = np.ones((self.space.n_nodes, 2), dtype=np.bool_)
-        free[nodes.ravel()] = False
+        for where, components in self.supports.items():
+            if isinstance(where, str):
+                nodes = self.space.edge_nodes(self.mesh.edge_sets[where]).ravel()
+            else:
+                nodes = np.array([self.elasticity.node_at(where)], dtype=np.int32)
+            for component in components:
+                free[nodes, "xy".index(component)] = False
         return free.ravel()
 
     @cached_property
@@ -102,13 +134,22 @@ class Body:
         return (np.flatnonzero(self.free) // 2).astype(np.int32)
 
     def free_numbers(self, nodes: NDArray[np.integer]) -> NDArray[np.int32]:
-        """Numbers among the free unknowns of nodes' components, shape (2 n_nodes,)."""
-        dofs = (2 * np.asarray(nodes)[:, None] + np.arange(2)).ravel()
-        if not self.free[dofs].all():
+        """Numbers among the free unknowns of nodes' components, -1 for one that is held, shape (2 n_nodes,).
+
+        Raises
+        ------
+        InputError
+            If both components of a node are held: nothing could answer to a contact there.
+
+        """
+        free = self.free.reshape(-1, 2)
+        fixed = ~free[nodes].any(axis=1)
+        if fixed.any():
+            x, y = self.space.nodes[nodes[fixed.argmax()]]
             raise InputError(
-                f"body {self.name!r}: a contact surface that touches the held edges {self.held!r}",
+                f"body {self.name!r}: a contact surface that touches the held edges {self.held!r} at ({x:g}, {y:g})",
                 "surfaces apart from them",
                 "shorten the surface or hold the body elsewhere",
             )
-        numbers = np.cumsum(self.free) - 1
-        return numbers[dofs].astype(np.int32)
+        numbers = np.where(free, (np.cumsum(free) - 1).reshape(-1, 2), -1)
+        return numbers[nodes].ravel().astype(np.int32)

@@ -15,7 +15,7 @@ from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.kernel import cell_centres, kernel_centre, star_parts
 from flangeway.post import Stresses
-from flangeway.solve import ElasticitySolution
+from flangeway.problems import ElasticField
 from flangeway.space import CellBatch, Space
 
 Floats = NDArray[np.float64]
@@ -263,7 +263,7 @@ def _ring_triangles(n: int, pieces: int) -> Ints:
     return np.array(rows, dtype=np.int64)
 
 
-def displayed_stresses(solution: ElasticitySolution, shown: Display) -> Stresses:
+def displayed_stresses(solution: ElasticField, shown: Display) -> Stresses:
     """Stresses at the points of a display, each from its own cell."""
 
     def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:

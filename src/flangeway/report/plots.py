@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
+from flangeway.problems import ElasticField
 from flangeway.report.display import Display, display, displayed_stresses, edge_weights
 from flangeway.report.drawing import GREY, INK, boundary_loops, new_figure
-from flangeway.solve import ElasticitySolution
 from flangeway.space import Space
 
 Floats = NDArray[np.float64]
@@ -128,7 +128,7 @@ def plot_function(
 
 
 def plot_displacement(
-    solution: ElasticitySolution,
+    solution: ElasticField,
     component: Component = "magnitude",
     axes: Axes | None = None,
     *,
@@ -167,7 +167,7 @@ def plot_displacement(
 
 
 def plot_stress(
-    solution: ElasticitySolution,
+    solution: ElasticField,
     quantity: Quantity = "von_mises",
     axes: Axes | None = None,
     *,
@@ -213,7 +213,7 @@ def plot_stress(
 
 
 def plot_deformed(
-    solution: ElasticitySolution,
+    solution: ElasticField,
     axes: Axes | None = None,
     *,
     factor: Factor = "auto",
@@ -304,7 +304,7 @@ def _fill(
 
 
 def _drawn(
-    solution: ElasticitySolution,
+    solution: ElasticField,
     shown: Display,
     values: Floats,
     label: str,
@@ -331,7 +331,7 @@ def _drawn(
     return axes
 
 
-def _factor(solution: ElasticitySolution, factor: Factor) -> float:
+def _factor(solution: ElasticField, factor: Factor) -> float:
     if factor != "auto":
         if not np.isfinite(factor):
             raise InputError(f"factor = {factor}", "a finite number or 'auto'", "leave it out")
@@ -344,7 +344,7 @@ def _factor(solution: ElasticitySolution, factor: Factor) -> float:
     return float(power * max(digit for digit in (1, 2, 5) if digit * power <= wanted * (1.0 + 1e-9)))
 
 
-def _moved_edges(solution: ElasticitySolution, scale: float) -> Floats:
+def _moved_edges(solution: ElasticField, scale: float) -> Floats:
     """Lines (n_edges, n, 2) along the edges, with as many pieces as their order needs."""
     space = solution.problem.space
     order = space.order

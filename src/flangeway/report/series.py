@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, write_vtu
 from flangeway.post import Stresses, corner_stresses
+from flangeway.problems import ElasticField
 from flangeway.report.display import display, displayed_stresses
-from flangeway.solve import ElasticitySolution
 
 STRESS_NAMES = ("xx", "yy", "xy", "zz")
 
@@ -47,7 +47,7 @@ class Frame:
 
 
 def solution_frame(
-    solution: ElasticitySolution,
+    solution: ElasticField,
     time: float = 0.0,
     *,
     pieces: int | None = None,

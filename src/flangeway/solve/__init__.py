@@ -3,14 +3,8 @@
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes
 from flangeway.solve.condensed import CondensedBodies
 from flangeway.solve.elasticity import ElasticitySolution, solve_elasticity
-from flangeway.solve.newton import (
-    Constraints,
-    ContactState,
-    Iteration,
-    Linearisation,
-    NewtonSettings,
-    solve_contact,
-)
+from flangeway.solve.linearisation import Constraints, Linearisation
+from flangeway.solve.newton import ContactState, Iteration, NewtonSettings, solve_contact
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Status
 from flangeway.solve.steps import StepSettings, follow

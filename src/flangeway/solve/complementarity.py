@@ -1,8 +1,10 @@
 """Linear complementarity: ``s = M p + q``, ``p >= 0``, ``s >= 0``, ``p . s = 0``."""
 
+import warnings
+
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, cho_factor, solve_triangular
+from scipy.linalg import LinAlgError, LinAlgWarning, cho_factor, lstsq, solve_triangular
 from scipy.linalg import solve as solve_dense
 
 Floats = NDArray[np.float64]
@@ -36,13 +38,23 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
     for _ in range(MAX_CHANGES):
         pressure = np.zeros(len(offset))
         if active.any():
-            pressure[active] = solve_dense(matrix[np.ix_(active, active)], -offset[active], assume_a="sym")
+            pressure[active] = _equations(matrix[np.ix_(active, active)], -offset[active])
         slack = matrix @ pressure + offset
         changed = np.where(active, pressure > 0.0, slack < 0.0)
         if (changed == active).all():
             return pressure
         active = changed
     return _least_squares(matrix, offset)
+
+
+def _equations(matrix: Floats, right: Floats) -> Floats:
+    """Solution of symmetric equations, the least one where constraints repeat each other."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error", LinAlgWarning)
+        try:
+            return np.asarray(solve_dense(matrix, right, assume_a="sym"))
+        except (LinAlgError, LinAlgWarning):
+            return np.asarray(lstsq(matrix, right)[0])
 
 
 def _least_squares(matrix: Floats, offset: Floats) -> Floats | None:

@@ -32,15 +32,17 @@ class CondensedBody:
     def __init__(self, surface: SurfaceNodes) -> None:
         body = surface.body
         self.body = body
-        self._trailing = body.free_numbers(surface.nodes)
-        self._factor = factorise(body, self._trailing)
+        numbers = body.free_numbers(surface.nodes)
+        self._loose = np.flatnonzero(numbers >= 0)
+        self._factor = factorise(body, numbers[self._loose])
         factor = cho_factor(self._factor.schur(), lower=True)
-        inverse = cho_solve(factor, np.eye(len(self._trailing)))
-        self.flexibility: Floats = (inverse + inverse.T) / 2.0
+        inverse = cho_solve(factor, np.eye(len(self._loose)))
+        self.flexibility: Floats = np.zeros((len(numbers), len(numbers)))
+        self.flexibility[np.ix_(self._loose, self._loose)] = (inverse + inverse.T) / 2.0
 
     def field(self, forces: Floats) -> Floats:
         """Displacements (n_dofs, 2) of all nodes under forces (n, 2) on the surface nodes, body's axes."""
-        at_surface = self.flexibility @ forces.ravel()
+        at_surface = (self.flexibility @ forces.ravel())[self._loose]
         return self.body.field(self._factor.recover(at_surface, np.zeros(self._factor.n)))
 
 

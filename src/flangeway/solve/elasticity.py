@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, NotPositiveDefiniteError
 from flangeway.errors import InputError
-from flangeway.problems import Elasticity, RigidHandle, Spring
+from flangeway.problems import ElasticField, Elasticity, RigidHandle, Spring
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.supports import axes
 from flangeway.solve.constraints import Constraints, find_constraints
@@ -23,15 +23,13 @@ SMALL_RESIDUAL = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticitySolution:
+class ElasticitySolution(ElasticField):
     """Displacements of an elastic body in equilibrium.
 
     Parameters
     ----------
-    problem
-        The problem.
-    displacements
-        All unknowns, shape (n_dofs, 2); the first ``space.n_nodes`` are those at ``space.nodes``.
+    problem, displacements
+        See `flangeway.problems.ElasticField`.
     status
         How the computation ended.
     nodal_reactions
@@ -52,8 +50,6 @@ class ElasticitySolution:
 
     """
 
-    problem: Elasticity
-    displacements: Floats
     status: Status
     nodal_reactions: Floats
     spring_forces: Floats

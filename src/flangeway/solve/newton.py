@@ -8,10 +8,12 @@ the geometric stiffness ``G = -sum p d2g`` of the *current* forces,
 
 where ``B = dg/du`` and C is the compliance of the contact law (0: no penetration; 1/penalty: seed 2.66 with the sign of
 the errata). Once the active set has settled this is Newton's method with the consistent tangent (seed 3.118).
+
+Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead, and the forces p0
+are corrected to those found until it is (Uzawa's method).
 """
 
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
@@ -21,48 +23,18 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity
 from flangeway.solve.bodies import BodyResponse
+from flangeway.solve.linearisation import Constraints, Linearisation
 from flangeway.solve.status import Status
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-class Linearisation(Protocol):
-    """Gaps about some positions, to second order."""
+SETTLE_AFTER = 8
+"""Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
-    @property
-    def nodes(self) -> Ints:
-        """Surface nodes on which any gap depends, shape (n_touched,)."""
-
-    @property
-    def keys(self) -> Ints:
-        """Identity of each constraint from one linearisation to the next, shape (m,)."""
-
-    @property
-    def partners(self) -> Ints:
-        """What each constraint is against, shape (m,); a change starts a new linear piece."""
-
-    @property
-    def gaps(self) -> Floats:
-        """Gaps, open where positive, shape (m,)."""
-
-    @property
-    def jacobian(self) -> sp.csr_array:
-        """Derivatives of the gaps, shape (m, 2 n_touched)."""
-
-    @property
-    def compliances(self) -> Floats:
-        """Penetration for each force, shape (m,)."""
-
-    def curvature(self, forces: Floats) -> Floats:
-        """Sum of ``force * second derivative of the gap``, shape (2 n_touched, 2 n_touched)."""
-
-
-class Constraints(Protocol):
-    """Inequalities ``gap >= 0`` on the positions of surface nodes."""
-
-    def linearise(self, positions: Floats, previous: "Linearisation | None") -> Linearisation:
-        """Linearise about positions (n_nodes, 2); pairs of ``previous`` are kept where they can be."""
+NAMED = 3
+"""How many constraints a message names."""
 
 
 @dataclass(frozen=True)
@@ -72,7 +44,9 @@ class NewtonSettings:
     Parameters
     ----------
     max_iterations
-        Iterations before giving up.
+        Iterations before giving up; each correction of the forces has as many.
+    max_corrections
+        Corrections of the forces before giving up.
     tolerance
         Largest change of a displacement and largest violation of the contact law, both relative to the largest
         displacement.
@@ -80,25 +54,43 @@ class NewtonSettings:
     """
 
     max_iterations: int = 40
+    max_corrections: int = 50
     tolerance: float = 1e-11
 
     def __post_init__(self) -> None:
-        if self.max_iterations < 1 or not 0.0 < self.tolerance < 1.0:
+        if min(self.max_iterations, self.max_corrections) < 1 or not 0.0 < self.tolerance < 1.0:
             raise InputError(
-                f"NewtonSettings(max_iterations={self.max_iterations}, tolerance={self.tolerance})",
-                "at least one iteration and a tolerance between 0 and 1",
+                f"NewtonSettings(max_iterations={self.max_iterations}, max_corrections={self.max_corrections}, "
+                f"tolerance={self.tolerance})",
+                "at least one iteration and one correction, and a tolerance between 0 and 1",
                 "leave them out",
             )
 
 
 @dataclass(frozen=True)
 class Iteration:
-    """What one iteration did: the largest change of a displacement, the error, and the active set."""
+    """What one iteration did.
+
+    Parameters
+    ----------
+    change
+        Largest change of a displacement over the largest displacement.
+    residual
+        Largest imbalance over the total force, or violation of the contact law over the largest displacement.
+    n_active
+        Number of constraints under force.
+    changed
+        Keys of the constraints that came under force, left it, or changed their partner.
+    correction
+        Number of corrections of the forces before it.
+
+    """
 
     change: float
     residual: float
     n_active: int
-    n_changed: int
+    changed: tuple[int, ...]
+    correction: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,74 +157,137 @@ def solve_contact(
         Its status says whether it converged.
 
     """
-    settings = settings or NewtonSettings()
-    rotations = response.rotations(placements)
-    reference = response.reference(placements)
-    displacements = np.zeros_like(reference)
-    previous: Linearisation | None = None
-    forces = np.zeros(0)
-    if start is not None:
-        previous, forces = start.linearisation, start.forces
-        everywhere = np.arange(response.n_nodes)
-        displacements = response.displacements(rotations, everywhere, start.nodal_forces)
-    current = constraints.linearise(reference + displacements, previous)
-    forces = _carried(previous, forces, current)
-    history: list[Iteration] = []
-    for _ in range(settings.max_iterations):
-        step = _step(response, rotations, displacements, current, forces)
-        if step is None:
-            return _result(
-                "the linear complementarity problem has no solution: the tangent is not positive "
-                "definite; take smaller steps, a finer mesh or a softer penalty",
-                False, placements, reference, displacements, current, forces, history,
-            )  # fmt: skip
-        moved, new_forces, applied = step
-        after = constraints.linearise(reference + moved, current)
-        carried = _carried(current, new_forces, after)
-        scale = max(float(np.abs(moved).max(initial=0.0)), 1e-300)
-        change = float(np.abs(moved - displacements).max(initial=0.0))
-        residual = _residual(after, carried, applied, scale)
-        n_changed = _n_changed(current, forces, after, carried)
-        history.append(Iteration(change / scale, residual, int((carried > 0).sum()), n_changed))
-        displacements, current, forces = moved, after, carried
-        floor = 64.0 * np.finfo(float).eps * float(np.abs(reference).max()) / scale
-        tolerance = max(settings.tolerance, floor)
-        if n_changed == 0 and max(change / scale, residual) <= tolerance:
-            message = f"converged in {len(history)} iterations"
-            return _result(message, True, placements, reference, displacements, current, forces, history)
-    return _result(
-        _explain(history, settings), False,
-        placements, reference, displacements, current, forces, history,
-    )  # fmt: skip
+    run = _Run(response, constraints, placements, settings or NewtonSettings(), start)
+    for correction in range(run.settings.max_corrections + 1):
+        failure = run.iterate(correction)
+        if failure is not None:
+            return run.result(failure, converged=False)
+        if run.penetration_is_tolerated():
+            more = f" and {correction} corrections of the forces" if correction else ""
+            return run.result(f"converged in {len(run.history)} iterations{more}", converged=True)
+        run.correct()
+    return run.result(
+        f"not converged in {run.settings.max_corrections} corrections of the forces: the penetration is "
+        f"{run.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
+        converged=False,
+    )
 
 
-def _step(
-    response: BodyResponse,
-    rotations: Floats,
-    displacements: Floats,
-    current: Linearisation,
-    forces: Floats,
-) -> tuple[Floats, Floats, Floats] | None:
-    """One iteration: new displacements, new contact forces and the nodal forces that bear them."""
-    nodes, jacobian = current.nodes, current.jacobian
-    if len(nodes) == 0:
-        return np.zeros_like(displacements), forces, np.zeros_like(displacements)
-    at_nodes = displacements[nodes].ravel()
-    geometric = -current.curvature(forces)
-    loads = sp.hstack((jacobian.T, sp.csr_array((geometric @ at_nodes)[:, None])), format="csr")
-    answer = response.respond(rotations, nodes, geometric, loads)
-    at_gaps = jacobian @ answer
-    matrix = at_gaps[:, :-1] + np.diag(current.compliances)
-    offset = current.gaps - jacobian @ at_nodes + at_gaps[:, -1]
-    guess = forces > 0.0 if forces.any() else offset < 0.0
-    new_forces = complementarity.solve((matrix + matrix.T) / 2.0, offset, guess)
-    if new_forces is None:
-        return None
-    moved = answer[:, :-1] @ new_forces + answer[:, -1]
-    borne = (jacobian.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
-    applied = np.zeros_like(displacements)
-    applied[nodes] = borne
-    return response.displacements(rotations, nodes, borne), new_forces, applied
+class _Run:
+    """One call of `solve_contact`: the current state and what was done."""
+
+    def __init__(
+        self,
+        response: BodyResponse,
+        constraints: Constraints,
+        placements: tuple[Placement, ...],
+        settings: NewtonSettings,
+        start: ContactState | None,
+    ) -> None:
+        self.response, self.constraints, self.placements, self.settings = response, constraints, placements, settings
+        self.rotations = response.rotations(placements)
+        self.reference = response.reference(placements)
+        self.displacements = np.zeros_like(self.reference)
+        self.history: list[Iteration] = []
+        previous: Linearisation | None = None
+        forces = np.zeros(0)
+        if start is not None:
+            previous, forces = start.linearisation, start.forces
+            everywhere = np.arange(response.n_nodes)
+            self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
+        self.current = constraints.linearise(self.reference + self.displacements, previous)
+        self.forces = _carried(previous, forces, self.current)
+        self.correct()
+
+    def correct(self) -> None:
+        """Take the forces found as those about which a tolerated penetration gives."""
+        self.anchor = (self.current, self.forces)
+
+    def excess(self) -> float:
+        """Largest penetration, or gap under force, over the tolerated one."""
+        gaps = np.where(self.forces > 0.0, np.abs(self.current.gaps), -self.current.gaps)
+        return float((gaps / self.current.tolerances).max(initial=0.0))
+
+    def penetration_is_tolerated(self) -> bool:
+        return self.excess() <= 1.0
+
+    def iterate(self, correction: int) -> str | None:
+        """Newton's method with the forces corrected last; None if it converged, else why not."""
+        for iteration in range(self.settings.max_iterations):
+            step = self._step(bend=True) or self._step(bend=False)
+            if step is None:
+                return (
+                    "the linear complementarity problem has no solution: the tangent is not positive definite; take "
+                    "smaller steps, a finer mesh or a softer penalty"
+                )
+            moved, new_forces, applied = step
+            after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= SETTLE_AFTER)
+            carried = _carried(self.current, new_forces, after)
+            scale = max(float(np.abs(moved).max(initial=0.0)), 1e-300)
+            change = float(np.abs(moved - self.displacements).max(initial=0.0)) / scale
+            residual = _residual(after, self._gaps(after), carried, applied, scale)
+            changed = _changed(self.current, self.forces, after, carried)
+            self.history.append(Iteration(change, residual, int((carried > 0).sum()), changed, correction))
+            self.displacements, self.current, self.forces = moved, after, carried
+            floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
+            if not changed and max(change, residual) <= max(self.settings.tolerance, floor):
+                return None
+        return self._explain()
+
+    def _gaps(self, lin: Linearisation) -> Floats:
+        """Gaps less what the corrected forces press in."""
+        anchored = np.where(np.isfinite(lin.tolerances), _carried(*self.anchor, lin), 0.0)
+        return lin.gaps - lin.compliances * anchored
+
+    def _step(self, *, bend: bool) -> tuple[Floats, Floats, Floats] | None:
+        """One iteration: new displacements, new contact forces and the nodal forces that bear them.
+
+        Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
+        """
+        current, displacements = self.current, self.displacements
+        nodes, jacobian = current.nodes, current.jacobian
+        if len(nodes) == 0:
+            return np.zeros_like(displacements), self.forces, np.zeros_like(displacements)
+        at_nodes = displacements[nodes].ravel()
+        geometric = -current.curvature(self.forces) if bend else np.zeros((2 * len(nodes), 2 * len(nodes)))
+        loads = sp.hstack((jacobian.T, sp.csr_array((geometric @ at_nodes)[:, None])), format="csr")
+        answer = self.response.respond(self.rotations, nodes, geometric, loads)
+        at_gaps = jacobian @ answer
+        matrix = at_gaps[:, :-1] + np.diag(current.compliances)
+        offset = self._gaps(current) - jacobian @ at_nodes + at_gaps[:, -1]
+        guess = self.forces > 0.0 if self.forces.any() else offset < 0.0
+        new_forces = complementarity.solve((matrix + matrix.T) / 2.0, offset, guess)
+        if new_forces is None:
+            return None
+        moved = answer[:, :-1] @ new_forces + answer[:, -1]
+        borne = (jacobian.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
+        applied = np.zeros_like(displacements)
+        applied[nodes] = borne
+        return self.response.displacements(self.rotations, nodes, borne), new_forces, applied
+
+    def _explain(self) -> str:
+        last = self.history[-1]
+        advice = "take smaller steps, a softer penalty or a finer mesh"
+        if not last.changed:
+            reason = f"the displacements still change by {last.change:.1e} of the largest one"
+        else:
+            positions = self.reference + self.displacements
+            named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
+            more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
+            reason = f"contact still comes and goes at {'; '.join(named)}{more}"
+        return f"not converged in {self.settings.max_iterations} iterations: {reason}; {advice}"
+
+    def result(self, message: str, *, converged: bool) -> ContactState:
+        return ContactState(
+            Status(converged, message, len(self.history)),
+            self.placements,
+            self.displacements,
+            self.reference + self.displacements,
+            self.current,
+            self.forces,
+            _nodal(self.current, self.forces, len(self.reference)),
+            tuple(self.history),
+        )
 
 
 def _carried(before: Linearisation | None, forces: Floats, after: Linearisation) -> Floats:
@@ -254,59 +309,21 @@ def _nodal(lin: Linearisation, forces: Floats, n_nodes: int) -> Floats:
     return result
 
 
-def _residual(lin: Linearisation, forces: Floats, applied: Floats, scale: float) -> float:
+def _residual(lin: Linearisation, gaps: Floats, forces: Floats, applied: Floats, scale: float) -> float:
     """Worst of: imbalance of nodal forces over the total force; violation of the law over the displacements."""
     total = float(forces.sum())
     if total == 0.0:
-        return float(np.maximum(-lin.gaps, 0.0).max(initial=0.0)) / scale
+        return float(np.maximum(-gaps, 0.0).max(initial=0.0)) / scale
     imbalance = float(np.abs(_nodal(lin, forces, len(applied)) - applied).max()) / total
-    slack = lin.gaps + lin.compliances * forces
+    slack = gaps + lin.compliances * forces
     violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
     return max(imbalance, float(violation.max()) / scale)
 
 
-def _n_changed(before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats) -> int:
-    """How many active constraints came, went, or changed their partner."""
-    old = set(zip(before.keys[forces > 0].tolist(), before.partners[forces > 0].tolist(), strict=True))
-    new = set(
-        zip(
-            after.keys[new_forces > 0].tolist(),
-            after.partners[new_forces > 0].tolist(),
-            strict=True,
-        )
-    )
-    return len(old ^ new)
-
-
-def _explain(history: list[Iteration], settings: NewtonSettings) -> str:
-    last = history[-1]
-    if last.n_changed:
-        reason = f"{last.n_changed} contact pairs still change"
-    else:
-        reason = f"the displacements still change by {last.change:.1e} of the largest one"
-    return (
-        f"not converged in {settings.max_iterations} iterations: {reason}; "
-        "take smaller steps, a softer penalty or a finer mesh"
-    )
-
-
-def _result(
-    message: str,
-    converged: bool,
-    placements: tuple[Placement, ...],
-    reference: Floats,
-    displacements: Floats,
-    linearisation: Linearisation,
-    forces: Floats,
-    history: list[Iteration],
-) -> ContactState:
-    return ContactState(
-        Status(converged, message, len(history)),
-        placements,
-        displacements,
-        reference + displacements,
-        linearisation,
-        forces,
-        _nodal(linearisation, forces, len(reference)),
-        tuple(history),
-    )
+def _changed(before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats) -> tuple[int, ...]:
+    """Keys of active constraints that came, went, or changed their partner."""
+    pairs = []
+    for lin, values in ((before, forces), (after, new_forces)):
+        active = values > 0.0
+        pairs.append(set(zip(lin.keys[active].tolist(), lin.partners[active].tolist(), strict=True)))
+    return tuple(sorted({key for key, _ in pairs[0] ^ pairs[1]}))

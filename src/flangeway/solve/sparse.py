@@ -31,10 +31,11 @@ class SparseBodies(BodyResponse):
         sizes = [block.shape[0] for block in blocks]
         self._starts = np.concatenate(([0], np.cumsum(sizes)))
         self._stiffness = sp.csr_array(sp.block_diag(blocks, format="csr"))
-        unknowns = [
-            start + surface.body.free_numbers(surface.nodes)
-            for surface, start in zip(self.surfaces, self._starts[:-1], strict=True)
-        ]
+        unknowns = []
+        for surface, start in zip(self.surfaces, self._starts[:-1], strict=True):
+            numbers = surface.body.free_numbers(surface.nodes)
+            unknowns.append(np.where(numbers >= 0, start + numbers, -1))
+        # held components are -1: one more entry at the end of vectors, zero where it is read
         self._unknowns: Ints = np.concatenate(unknowns).astype(np.int64)
         groups, first = [], 0
         for surface in self.surfaces:
@@ -53,18 +54,20 @@ class SparseBodies(BodyResponse):
         at_nodes[touched] = forces
         turn = turning(rotations)
         solution = self._solve(turn.T @ at_nodes.ravel())
-        return (turn @ solution[self._unknowns]).reshape(-1, 2)
+        return (turn @ np.append(solution, 0.0)[self._unknowns]).reshape(-1, 2)
 
     def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
         """See `BodyResponse.respond`."""
         turn, size = turning(rotations[touched]), self.n_unknowns
         unknowns = self._unknowns[components(touched)]
         local = sp.coo_array(turn.T @ sp.csr_array(geometric) @ turn)
-        places = (unknowns[local.row], unknowns[local.col])
-        added = sp.coo_array((local.data, places), shape=(size, size))
-        rhs = np.zeros((size, loads.shape[1]))
+        rows, columns = unknowns[local.row], unknowns[local.col]
+        loose = (rows >= 0) & (columns >= 0)
+        added = sp.coo_array((local.data[loose], (rows[loose], columns[loose])), shape=(size, size))
+        rhs = np.zeros((size + 1, loads.shape[1]))
         rhs[unknowns] = (turn.T @ loads).toarray()
-        solution = self._factor(self._stiffness + added).solve(rhs)
+        solution = np.zeros_like(rhs)
+        solution[:-1] = self._factor(self._stiffness + added).solve(rhs[:-1])
         return turn @ solution[unknowns]
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
@@ -84,7 +87,7 @@ class SparseBodies(BodyResponse):
         return self._factor(self._stiffness)
 
     def _solve(self, at_nodes: Floats) -> Floats:
-        rhs = np.zeros(self.n_unknowns)
+        rhs = np.zeros(self.n_unknowns + 1)
         rhs[self._unknowns] = at_nodes
-        solution: Floats = self._undeformed.solve(rhs)
+        solution: Floats = self._undeformed.solve(rhs[:-1])
         return solution

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
+from flangeway.errors import InputError
 from flangeway.solve.newton import ContactState
 
 FEW_ITERATIONS = 8
@@ -17,13 +18,24 @@ class StepSettings:
     ----------
     first
         First step, 0 < first <= 1.
+    largest
+        Largest step; equal to ``first`` for equal steps where all converge.
     smallest
         Step below which the path is given up.
 
     """
 
     first: float = 1.0
+    largest: float = 1.0
     smallest: float = 1.0 / 1024.0
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.smallest <= self.first <= self.largest <= 1.0:
+            raise InputError(
+                f"StepSettings(first={self.first}, largest={self.largest}, smallest={self.smallest})",
+                "0 < smallest <= first <= largest <= 1",
+                "for n equal steps take first=1/n, largest=1/n",
+            )
 
 
 def follow(
@@ -54,7 +66,9 @@ def follow(
     settings = settings or StepSettings()
     state, position, size = start, 0.0, settings.first
     while True:
-        target = min(1.0, position + size)
+        target = position + size
+        if target > 1.0 - settings.smallest / 2.0:  # no sliver at the end
+            target = 1.0
         attempt = solve_at(target, state)
         if not attempt.status.converged:
             size = (target - position) / 2.0
@@ -65,6 +79,6 @@ def follow(
             return attempt
         state, position = attempt, target
         if attempt.status.iterations <= FEW_ITERATIONS:
-            size *= 2.0
+            size = min(2.0 * size, settings.largest)
         elif attempt.status.iterations > MANY_ITERATIONS:
             size /= 2.0

@@ -1,0 +1,58 @@
+"""What a pairing finds: gaps of some constraints, as sums of terms on a secondary and a primary edge or node."""
+
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Pairs(Protocol):
+    """m constraints of one contact; their gaps are sums over p terms that touch w nodes each.
+
+    The force of a constraint is the pressure times its area, its gap a length: an average over that area.
+    """
+
+    @property
+    def keys(self) -> Ints:
+        """Identity of each constraint within the contact, shape (m,)."""
+
+    @property
+    def partners(self) -> Ints:
+        """Primary edge that each constraint is against, shape (m,); -1 where it may be several."""
+
+    @property
+    def nodes(self) -> Ints:
+        """Place in the secondary surface of each constraint's node, shape (m,)."""
+
+    @property
+    def gaps(self) -> Floats:
+        """Gaps, open where positive, shape (m,)."""
+
+    @property
+    def areas(self) -> Floats:
+        """Area of each constraint, length times thickness, shape (m,)."""
+
+    @property
+    def secondary_members(self) -> Ints:
+        """Places in the secondary surface of the nodes of each term, shape (p, w_secondary)."""
+
+    @property
+    def primary_edges(self) -> Ints:
+        """Primary edge of each term, shape (p,); its nodes follow the secondary ones."""
+
+    @property
+    def rows(self) -> Ints:
+        """Constraints to which each term adds, shape (p, r)."""
+
+    @property
+    def gradients(self) -> Floats:
+        """What it adds to the derivatives of their gaps by the positions of its nodes, shape (p, r, w, 2)."""
+
+    def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
+        """Terms under load, shape (q,), and their ``sum force * second derivative``, shape (q, 2 w, 2 w)."""
+
+    def opposite_points(self, edges: Floats) -> Floats:
+        """Points that the constraints touch on primary edges with nodes ``edges`` (n_edges, order + 1, 2): (m, 2)."""

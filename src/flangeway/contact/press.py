@@ -1,0 +1,212 @@
+"""Bodies that are moved against each other: the contact problem as a user states it."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.contact.contact import Contact
+from flangeway.contact.system import ContactLinearisation, ContactSystem
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.problems import ElasticField, Part
+from flangeway.solve import (
+    BodyResponse,
+    CondensedBodies,
+    ContactState,
+    NewtonSettings,
+    SparseBodies,
+    Status,
+    StepSettings,
+    follow,
+    solve_contact,
+)
+
+Floats = NDArray[np.float64]
+
+PATHS: dict[str, Callable[..., BodyResponse]] = {"condensed": CondensedBodies, "sparse": SparseBodies}
+
+
+@dataclass(frozen=True, eq=False)
+class LoadStep:
+    """A converged step on the way.
+
+    Parameters
+    ----------
+    share
+        Share of the motion, 0 < share <= 1.
+    state
+        The solution there.
+
+    """
+
+    share: float
+    state: ContactState
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSolution:
+    """Solution of `press`.
+
+    Parameters
+    ----------
+    system
+        The contacts.
+    response
+        The bodies; give it to another `press` of the same contacts to save their condensation.
+    state
+        The final state, or the attempt that failed.
+    steps
+        Converged load steps.
+    initial_penetration
+        Largest penetration of each contact before any motion and deformation, shape (n_contacts,); 0 if it was open.
+
+    """
+
+    system: ContactSystem
+    response: BodyResponse
+    state: ContactState
+    steps: tuple[LoadStep, ...]
+    initial_penetration: Floats
+
+    @property
+    def status(self) -> Status:
+        """How the computation ended."""
+        return self.state.status
+
+    @property
+    def forces(self) -> Floats:
+        """Resultant of each contact on its secondary side, shape (n_contacts, 2)."""
+        return self.resultants[:, 0, :2]
+
+    @cached_property
+    def resultants(self) -> Floats:
+        """Force x, y and moment about the origin on each contact's secondary and primary side: (n_contacts, 2, 3)."""
+        lin = self.state.linearisation
+        assert isinstance(lin, ContactLinearisation)
+        result = np.zeros((len(self.system.contacts), 2, 3))
+        for number, (pairs, terms) in enumerate(zip(lin.pairs, lin.term_nodes, strict=True)):
+            normal = self.state.forces[lin.starts[number] : lin.starts[number + 1]]
+            at_terms = np.einsum("pr,prwi->pwi", normal[pairs.rows], pairs.gradients)
+            points = self.state.positions[lin.nodes[terms]]
+            moments = points[..., 0] * at_terms[..., 1] - points[..., 1] * at_terms[..., 0]
+            each = np.concatenate((at_terms, moments[..., None]), axis=-1)
+            width = pairs.secondary_members.shape[1]
+            result[number] = each[:, :width].sum(axis=(0, 1)), each[:, width:].sum(axis=(0, 1))
+        return result
+
+    def nodal_forces(self, part: Part) -> Floats:
+        """Contact forces on the nodes of a part in space, shape (n_nodes, 2)."""
+        number = self._number(part)
+        first, last = self.response.offsets[number : number + 2]
+        forces = np.zeros((part.body.space.n_nodes, 2))
+        forces[self.system.surface_nodes[number].nodes] = self.state.nodal_forces[first:last]
+        return forces
+
+    def field(self, part: Part) -> ElasticField:
+        """Elastic displacements of a part in its own frame, for stresses and pictures."""
+        number = self._number(part)
+        return ElasticField(part.body.elasticity, self._fields[number])
+
+    def _number(self, part: Part) -> int:
+        if part not in self.system.parts:
+            raise InputError(
+                f"part {part.name!r}",
+                f"a part of these contacts: {', '.join(known.name for known in self.system.parts)}",
+                "take a part whose surfaces are in contact",
+            )
+        return self.system.parts.index(part)
+
+    @cached_property
+    def _fields(self) -> list[Floats]:
+        rotations = self.response.rotations(self.state.placements)
+        return self.response.fields(rotations, self.state.nodal_forces)
+
+
+def press(
+    contacts: Sequence[Contact],
+    motion: Mapping[Part, Placement],
+    *,
+    steps: StepSettings | None = None,
+    path: Literal["condensed", "sparse"] = "condensed",
+    response: BodyResponse | None = None,
+    settings: NewtonSettings | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> ContactSolution:
+    """Move parts against each other and find the contact forces.
+
+    Parameters
+    ----------
+    contacts
+        Contacts among the parts.
+    motion
+        Rigid motion in space of each part that moves, after its own placement. At a share of the path its angle and
+        its shift are that share.
+    steps
+        Sizes of the load steps; left out: one step, halved where it does not converge.
+    path
+        ``"condensed"``: on the surfaces alone. ``"sparse"``: on all unknowns, the same answer.
+    response
+        The bodies of an earlier `press` of the same contacts, in place of ``path``.
+    settings
+        Limits of Newton's method.
+    progress
+        Called with a sentence after each step.
+
+    Raises
+    ------
+    InputError
+        If a moved part has no contact, a motion is mirrored, or the path is unknown.
+
+    """
+    system = ContactSystem(contacts)
+    _refuse_bad_motion(system, motion)
+    if path not in PATHS:
+        raise InputError(f"path={path!r}", " or ".join(map(repr, PATHS)), "leave it out")
+    response = response or PATHS[path](system.surface_nodes)
+    rest = tuple(part.placement for part in system.parts)
+    done: list[LoadStep] = []
+
+    def solve_at(share: float, start: ContactState | None) -> ContactState:
+        placements = tuple(
+            _share_of(motion[part], share).after(part.placement) if part in motion else part.placement
+            for part in system.parts
+        )
+        state = solve_contact(response, system, placements, start=start, settings=settings)
+        if state.status.converged:
+            done.append(LoadStep(share, state))
+        progress(f"{100.0 * share:.4g} % of the motion: {state.status.message}")
+        return state
+
+    depths = _penetrations(system, response.reference(rest))
+    return ContactSolution(system, response, follow(solve_at, None, steps), tuple(done), depths)
+
+
+def _refuse_bad_motion(system: ContactSystem, motion: Mapping[Part, Placement]) -> None:
+    for part, moved in motion.items():
+        if part not in system.parts:
+            raise InputError(
+                f"a motion of part {part.name!r}, which has no contact",
+                f"parts in contact: {', '.join(known.name for known in system.parts)}",
+                "add a contact of this part or leave its motion out",
+            )
+        if moved.mirrored:
+            raise InputError(
+                f"a mirrored motion of part {part.name!r}",
+                "a rotation and a translation",
+                "mirror the part itself: Part(..., placement=Placement(mirrored=True))",
+            )
+
+
+def _share_of(motion: Placement, share: float) -> Placement:
+    x, y = motion.translation
+    return Placement(share * motion.rotation_rad, (share * x, share * y))
+
+
+def _penetrations(system: ContactSystem, positions: Floats) -> Floats:
+    """Largest penetration of each contact at positions of the surface nodes."""
+    lin = system.linearise(positions, None)
+    return np.array([float((-pairs.gaps).max(initial=0.0)) for pairs in lin.pairs])

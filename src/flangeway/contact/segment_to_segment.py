@@ -1,0 +1,257 @@
+"""Segment-to-segment contact: gaps averaged over the secondary surface (mortar method).
+
+Each node of the secondary surface carries a hat function, linear between neighbouring nodes also where edges are
+quadratic, so that pressures from values >= 0 are >= 0 everywhere. The constraint of a node is the mean of the gap
+weighted with its hat (Puso and Laursen, 2004, Comput. Methods Appl. Mech. Eng. 193), or with the biorthogonal function
+of the same interval (Wohlmuth, 2000, SIAM J. Numer. Anal. 38; cut to the covered part as Cichosz and Bischoff, 2011).
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
+from flangeway.contact.search import candidate_pairs
+from flangeway.contact.surface import Surface
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.errors import InputError
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+SHARP = np.deg2rad(30.0)
+"""Turn of a surface above which the two sides of a node have a constraint each."""
+
+LEAST_COVERED = 1e-6
+"""Part of a hat function's area that must face the primary."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hats:
+    """Hat functions on a surface, one a node, two at sharp corners.
+
+    Parameters
+    ----------
+    nodes
+        Place in the surface of each function's node, shape (n,).
+    of_interval
+        Functions of each interval between two nodes of an edge, shape (n_edges, order, 2).
+    areas
+        Integrals of the functions over the undeformed surface, times the thickness, shape (n,).
+    parameters
+        Parameters of an edge's nodes, shape (order + 1,).
+    lengths
+        Undeformed lengths of the edges, shape (n_edges,).
+
+    """
+
+    nodes: Ints
+    of_interval: Ints
+    areas: Floats
+    parameters: Floats
+    lengths: Floats
+
+    @classmethod
+    def on(cls, surface: Surface) -> "Hats":
+        """Functions on a surface."""
+        points = surface.part.body.mesh.points
+        ends = points[surface.edge_nodes[:, [0, -1]]]
+        chords = ends[:, 1] - ends[:, 0]
+        lengths = surface.edge_lengths
+        n_edges, width = surface.edge_nodes.shape
+        before = np.roll(chords, 1, axis=0)
+        turn = np.arctan2(before[:, 0] * chords[:, 1] - before[:, 1] * chords[:, 0], (before * chords).sum(1))
+        closed = surface.edge_places[-1, -1] == 0
+        starts_anew = np.abs(turn) > SHARP
+        starts_anew[0] |= not closed
+        # one new function at each interval's end, one more at its start where the surface starts anew
+        anew = np.repeat(starts_anew, width - 1)
+        anew[np.arange(len(anew)) % (width - 1) != 0] = False
+        last = np.arange(n_edges * (width - 1)) + np.cumsum(anew)
+        first = last - 1
+        if not anew[0]:
+            first[0] = last[-1]
+        of_interval = np.stack((first, last), axis=1)
+        nodes = np.empty(last.max() + 1, dtype=np.int64)
+        nodes[first] = surface.edge_places[:, :-1].ravel()
+        nodes[last] = surface.edge_places[:, 1:].ravel()
+        parameters = gauss_lobatto(width)[0]
+        halves = (lengths[:, None] * np.diff(parameters) / 2.0).ravel()
+        areas = np.zeros(len(nodes))
+        for column in of_interval.T:
+            np.add.at(areas, column, halves * surface.part.body.thickness)
+        return cls(nodes, of_interval.reshape(n_edges, width - 1, 2), areas, parameters, lengths)
+
+
+@dataclass(frozen=True, eq=False)
+class SegmentPairs:
+    """Constraints of the hat functions that face the primary; see `flangeway.contact.pairs.Pairs`.
+
+    Parameters
+    ----------
+    pieces
+        Pieces of the secondary surface.
+    positions
+        Current positions of the nodes of each piece's secondary and primary edge.
+    hats
+        Functions on the secondary surface.
+    lengths
+        Undeformed lengths of the pieces' secondary edges, shape (p,).
+    integrals
+        Integrals over the pieces, with first derivatives.
+    keys, nodes, gaps, areas, secondary_members, rows
+        See `flangeway.contact.pairs.Pairs`.
+    weights
+        What the integrals with a piece's two hats add to the gaps of its two constraints, shape (p, 2, 2).
+
+    """
+
+    pieces: Pieces
+    positions: tuple[Floats, Floats]
+    hats: Hats
+    lengths: Floats
+    integrals: PieceIntegrals
+    keys: Ints
+    nodes: Ints
+    gaps: Floats
+    areas: Floats
+    secondary_members: Ints
+    rows: Ints
+    weights: Floats
+
+    @property
+    def partners(self) -> Ints:
+        """See `flangeway.contact.pairs.Pairs.partners`."""
+        return np.full(len(self.keys), -1, dtype=np.int64)
+
+    @property
+    def primary_edges(self) -> Ints:
+        """See `flangeway.contact.pairs.Pairs.primary_edges`."""
+        return self.pieces.partners
+
+    @cached_property
+    def gradients(self) -> Floats:
+        """See `flangeway.contact.pairs.Pairs.gradients`."""
+        first = np.stack([gap.gradient for gap in self.integrals.gaps], axis=1)
+        gradients: Floats = np.einsum("prs,psd->prd", self.weights, first)
+        return gradients.reshape(len(self.pieces), 2, -1, 2)
+
+    def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
+        """See `flangeway.contact.pairs.Pairs.curvatures`."""
+        on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
+        loaded = np.flatnonzero(on_hats.any(axis=1))
+        secondary, primary = (side[loaded] for side in self.positions)
+        found = integrate(
+            self.pieces.take(loaded), secondary, primary, self.hats.parameters, self.lengths[loaded], second=True
+        )
+        total = found.gaps[0] * on_hats[loaded, 0] + found.gaps[1] * on_hats[loaded, 1]
+        assert total.hessian is not None
+        return loaded, total.hessian
+
+    def opposite_points(self, edges: Floats) -> Floats:
+        """See `flangeway.contact.pairs.Pairs.opposite_points`."""
+        moments = np.einsum("pra,pai->pri", self.integrals.primary_shapes, edges[self.pieces.partners])
+        total, covered = np.zeros((len(self.keys), 2)), np.zeros(len(self.keys))
+        np.add.at(total, self.rows, moments)
+        np.add.at(covered, self.rows, self.integrals.lengths)
+        points: Floats = total / covered[:, None]
+        return points
+
+
+@dataclass(frozen=True)
+class SegmentToSegment:
+    """Average the gap over the pieces between the nodes of both surfaces.
+
+    A uniform pressure passes from one surface to the other exactly, whatever their meshes, where both are straight.
+    The order of quadrature follows the edges'. Where a node's function is covered by the primary in part only, its
+    constraint is the mean over that part; the tangent of a penalty then leaves out the change of the covered area.
+
+    Parameters
+    ----------
+    reach
+        Pieces farther apart take no part; None: twice the mean length of the primary edges.
+    weighting
+        ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions.
+
+    """
+
+    reach: float | None = None
+    weighting: Literal["standard", "dual"] = "standard"
+
+    def __post_init__(self) -> None:
+        if self.reach is not None and not self.reach > 0.0:
+            raise InputError(f"SegmentToSegment(reach={self.reach})", "a positive length or None", "leave it out")
+        if self.weighting not in ("standard", "dual"):
+            raise InputError(
+                f"SegmentToSegment(weighting={self.weighting!r})", "'standard' or 'dual'", "choose one of these"
+            )
+
+    def node_areas(self, secondary: Surface) -> Floats:
+        """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
+        hats = Hats.on(secondary)
+        areas = np.zeros(len(secondary.nodes))
+        np.add.at(areas, hats.nodes, hats.areas)
+        return areas
+
+    def key_nodes(self, secondary: Surface) -> Ints:
+        """Places in a surface of the nodes of all constraints that it can have, by key."""
+        return Hats.on(secondary).nodes
+
+    def pair(
+        self,
+        secondary: Surface,
+        primary: Surface,  # noqa: ARG002 (pairings have one signature)
+        positions: Floats,
+        primary_edges: Floats,
+        kept: Ints,  # noqa: ARG002 (gaps and their derivatives are continuous: nothing hops)
+        *,
+        settle: bool = False,  # noqa: ARG002 (likewise)
+    ) -> SegmentPairs:
+        """Find the pieces within reach; see `NodeToSegment.pair` for the parameters."""
+        hats = Hats.on(secondary)
+        chords = primary_edges[:, -1] - primary_edges[:, 0]
+        reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
+        edges = positions[secondary.edge_places]
+        candidates = candidate_pairs(edges, primary_edges, reach)
+        pieces = find_pieces(edges, primary_edges, candidates, hats.parameters, reach)
+        on_secondary, on_primary = edges[pieces.edges], primary_edges[pieces.partners]
+        lengths = hats.lengths[pieces.edges]
+        found = integrate(pieces, on_secondary, on_primary, hats.parameters, lengths, second=False)
+
+        of_piece = hats.of_interval[pieces.edges, pieces.parts]
+        covered = np.zeros(len(hats.nodes))
+        np.add.at(covered, of_piece, found.lengths)
+        thickness = secondary.part.body.thickness
+        keys = np.flatnonzero(covered * thickness > LEAST_COVERED * hats.areas)
+        # pieces with a hat that is all but uncovered give nothing to it: their weight is zero
+        row_of = np.zeros(len(hats.nodes), dtype=np.int64)
+        row_of[keys] = np.arange(len(keys))
+        inverse = np.zeros(len(hats.nodes))
+        inverse[keys] = 1.0 / covered[keys]
+        weights = self._functions(pieces, found, hats) * inverse[of_piece][:, :, None]
+        rows = row_of[of_piece]
+        integrals = np.stack([gap.value for gap in found.gaps], axis=1)
+        gaps = np.zeros(len(keys))
+        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals))
+        return SegmentPairs(
+            pieces, (on_secondary, on_primary), hats, lengths, found,
+            keys, hats.nodes[keys], gaps, covered[keys] * thickness,
+            secondary.edge_places[pieces.edges], rows, weights,
+        )  # fmt: skip
+
+    def _functions(self, pieces: Pieces, found: PieceIntegrals, hats: Hats) -> Floats:
+        """Weighting functions as combinations of the two hats of each piece's interval, shape (p, 2, 2)."""
+        if self.weighting == "standard":
+            return np.broadcast_to(np.eye(2), (len(pieces), 2, 2))
+        order = len(hats.parameters) - 1
+        interval = pieces.edges * order + pieces.parts
+        masses = np.zeros((len(hats.lengths) * order, 2, 2))
+        np.add.at(masses, interval, found.masses)
+        lengths = masses.sum(axis=2)
+        seen = np.unique(interval)
+        functions = np.zeros_like(masses)
+        functions[seen] = lengths[seen][:, :, None] * np.linalg.inv(masses[seen])
+        return functions[interval]

@@ -1,0 +1,58 @@
+"""What the contact solver asks of a system of contacts."""
+
+from typing import Protocol
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class Linearisation(Protocol):
+    """Gaps about some positions, to second order."""
+
+    @property
+    def nodes(self) -> Ints:
+        """Surface nodes on which any gap depends, shape (n_touched,)."""
+
+    @property
+    def keys(self) -> Ints:
+        """Identity of each constraint from one linearisation to the next, shape (m,)."""
+
+    @property
+    def partners(self) -> Ints:
+        """What each constraint is against, shape (m,); a change starts a new linear piece."""
+
+    @property
+    def gaps(self) -> Floats:
+        """Gaps, open where positive, shape (m,)."""
+
+    @property
+    def jacobian(self) -> sp.csr_array:
+        """Derivatives of the gaps, shape (m, 2 n_touched)."""
+
+    @property
+    def compliances(self) -> Floats:
+        """Penetration for each force, shape (m,)."""
+
+    @property
+    def tolerances(self) -> Floats:
+        """Largest penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached."""
+
+    def curvature(self, forces: Floats) -> Floats:
+        """Sum of ``force * second derivative of the gap``, shape (2 n_touched, 2 n_touched)."""
+
+
+class Constraints(Protocol):
+    """Inequalities ``gap >= 0`` on the positions of surface nodes."""
+
+    def linearise(self, positions: Floats, previous: Linearisation | None, *, settle: bool = False) -> Linearisation:
+        """Linearise about positions (n_nodes, 2); pairs of ``previous`` are kept where they can be.
+
+        To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
+        """
+
+    def describe(self, key: int, positions: Floats) -> str:
+        """Name a constraint for messages: its node, where that is among positions (n_nodes, 2), and the surfaces."""

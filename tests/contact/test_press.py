@@ -1,0 +1,173 @@
+"""Bodies pressed against each other, whatever the pairing and the enforcement."""
+
+import numpy as np
+import pytest
+
+from flangeway.contact import (
+    AugmentedLagrange,
+    Contact,
+    Multiplier,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+)
+from flangeway.contact import (
+    press as press_parts,
+)
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.post import pressure_patches
+from flangeway.solve import NewtonSettings, StepSettings
+
+PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]
+LAWS = [Penalty(1e7, per="length"), AugmentedLagrange(1e6, per="length", penetration=1e-7), Multiplier()]
+DOWN = Placement(0.0, (0.0, -0.05))
+
+
+def contact_of(press, pairing, law, method: str = "fem") -> Contact:
+    """The half disc of the shared fixture on its block, size 0.6 mm."""
+    given = press(method, size=0.6).system.contacts[0]
+    return Contact(given.secondary, given.primary, pairing, law)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments", "dual"])
+def test_all_pairings_and_laws_agree_on_the_force(press, pairing, law) -> None:
+    """A half disc on a block: every pairing and law gives the multipliers' force within 2 %, balanced to 1e-12."""
+    contact = contact_of(press, pairing, law)
+    motion = {contact.secondary.part: DOWN}
+    solution = press_contacts(contact, motion)
+    reference = press_contacts(contact_of(press, SegmentToSegment(), Multiplier()), None)
+    assert solution.status.converged, solution.status.message
+    assert solution.forces[0, 1] == pytest.approx(reference.forces[0, 1], rel=0.02)
+    assert abs(solution.resultants.sum(axis=1)).max() < 1e-12 * abs(solution.resultants[..., :2]).max() * 60.0
+
+
+def press_contacts(contact: Contact, motion, **settings):
+    """Press the secondary part of one contact down."""
+    return press_parts([contact], motion or {contact.secondary.part: DOWN}, **settings)
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS[:2], ids=["nodes", "segments"])
+def test_multipliers_leave_no_penetration(press, pairing) -> None:
+    """Under force the gap is zero, elsewhere it is open, to 1e-12 mm; an augmented Lagrangian reaches its tolerance."""
+    for law, tolerance in ((Multiplier(), 1e-12), (LAWS[1], 1e-7)):
+        state = press_contacts(contact_of(press, pairing, law), None).state
+        loaded = state.forces > 0.0
+        assert loaded.any()
+        assert abs(state.linearisation.gaps[loaded]).max() <= tolerance
+        assert state.linearisation.gaps.min() >= -tolerance
+
+
+def test_a_softer_penalty_penetrates_in_proportion(press) -> None:
+    """With segments the penetration times the penalty is the pressure at every node."""
+    contact = contact_of(press, SegmentToSegment(), Penalty(1e5, per="length"), "vem")
+    solution = press_contacts(contact, None)
+    (patch,) = pressure_patches(solution.system, solution.state)
+    gaps = solution.state.linearisation.gaps[solution.state.forces > 0.0]
+    np.testing.assert_allclose(patch.pressures, -1e5 * gaps, rtol=1e-8)
+    assert patch.normal_forces.sum() == pytest.approx(solution.state.forces.sum(), rel=1e-12)
+
+
+def test_the_answer_does_not_depend_on_the_load_steps(press) -> None:
+    """Ten equal steps and one step end at the same displacements to 1e-9; all ten are kept, with rising force."""
+    contact = contact_of(press, SegmentToSegment(), Multiplier())
+    at_once = press_contacts(contact, None)
+    stepped = press_contacts(contact, None, steps=StepSettings(first=0.1, largest=0.1), response=at_once.response)
+    assert [step.share for step in stepped.steps] == pytest.approx(np.linspace(0.1, 1.0, 10))
+    force = [step.state.forces.sum() for step in stepped.steps]
+    assert (np.diff(force) > 0.0).all()
+    np.testing.assert_allclose(stepped.state.displacements, at_once.state.displacements, atol=1e-10)
+
+
+def test_condensed_and_sparse_paths_agree(press) -> None:
+    """Both ways to solve give the same forces and fields to 1e-9 with segments and multipliers."""
+    contact = contact_of(press, SegmentToSegment(), Multiplier(), "vem")
+    one, other = (press_contacts(contact, None, path=path) for path in ("condensed", "sparse"))
+    np.testing.assert_allclose(one.state.forces, other.state.forces, rtol=1e-8, atol=1e-8 * one.state.forces.max())
+    for part in one.system.parts:
+        np.testing.assert_allclose(one.field(part).displacements, other.field(part).displacements, atol=1e-9)
+        assert one.nodal_forces(part).sum(axis=0)[1] == pytest.approx(other.nodal_forces(part).sum(axis=0)[1])
+
+
+def test_initial_penetration_is_reported(press) -> None:
+    """A block that stands 0.02 mm into the other before any motion is reported with that depth."""
+    given = press("fem", size=0.6)
+    contact = given.system.contacts[0]
+    solution = press_contacts(contact, {contact.secondary.part: Placement(0.0, (0.0, 0.0))})
+    assert solution.initial_penetration[0] == pytest.approx(0.0, abs=1e-9)
+    lower = press("fem", size=0.6, whole=Placement(0.0, (0.0, 0.0)))
+    shifted = lower.system.contacts[0]
+    moved = type(shifted.secondary.part)("disc", shifted.secondary.part.body, Placement(0.0, (0.0, -0.02)))
+    surface = type(shifted.secondary)(moved, shifted.secondary.edges)
+    deep = press_contacts(Contact(surface, shifted.primary, NodeToSegment(), Multiplier()), {moved: Placement()})
+    assert deep.initial_penetration[0] == pytest.approx(0.02, rel=1e-6)
+
+
+def test_a_failure_names_what_flips(press) -> None:
+    """Stopped after one iteration, the message names node, place and both parts, and says what to try."""
+    contact = contact_of(press, NodeToSegment(), Multiplier())
+    settings = NewtonSettings(max_iterations=1)
+    solution = press_contacts(contact, None, settings=settings, steps=StepSettings(smallest=0.5))
+    message = solution.status.message
+    assert not solution.status.converged
+    assert "not converged in 1 iterations: contact still comes and goes at node" in message
+    assert "of 'disc' at (" in message
+    assert "on 'block'" in message
+    assert "take smaller steps" in message
+
+
+def test_an_augmented_lagrangian_that_cannot_reach_its_tolerance_says_so(press) -> None:
+    """A weak penalty and two corrections end as not converged, with the penetration over the tolerance."""
+    law = AugmentedLagrange(1e3, per="length", penetration=1e-9)
+    solution = press_contacts(
+        contact_of(press, SegmentToSegment(), law),
+        None,
+        settings=NewtonSettings(max_corrections=2),
+        steps=StepSettings(smallest=1.0),
+    )
+    assert not solution.status.converged
+    assert "not converged in 2 corrections" in solution.status.message
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda s, p: Contact(s, p, SegmentToSegment(), Penalty(1e5, per="node")), "per='length'"),
+        (lambda s, p: Contact(s, p, NodeToSegment(), Penalty(None, per="node")), "start with Penalty\\(.*, per='node'"),
+        (
+            lambda s, p: Contact(s, p, SegmentToSegment(), AugmentedLagrange(None, "length", 1e-6)),
+            "start with AugmentedLagrange\\(",
+        ),
+        (lambda s, p: Contact(s, p, NodeToSegment(), Multiplier(), friction=0.3), "frictionless"),
+        (lambda s, _: Contact(s, s, NodeToSegment(), Multiplier()), "with itself"),
+        (lambda _s, _p: SegmentToSegment(reach=-1.0), "positive length"),
+        (lambda _s, _p: SegmentToSegment(weighting="lumped"), "'standard' or 'dual'"),
+        (lambda _s, _p: AugmentedLagrange(1e5, "length", 0.0), "positive length"),
+        (lambda _s, _p: Penalty(-1.0, per="length"), "positive number"),
+        (lambda _s, _p: Penalty(1.0, per="area"), "'node' or 'length'"),
+        (lambda _s, _p: StepSettings(first=0.5, largest=0.1), "first <= largest"),
+        (lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {}, path="dense"), "'condensed' or"),
+        (
+            lambda s, p: press_parts(
+                [Contact(s, p, NodeToSegment(), Multiplier())], {s.part: Placement(mirrored=True)}
+            ),
+            "mirror the part itself",
+        ),
+    ],
+)
+def test_what_makes_no_sense_is_refused_by_name(press, make, message: str) -> None:
+    """Each combination that makes no sense raises an error that names it and what to do."""
+    contact = press("fem", size=0.6).system.contacts[0]
+    with pytest.raises(InputError, match=message):
+        make(contact.secondary, contact.primary)
+
+
+def test_the_suggested_penalty_works(press) -> None:
+    """The penalty that the message suggests penetrates less than 5 % of the approach and gives the force within 3 %."""
+    given = contact_of(press, SegmentToSegment(), Multiplier())
+    law = Penalty(given.suggested_penalty, per="length")
+    solution = press_contacts(Contact(given.secondary, given.primary, SegmentToSegment(), law), None)
+    exact = press_contacts(given, None)
+    assert -solution.state.linearisation.gaps.min() < 0.05 * 0.05
+    assert solution.forces[0, 1] == pytest.approx(exact.forces[0, 1], rel=0.03)

@@ -1,0 +1,61 @@
+"""Averaged gaps of segment-to-segment contact: derivatives, exactness, and what they are invariant to."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.contact.kinematics import closest_parameters
+from flangeway.contact.pieces import find_pieces, integrate
+from flangeway.contact.search import candidate_pairs
+from flangeway.elements.quadrature import gauss_lobatto
+
+
+def chain(n_edges: int, order: int, length: float, height: float, bend: float, *, backwards: bool) -> np.ndarray:
+    """Edges along x whose nodes lie on a parabola, shape (n_edges, order + 1, 2)."""
+    ends = np.linspace(-length / 2, length / 2, n_edges + 1)
+    parameters = gauss_lobatto(order + 1)[0]
+    x = ends[:-1, None] + np.diff(ends)[:, None] * parameters
+    points = np.stack((x, height + bend * x**2), axis=-1)
+    return points[::-1, ::-1] if backwards else points
+
+
+def pieces_between(secondary: np.ndarray, primary: np.ndarray):
+    """Pieces of two chains, and the nodes' positions of each piece."""
+    nodes = gauss_lobatto(secondary.shape[1])[0]
+    pieces = find_pieces(secondary, primary, candidate_pairs(secondary, primary, 1.0), nodes, 1.0)
+    return pieces, secondary[pieces.edges], primary[pieces.partners], nodes
+
+
+@pytest.mark.parametrize("orders", [(1, 1), (1, 2), (2, 1), (2, 2)])
+def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int]) -> None:
+    """First and second derivatives agree with central differences to 1e-7, moving ends of the pieces included."""
+    secondary = chain(3, orders[0], 2.0, 0.05, 0.10, backwards=False)
+    primary = chain(4, orders[1], 2.3, 0.0, -0.07, backwards=True)
+    pieces, own, other, nodes = pieces_between(secondary, primary)
+    assert pieces.start_is_foot.any()
+    assert pieces.end_is_foot.any()
+    lengths = np.full(len(pieces), 0.7)
+    both = np.concatenate((own, other), axis=1)
+    width = own.shape[1]
+
+    def evaluate(positions: np.ndarray, *, second: bool):
+        # the ends of pieces move with the nodes
+        a, b = positions[:, :width], positions[:, width:]
+        starts = np.where(pieces.start_is_foot, closest_parameters(b[:, -1], a), pieces.starts)
+        ends = np.where(pieces.end_is_foot, closest_parameters(b[:, 0], a), pieces.ends)
+        return integrate(replace(pieces, starts=starts, ends=ends), a, b, nodes, lengths, second=second).gaps
+
+    exact = evaluate(both, second=True)
+    step = 1e-5
+    for variable in range(both[0].size):
+        moved = []
+        for sign in (1.0, -1.0):
+            positions = both.copy()
+            positions.reshape(len(both), -1)[:, variable] += sign * step
+            moved.append(evaluate(positions, second=False))
+        for hat in range(2):
+            slope = (moved[0][hat].value - moved[1][hat].value) / (2 * step)
+            bend = (moved[0][hat].gradient - moved[1][hat].gradient) / (2 * step)
+            np.testing.assert_allclose(exact[hat].gradient[:, variable], slope, atol=1e-8)
+            np.testing.assert_allclose(exact[hat].hessian[:, variable], bend, atol=1e-7)

@@ -1,0 +1,116 @@
+"""Bodies that are held in some components only."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from flangeway.elements import Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid
+from flangeway.problems import Body
+from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes
+
+MATERIAL = Elastic(20e3, 1.0 / 3.0)
+WIDTH, HEIGHT, PRESSURE = 2.0, 1.0, 1125.0
+
+
+def block(held: str | Mapping[Any, Any]) -> Body:
+    """A block of quadratic triangles."""
+    return Body("block", rectangle_grid(WIDTH, HEIGHT, 4, 3), Lagrange(2), MATERIAL, held, thickness=3.0)
+
+
+def pressed_top(body: Body) -> tuple[SurfaceNodes, np.ndarray]:
+    """Nodes of the top and the forces of a uniform pressure on them."""
+    edges = body.space.edge_nodes(body.mesh.edge_sets["top"])
+    nodes, place = np.unique(edges, return_inverse=True)
+    forces = np.zeros((len(nodes), 2))
+    share = PRESSURE * body.thickness * WIDTH / 4.0 * np.array([1.0, 4.0, 1.0]) / 6.0
+    np.add.at(forces[:, 1], place.ravel(), -np.tile(share, len(edges)))
+    return SurfaceNodes(body, nodes.astype(np.int32)), forces
+
+
+@pytest.mark.parametrize(
+    "held",
+    [
+        {"bottom": "y", (0.0, 0.0): "x"},
+        {"bottom": "y", "left": "x"},
+        {"bottom": "y", "left": "x", (0.0, 0.0): "xy"},
+    ],
+)
+@pytest.mark.parametrize("kind", [CondensedBodies, SparseBodies])
+@pytest.mark.parametrize("angle", [0.0, 0.6])
+def test_a_block_on_a_greased_plate_strains_uniformly(held: Any, kind: Any, angle: float) -> None:
+    """A block that slides on its bottom, held sideways at a point or on a line of symmetry, is pressed uniformly."""
+    body = block(held)
+    surface, forces = pressed_top(body)
+    response = kind([surface])
+    place = Placement(angle)
+    rotations = response.rotations([place])
+    moved = response.displacements(rotations, np.arange(len(surface.nodes)), place.vectors(forces))
+    modulus = MATERIAL.young / (1.0 - MATERIAL.poisson**2)
+    lateral = PRESSURE / modulus * MATERIAL.poisson / (1.0 - MATERIAL.poisson)
+    x, y = body.space.nodes[surface.nodes].T
+    expected = np.stack((lateral * x, -PRESSURE / modulus * y), axis=1)
+    np.testing.assert_allclose(moved, place.vectors(expected), atol=1e-13)
+    field = response.fields(rotations, place.vectors(forces))[0][: body.space.n_nodes]
+    x, y = body.space.nodes.T
+    np.testing.assert_allclose(field, np.stack((lateral * x, -PRESSURE / modulus * y), axis=1), atol=1e-13)
+
+
+def test_both_paths_answer_alike_where_a_surface_is_held_sideways() -> None:
+    """A tangent with geometric stiffness on a node held in x gives one answer on the surface and on all unknowns."""
+    body = block({"bottom": "y", "left": "x"})
+    surface, forces = pressed_top(body)
+    n = 2 * len(surface.nodes)
+    rng = np.random.default_rng(3)
+    root = rng.normal(size=(n, n))
+    right = np.stack((forces.ravel(), rng.normal(size=n)), axis=1)
+    answers = []
+    for kind in (CondensedBodies, SparseBodies):
+        response = kind([surface])
+        rotations = response.rotations([Placement(0.3)])
+        loads = sp.csr_array(right)
+        answers.append(response.respond(rotations, np.arange(len(surface.nodes)), 100.0 * root @ root.T, loads))
+    np.testing.assert_allclose(answers[0], answers[1], atol=1e-10 * np.abs(answers[1]).max())
+
+
+def test_elements_by_cell_set() -> None:
+    """A body of two kinds of elements strains uniformly under a uniform load."""
+    mesh = rectangle_grid(WIDTH, HEIGHT, 4, 3)
+    left = mesh.cell_centroids[:, 0] < 1.0
+    mesh = mesh.with_cell_set("left", left).with_cell_set("right", ~left)
+    body = Body(
+        "block", mesh, {"left": Lagrange(2), "right": Virtual(2)}, MATERIAL, {"bottom": "y", (0.0, 0.0): "x"}, 3.0
+    )
+    surface, forces = pressed_top(body)
+    response = CondensedBodies([surface])
+    moved = response.displacements(response.rotations([Placement()]), np.arange(len(surface.nodes)), forces)
+    np.testing.assert_allclose(moved[:, 1], -PRESSURE * (1.0 - MATERIAL.poisson**2) / MATERIAL.young, rtol=1e-11)
+
+
+@pytest.mark.parametrize(
+    ("held", "message"),
+    [
+        ("base", "edge sets: bottom, left, right, top"),
+        ({}, "at least one edge set"),
+        ({"bottom": "z"}, "'x', 'y' or 'xy'"),
+        ({"bottom": "y", "side": "x"}, "held along 'side'"),
+        ({"bottom": "y", (0.1, 0.0): "x"}, "a node of the mesh"),
+    ],
+)
+def test_supports_that_make_no_sense_are_refused(held: Any, message: str) -> None:
+    """Unknown names, components and points are named."""
+    with pytest.raises(InputError, match=message):
+        _ = block(held).free
+
+
+def test_fixed_nodes_cannot_be_in_contact() -> None:
+    """A surface with a node whose both components are held is refused with its place."""
+    body = block({"bottom": "y", "left": "xy"})
+    with pytest.raises(InputError, match=r"at \(0, 1\)"):
+        CondensedBodies([pressed_top(body)[0]])
