@@ -31,19 +31,16 @@ class Pieces:
 
     Parameters
     ----------
-    edges, parts
-        Secondary edge, and which interval between two of its nodes, each of shape (p,).
-    partners
-        Primary edge, shape (p,).
+    edges, partners
+        Secondary and primary edge, each of shape (p,).
     starts, ends
         Parameters of the piece on the secondary edge, shape (p,).
     start_is_foot, end_is_foot
-        Whether that is the foot of a node of the primary edge (else a secondary node), shape (p,).
+        Whether that is the foot of a node of the primary edge (else an end of the secondary edge), shape (p,).
 
     """
 
     edges: Ints
-    parts: Ints
     partners: Ints
     starts: Floats
     ends: Floats
@@ -57,15 +54,13 @@ class Pieces:
     def take(self, chosen: Ints | Bools) -> "Pieces":
         """Some of the pieces."""
         return Pieces(
-            self.edges[chosen], self.parts[chosen], self.partners[chosen], self.starts[chosen], self.ends[chosen],
+            self.edges[chosen], self.partners[chosen], self.starts[chosen], self.ends[chosen],
             self.start_is_foot[chosen], self.end_is_foot[chosen],
         )  # fmt: skip
 
 
-def find_pieces(
-    secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints], nodes: Floats, reach: float
-) -> Pieces:
-    """Cut secondary edges at their nodes and at the feet of the primary's.
+def find_pieces(secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints], reach: float) -> Pieces:
+    """Cut secondary edges at the feet of the primary edges' ends.
 
     Parameters
     ----------
@@ -73,8 +68,6 @@ def find_pieces(
         Current positions of the edges' nodes, their bodies on the left, shapes (n, order + 1, 2).
     candidates
         Secondary and primary edges that may face each other, each of shape (c,).
-    nodes
-        Parameters of a secondary edge's nodes, shape (order + 1,).
     reach
         Largest distance along the secondary's normal at the middle of a piece, either way.
 
@@ -87,25 +80,9 @@ def find_pieces(
     # the two sides run against each other
     low = closest_parameters(primary[partners, -1], secondary[edges])
     high = closest_parameters(primary[partners, 0], secondary[edges])
-    found = []
-    for part in range(len(nodes) - 1):
-        first, last = nodes[part], nodes[part + 1]
-        start_is_foot, end_is_foot = low > first + SNAP, high < last - SNAP
-        starts, ends = np.where(start_is_foot, low, first), np.where(end_is_foot, high, last)
-        kept = ends - starts > SNAP
-        found.append(
-            Pieces(
-                edges[kept],
-                np.full(int(kept.sum()), part),
-                partners[kept],
-                starts[kept],
-                ends[kept],
-                start_is_foot[kept],
-                end_is_foot[kept],
-            )
-        )
-    names = ("edges", "parts", "partners", "starts", "ends", "start_is_foot", "end_is_foot")
-    pieces = Pieces(*(np.concatenate([getattr(each, name) for each in found]) for name in names))
+    start_is_foot, end_is_foot = low > SNAP, high < 1.0 - SNAP
+    starts, ends = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
+    pieces = Pieces(edges, partners, starts, ends, start_is_foot, end_is_foot).take(ends - starts > SNAP)
     middle = (pieces.starts + pieces.ends) / 2.0
     near = np.abs(_distances(secondary[pieces.edges], primary[pieces.partners], middle)) < reach
     return pieces.take(near)
@@ -113,7 +90,7 @@ def find_pieces(
 
 @dataclass(frozen=True, eq=False)
 class PieceIntegrals:
-    """Integrals over pieces with the two hat functions of each piece's interval.
+    """Integrals over pieces with the two hat functions of each piece's edge, linear between its ends.
 
     Parameters
     ----------
@@ -135,7 +112,7 @@ class PieceIntegrals:
 
 
 def integrate(
-    pieces: Pieces, secondary: Floats, primary: Floats, nodes: Floats, edge_lengths: Floats, *, second: bool
+    pieces: Pieces, secondary: Floats, primary: Floats, edge_lengths: Floats, *, second: bool
 ) -> PieceIntegrals:
     """Integrate the gap over pieces.
 
@@ -145,8 +122,6 @@ def integrate(
         From `find_pieces`.
     secondary, primary
         Current positions of each piece's edges' nodes, shapes (p, order + 1, 2).
-    nodes
-        Parameters of a secondary edge's nodes, shape (order + 1,).
     edge_lengths
         Undeformed length of each piece's secondary edge, shape (p,).
     second
@@ -170,9 +145,7 @@ def integrate(
     stretch = (tangent[0] * tangent[0] + tangent[1] * tangent[1]).sqrt()
     gap = (apart[0] * tangent[1] - apart[1] * tangent[0]) / stretch
 
-    first, last = nodes[pieces.parts], nodes[pieces.parts + 1]
-    rise = (xi - first[:, None]) * (1.0 / (last - first))[:, None]
-    hats = (1.0 - rise, rise)
+    hats = (1.0 - xi, xi)
     measure = width.along_points() * np.broadcast_to(weights, (n, len(weights))) * edge_lengths[:, None]
     weighted = gap * measure
     gaps = tuple((hat * weighted).sum() for hat in hats)

@@ -1,9 +1,11 @@
 """Segment-to-segment contact: gaps averaged over the secondary surface (mortar method).
 
-Each node of the secondary surface carries a hat function, linear between neighbouring nodes also where edges are
-quadratic, so that pressures from values >= 0 are >= 0 everywhere. The constraint of a node is the mean of the gap
-weighted with its hat (Puso and Laursen, 2004, Comput. Methods Appl. Mech. Eng. 193), or with the biorthogonal function
-of the same interval (Wohlmuth, 2000, SIAM J. Numer. Anal. 38; cut to the covered part as Cichosz and Bischoff, 2011).
+Each end of a secondary edge carries a hat function, linear over the edges. On edges of order 2 and more this is one
+order less than the displacements, which keeps multipliers free of oscillations (as Taylor and Hood's pair does for
+fluids; with a hat at every node they oscillate), and pressures of values >= 0 are >= 0 everywhere. The constraint of a
+hat is the mean of the gap weighted with it (Puso and Laursen, 2004, Comput. Methods Appl. Mech. Eng. 193), or with the
+biorthogonal function of the same edge (Wohlmuth, 2000, SIAM J. Numer. Anal. 38; cut to the covered part as by Cichosz
+and Bischoff, 2011).
 """
 
 from dataclasses import dataclass
@@ -16,7 +18,6 @@ from numpy.typing import NDArray
 from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
 from flangeway.contact.search import candidate_pairs
 from flangeway.contact.surface import Surface
-from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -31,28 +32,22 @@ LEAST_COVERED = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Hats:
-    """Hat functions on a surface, one a node, two at sharp corners.
+    """Hat functions on a surface, one an end of edges, two at sharp corners.
 
     Parameters
     ----------
     nodes
         Place in the surface of each function's node, shape (n,).
-    of_interval
-        Functions of each interval between two nodes of an edge, shape (n_edges, order, 2).
+    of_edge
+        Functions of the two ends of each edge, shape (n_edges, 2).
     areas
         Integrals of the functions over the undeformed surface, times the thickness, shape (n,).
-    parameters
-        Parameters of an edge's nodes, shape (order + 1,).
-    lengths
-        Undeformed lengths of the edges, shape (n_edges,).
 
     """
 
     nodes: Ints
-    of_interval: Ints
+    of_edge: Ints
     areas: Floats
-    parameters: Floats
-    lengths: Floats
 
     @classmethod
     def on(cls, surface: Surface) -> "Hats":
@@ -60,30 +55,21 @@ class Hats:
         points = surface.part.body.mesh.points
         ends = points[surface.edge_nodes[:, [0, -1]]]
         chords = ends[:, 1] - ends[:, 0]
-        lengths = surface.edge_lengths
-        n_edges, width = surface.edge_nodes.shape
         before = np.roll(chords, 1, axis=0)
         turn = np.arctan2(before[:, 0] * chords[:, 1] - before[:, 1] * chords[:, 0], (before * chords).sum(1))
-        closed = surface.edge_places[-1, -1] == 0
         starts_anew = np.abs(turn) > SHARP
-        starts_anew[0] |= not closed
-        # one new function at each interval's end, one more at its start where the surface starts anew
-        anew = np.repeat(starts_anew, width - 1)
-        anew[np.arange(len(anew)) % (width - 1) != 0] = False
-        last = np.arange(n_edges * (width - 1)) + np.cumsum(anew)
+        starts_anew[0] |= surface.edge_places[-1, -1] != 0
+        # one new function at each edge's end, one more at its start where the surface starts anew
+        last = np.arange(len(chords)) + np.cumsum(starts_anew)
         first = last - 1
-        if not anew[0]:
+        if not starts_anew[0]:
             first[0] = last[-1]
-        of_interval = np.stack((first, last), axis=1)
         nodes = np.empty(last.max() + 1, dtype=np.int64)
-        nodes[first] = surface.edge_places[:, :-1].ravel()
-        nodes[last] = surface.edge_places[:, 1:].ravel()
-        parameters = gauss_lobatto(width)[0]
-        halves = (lengths[:, None] * np.diff(parameters) / 2.0).ravel()
+        nodes[first], nodes[last] = surface.edge_places[:, 0], surface.edge_places[:, -1]
         areas = np.zeros(len(nodes))
-        for column in of_interval.T:
-            np.add.at(areas, column, halves * surface.part.body.thickness)
-        return cls(nodes, of_interval.reshape(n_edges, width - 1, 2), areas, parameters, lengths)
+        for column in (first, last):
+            np.add.at(areas, column, surface.edge_lengths / 2.0 * surface.part.body.thickness)
+        return cls(nodes, np.stack((first, last), axis=1), areas)
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,8 +82,6 @@ class SegmentPairs:
         Pieces of the secondary surface.
     positions
         Current positions of the nodes of each piece's secondary and primary edge.
-    hats
-        Functions on the secondary surface.
     lengths
         Undeformed lengths of the pieces' secondary edges, shape (p,).
     integrals
@@ -111,7 +95,6 @@ class SegmentPairs:
 
     pieces: Pieces
     positions: tuple[Floats, Floats]
-    hats: Hats
     lengths: Floats
     integrals: PieceIntegrals
     keys: Ints
@@ -144,9 +127,7 @@ class SegmentPairs:
         on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
         loaded = np.flatnonzero(on_hats.any(axis=1))
         secondary, primary = (side[loaded] for side in self.positions)
-        found = integrate(
-            self.pieces.take(loaded), secondary, primary, self.hats.parameters, self.lengths[loaded], second=True
-        )
+        found = integrate(self.pieces.take(loaded), secondary, primary, self.lengths[loaded], second=True)
         total = found.gaps[0] * on_hats[loaded, 0] + found.gaps[1] * on_hats[loaded, 1]
         assert total.hessian is not None
         return loaded, total.hessian
@@ -216,12 +197,12 @@ class SegmentToSegment:
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         edges = positions[secondary.edge_places]
         candidates = candidate_pairs(edges, primary_edges, reach)
-        pieces = find_pieces(edges, primary_edges, candidates, hats.parameters, reach)
+        pieces = find_pieces(edges, primary_edges, candidates, reach)
         on_secondary, on_primary = edges[pieces.edges], primary_edges[pieces.partners]
-        lengths = hats.lengths[pieces.edges]
-        found = integrate(pieces, on_secondary, on_primary, hats.parameters, lengths, second=False)
+        lengths = secondary.edge_lengths[pieces.edges]
+        found = integrate(pieces, on_secondary, on_primary, lengths, second=False)
 
-        of_piece = hats.of_interval[pieces.edges, pieces.parts]
+        of_piece = hats.of_edge[pieces.edges]
         covered = np.zeros(len(hats.nodes))
         np.add.at(covered, of_piece, found.lengths)
         thickness = secondary.part.body.thickness
@@ -231,27 +212,25 @@ class SegmentToSegment:
         row_of[keys] = np.arange(len(keys))
         inverse = np.zeros(len(hats.nodes))
         inverse[keys] = 1.0 / covered[keys]
-        weights = self._functions(pieces, found, hats) * inverse[of_piece][:, :, None]
+        weights = self._functions(pieces, found, len(secondary.edges)) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
         integrals = np.stack([gap.value for gap in found.gaps], axis=1)
         gaps = np.zeros(len(keys))
         np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals))
         return SegmentPairs(
-            pieces, (on_secondary, on_primary), hats, lengths, found,
+            pieces, (on_secondary, on_primary), lengths, found,
             keys, hats.nodes[keys], gaps, covered[keys] * thickness,
             secondary.edge_places[pieces.edges], rows, weights,
         )  # fmt: skip
 
-    def _functions(self, pieces: Pieces, found: PieceIntegrals, hats: Hats) -> Floats:
-        """Weighting functions as combinations of the two hats of each piece's interval, shape (p, 2, 2)."""
+    def _functions(self, pieces: Pieces, found: PieceIntegrals, n_edges: int) -> Floats:
+        """Weighting functions as combinations of the two hats of each piece's edge, shape (p, 2, 2)."""
         if self.weighting == "standard":
             return np.broadcast_to(np.eye(2), (len(pieces), 2, 2))
-        order = len(hats.parameters) - 1
-        interval = pieces.edges * order + pieces.parts
-        masses = np.zeros((len(hats.lengths) * order, 2, 2))
-        np.add.at(masses, interval, found.masses)
+        masses = np.zeros((n_edges, 2, 2))
+        np.add.at(masses, pieces.edges, found.masses)
         lengths = masses.sum(axis=2)
-        seen = np.unique(interval)
+        seen = np.unique(pieces.edges)
         functions = np.zeros_like(masses)
         functions[seen] = lengths[seen][:, :, None] * np.linalg.inv(masses[seen])
-        return functions[interval]
+        return functions[pieces.edges]

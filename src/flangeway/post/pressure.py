@@ -11,7 +11,7 @@ from flangeway.solve import ContactState
 
 Floats = NDArray[np.float64]
 
-NODES_APART = 3  # open nodes between two patches; fewer are a gap in one patch
+CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,10 +90,10 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
     patches = []
     for number, contact in enumerate(system.contacts):
         forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
-        nodes = lin.pairs[number].nodes
+        keys = lin.pairs[number].keys
         loaded = np.flatnonzero(forces > 0.0)
-        loaded = loaded[np.argsort(nodes[loaded])]
-        breaks = np.flatnonzero(np.diff(nodes[loaded]) > NODES_APART) + 1
+        loaded = loaded[np.argsort(keys[loaded])]
+        breaks = np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1
         points = state.positions[system.nodes_of(contact.secondary)]
         patches += [
             _patch(number, contact, lin.pairs[number], points, forces, group)
