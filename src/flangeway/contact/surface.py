@@ -8,11 +8,15 @@ from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
+from flangeway.geometry import Contour
 from flangeway.mesh.chains import chain_starts, ordered_pairs
 from flangeway.problems import Part
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+
+FAR = 0.25
+"""Distance of a node from the surface's curve, over the mean edge, above which the curve is refused."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,16 +30,22 @@ class Surface:
     edges
         Pairs of the mesh's points, shape (n_edges, 2): boundary edges that make one chain, in any order and either
         direction. They are stored one after the other with the body on the left.
+    curve
+        The drawn surface in the body's frame. The mesh's straight edges have corners where it is smooth, and corners
+        show in the pressure; with a curve the gap is measured between the points of it that are closest to the nodes,
+        which edges of order 2 join smoothly. Left out: the nodes themselves.
 
     Raises
     ------
     InputError
-        If a pair is not an edge of the mesh's boundary, is given twice, or the edges are not one chain.
+        If a pair is not an edge of the mesh's boundary, is given twice, the edges are not one chain, or the curve is
+        not near them.
 
     """
 
     part: Part
     edges: Ints
+    curve: Contour | None = None
 
     def __post_init__(self) -> None:
         edges = np.asarray(self.edges)
@@ -57,6 +67,7 @@ class Surface:
         chain = chain.astype(np.int32)
         chain.setflags(write=False)
         object.__setattr__(self, "edges", chain)
+        self._refuse_far_curve()
 
     @property
     def _name(self) -> str:
@@ -98,6 +109,30 @@ class Surface:
         n_edges, width = self.edge_nodes.shape
         places = np.arange(n_edges)[:, None] * (width - 1) + np.arange(width)
         return places % len(self.nodes)
+
+    @cached_property
+    def shifts(self) -> Floats:
+        """From the nodes to the closest points of the curve, in the body's frame, shape (n_nodes, 2)."""
+        points = self.part.body.space.nodes[self.nodes]
+        if self.curve is None:
+            return np.zeros_like(points)
+        numbers, parameters, _ = self.curve.closest(points)
+        closest = np.empty_like(points)
+        for number in np.unique(numbers):
+            here = numbers == number
+            closest[here] = self.curve.segments[number].point(parameters[here])
+        return closest - points
+
+    def _refuse_far_curve(self) -> None:
+        apart = np.linalg.norm(self.shifts, axis=1)
+        allowed = FAR * float(self.edge_lengths.mean())
+        if apart.max() > allowed:
+            x, y = self.part.body.space.nodes[self.nodes[apart.argmax()]]
+            raise InputError(
+                f"{self._name} whose node at ({x:g}, {y:g}) is {apart.max():.3g} from its curve",
+                f"at most {allowed:.3g}, a quarter of the mean edge",
+                "give the outline that was meshed, in the body's own frame, or leave the curve out",
+            )
 
     @cached_property
     def edge_lengths(self) -> Floats:

@@ -75,15 +75,13 @@ class ContactSystem:
             raise InputError("no contact", "at least one", "pair two surfaces with Contact(...)")
         self.contacts = tuple(contacts)
         parts: dict[int, Part] = {}
-        nodes: dict[int, list[NDArray[np.int32]]] = {}
+        surfaces: dict[int, list[Surface]] = {}
         for contact in self.contacts:
             for surface in (contact.secondary, contact.primary):
                 parts.setdefault(id(surface.part), surface.part)
-                nodes.setdefault(id(surface.part), []).append(surface.nodes)
+                surfaces.setdefault(id(surface.part), []).append(surface)
         self.parts = tuple(parts.values())
-        self.surface_nodes = tuple(
-            SurfaceNodes(part.body, np.unique(np.concatenate(nodes[id(part)]))) for part in self.parts
-        )
+        self.surface_nodes = tuple(_union(surfaces[id(part)]) for part in self.parts)
         counts = [len(surface.nodes) for surface in self.surface_nodes]
         self._first_node = np.concatenate(([0], np.cumsum(counts)))
         sizes = [len(contact.pairing.key_nodes(contact.secondary)) for contact in self.contacts]
@@ -163,6 +161,16 @@ class ContactSystem:
             np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
         )
+
+
+def _union(surfaces: list[Surface]) -> SurfaceNodes:
+    """Nodes of one part's surfaces; where several have a node, the first with a curve gives its place."""
+    nodes = np.unique(np.concatenate([surface.nodes for surface in surfaces]))
+    shifts = np.zeros((len(nodes), 2))
+    for surface in reversed(surfaces):
+        if surface.curve is not None:
+            shifts[np.searchsorted(nodes, surface.nodes)] = surface.shifts
+    return SurfaceNodes(surfaces[0].part.body, nodes, shifts if shifts.any() else None)
 
 
 def _components(places: Ints) -> Ints:

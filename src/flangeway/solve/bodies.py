@@ -32,11 +32,21 @@ class SurfaceNodes:
         The body.
     nodes
         Its nodes, shape (n,), without repetition.
+    shifts
+        What leads from the nodes to the surface that they stand for, in the body's frame, shape (n, 2); left out: the
+        nodes are on it.
 
     """
 
     body: Body
     nodes: NDArray[np.int32]
+    shifts: Floats | None = None
+
+    @property
+    def points(self) -> Floats:
+        """Points of the surface in the body's frame, shape (n, 2)."""
+        points: Floats = self.body.space.nodes[self.nodes]
+        return points if self.shifts is None else points + self.shifts
 
 
 class BodyResponse(ABC):
@@ -56,10 +66,7 @@ class BodyResponse(ABC):
 
     def reference(self, placements: Sequence[Placement]) -> Floats:
         """Positions of the surface nodes before deformation, shape (n_nodes, 2)."""
-        parts = [
-            placement.points(surface.body.space.nodes[surface.nodes])
-            for surface, placement in zip(self.surfaces, placements, strict=True)
-        ]
+        parts = [placement.points(surface.points) for surface, placement in zip(self.surfaces, placements, strict=True)]
         return np.concatenate(parts)
 
     @abstractmethod

@@ -6,6 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import solve as solve_dense
 
 from flangeway.problems import Body
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
@@ -95,9 +96,16 @@ class CondensedBodies(BodyResponse):
         ones = (np.ones(len(bent)), (bent, np.arange(len(bent))))
         units = sp.csr_array(sp.coo_array(ones, shape=(len(geometric), len(bent))))
         columns = self._flex(rotations, touched, units)
-        inner = geometric[np.ix_(bent, bent)]
-        matrix = np.eye(len(bent)) + inner @ columns[bent]
-        return free - columns @ np.linalg.solve(matrix, inner @ free[bent])
+        # each of its rows holds the few unknowns of a pair: sparse products cost nothing beside the solution
+        inner = sp.csr_array(geometric[np.ix_(bent, bent)])
+        matrix = inner @ columns[bent]
+        matrix[np.diag_indices(len(bent))] += 1.0
+        bend = solve_dense(matrix, inner @ free[bent], overwrite_a=True, overwrite_b=True, check_finite=False)
+        for number in range(len(self._condensed)):  # each body yields to its own forces alone
+            here, _ = self._touched_of(number, touched)
+            mine = np.flatnonzero(np.isin(bent, here))
+            free[here] -= columns[np.ix_(here, mine)] @ bend[mine]
+        return free
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
