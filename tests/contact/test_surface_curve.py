@@ -41,7 +41,7 @@ def test_nodes_are_shifted_onto_the_arc(kind: str) -> None:
 
 
 def test_a_curve_takes_the_corners_of_the_mesh_out_of_the_pressure() -> None:
-    """Two discs of polygons, order 2: with the curve the pressure is Hertz's within 1 % of p0, without not within 4 %."""
+    """Two discs of polygons: with the curve the pressure is Hertz's within 1 % of p0, without it not within 4 %."""
     part, edges, outline = half_disc("polygons", 0.03)
     other, other_edges, _ = half_disc("polygons", 0.034)
     below = Part("below", other.body, Placement(np.pi))
