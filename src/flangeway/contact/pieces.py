@@ -22,6 +22,7 @@ Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
 SNAP = 1e-8  # parts of an edge within which the ends of two pieces are one
+FAR = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
 LEAST_FACING = 0.2  # cosine between the normals of two edges above which they do not face each other
 
 
@@ -77,7 +78,10 @@ def find_pieces(secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints
     units = [chord / np.linalg.norm(chord, axis=1)[:, None] for chord in chords]
     facing = np.einsum("ci,ci->c", units[0][edges], units[1][partners]) < -LEAST_FACING
     edges, partners = edges[facing], partners[facing]
-    # the two sides run against each other
+    # the two sides run against each other; curved edges are near enough to their chords to leave out what is far
+    low, high = (closest_parameters(primary[partners, end], secondary[edges][:, [0, -1]]) for end in (-1, 0))
+    over = (high > -FAR) & (low < 1.0 + FAR)
+    edges, partners = edges[over], partners[over]
     low = closest_parameters(primary[partners, -1], secondary[edges])
     high = closest_parameters(primary[partners, 0], secondary[edges])
     start_is_foot, end_is_foot = low > SNAP, high < 1.0 - SNAP
