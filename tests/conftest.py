@@ -1,7 +1,11 @@
 """Small contact problems that several tests share."""
 
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
+
+# before NumPy is imported: on a busy machine, threads that wait for each other take minutes for small matrices
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 import pytest

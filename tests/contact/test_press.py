@@ -171,3 +171,22 @@ def test_the_suggested_penalty_works(press) -> None:
     exact = press_contacts(given, None)
     assert -solution.state.linearisation.gaps.min() < 0.05 * 0.05
     assert solution.forces[0, 1] == pytest.approx(exact.forces[0, 1], rel=0.03)
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments", "dual"])
+def test_parts_out_of_reach_do_not_touch(press, pairing) -> None:
+    """A disc lifted by 10 mm converges at once without force; dropped from there it ends as if pressed directly."""
+    contact = contact_of(press, pairing, Multiplier())
+    disc = contact.secondary.part
+    away = press_contacts(contact, {disc: Placement(0.0, (0.0, 10.0))})
+    assert away.status.converged
+    assert not away.state.forces.any()
+    assert not away.forces.any()
+    assert pressure_patches(away.system, away.state) == []
+    lifted = type(disc)(disc.name, disc.body, Placement(0.0, (0.0, 3.0)))
+    surface = type(contact.secondary)(lifted, contact.secondary.edges)
+    dropped = press_contacts(
+        Contact(surface, contact.primary, pairing, Multiplier()), {lifted: Placement(0.0, (0.0, -3.05))}
+    )
+    direct = press_contacts(contact, None)
+    assert dropped.forces[0, 1] == pytest.approx(direct.forces[0, 1], rel=1e-9)

@@ -120,7 +120,7 @@ class SegmentPairs:
         """See `flangeway.contact.pairs.Pairs.gradients`."""
         first = np.stack([gap.gradient for gap in self.integrals.gaps], axis=1)
         gradients: Floats = np.einsum("prs,psd->prd", self.weights, first)
-        return gradients.reshape(len(self.pieces), 2, -1, 2)
+        return gradients.reshape(*gradients.shape[:2], gradients.shape[2] // 2, 2)
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `flangeway.contact.pairs.Pairs.curvatures`."""
