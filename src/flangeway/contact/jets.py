@@ -106,17 +106,9 @@ class Jet:
         """Difference."""
         return self + (-other)
 
-    def __radd__(self, other: Floats | float) -> "Jet":
-        """Sum with a constant on the left."""
-        return self + other
-
     def __rsub__(self, other: Floats | float) -> "Jet":
         """Difference from a constant on the left."""
         return -self + other
-
-    def __rmul__(self, other: Floats | float) -> "Jet":
-        """Product with a constant on the left."""
-        return self * other
 
     def __truediv__(self, other: "Jet") -> "Jet":
         """Quotient."""
