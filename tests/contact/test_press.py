@@ -142,6 +142,7 @@ def test_an_augmented_lagrangian_that_cannot_reach_its_tolerance_says_so(press) 
         (lambda s, p: Contact(s, p, NodeToSegment(), Multiplier(), friction=0.3), "frictionless"),
         (lambda s, _: Contact(s, s, NodeToSegment(), Multiplier()), "with itself"),
         (lambda _s, _p: SegmentToSegment(reach=-1.0), "positive length"),
+        (lambda _s, _p: SegmentToSegment(depth=0.0), "positive length"),
         (lambda _s, _p: SegmentToSegment(weighting="lumped"), "'standard' or 'dual'"),
         (lambda _s, _p: AugmentedLagrange(1e5, "length", 0.0), "positive length"),
         (lambda _s, _p: Penalty(-1.0, per="length"), "positive number"),
@@ -190,3 +191,13 @@ def test_parts_out_of_reach_do_not_touch(press, pairing) -> None:
     )
     direct = press_contacts(contact, None)
     assert dropped.forces[0, 1] == pytest.approx(direct.forces[0, 1], rel=1e-9)
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments", "dual"])
+def test_a_step_deeper_than_the_elements_keeps_the_contact(press, pairing) -> None:
+    """Pressed 1.5 mm at once, five times the elements, the disc ends with force and without penetration."""
+    contact = contact_of(press, pairing, Multiplier())
+    solution = press_contacts(contact, {contact.secondary.part: Placement(0.0, (0.0, -1.5))})
+    assert solution.status.converged
+    assert solution.state.forces.sum() > 0.0
+    assert solution.state.linearisation.gaps.min() > -1e-9

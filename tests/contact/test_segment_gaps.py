@@ -22,7 +22,7 @@ def chain(n_edges: int, order: int, length: float, height: float, bend: float, *
 
 def pieces_between(secondary: np.ndarray, primary: np.ndarray):
     """Pieces of two chains, and the nodes' positions of each piece."""
-    pieces = find_pieces(secondary, primary, candidate_pairs(secondary, primary, 1.0), 1.0)
+    pieces = find_pieces(secondary, primary, candidate_pairs(secondary, primary, 1.0), 1.0, 1.0)
     return pieces, secondary[pieces.edges], primary[pieces.partners]
 
 

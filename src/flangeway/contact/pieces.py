@@ -60,7 +60,9 @@ class Pieces:
         )  # fmt: skip
 
 
-def find_pieces(secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints], reach: float) -> Pieces:
+def find_pieces(
+    secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints], reach: float, depth: float
+) -> Pieces:
     """Cut secondary edges at the feet of the primary edges' ends.
 
     Parameters
@@ -69,8 +71,8 @@ def find_pieces(secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints
         Current positions of the edges' nodes, their bodies on the left, shapes (n, order + 1, 2).
     candidates
         Secondary and primary edges that may face each other, each of shape (c,).
-    reach
-        Largest distance along the secondary's normal at the middle of a piece, either way.
+    reach, depth
+        Largest gap and largest penetration along the secondary's normal at the middle of a piece.
 
     """
     edges, partners = candidates
@@ -88,8 +90,8 @@ def find_pieces(secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints
     starts, ends = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
     pieces = Pieces(edges, partners, starts, ends, start_is_foot, end_is_foot).take(ends - starts > SNAP)
     middle = (pieces.starts + pieces.ends) / 2.0
-    near = np.abs(_distances(secondary[pieces.edges], primary[pieces.partners], middle)) < reach
-    return pieces.take(near)
+    distance = _distances(secondary[pieces.edges], primary[pieces.partners], middle)
+    return pieces.take((distance < reach) & (distance > -depth))
 
 
 @dataclass(frozen=True, eq=False)

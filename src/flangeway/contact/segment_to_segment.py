@@ -154,17 +154,22 @@ class SegmentToSegment:
     ----------
     reach
         Pieces farther apart take no part; None: twice the mean length of the primary edges.
+    depth
+        Pieces that penetrate deeper take no part; None: half the extent of the smaller surface. A step that moves a
+        surface deeper than this into the other would lose the contact.
     weighting
         ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions.
 
     """
 
     reach: float | None = None
+    depth: float | None = None
     weighting: Literal["standard", "dual"] = "standard"
 
     def __post_init__(self) -> None:
-        if self.reach is not None and not self.reach > 0.0:
-            raise InputError(f"SegmentToSegment(reach={self.reach})", "a positive length or None", "leave it out")
+        for name, value in (("reach", self.reach), ("depth", self.depth)):
+            if value is not None and not value > 0.0:
+                raise InputError(f"SegmentToSegment({name}={value})", "a positive length or None", "leave it out")
         if self.weighting not in ("standard", "dual"):
             raise InputError(
                 f"SegmentToSegment(weighting={self.weighting!r})", "'standard' or 'dual'", "choose one of these"
@@ -196,8 +201,11 @@ class SegmentToSegment:
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         edges = positions[secondary.edge_places]
-        candidates = candidate_pairs(edges, primary_edges, reach)
-        pieces = find_pieces(edges, primary_edges, candidates, reach)
+        depth = (
+            self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
+        )
+        candidates = candidate_pairs(edges, primary_edges, max(reach, depth))
+        pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         on_secondary, on_primary = edges[pieces.edges], primary_edges[pieces.partners]
         lengths = secondary.edge_lengths[pieces.edges]
         found = integrate(pieces, on_secondary, on_primary, lengths, second=False)
