@@ -275,6 +275,7 @@ class _Run:
             named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
             more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
+            advice += "; with node-to-segment contact, make the finer surface secondary or take segment-to-segment"
         return f"not converged in {self.settings.max_iterations} iterations: {reason}; {advice}"
 
     def result(self, message: str, *, converged: bool) -> ContactState:
