@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.contact.pairs import Pairs
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -32,9 +33,9 @@ class Penalty:
     def __post_init__(self) -> None:
         _refuse_bad_penalty(type(self).__name__, self.value, self.per)
 
-    def compliances(self, areas: Floats) -> Floats:
-        """Penetration per force of constraints with some areas (length times thickness)."""
-        return _compliances(self.value, self.per, areas)
+    def compliances(self, pairs: Pairs) -> Floats:
+        """Penetration per force of each constraint, shape (m,)."""
+        return _compliances(self.value, self.per, pairs.areas)
 
     @property
     def penetration(self) -> float:
@@ -68,18 +69,22 @@ class AugmentedLagrange:
                 "a thousandth of the expected approach is a usual choice",
             )
 
-    def compliances(self, areas: Floats) -> Floats:
-        """Penetration per force about the last correction; see `Penalty.compliances`."""
-        return _compliances(self.value, self.per, areas)
+    def compliances(self, pairs: Pairs) -> Floats:
+        """Penetration per force about the last correction, shape (m,).
+
+        Constraints that the primary faces in part are as stiff as whole ones, since the answer does not depend on it
+        and corrections of softer ones would take long.
+        """
+        return _compliances(self.value, self.per, pairs.whole_areas)
 
 
 @dataclass(frozen=True)
 class Multiplier:
     """Forces as unknowns that leave no penetration (Lagrange multipliers with an active set)."""
 
-    def compliances(self, areas: Floats) -> Floats:
-        """Nothing gives."""
-        return np.zeros_like(areas)
+    def compliances(self, pairs: Pairs) -> Floats:
+        """Nothing gives, shape (m,)."""
+        return np.zeros(len(pairs.keys))
 
     @property
     def penetration(self) -> float:

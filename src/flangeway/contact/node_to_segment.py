@@ -53,6 +53,11 @@ class NodePairs:
         return self.kinematics.gaps
 
     @property
+    def whole_areas(self) -> Floats:
+        """See `flangeway.contact.pairs.Pairs.whole_areas`."""
+        return self.areas
+
+    @property
     def secondary_members(self) -> Ints:
         """See `flangeway.contact.pairs.Pairs.secondary_members`."""
         return self.nodes[:, None]

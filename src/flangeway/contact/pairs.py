@@ -33,7 +33,11 @@ class Pairs(Protocol):
 
     @property
     def areas(self) -> Floats:
-        """Area of each constraint, length times thickness, shape (m,)."""
+        """Area of each constraint, length times thickness, where the primary faces it, shape (m,)."""
+
+    @property
+    def whole_areas(self) -> Floats:
+        """Area of each constraint if the primary faced all of it, shape (m,)."""
 
     @property
     def secondary_members(self) -> Ints:

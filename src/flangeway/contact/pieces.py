@@ -104,8 +104,6 @@ class PieceIntegrals:
         ``int phi_r g ds``, a jet of shape (p,) for r = 0 and 1, over the undeformed length.
     lengths
         ``int phi_r ds``, shape (p, 2).
-    masses
-        ``int phi_r phi_s ds``, shape (p, 2, 2).
     primary_shapes
         ``int phi_r N_a ds`` with the primary edge's functions at the opposite point, shape (p, 2, order + 1).
 
@@ -113,7 +111,6 @@ class PieceIntegrals:
 
     gaps: tuple[Jet, Jet]
     lengths: Floats
-    masses: Floats
     primary_shapes: Floats
 
 
@@ -160,7 +157,6 @@ def integrate(
     return PieceIntegrals(
         (gaps[0], gaps[1]),
         np.einsum("nrq,nq->nr", shares, measure.value),
-        np.einsum("nrq,nsq,nq->nrs", shares, shares, measure.value),
         np.einsum("nrq,nq,nqa->nra", shares, measure.value, there),
     )
 

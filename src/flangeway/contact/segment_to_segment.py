@@ -4,8 +4,7 @@ Each end of a secondary edge carries a hat function, linear over the edges. On e
 order less than the displacements, which keeps multipliers free of oscillations (as Taylor and Hood's pair does for
 fluids; with a hat at every node they oscillate), and pressures of values >= 0 are >= 0 everywhere. The constraint of a
 hat is the mean of the gap weighted with it (Puso and Laursen, 2004, Comput. Methods Appl. Mech. Eng. 193), or with the
-biorthogonal function of the same edge (Wohlmuth, 2000, SIAM J. Numer. Anal. 38; cut to the covered part as by Cichosz
-and Bischoff, 2011).
+biorthogonal function of the same edge (Wohlmuth, 2000, SIAM J. Numer. Anal. 38).
 """
 
 from dataclasses import dataclass
@@ -27,7 +26,10 @@ SHARP = np.deg2rad(30.0)
 """Turn of a surface above which the two sides of a node have a constraint each."""
 
 LEAST_COVERED = 1e-6
-"""Part of a hat function's area that must face the primary."""
+"""Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
+
+DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
+"""Biorthogonal functions of an edge as combinations of its two hats."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +88,7 @@ class SegmentPairs:
         Undeformed lengths of the pieces' secondary edges, shape (p,).
     integrals
         Integrals over the pieces, with first derivatives.
-    keys, nodes, gaps, areas, secondary_members, rows
+    keys, nodes, gaps, areas, whole_areas, secondary_members, rows
         See `flangeway.contact.pairs.Pairs`.
     weights
         What the integrals with a piece's two hats add to the gaps of its two constraints, shape (p, 2, 2).
@@ -101,6 +103,7 @@ class SegmentPairs:
     nodes: Ints
     gaps: Floats
     areas: Floats
+    whole_areas: Floats
     secondary_members: Ints
     rows: Ints
     weights: Floats
@@ -158,7 +161,8 @@ class SegmentToSegment:
         Pieces that penetrate deeper take no part; None: half the extent of the smaller surface. A step that moves a
         surface deeper than this into the other would lose the contact.
     weighting
-        ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions.
+        ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions, on edges
+        that the primary faces as a whole; these show less scatter.
 
     """
 
@@ -220,25 +224,24 @@ class SegmentToSegment:
         row_of[keys] = np.arange(len(keys))
         inverse = np.zeros(len(hats.nodes))
         inverse[keys] = 1.0 / covered[keys]
-        weights = self._functions(pieces, found, len(secondary.edges)) * inverse[of_piece][:, :, None]
+        weights = self._functions(pieces, found, secondary.edge_lengths) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
         integrals = np.stack([gap.value for gap in found.gaps], axis=1)
         gaps = np.zeros(len(keys))
         np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals))
         return SegmentPairs(
             pieces, (on_secondary, on_primary), lengths, found,
-            keys, hats.nodes[keys], gaps, covered[keys] * thickness,
+            keys, hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
             secondary.edge_places[pieces.edges], rows, weights,
         )  # fmt: skip
 
-    def _functions(self, pieces: Pieces, found: PieceIntegrals, n_edges: int) -> Floats:
+    def _functions(self, pieces: Pieces, found: PieceIntegrals, edge_lengths: Floats) -> Floats:
         """Weighting functions as combinations of the two hats of each piece's edge, shape (p, 2, 2)."""
-        if self.weighting == "standard":
-            return np.broadcast_to(np.eye(2), (len(pieces), 2, 2))
-        masses = np.zeros((n_edges, 2, 2))
-        np.add.at(masses, pieces.edges, found.masses)
-        lengths = masses.sum(axis=2)
-        seen = np.unique(pieces.edges)
-        functions = np.zeros_like(masses)
-        functions[seen] = lengths[seen][:, :, None] * np.linalg.inv(masses[seen])
-        return functions[pieces.edges]
+        functions = np.zeros((len(pieces), 2, 2))
+        functions[:] = np.eye(2)
+        if self.weighting == "dual":
+            covered = np.zeros(len(edge_lengths))
+            np.add.at(covered, pieces.edges, found.lengths.sum(axis=1))
+            whole = covered > (1.0 - LEAST_COVERED) * edge_lengths
+            functions[whole[pieces.edges]] = DUAL
+        return functions

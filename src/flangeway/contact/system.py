@@ -157,7 +157,7 @@ class ContactSystem:
             np.concatenate([_shifted(p.partners, self._first_edge[i]) for i, p in enumerate(all_pairs)]),
             np.concatenate([pairs.gaps for pairs in all_pairs]),
             jacobian,
-            np.concatenate([law.compliances(pairs.areas) for law, pairs in zip(laws, all_pairs, strict=True)]),
+            np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
         )
