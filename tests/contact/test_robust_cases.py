@@ -1,0 +1,183 @@
+"""Cases that break weak contact methods: each converges, bears what it must, and its forces balance."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from flangeway.contact import (
+    AugmentedLagrange,
+    Contact,
+    ContactSolution,
+    Multiplier,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+    Surface,
+)
+from flangeway.contact.contact import Pairing
+from flangeway.contact.enforcement import Enforcement
+from flangeway.solve import NewtonSettings, StepSettings
+from flangeway.study.contact_cases import (
+    ContactCase,
+    Discretisation,
+    block_into_corner,
+    block_on_long_block,
+    imbalance,
+    pin_in_bore,
+    pressed_boxes,
+    stack_of_three,
+)
+
+BALANCED = 1e-10
+WAYS: dict[str, tuple[Pairing, Enforcement]] = {
+    "nodes-penalty": (NodeToSegment(), Penalty(1e6, per="length")),
+    "nodes-multiplier": (NodeToSegment(), Multiplier()),
+    "segments-penalty": (SegmentToSegment(), Penalty(1e6, per="length")),
+    "segments-augmented": (SegmentToSegment(), AugmentedLagrange(1e6, per="length", penetration=1e-6)),
+    "segments-multiplier": (SegmentToSegment(), Multiplier()),
+    "dual-multiplier": (SegmentToSegment(weighting="dual"), Multiplier()),
+}
+SIDES = {
+    "T3": (Discretisation(0.2), Discretisation(0.23)),
+    "T6": (Discretisation(0.2, order=2), Discretisation(0.23, order=2)),
+    "VEM2-T3": (Discretisation(0.3, "vem", 2), Discretisation(0.2)),
+}
+Build = Callable[..., ContactCase]
+
+
+@pytest.fixture(params=WAYS, scope="module")
+def way(request: pytest.FixtureRequest) -> tuple[Pairing, Enforcement]:
+    """How surfaces are paired and penetration is prevented."""
+    return WAYS[request.param]
+
+
+@pytest.fixture(params=SIDES, scope="module")
+def sides(request: pytest.FixtureRequest) -> tuple[Discretisation, Discretisation]:
+    """Discretisations of the secondary and the primary side."""
+    return SIDES[request.param]
+
+
+def solved(case: ContactCase) -> ContactSolution:
+    """Solution of a case, converged and balanced."""
+    solution = case.solve()
+    assert solution.status.converged, solution.status.message
+    assert imbalance(solution) < BALANCED
+    assert (solution.state.forces >= 0.0).all()
+    return solution
+
+
+def own_imbalance(case: ContactCase, solution: ContactSolution) -> float:
+    """Largest sum of force or moment of all parts' nodal forces over the largest force, counted node by node."""
+    total, largest = np.zeros(3), 0.0
+    for part, place in zip(solution.system.parts, solution.state.placements, strict=True):
+        forces = solution.nodal_forces(part)
+        nodes = part.body.space.nodes
+        moved = solution.field(part).displacements[: len(nodes)]
+        points = place.points(nodes + moved)
+        moments = points[:, 0] * forces[:, 1] - points[:, 1] * forces[:, 0]
+        total += [*forces.sum(axis=0), moments.sum()]
+        largest = max(largest, float(np.abs(forces).max()))
+    return float(np.abs(total).max()) / largest
+
+
+@pytest.mark.parametrize("secondary", ["upper", "lower"])
+@pytest.mark.parametrize("round_the_corner", [False, True])
+def test_short_block_on_long_one(
+    way: tuple[Pairing, Enforcement],
+    sides: tuple[Discretisation, Discretisation],
+    secondary: str,
+    round_the_corner: bool,
+) -> None:
+    """Contact up to sharp edges bears 402 kN, whichever side is secondary, also if the surface goes round the edges."""
+    case = block_on_long_block(*sides, *way, secondary=secondary, sides=round_the_corner)  # type: ignore[arg-type]
+    solution = solved(case)
+    assert own_imbalance(case, solution) < BALANCED
+    sign = 1.0 if secondary == "upper" else -1.0
+    assert sign * solution.forces[0, 1] == pytest.approx(402.0, rel=0.05)
+    assert abs(solution.forces[0, 0]) < 0.002 * abs(solution.forces[0, 1])
+    lower = case.part("lower")
+    loaded = np.abs(solution.nodal_forces(lower)).max(axis=1) > 0.0
+    reach = 1.0 + 1.1 * max(side.edge_length for side in sides)
+    assert np.abs(lower.body.space.nodes[loaded, 0]).max() < reach
+
+
+def test_pin_in_a_conforming_bore(
+    way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+) -> None:
+    """A pin with a clearance of a hundredth of its radius is borne by the lower half of its bore alone."""
+    case = pin_in_bore(*sides, *way)
+    solution = solved(case)
+    assert abs(solution.forces[0, 0]) < 0.02 * solution.forces[0, 1]
+    assert 300.0 < solution.forces[0, 1] < 520.0
+    pin = case.part("pin")
+    loaded = np.abs(solution.nodal_forces(pin)).max(axis=1) > 0.0
+    assert pin.body.space.nodes[loaded, 1].max() < 0.0
+
+
+def test_block_into_a_corner(way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]) -> None:
+    """Two contacts that share the corner's node and one contact of surfaces with a corner bear the same forces."""
+    apart = solved(block_into_corner(*sides, *way))
+    as_one = solved(block_into_corner(*sides, *way, as_one=True))
+    total = apart.forces.sum(axis=0)
+    assert total == pytest.approx([252.0, 360.0], rel=0.12)
+    # by nodes, the corner's node has one edge to face in one contact, two in two
+    near = 0.08 if isinstance(way[0], NodeToSegment) else 1e-6
+    assert as_one.forces[0] == pytest.approx(total, rel=near)
+
+
+def test_stack_of_three(way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]) -> None:
+    """A plate between two blocks passes on the force of the one to the other, but for what its held ends take."""
+    case = stack_of_three((sides[0], sides[1], sides[0]), *way)
+    solution = solved(case)
+    assert own_imbalance(case, solution) < BALANCED
+    assert (solution.forces[:, 1] > 400.0).all()
+    assert solution.forces[0, 1] == pytest.approx(solution.forces[1, 1], rel=0.02)
+
+
+@pytest.mark.parametrize(("method", "order"), [("fem", 1), ("fem", 2), ("vem", 1), ("vem", 2)])
+def test_matching_meshes(way: tuple[Pairing, Enforcement], method: str, order: int) -> None:
+    """Meshes that match node by node converge without hopping and pass the contact patch test."""
+    side = Discretisation(0.25, method, order)  # type: ignore[arg-type]
+    case = pressed_boxes(side, side, *way)
+    solution = solved(case)
+    assert len(solution.steps) == 1
+    pressures = solution.state.forces / np.concatenate([pairs.areas for pairs in solution.state.linearisation.pairs])  # type: ignore[attr-defined]
+    assert np.ptp(pressures) < 1e-8 * pressures.mean()
+
+
+@pytest.mark.parametrize("name", ["nodes-penalty", "segments-multiplier"])
+def test_surfaces_in_either_orientation(name: str) -> None:
+    """Edges given backwards or out of order make the same contact to the last digit."""
+    case = block_into_corner(*SIDES["T6"], *WAYS[name], as_one=True)
+    contact = case.contacts[0]
+    shuffled = np.random.default_rng(5).permutation(contact.secondary.edges)
+    given = [(contact.secondary.part, shuffled), (contact.primary.part, contact.primary.edges[::-1, ::-1])]
+    turned = Contact(*(Surface(part, edges) for part, edges in given), contact.pairing, contact.enforcement)
+    forces = [ContactCase((each,), case.motion).solve().forces for each in (contact, turned)]
+    assert (forces[0] == forces[1]).all()
+
+
+@pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])
+def test_bodies_that_do_not_meet(pairing: Pairing) -> None:
+    """Bodies that stay apart, out of reach or nearly touching, bear nothing and converge at once."""
+    for gap in (5.0, 0.05):
+        solution = solved(block_into_corner(*SIDES["T3"], pairing, Multiplier(), gap=gap))
+        assert (solution.forces == 0.0).all()
+
+
+@pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])
+def test_a_block_dropped_from_afar(pairing: Pairing) -> None:
+    """A block that starts out of reach of the corner bears what it bears if it starts near."""
+    near = solved(block_into_corner(*SIDES["T3"], pairing, Multiplier()))
+    far = solved(block_into_corner(*SIDES["T3"], pairing, Multiplier(), gap=3.0, motion=(-3.01, -3.02)))
+    assert far.forces == pytest.approx(near.forces, rel=1e-9, abs=1e-9 * near.forces.max())
+
+
+def test_a_failure_says_where_and_what_to_try() -> None:
+    """An iteration that is cut short names contact nodes, their places, and what may help."""
+    case = pin_in_bore(*SIDES["T6"], *WAYS["nodes-penalty"], clearance=0.05, depth=0.1)
+    solution = case.solve(settings=NewtonSettings(max_iterations=3), steps=StepSettings(smallest=1.0))
+    assert not solution.status.converged
+    for words in ("not converged in 3 iterations", "of 'pin' at (", "on 'bore'", "take smaller steps"):
+        assert words in solution.status.message
