@@ -163,7 +163,7 @@ def test_users_see_how_certain_the_contours_are():
     [
         (lambda: rail("54E1"), "136RE"),
         (lambda: rail(crown_radius_in=12), "8, 10, 14"),
-        (lambda: wheel("S1002"), "AAR-1B"),
+        (lambda: wheel("S1003"), "AAR-1B"),
         (lambda: wheel(cut_height_mm=5.0), "20 to 100"),
         (lambda: wheel(cut_height_mm=math.nan), "20 to 100"),
         (lambda: wheel(throat_radius_mm=25.0), "10 to 20"),

@@ -52,7 +52,7 @@ def test_text_and_numbers_give_the_same_case():
         ({"crown_radius_in": 9}, "crown_radius_in = 9", "8, 10, 14", "choose"),
         ({"rail": "UIC33"}, "rail 'UIC33'", "136RE", "choose"),
         ({"rail": "60E1", "crown_radius_in": 10}, "crown_radius_in = 10 for 60E1", "no crown radius", "leave it out"),
-        ({"wheel": "S1002"}, "wheel 'S1002'", "AAR-1B", "choose"),
+        ({"wheel": "S1003"}, "wheel 'S1003'", "AAR-1B", "choose"),
     ],
 )
 def test_wrong_inputs_are_named(values, given, allowed, advice):

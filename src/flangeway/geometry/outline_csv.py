@@ -48,15 +48,15 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.strip().startswith("#")
     ]
-    header, in_header = _header(lines[0][1] if lines else "")
+    header, in_header = parse_header(lines[0][1] if lines else "")
     in_comment = [match[1] for line in comments if (match := re.fullmatch(r"unit:\s*(\w+)", line))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
-    rows = _rows(header, lines[1:])
+    rows = parse_rows(header, lines[1:])
     mirrored = mirrored or "mirror" in comments
     if "x" in header:
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
     else:
-        loops = _loops([_segment(row, number) for number, row in rows])
+        loops = _loops([parse_segment(row, number) for number, row in rows])
     notices: list[str] = []
     outlines = []
     for number, loop in enumerate(loops, 1):
@@ -75,7 +75,7 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), agreed, notices=tuple(notices))
 
 
-def _header(line: str) -> tuple[list[str], str | None]:
+def parse_header(line: str) -> tuple[list[str], str | None]:
     """Return the names of columns without units, and the unit that they carry."""
     names = [name.strip() for name in next(csv.reader([line]), [])]
     units = {name.rpartition("_")[2] for name in names if name.rpartition("_")[0] in _COORDINATES}
@@ -94,7 +94,8 @@ def _header(line: str) -> tuple[list[str], str | None]:
     return plain, next(iter(units), None)
 
 
-def _rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
+def parse_rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[tuple[int, dict[str, str]]]:
+    """Return the cells of lines by column, with the number of each line."""
     rows = []
     for number, line in lines:
         cells = next(csv.reader([line]))
@@ -119,7 +120,8 @@ def _point(row: Mapping[str, str], x: str, y: str, number: int) -> Point:
     return coordinate(x), coordinate(y)
 
 
-def _segment(row: Mapping[str, str], number: int) -> DrawnSegment:
+def parse_segment(row: Mapping[str, str], number: int) -> DrawnSegment:
+    """Return the line or arc of a row, whose line of the file is named in errors."""
     start, end = _point(row, "x0", "y0", number), _point(row, "x1", "y1", number)
     name = row.get("name") or "side"
     if row["type"] == "line":

@@ -21,8 +21,8 @@ from flangeway.geometry.drawn_section import DrawnSection, agreed_unit
 from flangeway.geometry.mending import DrawnSegment, drawn_circle, mended_outline
 from flangeway.geometry.region import Section, nested_regions
 
-_UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
-_CURVES = ("SPLINE", "ELLIPSE", "INSERT", "REGION", "MLINE", "HELIX", "3DSOLID", "BODY", "MESH", "3DFACE")
+UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
+CURVED_ENTITIES = ("SPLINE", "ELLIPSE", "INSERT", "REGION", "MLINE", "HELIX", "3DSOLID", "BODY", "MESH", "3DFACE")
 _HOW = "a drawing with $INSUNITS of inches, feet, mm, cm or m, or the option --unit"
 
 
@@ -42,14 +42,14 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
         If it is no DXF drawing, holds curves that are neither lines nor arcs, or an outline is wrong.
 
     """
-    drawing = _drawing(content)
-    agreed = agreed_unit(_UNITS.get(int(drawing.header.get("$INSUNITS", 0))), unit, _HOW)
+    drawing = open_drawing(content)
+    agreed = agreed_unit(UNITS.get(int(drawing.header.get("$INSUNITS", 0))), unit, _HOW)
     loops: list[list[DrawnSegment]] = []
     chains: list[list[DrawnSegment]] = []
     ignored: Counter[str] = Counter()
     for entity in drawing.modelspace():
         kind = entity.dxftype()
-        if kind in _CURVES:
+        if kind in CURVED_ENTITIES:
             raise InputError(
                 f"a {kind} on layer {entity.dxf.layer!r}",
                 "LINE, ARC, CIRCLE, LWPOLYLINE and POLYLINE",
@@ -59,11 +59,11 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
             centre = _flat(entity, entity.dxf.center)
             loops.append(drawn_circle(centre, float(entity.dxf.radius), entity.dxf.layer))
         elif kind in ("LINE", "ARC"):
-            chains.append([_drawn(entity)])
+            chains.append([drawn_entity(entity)])
         elif kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
-            pieces = [_drawn(piece) for piece in entity.virtual_entities()]
+            pieces = [drawn_entity(piece) for piece in entity.virtual_entities()]
             if pieces:
-                (loops if entity.is_closed else chains).append(_in_order(pieces))
+                (loops if entity.is_closed else chains).append(in_order(pieces))
         else:
             ignored[kind] += 1
     loops += _joined_chains(chains)
@@ -85,13 +85,14 @@ def _section(loops: Sequence[list[DrawnSegment]], unit: str, ignored: Counter[st
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), unit, notices=tuple(notices))
 
 
-def _drawing(content: bytes) -> Any:
+def open_drawing(content: bytes) -> Any:
+    """Return the ezdxf document of a file's bytes; an InputError if it is none or damaged."""
     from ezdxf import recover  # noqa: PLC0415  (slow to import, and few programs read drawings)
     from ezdxf.lldxf.const import DXFError  # noqa: PLC0415
 
     try:
         drawing, auditor = recover.read(io.BytesIO(content))
-    except (OSError, ValueError, LookupError, TypeError, AttributeError, DXFError) as reason:
+    except (OSError, ValueError, LookupError, TypeError, AttributeError, AssertionError, DXFError) as reason:
         raise InputError(f"a file that is no DXF drawing: {reason}", "DXF", "save the drawing as DXF again") from reason
     if auditor.has_errors:
         raise InputError(
@@ -113,7 +114,8 @@ def _flat(entity: Any, point: Any) -> Point:
     return float(place[0]), float(place[1])
 
 
-def _drawn(entity: Any) -> DrawnSegment:
+def drawn_entity(entity: Any) -> DrawnSegment:
+    """Return a LINE or ARC with its layer as name."""
     layer = str(entity.dxf.layer)
     if entity.dxftype() == "LINE":
         return DrawnSegment(_flat(entity, entity.dxf.start), _flat(entity, entity.dxf.end), name=layer)
@@ -130,11 +132,12 @@ def _drawn(entity: Any) -> DrawnSegment:
     )
 
 
-def _reversed(segment: DrawnSegment) -> DrawnSegment:
+def reversed_segment(segment: DrawnSegment) -> DrawnSegment:
+    """Return the segment from its end to its start."""
     return DrawnSegment(segment.end, segment.start, segment.centre, not segment.counter_clockwise, segment.name)
 
 
-def _in_order(pieces: Sequence[DrawnSegment]) -> list[DrawnSegment]:
+def in_order(pieces: Sequence[DrawnSegment]) -> list[DrawnSegment]:
     """Turn the pieces of a polyline, whose arcs all run counter-clockwise, so that each follows the one before."""
     if len(pieces) == 1:
         return list(pieces)
@@ -143,11 +146,11 @@ def _in_order(pieces: Sequence[DrawnSegment]) -> list[DrawnSegment]:
     def gap(point: Point) -> float:
         return min(math.dist(point, second.start), math.dist(point, second.end))
 
-    ordered = [first if gap(first.end) <= gap(first.start) else _reversed(first)]
+    ordered = [first if gap(first.end) <= gap(first.start) else reversed_segment(first)]
     for piece in pieces[1:]:
         place = ordered[-1].end
         forward = math.dist(place, piece.start) <= math.dist(place, piece.end)
-        ordered.append(piece if forward else _reversed(piece))
+        ordered.append(piece if forward else reversed_segment(piece))
     return ordered
 
 
@@ -176,7 +179,7 @@ def _joined_chains(chains: Sequence[list[DrawnSegment]]) -> list[list[DrawnSegme
         while place // 2 in left:
             chain = chains[place // 2]
             left.remove(place // 2)
-            loop += chain if place % 2 == 0 else [_reversed(s) for s in reversed(chain)]
+            loop += chain if place % 2 == 0 else [reversed_segment(s) for s in reversed(chain)]
             place = partner[place ^ 1]
         loops.append(loop)
     return [_exact_joints(loop) for loop in loops]

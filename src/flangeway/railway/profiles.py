@@ -9,8 +9,9 @@ from importlib.resources import files
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Line, Outline, Placement, Segment
+from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Segment
 from flangeway.geometry.arrays import Point, as_point
+from flangeway.railway.wheel_contours import HEAVY_HAUL_TAPE_MM, heavy_haul_contour, s1002_contour
 
 _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
     "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
@@ -19,6 +20,12 @@ _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
 """Files by rail and radius of the crown in inches, the default first; None for a rail with one crown."""
 
 _WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
+WHEELS = ("AAR-1B", "S1002", "heavy-haul")
+"""Names of the bundled wheels."""
+
+RAILS = tuple(_RAIL_FILES)
+"""Names of the bundled rails."""
+
 _CUT_HEIGHTS_MM = (20.0, 100.0)
 _THROAT_RADII_MM = (10.0, 20.0)
 
@@ -69,6 +76,11 @@ class RailProfile:
     certainty: str
     source: str
 
+    @property
+    def running_surface(self) -> Contour:
+        """The head as one chain, from the field side to the gauge side."""
+        return self.outline.part(self.head_names)
+
 
 @dataclass(frozen=True)
 class WheelProfile:
@@ -103,6 +115,11 @@ class WheelProfile:
     flange_back_mm: float
     certainty: str
     source: str
+
+    @property
+    def running_surface(self) -> Contour:
+        """The running surface as one chain, from the flange's back to the rim."""
+        return self.outline.part(self.running_names)
 
 
 def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailProfile:
@@ -179,12 +196,13 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
     Parameters
     ----------
     name
-        ``"AAR-1B"``.
+        ``"AAR-1B"``, ``"S1002"`` or ``"heavy-haul"``.
     cut_height_mm
-        Height above the tape line of the straight cut that closes the region, 20 to 100 mm.
+        Height above the tape line of the straight cut that closes the region, 20 to 100 mm
+        (30 to 100 mm for the heavy-haul wheel, whose rim's edge is higher).
     throat_radius_mm
-        Radius of the arc between the flange's face and the wider arc of the throat, 10 to 20 mm;
-        that of the file (14.2875 mm, inferred) by default. The arc stays tangent to both.
+        Radius of the arc between the flange's face and the wider arc of the throat of the AAR-1B, 10 to
+        20 mm; that of the file (14.2875 mm, inferred) by default. The arc stays tangent to both.
 
     Raises
     ------
@@ -192,9 +210,13 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
         If the name is unknown or a length is out of range.
 
     """
-    if name not in _WHEEL_FILES:
-        raise InputError(f"wheel '{name}'", f"one of {sorted(_WHEEL_FILES)}", "choose a wheel that is there")
+    if name not in WHEELS:
+        raise InputError(f"wheel '{name}'", f"one of {sorted(WHEELS)}", "choose a wheel that is there")
     _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
+    if name not in _WHEEL_FILES:
+        if throat_radius_mm is not None:
+            raise InputError(f"throat_radius_mm = {throat_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+        return _s1002(cut_height_mm) if name == "S1002" else _heavy_haul(cut_height_mm)
     # the file's axes point towards the flange and away from the axle: half a turn, without rounding
     contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
     if throat_radius_mm is not None:
@@ -219,6 +241,50 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
         source=(
             "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
         ),
+    )
+
+
+def _s1002(cut_height: float) -> WheelProfile:
+    return _wheel_below(
+        s1002_contour(),
+        cut_height,
+        title="S1002",
+        certainty=(
+            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.05 micrometres. The "
+            "rim is cut off where the tread ends, 60 mm outside of the tape line; its edge is not drawn."
+        ),
+        source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
+    )
+
+
+def _heavy_haul(cut_height: float) -> WheelProfile:
+    _refuse_outside("cut_height_mm", cut_height, (30.0, 100.0), "50 mm is usual")
+    return _wheel_below(
+        heavy_haul_contour(),
+        cut_height,
+        title="heavy-haul wheel of nine arcs",
+        certainty=(
+            "The arcs are exact. The source does not say where the tape line is: it is taken "
+            f"{HEAVY_HAUL_TAPE_MM:g} mm from the flange's back."
+        ),
+        source="Tutorial 12 of the program GIRAFFE (BSD licence): a Brazilian heavy-haul wheel.",
+    )
+
+
+def _wheel_below(running: Contour, cut_height: float, *, title: str, certainty: str, source: str) -> WheelProfile:
+    """Close a running surface by vertical faces and a straight cut."""
+    back, outer = running.segments[0].start, running.segments[-1].end
+    high_back, high_outer = (back[0], cut_height), (outer[0], cut_height)
+    segments = [*running.segments, Line(outer, high_outer), Line(high_outer, high_back), Line(high_back, back)]
+    outline = Outline.from_segments(segments, [*running.names, "outer_face", "cut", "back_face"])
+    return WheelProfile(
+        title=title,
+        outline=outline,
+        running_names=tuple(dict.fromkeys(running.names)),
+        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_back_mm=-float(running.bounds()[0, 0]),
+        certainty=certainty,
+        source=source,
     )
 
 

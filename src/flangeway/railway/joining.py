@@ -1,0 +1,236 @@
+"""A measured running surface on the body of a nominal rail or wheel.
+
+The rule: the measured surface is kept whole. From each of its ends a straight transition leads to the nominal outline,
+to the point that lies beyond the end's foot on that outline by a blend: four times the distance between the end and its
+foot, at least `LEAST_BLEND_MM` and at most `LARGEST_BLEND_MM`. The nominal
+outline closes the body from there. The ends may be no further from the nominal outline than the limits below: else the
+origin is wrong, or it is the profile of another rail or wheel.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, Line, Outline, Placement, Point, Segment
+from flangeway.railway.pieces import lengths_along, pieces_between, point_at
+from flangeway.railway.profile_file import MeasuredProfile, frame_origin
+from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+
+LEAST_BLEND_MM = 1.0
+LARGEST_BLEND_MM = 12.0
+BLEND_FACTOR = 4.0
+LARGEST_GAP_MM = 3.0
+"""Largest distance of an end of a rail's head, or of a wheel's flange back, from the nominal outline."""
+
+LARGEST_RIM_GAP_MM = 15.0
+"""The same at the rim of a wheel: rims differ in width."""
+
+HEIGHTS_MM = (-30.0, 1.0)
+"""Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
+
+GAUGE_DEPTH_MM = 14.0
+"""Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
+
+MEASURED = "measured"
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Where a measured surface goes over into the nominal outline.
+
+    Parameters
+    ----------
+    end
+        End of the measured surface.
+    foot
+        Closest point of the nominal outline.
+    landing
+        Where the transition reaches the nominal outline.
+    gap_mm
+        Distance between end and foot.
+    name
+        Name of the transition.
+
+    """
+
+    end: Point
+    foot: Point
+    landing: Point
+    gap_mm: float
+    name: str
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A body with a measured running surface.
+
+    Parameters
+    ----------
+    profile
+        The rail or wheel, to be used like a bundled one.
+    nominal
+        The rail or wheel whose body it has.
+    measured
+        The measured surface as it was placed.
+    joints
+        Both joints, in the direction of the outline.
+
+    """
+
+    profile: RailProfile | WheelProfile
+    nominal: RailProfile | WheelProfile
+    measured: Contour
+    joints: tuple[Joint, Joint]
+
+
+def joined(measured: MeasuredProfile, name: str) -> Joined:
+    """Return a body that has a measured running surface and all else of a nominal rail or wheel.
+
+    Rails are placed by their origin: the file's top is the nominal rail's, or the file counts from the base, or its
+    x = 0 is at the nominal gauge face. Wheels have their origin on the tread at the tape line as it is.
+
+    Parameters
+    ----------
+    measured
+        What was read.
+    name
+        A bundled rail or wheel; ``136RE-8``, ``136RE-14`` are the 136RE with these crown radii.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown or of the other kind, the file holds a whole outline, or the surface does not fit.
+
+    """
+    nominal = nominal_profile(name)
+    kind = "rail" if isinstance(nominal, RailProfile) else "wheel"
+    if measured.kind != kind:
+        known = RAILS if measured.kind == "rail" else WHEELS
+        raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
+    if isinstance(measured.surface, Outline):
+        raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
+    shift = (0.0, 0.0) if isinstance(nominal, WheelProfile) else _rail_shift(measured, nominal)
+    surface = measured.surface.transformed(Placement(translation=shift))
+    if isinstance(nominal, RailProfile):
+        _refuse_height(surface, nominal)
+    outline, joints = _closed(surface, nominal)
+    title = f"{measured.title} on {nominal.title}"
+    certainty = f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
+    source = f"File: {measured.format}. Body: {nominal.source}"
+    if isinstance(nominal, WheelProfile):
+        wheel_profile = WheelProfile(
+            title,
+            outline,
+            _running(outline, nominal.running_names),
+            flange_height_mm=-float(outline.bounds()[0, 1]),
+            flange_back_mm=-float(outline.bounds()[0, 0]),
+            certainty=certainty,
+            source=source,
+        )
+        return Joined(wheel_profile, nominal, surface, joints)
+    names = _running(outline, nominal.head_names)[::-1]
+    return Joined(RailProfile(title, outline, names, nominal.base_names, certainty, source), nominal, surface, joints)
+
+
+def nominal_profile(name: str) -> RailProfile | WheelProfile:
+    """Return a bundled rail or wheel by a name such as ``136RE-8``; capital and small letters are the same.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+
+    """
+    rail_name, _, radius = name.upper().partition("-")
+    if rail_name == "136RE" and radius in ("", "8", "10", "14"):
+        return rail("136RE", crown_radius_in=float(radius) if radius else None)
+    known = {each.upper(): each for each in (*RAILS, *WHEELS)}
+    if name.upper() not in known:
+        raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
+    found = known[name.upper()]
+    return rail(found) if found in RAILS else wheel(found)
+
+
+BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], *WHEELS))
+
+
+def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float, float]:
+    """Return what brings a measured head to the frame of a nominal rail."""
+    origin = frame_origin(measured)
+    height = float(nominal.outline.bounds()[1, 1])
+    if origin == "base":
+        return 0.0, 0.0
+    if origin == "top":
+        return 0.0, height
+    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
+    face = head[head[:, 0] < 0.0]
+    order = np.argsort(face[:, 1])
+    return float(np.interp(height - GAUGE_DEPTH_MM, face[order, 1], face[order, 0])), height
+
+
+def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
+    height = float(surface.bounds()[1, 1] - nominal.outline.bounds()[1, 1])
+    low, high = HEIGHTS_MM
+    if not low <= height <= high:
+        raise InputError(
+            f"a measured head whose top is {height:.3g} mm above that of the nominal {nominal.title}",
+            f"{low:g} to {high:g} mm",
+            "check --origin and the name after --join",
+        )
+
+
+def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outline, tuple[Joint, Joint]]:
+    """Return the outline of the measured surface, both transitions, and the rest of the nominal outline."""
+    is_rail = isinstance(nominal, RailProfile)
+    words = ("field side", "gauge side") if is_rail else ("flange's back", "rim")
+    names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
+    limits = (LARGEST_GAP_MM, LARGEST_GAP_MM if is_rail else LARGEST_RIM_GAP_MM)
+    lengths = lengths_along(nominal.outline)
+    total = float(lengths[-1])
+    places, joints = [], []
+    for i, (end, sense) in enumerate(((surface.segments[0].start, -1.0), (surface.segments[-1].end, 1.0))):
+        segment, parameter, gap = (float(values[0]) for values in nominal.outline.closest([end]))
+        foot_place = lengths[int(segment)] + parameter * nominal.outline.segments[int(segment)].length
+        if gap > limits[i]:
+            raise InputError(
+                f"the end of the measured surface at the {words[i]}, ({end[0]:.5g}, {end[1]:.5g}) mm, {gap:.3g} mm "
+                f"from the nominal {nominal.title}",
+                f"up to {limits[i]:g} mm",
+                "check --origin, --mirror and the name after --join"
+                + ("" if is_rail else ", and the tape line: --tape"),
+            )
+        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * gap), LARGEST_BLEND_MM)
+        place = (foot_place + sense * blend) % total
+        places.append(place)
+        foot = point_at(nominal.outline, lengths, foot_place % total)
+        joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))
+    rest = pieces_between(nominal.outline, lengths, places[1], places[0])
+    chain: list[tuple[str, Segment]] = [
+        (names[0], Line(joints[0].landing, joints[0].end)),
+        *((MEASURED, segment) for segment in surface.segments),
+        (names[1], Line(joints[1].end, joints[1].landing)),
+        *rest,
+    ]
+    try:
+        outline = Outline.from_segments([segment for _, segment in chain], [name for name, _ in chain])
+    except InputError as reason:
+        raise InputError(
+            f"the measured surface on the nominal {nominal.title}: {reason.given}",
+            "a surface that fits the body",
+            "check --origin, --mirror and the name after --join",
+        ) from reason
+    return outline, (joints[0], joints[1])
+
+
+def _running(outline: Outline, nominal_names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the running surface: measured, transitions, and what is left of the nominal one beside."""
+    running = {MEASURED, *nominal_names, *(name for name in outline.names if name.startswith("transition"))}
+    n = outline.n_segments
+    start = next(i for i in range(n) if outline.names[i] == MEASURED)
+    first = last = start
+    while outline.names[(first - 1) % n] in running and last - first < n - 1:
+        first -= 1
+    while outline.names[(last + 1) % n] in running and last - first < n - 1:
+        last += 1
+    return tuple(dict.fromkeys(outline.names[i % n] for i in range(first, last + 1)))

@@ -1,0 +1,123 @@
+"""What a reader of profile files gives: numbers as they are written, and what the file says of them."""
+
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, FloatArray
+
+Kind = Literal["rail", "wheel"]
+KINDS: tuple[Kind, ...] = ("rail", "wheel")
+Origin = Literal["top", "base", "gauge", "tape", "flange-back"]
+RAIL_ORIGINS: tuple[Origin, ...] = ("top", "base", "gauge")
+WHEEL_ORIGINS: tuple[Origin, ...] = ("tape", "flange-back")
+
+_NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
+LEADING_NUMBER = re.compile(rf"\s*({_NUMBER})(?=[\s,;]|$)")
+LARGEST_COORDINATE = 1e6
+"""In the file's unit: beyond it no profile was meant."""
+
+
+@dataclass(frozen=True, eq=False)
+class RawProfile:
+    """Points or segments of a profile in the file's own unit and axes.
+
+    Parameters
+    ----------
+    points
+        Points (n, 2) in the order of the file: lateral coordinate, vertical coordinate.
+    lines
+        Line of the file that holds each point (n,), for messages.
+    unit
+        Unit of length that the file names, None if it names none.
+    kind
+        ``"rail"`` or ``"wheel"`` if the file says so.
+    kind_is_sure
+        Whether the file says it inside as well as by its name.
+    upwards
+        Whether the second coordinate points up, None if the file does not say.
+    mirrored
+        Whether the file says that it has to be mirrored to be a right-hand profile.
+    origin
+        Where the file's (0, 0) lies, if the file says so.
+    tape_mm
+        Distance of the tape line from the flange's back, if the file says so.
+    title
+        Name or comment in the file.
+    contour
+        Exact lines and arcs, in the order of `points` (their joints), instead of measured points.
+    notices
+        What the reader left out or assumed, in sentences.
+
+    """
+
+    points: FloatArray
+    lines: NDArray[np.int64]
+    unit: str | None = None
+    kind: Kind | None = None
+    kind_is_sure: bool = False
+    upwards: bool | None = None
+    mirrored: bool = False
+    origin: Origin | None = None
+    tape_mm: float | None = None
+    title: str = ""
+    contour: Contour | None = None
+    notices: tuple[str, ...] = ()
+
+
+def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, NDArray[np.int64]]:
+    """Return points (n, 2) and their lines (n,) from rows of line, x and y.
+
+    Raises
+    ------
+    InputError
+        If there is no row, or a number is not finite or absurdly large; the message names the line.
+
+    """
+    if not rows:
+        raise InputError("a file without points", "one point a line: two numbers", "check that the file is whole")
+    for line, *values in rows:
+        if not all(abs(value) <= LARGEST_COORDINATE for value in values):
+            raise InputError(
+                f"line {line}: the point ({values[0]:g}, {values[1]:g})",
+                f"finite coordinates up to {LARGEST_COORDINATE:g}",
+                "repair or remove this line",
+            )
+    table = np.array(rows, dtype=np.float64)
+    return table[:, 1:].copy(), table[:, 0].astype(np.int64)
+
+
+def leading_numbers(line: str) -> list[float]:
+    """Return the numbers that a line starts with, apart by blanks, commas or semicolons; words end them."""
+    found = []
+    place = 0
+    while match := LEADING_NUMBER.match(line, place):
+        found.append(float(match[1].replace("d", "e").replace("D", "e")))
+        place = match.end()
+        separator = re.compile(r"\s*[,;]?").match(line, place)
+        place = separator.end() if separator else place
+    return found
+
+
+def number_of(text: str, what: str, line: int) -> float:
+    """Return a number from the header of a file.
+
+    Raises
+    ------
+    InputError
+        If the text is no finite number.
+
+    """
+    try:
+        value = float(text)
+    except ValueError:
+        value = math.nan
+    if not math.isfinite(value):
+        raise InputError(f"line {line}: {what} = {text!r}", "a finite number", "correct this line")
+    return value

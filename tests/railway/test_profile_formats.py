@@ -1,0 +1,289 @@
+"""Files of all formats: what is read is what was written, and what headers ask for is done."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, Outline
+from flangeway.railway.profile_file import FORMATS, ReadOptions, profile_text, read_profile
+from flangeway.railway.profiles import rail, wheel
+
+NANOMETRE = 1e-6  # in mm
+
+
+def points_of(kind, spacing=0.4):
+    """Points of a bundled running surface: a wheel from back to rim, a rail's head about its top."""
+    if kind == "wheel":
+        profile = wheel("S1002")
+        return profile.outline.part(profile.running_names).sampled(spacing=spacing)
+    profile = rail("60E1")
+    points = profile.outline.part(profile.head_names).sampled(spacing=spacing)
+    return points - [0.0, points[:, 1].max()]
+
+
+def lines_of(points, form="{:.6f} {:.6f}"):
+    return "\n".join(form.format(x, y) for x, y in points)
+
+
+def saved(folder, name, text):
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(params=["rail", "wheel"])
+def measured(request, tmp_path):
+    """A profile of points, read from plain text."""
+    rng = np.random.default_rng(5)
+    points = points_of(request.param)
+    points = points + 1e-3 * rng.normal(size=points.shape)
+    text = f"# unit: mm\n# kind: {request.param}\n" + lines_of(points)
+    return read_profile(saved(tmp_path, "made.txt", text), ReadOptions(smooth_mm=0.0))
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_what_is_written_is_read_back_to_a_nanometre(measured, ending, tmp_path):
+    """Written and read again, points, or ends of lines and arcs, are the same to a nanometre, kind and frame too."""
+    if ending in (".ban", ".prr", ".whl", ".prw") and (ending in (".whl", ".prw")) != (measured.kind == "wheel"):
+        with pytest.raises(InputError, match=f"for a {measured.kind}"):
+            profile_text(measured, ending)
+        return
+    path = saved(tmp_path, f"again{ending}", profile_text(measured, ending))
+    again = read_profile(path, ReadOptions(smooth_mm=0.0))
+    assert again.kind == measured.kind
+    if ending in (".csv", ".dxf"):
+        ends = [np.array([(*s.start, *s.end) for s in p.surface.segments]) for p in (measured, again)]
+        np.testing.assert_allclose(ends[1], ends[0], atol=NANOMETRE)
+        middles = [p.surface.sampled(spacing=0.05) for p in (measured, again)]
+        np.testing.assert_allclose(middles[1], middles[0], atol=NANOMETRE)
+    else:
+        np.testing.assert_allclose(again.points, measured.points, atol=NANOMETRE)
+
+
+@pytest.mark.parametrize("kind", ["rail", "wheel"])
+@pytest.mark.parametrize("ending", [".csv", ".dxf"])
+def test_whole_outlines_are_kept(kind, ending, tmp_path):
+    """A closed outline written as CSV or DXF is read back closed, with the same area and the same arcs."""
+    outline = (rail() if kind == "rail" else wheel()).outline
+    first = read_profile(saved(tmp_path, "first.csv", csv_of(outline, kind)))
+    again = read_profile(saved(tmp_path, f"again{ending}", profile_text(first, ending)))
+    assert isinstance(again.surface, Outline)
+    assert again.surface.area == pytest.approx(outline.area, rel=1e-12)
+    assert sorted(round(s.curvature, 9) for s in again.surface.segments) == sorted(
+        round(s.curvature, 9) for s in outline.segments
+    )
+    with pytest.raises(InputError, match="closed outline"):
+        profile_text(again, ".txt")
+
+
+def csv_of(outline, kind):
+    rows = [f"# kind: {kind}", "# unit: mm", "name,type,x0,y0,x1,y1,xc,yc,turn"]
+    for name, segment in zip(outline.names, outline.segments, strict=True):
+        ends = ",".join(map(repr, (*segment.start, *segment.end)))
+        if hasattr(segment, "centre"):
+            turn = "left" if segment.counter_clockwise else "right"
+            rows.append(f"{name},arc,{ends},{segment.centre[0]!r},{segment.centre[1]!r},{turn}")
+        else:
+            rows.append(f"{name},line,{ends},,,")
+    return "\n".join(rows)
+
+
+@pytest.mark.parametrize(
+    ("form", "head"),
+    [
+        ("{:.6f} {:.6f}", ""),
+        ("{:.6f}\t{:.6f}", "y [mm]\tz [mm]"),
+        ("{:.6f},{:.6f}", "x_mm,y_mm"),
+        ("{:.6f};{:.6f}", "x;y"),
+        ("  {:.6e}  {:.6e} 1.0", "! a comment"),
+    ],
+)
+def test_columns_may_be_apart_in_any_usual_way(form, head, tmp_path):
+    """Blanks, tabs, commas and semicolons separate; names of columns and comments are no points."""
+    points = points_of("rail")
+    text = f"{head}\n" + lines_of(points, form)
+    found = read_profile(saved(tmp_path, "p.txt", text), ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=6e-7 if "e" not in form else 1e-4)
+
+
+@pytest.mark.parametrize("separator", [";", "\t", " "])
+def test_decimal_commas_are_read(separator, tmp_path):
+    """Numbers with decimal commas, apart by semicolons or blanks, are the same numbers."""
+    points = points_of("rail")
+    text = lines_of(points, "{:.5f}" + separator + "{:.5f}").replace(".", ",")
+    found = read_profile(saved(tmp_path, "p.dat", text), ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=6e-6)
+
+
+@pytest.mark.parametrize(("unit", "length"), [("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)])
+def test_units_are_converted(unit, length, tmp_path):
+    """A file in another unit, named by comment, column or option, gives the same mm; the unit is told."""
+    points = points_of("rail")
+    body = lines_of(points / length, "{:.12f},{:.12f}")
+    for name, text, given in (
+        ("a.txt", f"# unit: {unit}\n{body}", None),
+        ("b.csv", f"x_{unit},y_{unit}\n{body}", None),
+        ("c.txt", body, unit),
+    ):
+        found = read_profile(saved(tmp_path, name, text), ReadOptions(unit=given, smooth_mm=0.0))
+        np.testing.assert_allclose(found.points, points, atol=1e-8)
+        assert found.orientation.unit == unit
+
+
+def miniprof(points, columns="X,Y", **header):
+    keys = {"ProgramName": "made", "XYPoints": len(points), "ColumnDef": columns, **header}
+    orders = {"X,Y": "{0:.4f} {1:.4f}", "N,Y,X,A": "7 {1:.4f} {0:.4f} 0.1"}
+    head = "".join(f"{key}={value}\n" for key, value in keys.items())
+    return f"{head}\n" + lines_of(points, orders[columns])
+
+
+def test_miniprof_columns_comments_and_titles(tmp_path):
+    """ColumnDef orders the columns, quoted lines are comments, and the title is the file's."""
+    points = points_of("rail")
+    text = miniprof(points, "N,Y,X,A", MPDN="Rail 7").replace("ColumnDef", '"ColumnDef=X,Y"\nColumnDef')
+    text += '\n" 7 1.0 2.0 a line that was struck out\n'
+    found = read_profile(saved(tmp_path, "r.BAN", text), ReadOptions(smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=6e-5)
+    assert found.title == "Rail 7"
+
+
+@pytest.mark.parametrize("tape", [70.0, 77.8])
+def test_miniprof_wheels_count_from_the_flange_back(tape, tmp_path):
+    """The tape line is where WheelDiameterTaperline says, the flange's tip is turned down, the tread is at zero."""
+    points = points_of("wheel")
+    shown = (points + np.array([70.0, 0.0])) * [1.0, -1.0]
+    text = miniprof(shown, WheelDiameterTaperline=tape)
+    found = read_profile(saved(tmp_path, "w.whl", text), ReadOptions(smooth_mm=0.0))
+    assert found.orientation.origin == "flange-back"
+    assert found.orientation.tape_mm == tape
+    tread = float(np.interp(tape - 70.0, points[:, 0], points[:, 1]))
+    expected = points - [tape - 70.0, tread if abs(tread) > 0.05 else 0.0]
+    np.testing.assert_allclose(found.points, expected, atol=2e-4)
+
+
+def test_old_miniprof_files_are_read(tmp_path):
+    """Files without keys have words in their first lines, numbers among them, and points after an empty line."""
+    points = points_of("wheel") * [1.0, -1.0] + [70.0, 0.0]
+    text = "MINIPROF 101 148 1994 3 24\nwheel.prd\nStock.......:\n32.58 37.11 14.71  (Sd/Sh/qR)\n\n" + lines_of(points)
+    found = read_profile(saved(tmp_path, "old.whl", text), ReadOptions(smooth_mm=0.0))
+    assert len(found.points) == len(points)
+    np.testing.assert_allclose(found.points, points_of("wheel"), atol=1e-5)
+
+
+def simpack(points, kind="rail", **keys):
+    spline = "".join(f"  {key.replace('_', '.')} = {value}\n" for key, value in keys.items())
+    return (
+        f"! comment = 'not this'\nheader.begin\n  version = 1\n  type = {int(kind == 'wheel')}\nheader.end\n"
+        f"spline.begin\n  comment = 'Rail! 8' ! the name\n  type = 0\n{spline}  point.begin\n"
+        + lines_of(points, "    {:+.9e} {:+.9e} 1.0")
+        + "\n  point.end\nspline.end\n"
+    )
+
+
+def test_simpack_points_are_processed_as_the_file_asks(tmp_path):
+    """Mirrors, order, shift, rotation, unit and bounds of a Simpack file are undone in its own order."""
+    points = points_of("rail")[::-1]  # from the gauge side outwards, as Simpack wants
+    target = points * [1.0, -1.0]
+    angle, shift = 0.02, np.array([0.3, -0.2])
+    turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    # from the end of the file's list of changes to its beginning
+    raw = target[::-1] * [-1.0, 1.0]
+    raw = np.vstack([raw, [[-300.0, 0.0]]])  # beyond the bounds
+    raw = (raw @ turn - shift) / 1000.0
+    text = simpack(
+        raw, shift_y=shift[0] / 1e3, shift_z=shift[1] / 1e3, rotate=np.degrees(angle), units_ang_f=180.0 / np.pi,
+        bound_y_min=-0.2, bound_y_max=0.2, mirror_y=1, mirror_z=0, inversion=1, units_len_f=1.0,
+    )  # fmt: skip
+    found = read_profile(saved(tmp_path, "r.prr", text), ReadOptions(smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points[::-1], atol=1e-6)
+    assert found.title == "Rail! 8"
+    assert found.orientation.unit == "mm"
+
+
+def test_simpack_clips_heights_and_thins_points(tmp_path):
+    """Points nearer in y than the file's smallest distance are left out, and heights are clipped to its bounds."""
+    points = points_of("rail")[::-1] * [1.0, -1.0]
+    text = simpack(points, units_len_f=1000, point_dist_min=1.0, bound_z_min=-1.0, bound_z_max=20.0)
+    found = read_profile(saved(tmp_path, "r.prr", text), ReadOptions(smooth_mm=0.0, drop_outliers=True))
+    assert np.diff(-found.points[:, 0]).min() > 1.0
+    assert found.points[:, 1].min() == -20.0
+
+
+def test_open_chains_of_dxf_may_come_in_any_order(tmp_path):
+    """Lines and arcs of a drawing, shuffled and turned, are joined to one chain with the right arcs."""
+    import ezdxf  # noqa: PLC0415
+
+    profile = wheel()
+    contour = profile.outline.part(profile.running_names)
+    drawing = ezdxf.new()
+    drawing.header["$INSUNITS"] = 4
+    space = drawing.modelspace()
+    order = np.random.default_rng(0).permutation(contour.n_segments)
+    for i in order:
+        s = contour.segments[i]
+        if hasattr(s, "centre"):
+            a, b = (s.start, s.end) if s.counter_clockwise else (s.end, s.start)
+            angles = [np.degrees(np.arctan2(p[1] - s.centre[1], p[0] - s.centre[0])) for p in (a, b)]
+            space.add_arc(s.centre, s.radius, *angles)
+        else:
+            space.add_line(s.end, s.start)
+    drawing.saveas(tmp_path / "w.dxf")
+    found = read_profile(tmp_path / "w.dxf")
+    assert found.kind == "wheel"
+    assert isinstance(found.surface, Contour)
+    assert not isinstance(found.surface, Outline)
+    np.testing.assert_allclose(found.surface.sampled(spacing=0.1), contour.sampled(spacing=0.1), atol=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("name", "text", "message"),
+    [
+        ("a.ban", "[FileInfo]\nProgramName=x\n", "several profiles"),
+        ("a.ban", "ColumnDef=X,A\n\n1 2\n", "columns X and Y"),
+        ("a.ban", "XYPoints=500\nColumnDef=X,Y\n\n" + "1 2\n" * 40, "XYPoints=500"),
+        ("a.ban", "ColumnDef=X,Y\n\n1 2\n3\n", "line 4"),
+        ("a.whl", "WheelDiameterTaperline=wide\nColumnDef=X,Y\n\n1 2\n", "WheelDiameterTaperline"),
+        ("a.prr", "header.begin\ntype = 1\nheader.end\nspline.begin\npoint.begin\n1 2\npoint.end\nspline.end", "wheel"),
+        ("a.prr", "spline.begin\npoint.begin\n1 2\n", "without its end"),
+        ("a.prr", "spline.end\n", "without its beginning"),
+        ("a.prr", "rail.begin\n", "section 'rail'"),
+        ("a.prw", "spline.begin\nunits.len.f = -1\npoint.begin\n1 2\npoint.end\nspline.end", "units.len.f"),
+        ("a.prw", "spline.begin\nshift.y = far\npoint.begin\n1 2\npoint.end\nspline.end", "shift.y"),
+        ("a.txt", "1 2\nthree 4\n", "line 2"),
+        ("a.txt", "# kind: tram\n1 2\n", "kind = 'tram'"),
+        ("a.txt", "# origin: here\n1 2\n", "origin = 'here'"),
+        ("a.txt", "# up: maybe\n1 2\n", "up = 'maybe'"),
+        ("a.txt", "1 nan\n", "line 1: the point"),
+        ("a.txt", "1 1e9\n", "line 1: the point"),
+        ("a.csv", "type,x0,y0,x1,y1\nspline,0,0,1,1\n", "type = 'spline'"),
+        ("a.csv", "type,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,1\nline,5,5,9,9\n", "gap"),
+        ("a.csv", "# unit: in\ntype,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,1\n", "columns in mm"),
+        ("a.dxf", "hello", "DXF"),
+        ("a.dxf", "0\nSECTION\n", "without lines"),
+        ("a.step", "1 2", "ending '.step'"),
+    ],
+)  # fmt: skip
+def test_broken_files_are_refused_with_their_place(name, text, message, tmp_path):
+    """Each mistake in a file ends in a message that names the file and the line or key, and says what to do."""
+    with pytest.raises(InputError, match=message) as caught:
+        read_profile(saved(tmp_path, name, text))
+    assert name in str(caught.value)
+    assert caught.value.advice
+
+
+@pytest.mark.parametrize("content", [b"", b"  \n", b"\x00\x01\x02\x03", b"PK\x03\x04 zip"])
+@pytest.mark.parametrize("ending", [".txt", ".ban", ".prw", ".csv"])
+def test_empty_and_binary_files_are_refused(content, ending, tmp_path):
+    """A file without text is refused as such."""
+    path = tmp_path / f"b{ending}"
+    path.write_bytes(content)
+    with pytest.raises(InputError, match=r"empty|no text"):
+        read_profile(path)
+
+
+def test_a_missing_file_is_refused(tmp_path):
+    """A name without a file, and a folder, give a message and no traceback."""
+    (tmp_path / "folder.txt").mkdir()
+    for name in ("none.txt", "folder.txt"):
+        with pytest.raises(InputError, match=name):
+            read_profile(tmp_path / name)

@@ -1,0 +1,130 @@
+"""Whatever a file holds: every reader gives a profile or a clear error, never another exception."""
+
+import functools
+import string
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from flangeway.errors import InputError
+from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, profile_text, read_profile
+from flangeway.railway.profiles import wheel
+from flangeway.study.profile import run_profile
+
+WORDS = (
+    "header.begin", "header.end", "spline.begin", "spline.end", "point.begin", "point.end", "units.len.f = 1000",
+    "type = 1", "mirror.y = 1", "inversion = 1", "rotate = 1e300", "bound.y.min = -1", "bound.y.max = 1", "[FileInfo]",
+    "MINIPROF", "ColumnDef=X,Y", "ColumnDef=X,Y,A,C", "XYPoints=20", "WheelDiameterTaperline=70", "XOffset=1,2", "",
+    "name,type,x0,y0,x1,y1,xc,yc", "a,line,0,0,1,1", "a,arc,0,0,1,1,1,0", "x_mm,y_mm", "# unit: mm", "# kind: wheel",
+    "# up: no", "# origin: tape", "# mirror", "# tape_mm: nan", "1;2", "1,5 2,5", "1e400 2", "-0.0 nan", "inf inf",
+    "0\nSECTION\n2\nENTITIES\n0\nLINE\n10\n0\n20\n0\n11\n1\n21\n1\n0\nENDSEC\n0\nEOF",
+)  # fmt: skip
+NUMBER = st.floats(-500.0, 500.0).map(lambda value: f"{value:.4g}") | st.floats().map(str) | st.just("0")
+POINT = st.tuples(NUMBER, st.sampled_from([" ", "\t", ",", ";"]), NUMBER).map("".join)
+LINE = st.sampled_from(WORDS) | POINT | st.text(string.printable, max_size=12)
+TEXT = st.lists(LINE, max_size=40).map("\n".join)
+NOT_SLOW = settings(deadline=None, max_examples=60, suppress_health_check=list(HealthCheck))
+
+
+def refuse_empty_parts(error):
+    assert error.given
+    assert error.allowed
+    assert error.advice
+
+
+def read(folder, ending, content, options=None):
+    path = folder / f"any{ending}"
+    path.write_bytes(content)
+    try:
+        found = read_profile(path, options)
+    except InputError as reason:
+        return refuse_empty_parts(reason)
+    assert isinstance(found, MeasuredProfile)
+    assert np.isfinite(found.points).all()
+    return found
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+@NOT_SLOW
+@given(content=st.binary(max_size=300))
+def test_random_bytes(ending, content, tmp_path):
+    """Random bytes in a file of any ending give a message of three parts."""
+    read(tmp_path, ending, content)
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+@NOT_SLOW
+@given(text=TEXT, kind=st.sampled_from([None, "rail", "wheel"]))
+def test_random_lines(ending, text, kind, tmp_path):
+    """Lines of words that the formats know, numbers and rubbish give a profile or a message of three parts."""
+    read(tmp_path, ending, text.encode(), ReadOptions(unit="mm", kind=kind))
+
+
+@NOT_SLOW
+@given(
+    damage=st.lists(st.tuples(st.integers(0, 299), st.sampled_from("dxsn"), st.floats(-20.0, 20.0)), max_size=6),
+    smooth=st.sampled_from([None, 0.0, 3.0, 20.0]),
+    scale=st.sampled_from([1.0, 0.1, 1.0 / 25.4, 50.0]),
+)
+def test_damaged_wheels(damage, smooth, scale, tmp_path):
+    """A wheel with points deleted, moved, swapped or repeated is read or refused, whatever the smoothing."""
+    profile = wheel("S1002")
+    points = profile.outline.part(profile.running_names).sampled(spacing=0.6)
+    for place, what, size in damage:
+        i = min(place, len(points) - 2)
+        if what == "d":
+            points = np.delete(points, slice(i, i + 1 + int(abs(size))), axis=0)
+        elif what == "x":
+            points[i] += [0.0, size]
+        elif what == "s":
+            points[[i, i + 1]] = points[[i + 1, i]]
+        else:
+            points = np.insert(points, i, points[i], axis=0)
+        if len(points) < 3:
+            break
+    text = "\n".join(f"{x:.5f} {y:.5f}" for x, y in points * scale)
+    read(tmp_path, ".txt", text.encode(), ReadOptions(kind="wheel", smooth_mm=smooth))
+
+
+@NOT_SLOW
+@given(text=st.text(string.printable + "üß€", max_size=60), value=st.floats())
+def test_random_options(text, value, tmp_path):
+    """Options of any value, for a sound file, give a profile or a message."""
+    profile = wheel("S1002")
+    points = profile.outline.part(profile.running_names).sampled(spacing=2.0)
+    content = "\n".join(f"{x:.5f} {y:.5f}" for x, y in points).encode()
+    for options in (
+        ReadOptions(unit=text),
+        ReadOptions(kind=text),
+        ReadOptions(origin=text),
+        ReadOptions(origin=f"{value},{value}"),
+        ReadOptions(origin="flange-back", tape_mm=value),
+        ReadOptions(smooth_mm=value),
+        ReadOptions(limit_um=value, smooth_mm=5.0),
+    ):
+        read(tmp_path, ".txt", content, options)
+
+
+@NOT_SLOW
+@given(
+    ending=st.sampled_from([".csv", ".dxf", ".prw", ".whl", ".txt"]),
+    changes=st.lists(
+        st.tuples(st.floats(0.0, 1.0), st.sampled_from([*b'0123456789.-+eE,; \n#X"!%=']), st.integers(0, 40)),
+        max_size=6,
+    ),
+)
+def test_damaged_files_of_all_formats(ending, changes, tmp_path):
+    """Sound files of all formats with bytes changed or cut out are read or refused."""
+    content = bytearray(sound_file(ending))
+    for place, byte, cut in changes:
+        i = int(place * (len(content) - 1))
+        content[i : i + cut] = bytes([byte])
+    read(tmp_path, ending, bytes(content))
+
+
+@functools.cache
+def sound_file(ending):
+    run = run_profile("S1002")
+    return profile_text(run.profile, ending).encode()

@@ -1,0 +1,192 @@
+"""Measured running surfaces on nominal bodies, and whole outlines from files."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.mesh import check, triangulate
+from flangeway.railway.first_touch import first_touch
+from flangeway.railway.joining import (
+    BLEND_FACTOR,
+    LARGEST_BLEND_MM,
+    LEAST_BLEND_MM,
+    joined,
+    nominal_profile,
+)
+from flangeway.railway.pieces import lengths_along, pieces_between, point_at
+from flangeway.railway.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles import RailProfile, rail, wheel
+from flangeway.railway.segment_files import write_segment_csv
+from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.whole_outline import whole_profile
+
+
+def file_of(folder, points, kind, head="", name="m.txt"):
+    path = folder / name
+    text = f"# unit: mm\n# kind: {kind}\n{head}" + "\n".join(f"{x:.6f} {y:.6f}" for x, y in points)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def head_points(name="60E1", wear=0.0, spacing=0.3):
+    """A head from its top, worn by `wear` at the gauge side of its top, from the gauge side outwards."""
+    profile = nominal_profile(name)
+    points = profile.outline.part(profile.head_names).sampled(spacing=spacing)[::-1]
+    points = points - [0.0, profile.outline.bounds()[1, 1]]
+    worn = np.clip((-points[:, 0] - 0.0) / 20.0, 0.0, 1.0) * np.clip((points[:, 1] + 14.0) / 14.0, 0.0, 1.0)
+    return points - np.column_stack([np.zeros(len(points)), wear * worn])
+
+
+def wheel_points(name="S1002", spacing=0.3):
+    profile = wheel(name)
+    return profile.outline.part(profile.running_names).sampled(spacing=spacing)
+
+
+@pytest.mark.parametrize("name", ["60E1", "136RE", "136RE-8", "136RE-14"])
+def test_the_nominal_head_on_its_own_rail_is_the_rail(name, tmp_path):
+    """Joined to the rail that it comes from, a head changes area and outline by micrometres only."""
+    measured = read_profile(file_of(tmp_path, head_points(name), "rail"), ReadOptions(smooth_mm=0.0))
+    found, nominal = joined(measured, name), nominal_profile(name)
+    assert isinstance(found.profile, RailProfile)
+    # each straight transition of 3 mm may cut a corner of the head
+    assert found.profile.outline.area == pytest.approx(nominal.outline.area, abs=2.0)
+    assert nominal.outline.closest(found.measured.sampled(spacing=0.5))[2].max() < 2e-3
+    assert max(joint.gap_mm for joint in found.joints) < 1e-3
+    assert found.profile.base_names == ("base",)
+    assert found.profile.outline.bounds()[0, 1] == 0.0
+
+
+@pytest.mark.parametrize("name", ["S1002", "AAR-1B", "heavy-haul"])
+def test_the_nominal_tread_on_its_own_wheel_is_the_wheel(name, tmp_path):
+    """Joined to the wheel that it comes from, a running surface gives that wheel again."""
+    measured = read_profile(file_of(tmp_path, wheel_points(name), "wheel"), ReadOptions(smooth_mm=0.0))
+    found, nominal = joined(measured, name), wheel(name)
+    assert found.profile.outline.area == pytest.approx(nominal.outline.area, abs=2.0)
+    assert found.profile.flange_height_mm == pytest.approx(nominal.flange_height_mm, abs=2e-3)
+    assert found.profile.flange_back_mm == pytest.approx(nominal.flange_back_mm, abs=2e-3)
+    assert "cut" in found.profile.outline.names
+
+
+def test_the_rule_is_kept(tmp_path):
+    """The measured part is whole, transitions are straight and end on the nominal outline, a blend beyond the foot."""
+    points = head_points("60E1", wear=2.0) * [0.99, 1.0]
+    measured = read_profile(file_of(tmp_path, points, "rail"), ReadOptions(smooth_mm=0.0))
+    found = joined(measured, "60E1")
+    outline, nominal = found.profile.outline, found.nominal.outline
+    assert outline.part(["measured"]).length == pytest.approx(measured.surface.length, rel=1e-9)
+    lengths = lengths_along(nominal)
+    for joint, name in zip(found.joints, ("transition_field", "transition_gauge"), strict=True):
+        (straight,) = outline.part([name]).segments
+        ends = sorted([straight.start, straight.end])
+        np.testing.assert_allclose(ends, sorted([joint.end, joint.landing]), atol=1e-9)
+        assert nominal.closest([joint.landing, joint.foot])[2].max() < 1e-9
+        assert joint.gap_mm == pytest.approx(np.hypot(*np.subtract(joint.end, joint.foot)), abs=1e-9)
+        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * joint.gap_mm), LARGEST_BLEND_MM)
+        places = [place_of(nominal, lengths, p) for p in (joint.foot, joint.landing)]
+        assert abs(places[1] - places[0]) == pytest.approx(blend, abs=1e-6)
+    assert found.nominal.outline.area - outline.area > 10.0
+
+
+def place_of(outline, lengths, point):
+    number, parameter, _ = outline.closest([point])
+    return lengths[number[0]] + parameter[0] * outline.segments[number[0]].length
+
+
+@pytest.mark.parametrize(("head", "shift"), [("# origin: base\n", 172.0), ("# origin: top\n", 0.0)])
+def test_heads_are_placed_by_their_origin(head, shift, tmp_path):
+    """From the base or from the top, the same head gives the same rail."""
+    path = file_of(tmp_path, head_points() + np.array([0.0, shift]), "rail", head)
+    found = joined(read_profile(path, ReadOptions(smooth_mm=0.0)), "60E1")
+    assert found.profile.outline.bounds()[1, 1] == pytest.approx(172.0, abs=1e-5)
+
+
+def test_heads_are_placed_by_their_gauge_face(tmp_path):
+    """A head that counts from the gauge face 14 mm below its top comes to its place on the rail."""
+    points = head_points()
+    left = points[points[:, 0] < 0.0]
+    face = np.interp(-14.0, left[:, 1], left[:, 0])
+    path = file_of(tmp_path, points - [face, 0.0], "rail", "# origin: gauge\n")
+    found = joined(read_profile(path, ReadOptions(smooth_mm=0.0)), "60E1")
+    assert np.ptp(found.measured.bounds()[:, 0]) == pytest.approx(np.ptp(points[:, 0]), abs=1e-3)
+    assert rail("60E1").outline.closest(found.measured.sampled(spacing=0.5))[2].max() < 5e-3
+
+
+@pytest.mark.parametrize(
+    ("points", "kind", "name", "message"),
+    [
+        (lambda: head_points() + np.array([0.0, 8.0]), "rail", "60E1", "top is 8 mm above that of the nominal 60E1"),
+        (lambda: head_points("136RE") + np.array([5.0, 0.0]), "rail", "136RE", "mm from the nominal 136RE"),
+        (head_points, "rail", "S1002", "--join S1002, a wheel, for a rail"),
+        (wheel_points, "wheel", "60E1", "--join 60E1, a rail, for a wheel"),
+        (wheel_points, "wheel", "AAR-1B", "flange's back"),
+        (wheel_points, "wheel", "S1003", "called 'S1003'"),
+    ],
+)
+def test_what_does_not_fit_is_refused(points, kind, name, message, tmp_path):
+    """A head at the wrong place, the other kind, a wheel with another back, and unknown names are refused."""
+    measured = read_profile(file_of(tmp_path, points(), kind), ReadOptions(smooth_mm=0.0))
+    with pytest.raises(InputError, match=message):
+        joined(measured, name)
+
+
+def test_worn_profiles_run_through_the_chain(tmp_path):
+    """A worn noisy head on 60E1 and a noisy S1002 touch, and are meshed with a running surface of one chain."""
+    rng = np.random.default_rng(2)
+    rail_points, tread = head_points(wear=1.0), wheel_points()
+    rail_points = rail_points + 2e-3 * rng.normal(size=rail_points.shape)
+    tread = tread + 2e-3 * rng.normal(size=tread.shape)
+    on_rail = joined(read_profile(file_of(tmp_path, rail_points, "rail")), "60E1").profile
+    on_wheel = joined(read_profile(file_of(tmp_path, tread, "wheel")), "S1002").profile
+    touch = first_touch(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0), "right")
+    assert abs(touch.rail_point_mm[0]) < 35.0
+    assert abs(touch.relative_curvature_per_mm) < 0.2
+    for profile, names in ((on_rail, on_rail.head_names), (on_wheel, on_wheel.running_names)):
+        mesh = triangulate(profile.outline, size=3.0)
+        check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)
+        chain = mesh.points[mesh.chain(*names)]
+        assert profile.outline.part(names).closest(chain)[2].max() < 1e-6
+
+
+@pytest.mark.parametrize("make", [rail, lambda: rail("60E1"), wheel, lambda: wheel("S1002")])
+def test_whole_outlines_become_rails_and_wheels(make, tmp_path):
+    """From a closed outline without useful names, head, base, running surface and cut are found again."""
+    profile = make()
+    is_rail = isinstance(profile, RailProfile)
+    outline = profile.outline
+    path = tmp_path / "whole.csv"
+    text = write_segment_csv(outline, "rail" if is_rail else "wheel", "whole", "base" if is_rail else "tape")
+    rows = [("any," + row.partition(",")[2]) if ",line," in row or ",arc," in row else row for row in text.splitlines()]
+    path.write_text("\n".join(rows), encoding="utf-8")
+    found = whole_profile(read_profile(path))
+    assert found.outline.area == pytest.approx(outline.area, rel=1e-12)
+    if is_rail:
+        head, nominal = found.outline.part(found.head_names), outline.part(profile.head_names)
+        assert head.length == pytest.approx(nominal.length, abs=1.0)
+        assert np.ptp(head.bounds()[:, 0]) == pytest.approx(np.ptp(outline.bounds(profile.head_names)[:, 0]), abs=0.3)
+        assert found.outline.bounds(found.base_names)[1, 1] == 0.0
+    else:
+        running = found.outline.part(found.running_names)
+        assert running.length == pytest.approx(outline.part(profile.running_names).length, rel=1e-12)
+        assert found.outline.bounds(["cut"])[0, 1] == 50.0
+
+
+def test_running_surfaces_are_no_whole_outlines(tmp_path):
+    """An open surface is refused where a whole outline is needed, and a closed one where a surface is."""
+    with pytest.raises(InputError, match="without a body"):
+        whole_profile(read_profile(file_of(tmp_path, wheel_points(), "wheel")))
+    path = tmp_path / "whole.csv"
+    path.write_text(write_segment_csv(wheel().outline, "wheel", "whole", "tape"), encoding="utf-8")
+    with pytest.raises(InputError, match="closed outline"):
+        joined(read_profile(path), "AAR-1B")
+
+
+@pytest.mark.parametrize(("first", "last"), [(10.0, 60.0), (700.0, 40.0), (3.0, 3.5)])
+def test_pieces_of_outlines(first, last):
+    """Pieces between two lengths along an outline are as long as these are apart, and begin and end there."""
+    outline = rail().outline
+    lengths = lengths_along(outline)
+    first, last = first % lengths[-1], last % lengths[-1]
+    pieces = pieces_between(outline, lengths, first, last)
+    assert sum(segment.length for _, segment in pieces) == pytest.approx((last - first) % lengths[-1], abs=1e-5)
+    np.testing.assert_allclose(pieces[0][1].start, point_at(outline, lengths, first), atol=1e-5)
+    np.testing.assert_allclose(pieces[-1][1].end, point_at(outline, lengths, last), atol=1e-5)

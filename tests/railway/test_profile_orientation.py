@@ -1,0 +1,217 @@
+"""What the numbers of a file are taken for: sides, up and down, order, kind, origin; and points that cannot be used."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles import rail, wheel
+
+RAW = ReadOptions(smooth_mm=0.0)
+
+
+def wheel_points(spacing=0.5):
+    """S1002 from the flange's back to the rim, in this package's frame."""
+    profile = wheel("S1002")
+    return profile.outline.part(profile.running_names).sampled(spacing=spacing)
+
+
+def rail_points(spacing=0.5):
+    """A head with a worn gauge side, from the field side to the gauge side, from its top."""
+    profile = rail("60E1")
+    points = profile.outline.part(profile.head_names).sampled(spacing=spacing) - [0.0, 172.0]
+    worn = points[:, 0] < -20.0
+    return np.column_stack([points[:, 0] + np.where(worn, 0.1 * (-20.0 - points[:, 0]), 0.0), points[:, 1]])
+
+
+def saved(folder, points, name="p.txt", head="# unit: mm"):
+    path = folder / name
+    path.write_text(head + "\n" + "\n".join(f"{x:.7f} {y:.7f}" for x, y in points), encoding="utf-8")
+    return path
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("up", [1.0, -1.0])
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_wheels_are_turned_by_their_flange(side, up, reverse, tmp_path):
+    """However a wheel lies in its file, the flange comes to negative x with its tip down, from back to rim."""
+    shown = wheel_points() * [side, up]
+    path = saved(tmp_path, shown[::-1] if reverse else shown)
+    found = read_profile(path, RAW)
+    np.testing.assert_allclose(found.points, wheel_points(), atol=1e-6)
+    assert found.orientation.mirrored == (side < 0.0)
+    assert found.orientation.upwards == (up > 0.0)
+    assert found.orientation.reversed_order == reverse
+    assert found.orientation.how["kind"] == "from the shape"
+
+
+@pytest.mark.parametrize("reverse", [False, True])
+@pytest.mark.parametrize("up", [1.0, -1.0])
+def test_rails_are_turned_by_their_head(up, reverse, tmp_path):
+    """A head's top comes up, its points go from the field side to the gauge side; its side is the file's."""
+    shown = rail_points() * [1.0, up]
+    found = read_profile(saved(tmp_path, shown[::-1] if reverse else shown), RAW)
+    np.testing.assert_allclose(found.points, rail_points(), atol=1e-6)
+    assert found.kind == "rail"
+    assert found.orientation.how["side"] == "assumed"
+
+
+def test_mirrored_rails_are_those_of_the_other_side(tmp_path):
+    """--mirror, or a comment, reverses the first coordinate of a rail; both together do nothing."""
+    shown = rail_points() * [-1.0, 1.0]
+    for head, mirror in (("# unit: mm", True), ("# unit: mm\n# mirror", False)):
+        found = read_profile(saved(tmp_path, shown, head=head), ReadOptions(mirror=mirror, smooth_mm=0.0))
+        np.testing.assert_allclose(found.points, rail_points(), atol=1e-6)
+        assert found.orientation.mirrored
+
+
+def test_a_wheel_mirrored_the_wrong_way_is_refused(tmp_path):
+    """--mirror that would bring the flange outside is refused, since the flange shows the side."""
+    with pytest.raises(InputError, match="--mirror"):
+        read_profile(saved(tmp_path, wheel_points()), ReadOptions(mirror=True))
+
+
+@pytest.mark.parametrize(("points", "ending", "kind"), [(wheel_points, "ban", "rail"), (rail_points, "whl", "wheel")])
+def test_wheel_and_rail_swapped_are_refused(points, ending, kind, tmp_path):
+    """A file whose ending says the other kind than its shape is refused; --kind insists, with a notice."""
+    path = saved(tmp_path, points(), f"p.{ending}", head="ColumnDef=X,Y\n")
+    with pytest.raises(InputError, match="of the shape of"):
+        read_profile(path)
+    found = read_profile(path, ReadOptions(kind=kind))
+    assert any("nevertheless" in notice for notice in found.notices)
+
+
+def test_a_shape_that_shows_nothing_needs_the_kind(tmp_path):
+    """A straight line is a rail or a wheel only if somebody says so."""
+    path = saved(tmp_path, np.column_stack([np.arange(-40.0, 40.0), np.zeros(80)]))
+    with pytest.raises(InputError, match="--kind rail or --kind wheel"):
+        read_profile(path)
+    assert read_profile(path, ReadOptions(kind="rail")).kind == "rail"
+
+
+@pytest.mark.parametrize(
+    ("shift", "origin", "label"),
+    [((0.0, 172.0), None, "base"), ((0.0, 0.0), None, "top"), ((36.0, 0.0), None, "gauge"), ((3.0, 9.0), "3,9", "3,9")],
+)
+def test_origins_of_rails(shift, origin, label, tmp_path):
+    """Top, base and gauge face are told by the numbers; a place in the file becomes the origin if it is given."""
+    found = read_profile(saved(tmp_path, rail_points() + shift), ReadOptions(origin=origin, smooth_mm=0.0))
+    assert found.orientation.origin == label
+    expected = rail_points() + (np.zeros(2) if origin else np.array(shift))
+    np.testing.assert_allclose(found.points, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("up", [1.0, -1.0])
+def test_origins_of_wheels(side, up, tmp_path):
+    """From the flange's back, from the tape line, or from a given place: the tread at the tape line becomes (0, 0)."""
+    for shift, origin in (((70.0, 0.0), None), ((0.0, 0.0), None), ((70.0, 4.0), None), ((12.0, 5.0), "given")):
+        shown = (wheel_points() + shift) * [side, up]
+        given = f"{side * shift[0]},{up * shift[1]}" if origin else None
+        found = read_profile(saved(tmp_path, shown), ReadOptions(origin=given, smooth_mm=0.0))
+        np.testing.assert_allclose(found.points, wheel_points(), atol=2e-4)
+        assert any("moved to zero" in notice for notice in found.notices) == (shift[1] == 4.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (ReadOptions(origin="middle"), "--origin middle"),
+        (ReadOptions(origin="top"), "--origin top for a wheel"),
+        (ReadOptions(unit="yard"), "'yard'"),
+        (ReadOptions(unit="in"), "--unit in for a file in mm"),
+        (ReadOptions(kind="tram"), "--kind tram"),
+        (ReadOptions(origin="flange-back", tape_mm=5.0), "tape line 5 mm"),
+    ],
+)
+def test_wrong_options_are_refused(options, message, tmp_path):
+    """Options that are unknown, out of range, or against the file are named in the message."""
+    with pytest.raises(InputError, match=message):
+        read_profile(saved(tmp_path, wheel_points()), options)
+
+
+@pytest.mark.parametrize(("factor", "unit"), [(1.0 / 25.4, "in"), (1e-3, "m"), (0.1, "cm")])
+def test_a_file_in_another_unit_than_assumed_is_refused_with_a_guess(factor, unit, tmp_path):
+    """Without a named unit, inches, metres and centimetres are no mm: the message guesses the unit; naming it helps."""
+    path = saved(tmp_path, wheel_points() * factor, head="#")
+    with pytest.raises(InputError, match=f"--unit {unit}"):
+        read_profile(path)
+    assert read_profile(path, ReadOptions(unit=unit)).kind == "wheel"
+
+
+def test_an_assumed_unit_is_told(tmp_path):
+    """A file without a unit is taken in mm, and a notice says so."""
+    found = read_profile(saved(tmp_path, wheel_points(), head="#"))
+    assert any("unit mm is assumed" in notice for notice in found.notices)
+
+
+def test_doubled_points_are_left_out_with_a_notice(tmp_path):
+    """Points given twice change nothing; the notice counts them and names the first line."""
+    points = wheel_points()
+    found = read_profile(saved(tmp_path, np.repeat(points, [1] * 20 + [3] + [1] * (len(points) - 21), axis=0)), RAW)
+    np.testing.assert_allclose(found.points, points, atol=1e-6)
+    assert any("2 points" in notice and "line 23" in notice for notice in found.notices)
+
+
+def test_outliers_are_refused_or_left_out(tmp_path):
+    """A point off the curve is refused with its line; --drop-outliers leaves it out, and nothing else."""
+    points = wheel_points()
+    wrong = points.copy()
+    wrong[100] += [0.0, 0.8]
+    path = saved(tmp_path, wrong)
+    with pytest.raises(InputError, match="line 102: the point"):
+        read_profile(path)
+    found = read_profile(path, ReadOptions(drop_outliers=True, smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, np.delete(points, 100, axis=0), atol=1e-6)
+    assert any("line 102" in notice for notice in found.notices)
+
+
+def test_sharp_corners_and_noise_are_no_outliers(tmp_path):
+    """A square edge of a rim and noise of 20 micrometres pass the search for outliers."""
+    points = np.vstack([wheel_points(), [[60.0, 3.0 + 0.5 * i] for i in range(1, 30)]])
+    points += 0.02 * np.random.default_rng(3).normal(size=points.shape)
+    assert len(read_profile(saved(tmp_path, points)).points) == len(points)
+
+
+def test_points_out_of_order_are_refused(tmp_path):
+    """Shuffled points, and a stretch that runs backwards, are refused with the line where it begins."""
+    points = wheel_points()
+    wrong = np.vstack([points[:150], points[180:150:-1], points[181:]])
+    with pytest.raises(InputError, match=r"line 15\d: the points turn back|off the curve"):
+        read_profile(saved(tmp_path, wrong))
+    with pytest.raises(InputError, match=r"turn back|off the curve"):
+        read_profile(saved(tmp_path, np.random.default_rng(0).permutation(points)))
+
+
+def test_small_overlaps_are_left_out(tmp_path):
+    """Where two sweeps of an instrument overlap by less than a millimetre, the points that go back are left out."""
+    points = wheel_points(0.3)
+    doubled = np.vstack([points[:200], points[198:] + np.array([0.0, 0.02])])
+    found = read_profile(saved(tmp_path, doubled), RAW)
+    assert any("go back" in notice for notice in found.notices)
+    assert np.diff(found.points[:, 0]).min() > -1e-9
+
+
+@pytest.mark.parametrize(
+    ("first", "last", "bridged"),
+    [(-58.0, -50.0, False), (-35.0, -25.0, False), (5.0, 15.0, True), (-10.0, 40.0, False)],
+)
+def test_gaps_are_bridged_only_where_the_profile_is_straight(first, last, bridged, tmp_path):
+    """A missing centimetre of tread is bridged with a notice; of flange or throat, or five of tread, it is refused."""
+    points = wheel_points()
+    left = points[(points[:, 0] < first) | (points[:, 0] > last)]
+    path = saved(tmp_path, left)
+    if not bridged:
+        with pytest.raises(InputError, match="a gap of"):
+            read_profile(path)
+        return
+    found = read_profile(path, RAW)
+    assert any("is bridged" in notice for notice in found.notices)
+    assert found.surface.closest(points)[2].max() < 0.05
+
+
+@pytest.mark.parametrize("n", [1, 2, 9])
+def test_too_few_points_are_refused(n, tmp_path):
+    """Fewer than ten points are no profile."""
+    with pytest.raises(InputError, match="10 or more"):
+        read_profile(saved(tmp_path, wheel_points(len(wheel_points()) / n)[:n]), ReadOptions(kind="wheel"))

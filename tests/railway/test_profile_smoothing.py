@@ -1,0 +1,179 @@
+"""Smoothing splines and arcs: what they keep, what they take away, and how far they move points."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Contour
+from flangeway.railway.biarcs import biarcs
+from flangeway.railway.profiles import rail
+from flangeway.railway.smoothing import ARC_TOLERANCE_MM, NOISE_UM, noise_um, smoothed
+
+
+def circle(n, radius=30.0, low=0.2, high=2.9):
+    angle = np.linspace(low, high, n)
+    return radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def noisy(points, noise_mm, seed=1):
+    along = np.gradient(points, axis=0)
+    normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    return points + normals * np.random.default_rng(seed).normal(0.0, noise_mm, len(points))[:, None]
+
+
+def head(spacing=0.3):
+    profile = rail("60E1")
+    return profile.outline.part(profile.head_names).sampled(spacing=spacing)
+
+
+@pytest.mark.parametrize("noise", [1e-3, 5e-3, 2e-2])
+@pytest.mark.parametrize("n", [150, 300, 600])
+def test_noise_is_estimated(noise, n):
+    """The noise across a circle is found within 15 %, whatever the spacing of the points."""
+    assert noise_um(noisy(circle(n), noise)) == pytest.approx(1e3 * noise, rel=0.15)
+
+
+def test_exact_points_have_no_noise():
+    """A nominal head, written with five decimals, has noise below the smoothing's threshold; with two it has above."""
+    points = head()
+    assert noise_um(np.round(points, 5)) < NOISE_UM
+    assert smoothed(np.round(points, 5)).wavelength_mm == 0.0
+    assert noise_um(np.round(points, 2)) > NOISE_UM
+    assert smoothed(np.round(points, 2)).wavelength_mm > 0.0
+
+
+@pytest.mark.parametrize("n", [300, 1000])
+def test_smoothing_brings_points_nearer_to_the_truth(n):
+    """Of 10 micrometres of noise on a circle less than a half is left, ends included, and the radius is there again."""
+    points = noisy(circle(n), 0.01)
+    found = smoothed(points, 5.0)
+    errors = np.hypot(*found.points.T) - 30.0
+    assert np.sqrt(np.mean(errors**2)) < 0.005
+    assert np.abs(errors).max() < 0.015
+    weights = [segment.length for segment in found.curve.segments]
+    mean = np.average([segment.curvature for segment in found.curve.segments], weights=weights)
+    assert mean == pytest.approx(1.0 / 30.0, rel=0.01)
+    assert found.rms_um == pytest.approx(10.0, rel=0.15)
+
+
+@pytest.mark.parametrize("wavelength", [4.0, 8.0, 20.0])
+def test_a_wave_of_the_wavelength_is_halved(wavelength):
+    """Of a wave with the wavelength of smoothing half is left; of one three times as long nearly all."""
+    x = np.arange(0.0, 10.0 * wavelength, 0.1)
+    for length, gain in ((wavelength, 0.5), (3.0 * wavelength, 1.0 / (1.0 + 3.0**-4))):
+        points = np.column_stack([x, 0.01 * np.sin(2.0 * math.pi * x / length)])
+        found = smoothed(points, wavelength, 1e4)
+        middle = slice(len(x) // 3, 2 * len(x) // 3)
+        left = found.points[middle] @ [0.0, 1.0]
+        assert np.ptp(left) / np.ptp(points[middle, 1]) == pytest.approx(gain, rel=0.02)
+
+
+@settings(deadline=None, max_examples=25)
+@given(
+    limit=st.floats(1.0, 100.0),
+    wavelength=st.floats(0.5, 60.0),
+    noise=st.floats(0.0, 0.02),
+    seed=st.integers(0, 1000),
+)
+def test_no_point_is_moved_further_than_the_limit(limit, wavelength, noise, seed):
+    """Whatever wavelength and noise, the largest deviation told is within the limit, and it is the true one."""
+    points = noisy(head(0.5), noise, seed)
+    try:
+        found = smoothed(points, wavelength, limit)
+    except InputError:  # so much noise that the limit leaves a curve that no arcs follow
+        found = None
+    assert found is not None or noise > 2e-4 * limit
+    if found is None:
+        return
+    assert found.largest_um <= limit
+    distances = 1e3 * found.curve.closest(points)[2]
+    assert distances.max() <= limit + 1e3 * ARC_TOLERANCE_MM + 1e-6
+    assert np.abs(np.abs(found.deviations_um) - distances).max() < 1e3 * ARC_TOLERANCE_MM + 0.02 * limit
+
+
+def test_corners_are_held_while_noise_is_smoothed():
+    """A long wavelength rounds a small corner by no more than the limit, and says how many points it held."""
+    points = noisy(head(), 0.002)
+    free, held = smoothed(points, 10.0, 1e4), smoothed(points, 10.0, 15.0)
+    assert free.largest_um > 30.0
+    assert free.n_held == 0
+    assert held.largest_um <= 15.0
+    assert 0 < held.n_held < len(points) / 2
+
+
+def test_without_smoothing_the_curve_goes_through_all_points():
+    """Wavelength 0 moves nothing, and the arcs pass every point within their tolerance."""
+    points = noisy(head(), 0.003)
+    found = smoothed(points, 0.0)
+    assert found.largest_um == 0.0
+    np.testing.assert_allclose(found.points, points, atol=1e-9)
+    assert found.curve.closest(points)[2].max() <= ARC_TOLERANCE_MM * 1.01
+
+
+@pytest.mark.parametrize(
+    ("wavelength", "limit", "message"),
+    [(-1.0, None, "--smooth"), (math.nan, None, "--smooth"), (1e3, None, "--smooth"), (1e-3, None, "--smooth"),
+     (5.0, 0.0, "--limit"), (5.0, math.nan, "--limit"), (5.0, -3.0, "--limit")],
+)  # fmt: skip
+def test_senseless_options_are_refused(wavelength, limit, message):
+    """Wavelengths and limits out of range are named in the message."""
+    with pytest.raises(InputError, match=message):
+        smoothed(circle(100), wavelength, limit)
+
+
+def test_a_curve_that_crosses_itself_is_refused():
+    """Points in order along a loop give a message with the place of the crossing."""
+    t = np.linspace(-1.6, 1.6, 200)
+    loop = np.column_stack([20.0 * (t**3 - t), 20.0 * t**2])
+    with pytest.raises(InputError, match="meet at"):
+        smoothed(loop)
+
+
+def test_biarcs_are_smooth_and_within_their_tolerance():
+    """Arcs along an ellipse meet tangentially, within the tolerance; halved lengths have an eighth of the error."""
+
+    def ellipse(t):
+        points = np.column_stack([50.0 * np.cos(t), 20.0 * np.sin(t)])
+        return points, np.column_stack([-50.0 * np.sin(t), 20.0 * np.cos(t)])
+
+    fine = ellipse(np.linspace(0.0, math.pi, 5001))[0]
+    for tolerance in (1e-2, 1e-4, 1e-6):
+        segments = biarcs(ellipse, np.array([0.0, 1.0, math.pi]), tolerance)
+        chain = Contour.from_segments(segments, ["e"] * len(segments))
+        assert chain.closest(fine)[2].max() <= 1.3 * tolerance
+        for a, b in itertools.pairwise(segments):
+            assert a.tangent(1.0)[0] @ b.tangent(0.0)[0] == pytest.approx(1.0, abs=1e-12)
+    errors = []
+    for n in (16, 32):
+        segments = biarcs(ellipse, np.linspace(0.0, math.pi, n + 1), 1.0)
+        errors.append(Contour.from_segments(segments, ["e"] * len(segments)).closest(fine)[2].max())
+    assert errors[0] / errors[1] == pytest.approx(8.0, rel=0.25)
+
+
+def test_biarcs_of_a_circle_are_its_arcs():
+    """Every arc along a circle has its radius and centre."""
+
+    def curve(t):
+        return 7.0 * np.column_stack([np.cos(t), np.sin(t)]), np.column_stack([-np.sin(t), np.cos(t)])
+
+    for segment in biarcs(curve, np.array([0.0, 1.0, 2.5]), 1e-6):
+        assert isinstance(segment, Arc)
+        assert segment.radius == pytest.approx(7.0, rel=1e-9)
+        np.testing.assert_allclose(segment.centre, [0.0, 0.0], atol=1e-8)
+        assert segment.counter_clockwise
+
+
+def test_biarcs_refuse_a_kink():
+    """A tangent that jumps inside a piece is refused with its place."""
+
+    def curve(t):
+        slope = np.where(t < 0.4, 0.0, 3.0)
+        return np.column_stack([t, slope * (t - 0.4)]), np.column_stack([np.ones_like(t), slope])
+
+    with pytest.raises(InputError, match=r"\(0\.(39|4)"):
+        biarcs(curve, np.array([0.0, 1.0]), 1e-9)

@@ -1,0 +1,110 @@
+"""The bundled wheels against their formulas, the standard's figures and what instruments measure."""
+
+import itertools
+import math
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc
+from flangeway.mesh import check, triangulate
+from flangeway.railway.measures import measures
+from flangeway.railway.profiles import RAILS, WHEELS, rail, wheel
+from flangeway.railway.wheel_contours import POLYNOMIAL_TOLERANCE_MM, heavy_haul_contour, s1002_contour
+
+# EN 13715: z over y, the tread's polynomial as in public programs
+TREAD = [0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,
+         -5.957839843e-12, 2.646656573e-13]  # fmt: skip
+
+
+def test_s1002_follows_its_polynomial():
+    """Every point of the standard's tread lies on the arcs, to their tolerance."""
+    y = np.linspace(-26.0, 32.15796, 4001)
+    points = np.column_stack([y, -np.polynomial.polynomial.polyval(y, TREAD)])
+    assert s1002_contour().closest(points)[2].max() <= 1.05 * POLYNOMIAL_TOLERANCE_MM
+
+
+def test_s1002_has_the_figures_of_the_standard():
+    """Flange 28 mm high and 32.5 mm thick, qR 10.8, back 70 mm from the tape line, tread 1:15 at its end."""
+    profile = wheel("S1002")
+    assert profile.flange_height_mm == pytest.approx(28.0, abs=1e-6)
+    assert profile.flange_back_mm == 70.0
+    found = measures(profile.outline.part(profile.running_names), "wheel")
+    assert found["flange_height_mm"] == pytest.approx(28.0, abs=1e-3)
+    assert found["flange_thickness_mm"] == pytest.approx(32.5, abs=2e-3)
+    assert found["flange_slope_mm"] == pytest.approx(10.794, abs=2e-3)
+    contour = s1002_contour()
+    assert contour.closest([(0.0, 0.0)])[2][0] < POLYNOMIAL_TOLERANCE_MM
+    outside = contour.segments[-1].tangent(0.0)[0]
+    assert outside[1] / outside[0] == pytest.approx(1.0 / 15.0, rel=1e-6)
+
+
+def test_s1002_is_smooth():
+    """No joint of the S1002 turns by more than a twentieth of a degree; its arcs have the standard's radii."""
+    contour = s1002_contour()
+    for a, b in itertools.pairwise(contour.segments):
+        turn = a.tangent(1.0)[0] @ b.tangent(0.0)[0]
+        assert math.degrees(math.acos(min(1.0, turn))) < 0.05
+    radii = {n: s.radius for n, s in zip(contour.names, contour.segments, strict=True) if isinstance(s, Arc)}
+    for name, radius in (("throat_R13", 13.0), ("flange_front_R20", 20.0), ("flange_tip_R12", 12.0)):
+        assert radii[name] == pytest.approx(radius, rel=1e-8)
+    assert contour.segments[contour.names.index("throat_R13")].curvature < 0.0
+    assert contour.segments[contour.names.index("flange_tip_R12")].curvature > 0.0
+
+
+def test_heavy_haul_wheel_is_nine_smooth_arcs():
+    """The nine arcs meet tangentially, with a flange of 26 mm, and the tread passes the tape line at zero."""
+    contour = heavy_haul_contour()
+    assert contour.n_segments == 9
+    for a, b in itertools.pairwise(contour.segments):
+        assert a.tangent(1.0)[0] @ b.tangent(0.0)[0] == pytest.approx(1.0, abs=1e-8)
+    assert contour.closest([(0.0, 0.0)])[2][0] < 1e-5
+    hollow = [n for n, s in zip(contour.names, contour.segments, strict=True) if s.curvature < 0.0]
+    assert hollow == ["throat_R14", "throat_R39"]
+    assert wheel("heavy-haul").flange_height_mm == pytest.approx(26.0, abs=0.05)
+
+
+@pytest.mark.parametrize("name", WHEELS)
+@pytest.mark.parametrize("cut", [30.0, 50.0, 100.0])
+def test_wheels_are_regions_with_a_straight_cut(name, cut):
+    """Every bundled wheel is one region below its cut, says where it comes from, and is meshed soundly."""
+    profile = wheel(name, cut_height_mm=cut)
+    assert profile.outline.bounds()[1, 1] == cut
+    assert profile.certainty.endswith(".")
+    assert profile.source.endswith(".")
+    running = profile.outline.part(profile.running_names)
+    assert running.segments[0].start[0] < -60.0
+    assert running.segments[-1].end[0] > 50.0
+    mesh = triangulate(profile.outline, size=4.0)
+    check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)
+    assert len(mesh.chain(*profile.running_names)) > 20
+
+
+def test_wrong_wheels_are_refused():
+    """A throat's radius for a wheel without one to choose, and a cut below the rim's edge, are refused."""
+    with pytest.raises(InputError, match="throat_radius_mm"):
+        wheel("S1002", throat_radius_mm=13.0)
+    with pytest.raises(InputError, match="cut_height_mm"):
+        wheel("heavy-haul", cut_height_mm=22.0)
+
+
+@pytest.mark.parametrize("name", RAILS)
+def test_heads_have_their_nominal_width(name):
+    """The head's width 14 mm below the top is that of the outline there."""
+    profile = rail(name)
+    head = profile.outline.part(profile.head_names)
+    level = float(head.bounds()[1, 1]) - 14.0
+    points = head.sampled(spacing=0.01)
+    at_level = points[np.abs(points[:, 1] - level) < 0.01]
+    width = measures(head, "rail")["head_width_mm"]
+    assert width == pytest.approx(np.ptp(at_level[:, 0]), abs=0.01)
+
+
+def test_measures_are_left_out_where_a_surface_does_not_reach():
+    """A tread without its flange has no measures; a flange without its back has no thickness."""
+    contour = s1002_contour()
+    tread = contour.part([name for name in contour.names if name.startswith("tread")])
+    assert measures(tread, "wheel") == {}
+    front = contour.part([name for name in contour.names if name != "flange_back_R20.5"])
+    assert set(measures(front, "wheel")) == {"flange_height_mm", "flange_slope_mm"}

@@ -1,0 +1,256 @@
+"""Positions in which rigid wheels touch rigid rails, against closed forms, brute force and published contact points."""
+
+import math
+import time
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Contour, Line
+from flangeway.railway.first_touch import touching_motion
+from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.rigid_contact import (
+    RigidWheelset,
+    contact_jumps,
+    contact_locus,
+    locus_of,
+    path_of_contact,
+)
+from flangeway.railway.rigid_curve import RigidCurve
+from flangeway.railway.rigid_side import RigidSide
+from flangeway.railway.track import Track, Wheelset
+
+HALF_DISTANCE, RADIUS, CONE = 750.0, 460.0, math.atan(1.0 / 20.0)
+
+
+def cone(half_width=60.0):
+    """A conical wheel about the middle of the axle, rolling radius 460 mm at 750 mm."""
+    ends = [(HALF_DISTANCE + x, -RADIUS + math.tan(CONE) * x) for x in (-half_width, half_width)]
+    return RigidCurve.from_contour(Contour.from_segments([Line(*ends)], ["tread"]))
+
+
+def round_rail(radius):
+    """Upper half of a circle with its top at (750, 0)."""
+    middle = (HALF_DISTANCE, -radius)
+    arc = Arc((HALF_DISTANCE + radius, -radius), (HALF_DISTANCE - radius, -radius), middle, True)
+    return RigidCurve.from_contour(Contour.from_segments([arc], ["head"]))
+
+
+def cones_on_round_rails(radius):
+    side = RigidSide(cone(), round_rail(radius))
+    return RigidWheelset(side, side, RADIUS)
+
+
+@pytest.fixture(scope="module")
+def heavy_haul():
+    return RigidWheelset.of(Track(rail("136RE")), Wheelset(wheel("AAR-1B")))
+
+
+@pytest.fixture(scope="module")
+def s1002():
+    """S1002 on 60E1 at 1:40, gauge 1435 mm at 14 mm, back-to-back 1360 mm: the Manchester contact benchmark."""
+    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    return RigidWheelset.of(track, wheelset).with_gauge(1435.0, 14.0)
+
+
+@pytest.mark.parametrize("radius", [0.01, 20.0, 300.0])
+def test_cones_on_round_rails_in_closed_form(radius):
+    """Roll, lateral and vertical motion, contact points and rolling radii of cones on circular rails are exact.
+
+    Moved outward by the rails' radius the cones slide on two fixed points: a bar of fixed length between two lines.
+    """
+    slope, b = math.tan(CONE), HALF_DISTANCE
+    delta = np.array([-5.0, -1.0, 0.0, 0.3, 4.0])
+    mean = np.sqrt(b**2 - (slope * delta) ** 2)
+    roll = np.arctan2(slope * delta, mean)
+    depth = RADIUS + radius / math.cos(CONE)
+    below = slope * (mean - b) - depth
+    lateral = delta * np.cos(roll) + below * np.sin(roll)
+    height = -radius + delta * np.sin(roll) - below * np.cos(roll)
+
+    locus = contact_locus(cones_on_round_rails(radius), lateral)
+
+    assert np.abs(locus.lateral_mm - lateral).max() < 1e-10
+    assert np.abs(locus.roll_rad - roll).max() < 1e-12
+    assert np.abs(locus.vertical_mm - (height - RADIUS)).max() < 1e-9
+    assert np.abs(locus.rolling_radius_difference_mm - 2.0 * slope * delta).max() < 1e-9
+    on_right_wheel = mean - delta - radius * math.sin(CONE)
+    assert np.abs(locus.right.wheel_points_mm[:, 0, 0] - on_right_wheel).max() < 1e-8
+    assert np.abs(locus.right.contact_angles_rad[:, 0] - (CONE + roll)).max() < 1e-10
+    assert locus.left.relative_curvatures_per_mm[:, 0] == pytest.approx(1.0 / radius)
+
+
+def brute_gap(side, lateral, height, roll):
+    """Vertical gaps of densely sampled wheel points over the rail."""
+    points = side.wheel.at(np.linspace(0.0, side.wheel.length, 400_001))
+    x = lateral + math.cos(roll) * points.x - math.sin(roll) * points.y
+    y = height + math.sin(roll) * points.x + math.cos(roll) * points.y
+    over = (x >= side.rail.joints[0]) & (x <= side.rail.joints[-1])
+    return y[over] - side.rail.over(x[over]).y
+
+
+@pytest.mark.parametrize("lateral", [-9.7, -8.0, -3.0, 0.0, 2.0, 7.99, 8.5, 9.9])
+def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
+    """In every position the smallest gap of either wheel, by brute force, is zero."""
+    locus = contact_locus(heavy_haul, [lateral])
+    height = float(locus.vertical_mm[0]) + heavy_haul.reference_height_mm
+    for side, sign in ((heavy_haul.right, 1.0), (heavy_haul.left, -1.0)):
+        gap = brute_gap(side, sign * lateral, height, sign * float(locus.roll_rad[0])).min()
+        assert -1e-10 < gap < 2e-7
+
+
+def test_the_middle_agrees_with_the_first_touch():
+    """Without lateral motion the height and the point of contact are those of wheels lowered on a dense grid."""
+    track, wheelset = Track(rail("136RE")), Wheelset(wheel("AAR-1B"))
+    motion, touches = touching_motion(track, wheelset)
+    locus = contact_locus(RigidWheelset.of(track, wheelset), [0.0])
+    assert locus.vertical_mm[0] == pytest.approx(motion.vertical_mm, abs=1e-7)
+    assert locus.right.rail_points_mm[0, 0] == pytest.approx(touches[1].rail_point_mm, abs=0.02)
+    assert locus.right.points_mm[0, 0] == pytest.approx(touches[1].point_mm, abs=0.02)
+    assert locus.left.points_mm[0, 0, 0] == pytest.approx(-locus.right.points_mm[0, 0, 0], abs=1e-9)
+
+
+def test_left_and_right_mirror_each_other(heavy_haul):
+    """To the left everything is the mirror image of what is to the right."""
+    out, back = contact_locus(heavy_haul, [1.0, 8.5, 9.8]), contact_locus(heavy_haul, [-1.0, -8.5, -9.8])
+    assert out.roll_rad == pytest.approx(-back.roll_rad, abs=1e-12)
+    assert out.vertical_mm == pytest.approx(back.vertical_mm, abs=1e-9)
+    for one, other in ((out.left, back.right), (out.right, back.left)):
+        assert one.wheel_points_mm[:, 0] == pytest.approx(other.wheel_points_mm[:, 0], abs=1e-7)
+        assert one.gaps_mm == pytest.approx(other.gaps_mm, abs=1e-8)
+
+
+def test_points_agree_in_all_frames(heavy_haul):
+    """Points of contact in the frames of both profiles are the same point of the track."""
+    track, wheelset = Track(rail("136RE")), Wheelset(wheel("AAR-1B"))
+    locus = contact_locus(heavy_haul, [-8.6, 3.0, 9.5])
+    for number in range(3):
+        motion = locus.motion(number)
+        for side in ("left", "right"):
+            at = locus.side(side)
+            from_rail = track.placement(side).points(at.rail_points_mm[number, :1])
+            from_wheel = motion.placement(wheelset, side).points(at.wheel_points_mm[number, :1])
+            assert from_rail[0] == pytest.approx(at.points_mm[number, 0], abs=1e-9)
+            assert from_wheel[0] == pytest.approx(at.points_mm[number, 0], abs=1e-8)
+
+
+def test_at_a_jump_a_side_touches_in_two_points(heavy_haul):
+    """At the place of a jump both points touch, and beside it only the nearer one does."""
+    right = [jump for jump in contact_jumps(heavy_haul, 9.0) if jump.side == "right"]
+    assert len(right) == 1
+    inner, outer = right[0].wheel_points_mm
+    assert outer[0] < inner[0] - 10.0
+    place = right[0].motion.lateral_mm
+    locus = contact_locus(heavy_haul, [place - 0.01, place, place + 0.01])
+    assert locus.right.gaps_mm[1, 1] < 1e-9
+    assert (locus.right.gaps_mm[[0, 2], 1] > 1e-3).all()
+    assert locus.right.wheel_points_mm[0, 0, 0] == pytest.approx(inner[0], abs=0.05)
+    assert locus.right.wheel_points_mm[2, 0, 0] == pytest.approx(outer[0], abs=0.3)
+
+
+def test_jumps_of_both_sides_are_mirrored(s1002):
+    """S1002 on 60E1 jumps at the same lateral motions to the left and to the right, three times within 7 mm."""
+    jumps = contact_jumps(s1002, 7.0)
+    right = np.array([jump.motion.lateral_mm for jump in jumps if jump.side == "right"])
+    left = np.array([jump.motion.lateral_mm for jump in jumps if jump.side == "left"])
+    assert right == pytest.approx(-left[::-1], abs=1e-4)
+    assert right[:2] == pytest.approx([0.227, 4.992], abs=2e-3)
+    assert ((right[2:] > 6.25) & (right[2:] < 6.27)).all()
+    assert len(right) > 2
+
+
+MANCHESTER = {
+    # lateral motion: roll in mrad, height of the first touch of both wheels, x on the right and on the left rail
+    0.0: (0.0, -0.1821, -0.1821, None, None),
+    1.0: (0.05049, -0.1593, -0.1645, 741.99, -755.24),
+    2.0: (0.1128, -0.1280, -0.1324, 740.91, -756.51),
+    3.0: (0.1803, -0.0898, -0.0932, 739.97, -757.24),
+    4.0: (0.2557, -0.0437, -0.0462, 738.74, -757.66),
+    4.5: (0.2977, -0.0171, -0.0189, 737.89, -757.80),
+    5.0: (0.3554, 0.0271, 0.0205, 727.09, -757.90),
+    5.5: (0.4777, 0.1176, 0.1091, 726.12, -757.97),
+    6.0: (0.6272, 0.2259, 0.2185, 725.14, -758.02),
+    7.0: (6.393, 4.6549, 4.6045, 719.04, -758.61),
+}
+"""Manchester contact benchmark, case A-2.2, as published with the program CONTACT (E. Vollebregt, examples
+mbench_a22_left and mbench_a22_right, reference outputs). The benchmark has yaw (2.4 mrad per mm) and elastic contacts
+of 10 kN, so its points are means over patches of several millimetres."""
+
+
+def test_contact_points_of_s1002_on_60e1_agree_with_the_manchester_benchmark(s1002):
+    """Height, roll and contact points over the lateral motion agree with the published ones, the jump included."""
+    lateral = np.array(list(MANCHESTER))
+    locus = contact_locus(s1002, lateral)
+    for number, (roll, right_height, left_height, right_x, left_x) in enumerate(MANCHESTER.values()):
+        assert 1e3 * locus.roll_rad[number] == pytest.approx(roll, rel=0.06, abs=1e-6)
+        # yaw lowers the flange side: the published heights of the two sides differ as well
+        spread = abs(right_height - left_height)
+        assert locus.vertical_mm[number] == pytest.approx(0.5 * (right_height + left_height), abs=2e-4 + 2.5 * spread)
+        if right_x is not None:
+            assert locus.right.points_mm[number, 0, 0] == pytest.approx(right_x, abs=0.6)
+            assert locus.left.points_mm[number, 0, 0] == pytest.approx(left_x, abs=0.3)
+    assert locus.vertical_mm[0] == pytest.approx(-0.1821, abs=2e-4)
+
+
+def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
+    """Near 5 mm tread and throat of the S1002 are both within some micrometres of the rail."""
+    locus = contact_locus(s1002, [5.0])
+    assert locus.right.gaps_mm[0, 1] < 0.002
+    assert abs(locus.right.wheel_points_mm[0, 0, 0] - locus.right.wheel_points_mm[0, 1, 0]) > 10.0
+
+
+def test_a_thousand_positions_take_less_than_two_seconds(heavy_haul):
+    """A sweep of 1000 lateral motions over tread, throat and flange is quick; the best of two runs counts."""
+    lateral = np.linspace(-9.9, 9.9, 1000)
+    times = []
+    for _ in range(2):
+        start = time.perf_counter()
+        locus = contact_locus(heavy_haul, lateral)
+        times.append(time.perf_counter() - start)
+    assert np.abs(locus.lateral_mm - lateral).max() < 1e-10
+    assert min(times) < 2.0
+
+
+def test_the_climbing_flange_turns_the_axle_back(heavy_haul):
+    """Along the climbing flange the axle's lateral motion has a largest value; beyond it is refused with that value."""
+    path = locus_of(heavy_haul, path_of_contact(heavy_haul, 12.0))
+    assert (np.diff(path.lateral_mm[path.rail_level_mm > 0.0]) < 0.0).any()
+    with pytest.raises(InputError, match="climbing flanges"):
+        contact_locus(heavy_haul, [0.0, 11.5])
+
+
+def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
+    """Without roll cones have the rolling radius difference of twice the cone times the motion, whatever the rails."""
+    locus = contact_locus(cones_on_round_rails(20.0), [-3.0, 2.0], roll=False)
+    assert locus.rolling_radius_difference_mm == pytest.approx([-0.3, 0.2], abs=1e-10)
+    assert (locus.roll_rad == 0.0).all()
+
+
+@pytest.mark.parametrize("lateral", [[math.nan], [], [[0.0]]])
+def test_wrong_lateral_motions_are_refused(heavy_haul, lateral):
+    """Lateral motions are a list of finite numbers."""
+    with pytest.raises(InputError, match="finite"):
+        contact_locus(heavy_haul, lateral)
+
+
+def test_wheels_beside_the_rails_are_refused():
+    """A gauge that does not fit the wheelset is an error that names both measures."""
+    wheelset = RigidWheelset.of(Track(rail("136RE"), gauge_mm=1200.0), Wheelset(wheel("AAR-1B")))
+    with pytest.raises(InputError, match="gauge_mm and back_to_back_mm"):
+        contact_locus(wheelset, [0.0])
+
+
+def test_a_gauge_below_the_head_is_refused(s1002):
+    """The gauge is measured where the profile has a face."""
+    with pytest.raises(InputError, match="below the rail's top"):
+        s1002.with_gauge(1435.0, 90.0)
+
+
+def test_the_gauge_is_that_of_the_faces(s1002):
+    """At the depth of the gauge the faces are half a gauge from the middle."""
+    rail_curve = s1002.right.rail
+    arcs = np.linspace(0.0, rail_curve.length, 100_001)
+    places = rail_curve.at(arcs)
+    face = np.interp(places.y.max() - 14.0, places.y[: np.argmax(places.y)], places.x[: np.argmax(places.y)])
+    assert face == pytest.approx(717.5, abs=1e-3)

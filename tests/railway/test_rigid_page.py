@@ -1,0 +1,45 @@
+"""The page on the geometry of wheel and rail: its programs run, its names and numbers are true."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from flangeway.study.rigid import throat_effect
+from flangeway.study.rigid_case import find_geometry_case
+
+ROOT = Path(__file__).parents[2]
+TEXT = (ROOT / "docs" / "theory" / "wheel-rail-geometry.md").read_text(encoding="utf-8")
+
+
+def test_the_programs_of_the_page_run():
+    """All code blocks, one after the other, run and their assertions hold."""
+    blocks = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
+    assert len(blocks) == 3
+    names = {}
+    for block in blocks:
+        exec(compile(block, "wheel-rail-geometry.md", "exec"), names)
+    assert len(names["locus"].lateral_mm) == 1000
+    assert names["found"].status.converged
+
+
+def test_the_names_of_the_page_are_in_the_program():
+    """Each name in backticks that looks like one of the program is defined in it."""
+    source = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "src" / "flangeway").rglob("*.py"))
+    quoted = re.findall(r"`([A-Za-z_][\w.]*)(?:\([^`]*\))?`", re.sub(r"```.*?```", "", TEXT, flags=re.DOTALL))
+    names = {part for word in quoted for part in word.split(".") if "_" in part or re.match(r"[A-Z][a-z]+[A-Z]", part)}
+    assert len(names) > 10
+    for name in names - {"h_right", "h_left", "throat_radius"}:
+        assert re.search(rf"(class|def) {name}\b|^\s*{name}\b\s*[:=]", source, re.MULTILINE), name
+
+
+def test_the_table_of_throat_radii_is_computed():
+    """The page's lateral motions over the radius of the wide arc are those of the command."""
+    rows = [
+        line.split("|")[2:-1] for line in TEXT.splitlines() if line.startswith(("| radius of", "| lateral motion in"))
+    ]
+    radii, motions = ([float(cell) for cell in row] for row in rows)
+    found = throat_effect(find_geometry_case("wheelset-curve", {}))
+    assert found.wide_mm == pytest.approx(radii)
+    assert found.lateral_wide_mm == pytest.approx(motions, abs=0.006)
+    assert found.lateral_narrow_mm == pytest.approx([motions[2]] * len(found.narrow_mm), abs=0.006)
