@@ -3,11 +3,12 @@
 import sys
 from collections.abc import Callable, Iterator
 
-from benchmarks import torsion_assembly
+from benchmarks import hertz, torsion_assembly
 from benchmarks.measurement import Measurement
 
 BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.measurements,
+    "hertz": hertz.measurements,
 }
 
 

@@ -77,7 +77,64 @@ SectionUnit = Annotated[
     typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
 ]
 SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file holds one half, up to x = 0.")]
-ReproductionName = Annotated[str, typer.Argument(metavar="NAME", help="torsion: Tables 4 to 7.")]
+ProfileName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME_OR_FILE",
+        help="136RE, 136RE-8, 136RE-14, 60E1, AAR-1B, S1002, heavy-haul, or a .ban, .whl, .prr, .prw, .csv, .txt, .dat "
+        "or .dxf file.",
+    ),
+]
+ProfileKind = Annotated[
+    str | None, typer.Option("--kind", metavar="[rail|wheel]", help="What the file holds.", show_default=False)
+]
+ProfileMirror = Annotated[bool, typer.Option("--mirror", help="Reverse the first coordinate: a left-hand rail.")]
+ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
+ProfileOrigin = Annotated[
+    str | None,
+    typer.Option(
+        "--origin",
+        metavar="[top|base|gauge|tape|flange-back|X,Y]",
+        help="Where the file's (0, 0) lies; or X,Y, the place in it of a rail's top or a wheel's tread.",
+        show_default=False,
+    ),
+]
+ProfileTape = Annotated[
+    float | None,
+    typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70.", show_default=False),
+]
+ProfileSmooth = Annotated[
+    float | None,
+    typer.Option(
+        "--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points.", show_default=False
+    ),
+]
+ProfileLimit = Annotated[
+    float | None,
+    typer.Option("--limit", metavar="UM", help="Largest motion of a point by smoothing.", show_default=False),
+]
+ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
+ProfileJoin = Annotated[
+    str | None,
+    typer.Option("--join", metavar="NAME", help="Bundled rail or wheel that gives the body.", show_default=False),
+]
+ProfileTo = Annotated[
+    Path | None,
+    typer.Option("--to", metavar="FILE", help="Write it in the format of this file's ending.", show_default=False),
+]
+GeometryName = Annotated[str, typer.Argument(metavar="[CASE]", help="wheelset-tangent, wheelset-curve, or s1002-60e1.")]
+GeometrySet = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, largest_lateral_mm, ...; a wrong "
+        "key lists all.",
+    ),
+]
+ReproductionName = Annotated[
+    str, typer.Argument(metavar="NAME", help="torsion: Tables 4 to 7; elasticity: chapter 5; all: every one.")
+]
 Quick = Annotated[bool, typer.Option("--quick", help="Compute the coarser half of the meshes only.")]
 
 
@@ -186,6 +243,66 @@ def section(
 
 
 @app.command()
+def profile(
+    name_or_file: ProfileName,
+    unit: SectionUnit = None,
+    kind: ProfileKind = None,
+    mirror: ProfileMirror = False,
+    flip: ProfileFlip = False,
+    origin: ProfileOrigin = None,
+    tape: ProfileTape = None,
+    smooth: ProfileSmooth = None,
+    limit: ProfileLimit = None,
+    drop_outliers: ProfileDrop = False,
+    join: ProfileJoin = None,
+    to: ProfileTo = None,
+    out: Out = None,
+) -> None:
+    """Read a rail or wheel profile: checks, pictures, curvature, conversion, joint to a body (out/profile-NAME)."""
+    with _errors_as_exit_status():
+        from flangeway.railway.profile_file import ReadOptions  # noqa: PLC0415
+        from flangeway.report.profile_outputs import (  # noqa: PLC0415
+            check_profile_folder,
+            print_profile,
+            refuse_conversion,
+            write_profile,
+        )
+        from flangeway.study.profile import run_profile  # noqa: PLC0415
+
+        options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers)
+        done = run_profile(name_or_file, options, join)
+        refuse_conversion(done, to)
+        folder = out or Path("out", f"profile-{Path(name_or_file).stem}")
+        check_profile_folder(folder, to)
+        with _progress() as progress:
+            files = write_profile(done, folder, to, progress)
+        print_profile(_stdout(), done.summary, files)
+
+
+@app.command()
+def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None) -> None:
+    """Contact geometry of a rigid wheelset: locus, rolling radii, equivalent conicity, balance (out/geometry-CASE)."""
+    with _errors_as_exit_status():
+        from flangeway.report.rigid_outputs import (  # noqa: PLC0415
+            check_geometry_folder,
+            print_geometry,
+            write_geometry,
+        )
+        from flangeway.study.rigid import run_geometry  # noqa: PLC0415
+        from flangeway.study.rigid_case import find_geometry_case  # noqa: PLC0415
+
+        inputs = find_geometry_case(case, _settings(set_, "a wrong key lists the right ones"))
+        inputs.wheelset()
+        folder = out or Path("out", f"geometry-{case}")
+        check_geometry_folder(folder)
+        with _progress() as progress:
+            done = run_geometry(case, inputs, progress)
+            files = write_geometry(done, folder, progress)
+        print_geometry(_stdout(), done.summary, files)
+        raise typer.Exit(DONE if done.equilibrium.status.converged else FAILED)
+
+
+@app.command()
 def reproduce(
     name: ReproductionName,
     quick: Quick = False,
@@ -193,21 +310,20 @@ def reproduce(
 ) -> None:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     with _errors_as_exit_status():
-        from flangeway.report.reproduction import (  # noqa: PLC0415
-            check_reproduction_folder,
-            print_torsion,
-            write_torsion,
-        )
-        from flangeway.study.reproduce import refuse_unknown_reproduction, reproduce_torsion  # noqa: PLC0415
+        from flangeway.report.reproductions import REPRODUCTIONS, find_reproductions  # noqa: PLC0415
 
-        refuse_unknown_reproduction(name)
-        folder = (out or Path("out", "reproduce")) / name
-        check_reproduction_folder(folder)
-        with _progress() as progress:
-            found = reproduce_torsion(quick=quick, progress=progress)
-            files = write_torsion(found, folder, progress)
-        print_torsion(_stdout(), found, files)
-        raise typer.Exit(DONE if found.passed else FAILED)
+        folder = out or Path("out", "reproduce")
+        wanted = find_reproductions(name, REPRODUCTIONS)
+        for key, reproduction in wanted.items():
+            reproduction.check_folder(folder / key)
+        passed = True
+        for key, reproduction in wanted.items():
+            with _progress() as progress:
+                found = reproduction.compute(quick=quick, progress=progress)
+                files = reproduction.write(found, folder / key, progress)
+            reproduction.print_summary(_stdout(), found, files)
+            passed = passed and found.passed
+        raise typer.Exit(DONE if passed else FAILED)
 
 
 @app.command()
@@ -258,14 +374,21 @@ def _case(
         "crown_radius_in": crown_radius,
     }
     given: dict[str, Any] = {key: value for key, value in values.items() if value is not None}
-    for setting in settings or []:
-        key, equals, value = setting.partition("=")
-        if not equals:
-            raise InputError(f"--set {setting}", "--set KEY=VALUE", f"`flangeway cases` lists the keys of {name}")
-        given[key.strip()] = value.strip()
+    given |= _settings(settings, f"`flangeway cases` lists the keys of {name}")
     case = find_case(name).from_values(given)
     case.problem()
     return case
+
+
+def _settings(settings: list[str] | None, advice: str) -> dict[str, Any]:
+    """Return what ``--set`` says, by key."""
+    given: dict[str, Any] = {}
+    for setting in settings or []:
+        key, equals, value = setting.partition("=")
+        if not equals:
+            raise InputError(f"--set {setting}", "--set KEY=VALUE", advice)
+        given[key.strip()] = value.strip()
+    return given
 
 
 @contextmanager

@@ -8,7 +8,8 @@ import pytest
 
 from flangeway.post import Stresses
 from flangeway.report import part_fields
-from flangeway.report.paraview import write_collection, write_part
+from flangeway.report.paraview import write_part
+from flangeway.report.series import write_collection
 
 COMPONENTS = [f"stress_{name}_MPa" for name in ("xx", "yy", "xy", "zz")]
 
@@ -48,7 +49,7 @@ def test_virtual_elements_are_polygons(runs, tmp_path):
 
 def test_the_collection_names_all_parts(tmp_path):
     """The collection is XML that names one file a part, numbered from zero."""
-    write_collection(tmp_path / "all.pvd", {"a": "a.vtu", "b & c": "b.vtu"})
+    write_collection(tmp_path / "all.pvd", [(0.0, "a", "a.vtu"), (0.0, "b & c", "b.vtu")])
     sets = ET.parse(tmp_path / "all.pvd").getroot().findall("Collection/DataSet")
     assert [(s.get("part"), s.get("name"), s.get("file")) for s in sets] == [
         ("0", "a", "a.vtu"),

@@ -5,13 +5,9 @@ import csv
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.study.reproduce import (
-    LIMITS,
-    ReproducedNumber,
-    refuse_unknown_reproduction,
-    reproduce_torsion,
-    write_rows,
-)
+from flangeway.report.reproductions import REPRODUCTIONS, find_reproductions
+from flangeway.study.reproductions import ReproducedNumber, write_rows
+from flangeway.study.reproductions.torsion import LIMITS, reproduce_torsion
 
 
 @pytest.fixture(scope="module")
@@ -81,6 +77,8 @@ def test_quick_computes_the_coarser_half(tmp_path):
 
 
 def test_unknown_names_are_refused():
-    """A name that cannot be reproduced is refused, with those that can."""
+    """A name that cannot be reproduced is refused, with those that can, and `all` is every one of these."""
     with pytest.raises(InputError, match="one of: torsion"):
-        refuse_unknown_reproduction("torsions")
+        find_reproductions("torsions", REPRODUCTIONS)
+    assert find_reproductions("torsion", REPRODUCTIONS) == {"torsion": REPRODUCTIONS["torsion"]}
+    assert find_reproductions("all", REPRODUCTIONS) == REPRODUCTIONS

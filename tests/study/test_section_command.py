@@ -123,10 +123,10 @@ def test_reproduce_torsion_quick(call, tmp_path):
 
 def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch):
     """When too few numbers are within their limits, the files are written and the status is 1."""
-    from flangeway.study import reproduce  # noqa: PLC0415
+    from flangeway.study.reproductions import torsion  # noqa: PLC0415
 
-    monkeypatch.setitem(reproduce.LIMITS, "relative_error", 1e-6)
-    monkeypatch.setattr(reproduce, "_NEIGHBOURS", np.array([1.0]))
+    monkeypatch.setitem(torsion.LIMITS, "relative_error", 1e-6)
+    monkeypatch.setattr(torsion, "_NEIGHBOURS", np.array([1.0]))
     status, out, _ = call("reproduce", "torsion", "--quick", "--out", "found")
     assert status == 1
     assert "of 48 errors" in out

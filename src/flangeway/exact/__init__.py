@@ -2,6 +2,7 @@
 
 from flangeway.exact.elasticity import PlateWithHole, ThickCylinder
 from flangeway.exact.hertz import LineContact, contact_modulus
+from flangeway.exact.notch import Notch
 from flangeway.exact.torsion import (
     CircularSector,
     Ellipse,
@@ -17,6 +18,7 @@ __all__ = [
     "Ellipse",
     "EquilateralTriangle",
     "LineContact",
+    "Notch",
     "PlateWithHole",
     "Rectangle",
     "ThickCylinder",

@@ -8,8 +8,9 @@ from flangeway.report.contact_figure import contact_figure
 from flangeway.report.drawing import png
 from flangeway.report.fields import PartFields, part_fields
 from flangeway.report.html import Picture, report_page
-from flangeway.report.paraview import write_collection, write_part
+from flangeway.report.paraview import write_part
 from flangeway.report.pressure_figure import pressure_figure
+from flangeway.report.series import write_collection
 from flangeway.report.wheelset_figure import wheelset_figure
 from flangeway.study import CaseRun, refuse_unwritable, write_summary, write_together
 
@@ -48,7 +49,7 @@ def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = 
     writers: dict[str, Callable[[Path], None]] = {
         f"{part.name}.vtu": partial(write_part, fields=part) for part in fields
     }
-    vtu_files = {part: f"{part}.vtu" for part in PARTS}
+    vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
     page = report_page(run, pictures)
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     writers[PICTURE] = lambda path: _write_bytes(path, pictures[0].png)

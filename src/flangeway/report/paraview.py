@@ -1,7 +1,6 @@
-"""Files for ParaView: one VTU for each part and a PVD that opens them together."""
+"""Files for ParaView: one VTU for each part of a wheelset."""
 
 from pathlib import Path
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 from numpy.typing import NDArray
@@ -33,29 +32,3 @@ def cell_arrays(fields: PartFields) -> dict[str, Floats]:
         arrays[f"principal_{i + 1}_MPa"] = stresses.principal[:, i]
     arrays["max_in_plane_shear_MPa"] = stresses.in_plane_shear
     return arrays
-
-
-def write_collection(path: Path, files: dict[str, str]) -> None:
-    """Write a PVD file.
-
-    Parameters
-    ----------
-    path
-        File to write.
-    files
-        Names of the VTU files in the same folder, by the name of the part.
-
-    """
-    rows = [
-        f"    <DataSet timestep='0' group='' part='{number}' name={quoteattr(part)} file={quoteattr(file)}/>"
-        for number, (part, file) in enumerate(files.items())
-    ]
-    lines = [
-        "<?xml version='1.0'?>",
-        "<VTKFile type='Collection' version='0.1' byte_order='LittleEndian'>",
-        "  <Collection>",
-        *rows,
-        "  </Collection>",
-        "</VTKFile>",
-    ]
-    path.write_text("\n".join(lines) + "\n", encoding="utf-8")

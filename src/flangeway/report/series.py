@@ -130,9 +130,8 @@ def write_series(path: str | Path, frames: Iterable[Frame]) -> tuple[Path, ...]:
     file = Path(path)
     if file.suffix != ".pvd":
         raise InputError(f"path {file}", "a name that ends with .pvd", "rename the file")
-    rows: list[str] = []
+    entries: list[tuple[float, str, str]] = []
     written: list[Path] = []
-    parts: dict[str, int] = {}
     seen: set[str] = set()
     time = -np.inf
     for frame in frames:
@@ -147,18 +146,31 @@ def write_series(path: str | Path, frames: Iterable[Frame]) -> tuple[Path, ...]:
         target = file.with_name(f"{file.stem}_{len(written):04d}.vtu")
         write_frame(target, frame)
         written.append(target)
-        number = parts.setdefault(frame.part, len(parts))
-        rows.append(
-            f"    <DataSet timestep='{time:.17g}' group='' part='{number}' name={quoteattr(frame.part)} "
-            f"file={quoteattr(target.name)}/>"
-        )
-        _write_collection(file, rows)
+        entries.append((time, frame.part, target.name))
+        write_collection(file, entries)
     if not written:
         raise InputError("a series without frames", "one or more", "give the frames")
     return tuple(written)
 
 
-def _write_collection(file: Path, rows: list[str]) -> None:
+def write_collection(path: str | Path, entries: Iterable[tuple[float, str, str]]) -> None:
+    """Write a PVD file that opens VTU files of its folder together; `write_series` writes both.
+
+    Parameters
+    ----------
+    path
+        File to write.
+    entries
+        Time, name of the part and name of the file, for each VTU file.
+
+    """
+    file = Path(path)
+    numbers: dict[str, int] = {}
+    rows = [
+        f"    <DataSet timestep='{time:.17g}' group='' part='{numbers.setdefault(part, len(numbers))}' "
+        f"name={quoteattr(part)} file={quoteattr(name)}/>"
+        for time, part, name in entries
+    ]
     lines = [
         "<?xml version='1.0'?>",
         "<VTKFile type='Collection' version='0.1' byte_order='LittleEndian'>",

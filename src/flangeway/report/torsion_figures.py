@@ -10,7 +10,7 @@ from matplotlib.lines import Line2D
 
 from flangeway.report.contours import Shades, draw_boundary, draw_field
 from flangeway.report.drawing import GREY, INK, new_figure
-from flangeway.study.reproduce import TorsionReproduction
+from flangeway.study.reproductions.torsion import TorsionReproduction
 from flangeway.study.torsion import TorsionRow, published_reading, torsion_section
 
 Over = Literal["h", "n_dof"]

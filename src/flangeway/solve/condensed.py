@@ -6,7 +6,6 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
-from scipy.linalg import solve as solve_dense
 
 from flangeway.problems import Body
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
@@ -100,7 +99,7 @@ class CondensedBodies(BodyResponse):
         inner = sp.csr_array(geometric[np.ix_(bent, bent)])
         matrix = inner @ columns[bent]
         matrix[np.diag_indices(len(bent))] += 1.0
-        bend = solve_dense(matrix, inner @ free[bent], overwrite_a=True, overwrite_b=True, check_finite=False)
+        bend = np.linalg.solve(matrix, inner @ free[bent])
         for number in range(len(self._condensed)):  # each body yields to its own forces alone
             here, _ = self._touched_of(number, touched)
             mine = np.flatnonzero(np.isin(bent, here))

@@ -1,23 +1,40 @@
 """Cases by name, their inputs, their runs, and what these leave for programs to read."""
 
+from flangeway.study.adaptive import AdaptiveRun, AdaptiveStep, adapt
 from flangeway.study.case import Case
 from flangeway.study.cases import CASES, find_case
 from flangeway.study.convergence import Convergence, run_halved
+from flangeway.study.cook import CookCode, CookRow, cook_row, solve_cook
+from flangeway.study.l_shape import l_shape, solve_l_shape
 from flangeway.study.output import refuse_unwritable, write_together
+from flangeway.study.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.study.runner import CaseRun, run_case
 from flangeway.study.summary import summarise, write_summary
 from flangeway.study.wheelset_tangent import WheelsetTangentCase
 
 __all__ = [
     "CASES",
+    "AdaptiveRun",
+    "AdaptiveStep",
     "Case",
     "CaseRun",
     "Convergence",
+    "CookCode",
+    "CookRow",
+    "RefinementRow",
     "WheelsetTangentCase",
+    "adapt",
+    "cook_row",
     "find_case",
+    "l_shape",
+    "refine_adaptively",
+    "refine_uniformly",
     "refuse_unwritable",
     "run_case",
     "run_halved",
+    "solve_cook",
+    "solve_l_shape",
+    "stress_errors",
     "summarise",
     "write_summary",
     "write_together",

@@ -1,53 +1,19 @@
 """An L-shaped body with a singular corner: uniform and adaptive refinement against the exact solution."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
 import numpy as np
-from numpy.typing import NDArray
 
-from flangeway.elements import Element, polygon_quadrature
+from flangeway.elements import Element
 from flangeway.exact.notch import Notch
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined
-from flangeway.post import recovered_stresses
+from flangeway.mesh import PolyMesh, dual, rectangle_grid
 from flangeway.problems import Elasticity, PrescribedDisplacement
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
-from flangeway.study.adaptive import adapt
-
-Floats = NDArray[np.float64]
+from flangeway.study.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 
 MATERIAL = Elastic(1.0, 0.3)
 EXACT = Notch(shear_modulus=1.0 / 2.6, kolosov=3.0 - 4.0 * 0.3)
 QUADRATURE_DEGREE = 12  # the exact stresses are no polynomials
-
-
-@dataclass(frozen=True, eq=False)
-class LShapeRow:
-    """Errors of one solution.
-
-    Parameters
-    ----------
-    refinement
-        ``"uniform"`` or ``"adaptive"``.
-    mesh
-        The mesh.
-    n_unknowns
-        Components of displacement at nodes, prescribed ones too; those inside cells are condensed.
-    error, estimated_error
-        Error of the stresses in the energy norm over the exact norm: true, and estimated by recovery.
-    solution
-        The solution.
-
-    """
-
-    refinement: str
-    mesh: PolyMesh
-    n_unknowns: int
-    error: float
-    estimated_error: float
-    solution: ElasticitySolution
 
 
 def l_shape(n: int, cells: str = "quadrilaterals") -> PolyMesh:
@@ -89,44 +55,9 @@ def solve_l_shape(mesh: PolyMesh, element: Element) -> ElasticitySolution:
     return solve_elasticity(Elasticity(Space(mesh, element), MATERIAL, supports=[held]))
 
 
-def stress_errors(solution: ElasticitySolution, exact: Callable[[Floats], Floats]) -> tuple[float, float]:
-    """Energy norms, roots of the integrals of stress times strain, of a solution's error and of the exact stresses.
-
-    Parameters
-    ----------
-    solution
-        Plane strain or stress, one material.
-    exact
-        Gives stresses xx, yy, xy (n, 3) at points (n, 2).
-
-    """
-    problem = solution.problem
-    compliance = np.linalg.inv(problem.materials[0].matrix[:3, :3])
-    squares = np.zeros(2)
-    for batch in problem.space.batches():
-        reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
-        points, weights = polygon_quadrature(batch.vertices, QUADRATURE_DEGREE)
-        values = np.einsum("sae,aqe->sqe", stress[:3], reconstruction.at(points)[: stress.shape[1]])
-        wanted = exact(np.moveaxis(points, 1, -1).reshape(-1, 2)).T.reshape(3, *weights.shape)
-        for i, field in enumerate((wanted - values, wanted)):
-            squares[i] += problem.thickness * float(np.einsum("sqe,st,tqe,qe->", field, compliance, field, weights))
-    error, size = np.sqrt(squares).tolist()
-    return error, size
-
-
-def _row(refinement: str, mesh: PolyMesh, solution: ElasticitySolution, estimate: float) -> LShapeRow:
-    error, size = stress_errors(solution, EXACT.stresses)
-    return LShapeRow(refinement, mesh, 2 * solution.problem.space.n_nodes, error / size, estimate / size, solution)
-
-
-def uniform_rows(element: Element, mesh: PolyMesh, n_levels: int) -> list[LShapeRow]:
+def uniform_rows(element: Element, mesh: PolyMesh, n_levels: int) -> list[RefinementRow]:
     """Solve on a mesh and on its uniform refinements."""
-    rows = []
-    for level in range(n_levels):
-        mesh = refined(mesh) if level else mesh
-        solution = solve_l_shape(mesh, element)
-        rows.append(_row("uniform", mesh, solution, recovered_stresses(solution).error))
-    return rows
+    return refine_uniformly(lambda mesh: solve_l_shape(mesh, element), mesh, _measure, n_levels)
 
 
 def adaptive_rows(
@@ -137,15 +68,18 @@ def adaptive_rows(
     share: float = 0.5,
     most_hanging: int | None = 1,
     most_steps: int = 50,
-) -> list[LShapeRow]:
+) -> list[RefinementRow]:
     """Refine a mesh by the recovered stresses' error estimate down to a tolerance in the energy norm."""
-    run = adapt(
+    return refine_adaptively(
         lambda mesh: solve_l_shape(mesh, element),
         mesh,
-        lambda solution: recovered_stresses(solution).cell_errors,
+        _measure,
         tolerance=tolerance,
         share=share,
         most_hanging=most_hanging,
         most_steps=most_steps,
     )
-    return [_row("adaptive", step.mesh, step.solution, step.error) for step in run.steps]
+
+
+def _measure(solution: ElasticitySolution) -> tuple[float, float]:
+    return stress_errors(solution, EXACT.stresses, degree=QUADRATURE_DEGREE)

@@ -1,22 +1,17 @@
-"""Published numbers computed again: what ``flangeway reproduce`` computes."""
+"""The published torsion constants (Tables 4 to 7) computed again: what ``flangeway reproduce torsion`` computes."""
 
-import csv
 import math
 import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, fields
-from importlib.resources import files
-from pathlib import Path
-from typing import Any
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.errors import InputError
 from flangeway.mesh import dual, triangulate
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space
-from flangeway.study.case import closest
+from flangeway.study.reproductions.common import Progress, ReproducedNumber, published_rows
 from flangeway.study.torsion import (
     SQUARE_EDGES,
     TRIANGLE_EDGES,
@@ -26,11 +21,6 @@ from flangeway.study.torsion import (
     torsion_rows,
     torsion_section,
 )
-
-Progress = Callable[[str], None]
-
-REPRODUCTIONS = ("torsion",)
-"""Names of what can be reproduced."""
 
 LIMITS = {"h": 0.15, "n_dof": 0.05, "torsion_constant": 1e-3, "relative_error": 0.15}
 """Largest relative difference from the published number that counts as within, by quantity."""
@@ -45,44 +35,6 @@ _NEIGHBOURS = np.linspace(0.96, 1.04, 9)
 _OTHER_READING = "load and constant by the projection (3.81), more accurate than the means of vertices published"
 _PUBLISHED_READING = "load and constant by the means of vertices: the reading of the published column"
 _UNITS = {"h": "side of area 1", "n_dof": "1", "torsion_constant": "area squared", "relative_error": "1"}
-
-
-@dataclass(frozen=True)
-class ReproducedNumber:
-    """A published number and the computed one: a row of ``table.csv``.
-
-    Parameters
-    ----------
-    table
-        Number of the published table.
-    code
-        Row of that table.
-    quantity
-        What it is.
-    unit
-        Its unit.
-    published
-        Published value.
-    computed
-        Computed value.
-    relative_difference
-        ``computed / published - 1``.
-    within
-        Whether that is within the limit of `LIMITS`.
-    note
-        Reading, or the reason for a difference.
-
-    """
-
-    table: int
-    code: str
-    quantity: str
-    unit: str
-    published: float
-    computed: float
-    relative_difference: float
-    within: bool
-    note: str
 
 
 @dataclass(frozen=True)
@@ -161,14 +113,6 @@ class TorsionReproduction:
         return enough and all(rate.within for rate in self.rates)
 
 
-def refuse_unknown_reproduction(name: str) -> None:
-    """Raise `InputError` for a name that is not in `REPRODUCTIONS`."""
-    if name not in REPRODUCTIONS:
-        raise InputError(
-            f"a reproduction called {name!r}", f"one of: {', '.join(REPRODUCTIONS)}", closest(name, list(REPRODUCTIONS))
-        )
-
-
 def reproduce_torsion(*, quick: bool = False, progress: Progress = lambda _: None) -> TorsionReproduction:
     """Compute Tables 4 to 7 again.
 
@@ -193,20 +137,8 @@ def reproduce_torsion(*, quick: bool = False, progress: Progress = lambda _: Non
     return TorsionReproduction(tuple(computed), found, tuple(numbers), rates, time.perf_counter() - start)
 
 
-def write_rows(path: Path, rows: Sequence[Any], kind: type) -> None:
-    """Write frozen rows as CSV, one column a field, numbers with 8 digits."""
-    names = [field.name for field in fields(kind)]
-    with path.open("w", encoding="utf-8", newline="") as stream:
-        writer = csv.writer(stream, lineterminator="\n")
-        writer.writerow(names)
-        for row in rows:
-            values = [getattr(row, name) for name in names]
-            writer.writerow([f"{v:.8g}" if isinstance(v, float) else v for v in values])
-
-
 def _published() -> dict[tuple[int, str], dict[str, float]]:
-    text = (files("flangeway.study") / "data" / "torsion_tables_4_to_7.csv").read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    rows = published_rows("torsion_tables_4_to_7.csv")
     return {(int(row["table"]), row["code"]): {key: float(row[key]) for key in LIMITS} for row in rows}
 
 

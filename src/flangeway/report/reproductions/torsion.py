@@ -1,4 +1,4 @@
-"""All files of ``flangeway reproduce``, and its summary on the terminal."""
+"""All files of ``flangeway reproduce torsion``, and its summary on the terminal."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,29 +7,19 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from flangeway.report.drawing import png
+from flangeway.report.reproductions.reproduction import picture_writers, print_files
 from flangeway.report.torsion_figures import convergence_figure, fields_figure
-from flangeway.study import refuse_unwritable, write_together
-from flangeway.study.reproduce import (
-    LIMITS,
-    ReproducedNumber,
-    ReproducedRate,
-    TorsionReproduction,
-    write_rows,
-)
+from flangeway.study import write_together
+from flangeway.study.reproductions import ReproducedNumber, write_rows
+from flangeway.study.reproductions.torsion import LIMITS, ReproducedRate, TorsionReproduction
 
 TABLE, RATES = "table.csv", "rates.csv"
 PICTURES = ("convergence_h.png", "convergence_unknowns.png", "warping.png", "prandtl.png")
+FILES = (*PICTURES, RATES, TABLE)
+"""Names of all files."""
 
 
-def check_reproduction_folder(folder: Path) -> None:
-    """Refuse a folder that cannot take the files; see `flangeway.study.refuse_unwritable`."""
-    refuse_unwritable(folder, (*PICTURES, RATES, TABLE))
-
-
-def write_torsion(
-    found: TorsionReproduction, folder: Path, progress: Callable[[str], None] = lambda _: None
-) -> list[Path]:
+def write(found: TorsionReproduction, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
     """Write pictures and tables into a folder, together or not at all; no rates if none were computed.
 
     Raises
@@ -45,22 +35,14 @@ def write_torsion(
         fields_figure(found, "warping"),
         fields_figure(found, "prandtl"),
     )
-    pictures = dict(zip(PICTURES, map(png, figures), strict=True))
-    writers: dict[str, Callable[[Path], None]] = {name: _bytes_writer(data) for name, data in pictures.items()}
+    writers = picture_writers(dict(zip(PICTURES, figures, strict=True)))
     if found.rates:
         writers[RATES] = lambda path: write_rows(path, found.rates, ReproducedRate)
     writers[TABLE] = lambda path: write_rows(path, found.numbers, ReproducedNumber)
     return write_together(folder, writers)
 
 
-def _bytes_writer(data: bytes) -> Callable[[Path], None]:
-    def write(path: Path) -> None:
-        path.write_bytes(data)
-
-    return write
-
-
-def print_torsion(console: Console, found: TorsionReproduction, files: list[Path]) -> None:
+def print_summary(console: Console, found: TorsionReproduction, files: list[Path]) -> None:
     """Print how many errors are within the limit, those that are not with their reason, and the rates."""
     limit = 100.0 * LIMITS["relative_error"]
     console.print(
@@ -79,9 +61,7 @@ def print_torsion(console: Console, found: TorsionReproduction, files: list[Path
             )
     if found.rates:
         console.print(_rates_table(found))
-    console.print(f"Computed in {found.seconds:.1f} s. Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)
+    print_files(console, found.seconds, files)
 
 
 def _rates_table(found: TorsionReproduction) -> Table:

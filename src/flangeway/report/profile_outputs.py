@@ -1,0 +1,180 @@
+"""All files of ``flangeway profile``, and its summary on the terminal."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from matplotlib.figure import Figure
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from flangeway.errors import InputError
+from flangeway.report.drawing import png
+from flangeway.report.profile_figures import curvature_figure, join_figure, shape_figure
+from flangeway.study import refuse_unwritable, write_summary, write_together
+from flangeway.study.profile import ProfileRun, converted
+
+SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
+NAMES = (SHAPE, CURVATURE, JOIN, SUMMARY)
+MEASURES = {
+    "flange_height_mm": "flange height Sh, mm",
+    "flange_thickness_mm": "flange thickness Sd, 10 mm from the tread, mm",
+    "flange_slope_mm": "flange slope measure qR, mm",
+    "head_width_mm": "width of the head 14 mm below its top, mm",
+}
+
+
+def check_profile_folder(folder: Path, to: Path | None) -> None:
+    """Refuse a folder or a file of conversion that cannot be written; see `flangeway.study.refuse_unwritable`."""
+    refuse_unwritable(folder, NAMES)
+    if to is not None:
+        refuse_unwritable(to.parent, (to.name,))
+
+
+def write_profile(
+    run: ProfileRun, folder: Path, to: Path | None, progress: Callable[[str], None] = lambda _: None
+) -> list[Path]:
+    """Write pictures and summary into a folder, and the conversion to its file; each together or not at all.
+
+    Raises
+    ------
+    InputError
+        If something cannot be written, or the format of the conversion cannot hold the profile.
+
+    """
+    text = None if to is None else converted(run, to.suffix.lower())
+    progress("drawing the pictures and writing the files")
+    figures: dict[str, Callable[[], Figure]] = {
+        SHAPE: lambda: shape_figure(run),
+        CURVATURE: lambda: curvature_figure(run),
+    }
+    join = run.join
+    if join is not None:
+        figures[JOIN] = lambda: join_figure(join)
+    writers: dict[str, Callable[[Path], None]] = {name: _picture(figure) for name, figure in figures.items()}
+    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
+    files = write_together(folder, writers)
+    if to is not None and text is not None:
+        files += write_together(to.parent, {to.name: _text(text)})
+    return files
+
+
+def _picture(figure: Callable[[], Figure]) -> Callable[[Path], None]:
+    def write(path: Path) -> None:
+        path.write_bytes(png(figure()))
+
+    return write
+
+
+def _text(text: str) -> Callable[[Path], None]:
+    def write(path: Path) -> None:
+        path.write_text(text, encoding="utf-8")
+
+    return write
+
+
+def print_profile(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
+    """Print what was read and how it was taken, measures, what was mended or is uncertain, and the files."""
+    console.print(summary["title"], style="bold", markup=False)
+    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=False)
+    table.add_column()
+    table.add_column(justify="right")
+    table.add_column()
+    for row in profile_rows(summary):
+        table.add_row(*row)
+    console.print(table)
+    console.print(f"Frame: {summary['frame']}; mm.", markup=False, soft_wrap=True)
+    for notice in summary["notices"]:
+        console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
+    for key in ("certainty", "source"):
+        if summary[key]:
+            console.print(f"{key.capitalize()}: {summary[key]}", markup=False, soft_wrap=True)
+    console.print("Files:", markup=False)
+    for file in files:
+        console.print(f"  {file}", markup=False, soft_wrap=True)
+
+
+def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    """Name with unit, value, and where it comes from, of everything that is shown."""
+    taken = summary["read_as"]
+    how = taken["how"]
+    rows = [
+        ("what", f"{summary['kind']}, {summary['format']}", how["kind"]),
+        ("unit of the file", taken["unit"], how["unit"]),
+        ("its second coordinate", "up" if taken["second_coordinate_up"] else "down", how["up"]),
+        ("mirrored", "yes" if taken["mirrored"] else "no", how["side"]),
+        ("its origin", taken["origin"], how["origin"]),
+    ]
+    if taken["tape_line_from_flange_back_mm"] is not None:
+        tape = f"{taken['tape_line_from_flange_back_mm']:g}"
+        rows.append(("tape line from the flange's back, mm", tape, how["tape line"]))
+    if any(taken["shift_mm"]):
+        rows.append(("moved by (x, y), mm", _pair(taken["shift_mm"]), ""))
+    rows += [
+        ("points", f"{summary['points']}", "in reverse" if taken["order_reversed"] else ""),
+        ("lines and arcs", f"{summary['lines']} and {summary['arcs']}", ""),
+        ("length along it, mm", f"{summary['length_mm']:.3f}", ""),
+        ("from (x, y), mm", _pair(summary["lower_left_mm"]), ""),
+        ("to (x, y), mm", _pair(summary["upper_right_mm"]), ""),
+    ]
+    for key, name in (("convex", "smallest convex radius, mm"), ("hollow", "smallest hollow radius, mm")):
+        value = summary[f"smallest_{key}_radius_mm"]
+        rows.append((name, "none" if value is None else f"{value:.4g}", ""))
+    rows += [(MEASURES[key], f"{value:.3f}", "") for key, value in summary["measures"].items()]
+    return rows + _smoothing_rows(summary) + _join_rows(summary)
+
+
+def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    smoothing = summary["smoothing"]
+    if smoothing is None:
+        return []
+    rows = [("noise of the points, μm", f"{smoothing['noise_um']:.3g}", "estimated")]
+    if not smoothing["wavelength_mm"]:
+        return [*rows, ("smoothing", "none", "the curve goes through all points")]
+    n_held = smoothing["points_held_to_limit"]
+    return [
+        *rows,
+        ("smoothed by a wavelength of, mm", f"{smoothing['wavelength_mm']:g}", ""),
+        ("  deviation, root mean square, μm", f"{smoothing['rms_deviation_um']:.2f}", ""),
+        (
+            "  deviation, largest, μm",
+            f"{smoothing['largest_deviation_um']:.2f}",
+            f"limit {smoothing['limit_um']:.3g}" + (f", {n_held} points held to it" if n_held else ""),
+        ),
+    ]
+
+
+def _join_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
+    rows = []
+    if summary["join"] is not None:
+        rows.append(("joined to", summary["join"]["nominal"], ""))
+        rows += [
+            (f"  {joint['name'].replace('_', ', ')}, gap, mm", f"{joint['gap_mm']:.3f}", f"at {_pair(joint['end_mm'])}")
+            for joint in summary["join"]["joints"]
+        ]
+        lost = summary["join"]["area_less_than_nominal_mm2"]
+        rows.append(("  area less than the nominal one, mm²", f"{lost:.1f}", ""))
+    if summary["area_mm2"] is not None:
+        rows.append(("area of the whole section, mm²", f"{summary['area_mm2']:.1f}", ""))
+    return rows
+
+
+def _pair(values: list[float]) -> str:
+    return f"({values[0]:.3f}, {values[1]:.3f})"
+
+
+def refuse_conversion(run: ProfileRun, to: Path | None) -> None:
+    """Refuse a conversion that its format cannot hold, before anything is written.
+
+    Raises
+    ------
+    InputError
+        If the format is unknown, of the other kind, or holds no whole outline; or the file has no name.
+
+    """
+    if to is None:
+        return
+    if not to.name:
+        raise InputError(f"--to {to}", "the name of a file", "give a file with an ending")
+    converted(run, to.suffix.lower())

@@ -1,0 +1,20 @@
+"""What ``flangeway reproduce`` can compute, write and print, by name."""
+
+from flangeway.report.reproductions import contact_patch, elasticity, hertz, torsion
+from flangeway.report.reproductions.reproduction import Reproduction, find_reproductions
+from flangeway.study.reproductions.contact_patch import reproduce_contact_patch
+from flangeway.study.reproductions.elasticity import reproduce_elasticity
+from flangeway.study.reproductions.hertz import reproduce_hertz
+from flangeway.study.reproductions.torsion import reproduce_torsion
+
+REPRODUCTIONS: dict[str, Reproduction] = {
+    "torsion": Reproduction(reproduce_torsion, torsion.write, torsion.print_summary, torsion.FILES),
+    "elasticity": Reproduction(reproduce_elasticity, elasticity.write, elasticity.print_summary, elasticity.FILES),
+    "hertz": Reproduction(reproduce_hertz, hertz.write, hertz.print_summary, hertz.FILES),
+    "contact-patch": Reproduction(
+        reproduce_contact_patch, contact_patch.write, contact_patch.print_summary, contact_patch.FILES
+    ),
+}
+"""One line for each: how it is computed, written and printed, and the names of its files."""
+
+__all__ = ["REPRODUCTIONS", "Reproduction", "find_reproductions"]

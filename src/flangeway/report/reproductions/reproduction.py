@@ -1,0 +1,88 @@
+"""One of the things that ``flangeway reproduce`` can do, and what the ways to write and print them share."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from flangeway.errors import InputError
+from flangeway.report.drawing import png
+from flangeway.study import refuse_unwritable
+from flangeway.study.case import closest
+from flangeway.study.reproductions import Reproduced
+
+ALL = "all"
+"""The name that stands for every reproduction."""
+
+
+class Compute(Protocol):
+    """Computes again what was published, with `quick` only the cheaper part of it."""
+
+    def __call__(self, *, quick: bool = ..., progress: Callable[[str], None] = ...) -> Reproduced:
+        """Compute."""
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """One reproduction.
+
+    Parameters
+    ----------
+    compute
+        Called with ``quick`` and ``progress``.
+    write
+        Called with what was computed, the folder and ``progress``; writes all files or none and returns them.
+    print_summary
+        Called with a console, what was computed, and the files.
+    files
+        Names of all files that it may write.
+
+    """
+
+    compute: Compute
+    write: Callable[[Any, Path, Callable[[str], None]], list[Path]]
+    print_summary: Callable[[Console, Any, list[Path]], None]
+    files: tuple[str, ...]
+
+    def check_folder(self, folder: Path) -> None:
+        """Refuse a folder that cannot take the files; see `flangeway.study.refuse_unwritable`."""
+        refuse_unwritable(folder, self.files)
+
+
+def find_reproductions(name: str, known: Mapping[str, Reproduction]) -> dict[str, Reproduction]:
+    """Return the reproduction of that name among those known, or every one for ``"all"``.
+
+    Raises
+    ------
+    InputError
+        If there is none.
+
+    """
+    if name == ALL:
+        return dict(known)
+    if name not in known:
+        names = [*known, ALL]
+        raise InputError(f"a reproduction called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
+    return {name: known[name]}
+
+
+def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Callable[[Path], None]]:
+    """Draw figures now, and return functions that write them as PNG files, by the files' names."""
+    return {name: _bytes_writer(png(figure)) for name, figure in figures.items()}
+
+
+def _bytes_writer(data: bytes) -> Callable[[Path], None]:
+    def write(path: Path) -> None:
+        path.write_bytes(data)
+
+    return write
+
+
+def print_files(console: Console, seconds: float, files: Sequence[Path]) -> None:
+    """Print the time and the files."""
+    console.print(f"Computed in {seconds:.1f} s. Files:", markup=False)
+    for file in files:
+        console.print(f"  {file}", markup=False, soft_wrap=True)

@@ -1,0 +1,161 @@
+"""All files of ``flangeway geometry``, and its summary on the terminal."""
+
+import csv
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich import box
+from rich.console import Console
+from rich.table import Table
+
+from flangeway.railway.track import SIDES
+from flangeway.report.drawing import png
+from flangeway.report.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
+from flangeway.study import refuse_unwritable, write_summary, write_together
+from flangeway.study.rigid import GeometryRun
+
+PICTURES = {
+    "contact_locus.png": locus_figure,
+    "rolling_radius_difference.png": rolling_figure,
+    "conicity.png": conicity_figure,
+}
+THROAT, TABLE, CONICITY, SUMMARY = "throat_radius.png", "table.csv", "conicity.csv", "geometry.json"
+NAMES = (*PICTURES, THROAT, TABLE, CONICITY, SUMMARY)
+
+
+def check_geometry_folder(folder: Path) -> None:
+    """Refuse a folder that cannot take the files; see `flangeway.study.refuse_unwritable`."""
+    refuse_unwritable(folder, NAMES)
+
+
+def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
+    """Write pictures, ``table.csv``, ``conicity.csv`` and ``geometry.json``, together or not at all.
+
+    Parameters
+    ----------
+    run
+        What was computed.
+    folder
+        Where the files go; made if needed.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+
+    """
+    progress("drawing the pictures and writing the files")
+    writers: dict[str, Callable[[Path], None]] = {name: _picture(run, name) for name in PICTURES}
+    if run.throat is not None:
+        throat = run.throat
+        writers[THROAT] = lambda path: _write_bytes(path, png(throat_figure(throat)))
+    writers[TABLE] = lambda path: _write_rows(path, *locus_table(run))
+    writers[CONICITY] = lambda path: _write_rows(
+        path,
+        ["amplitude_mm", "conicity_integration", "conicity_regression"],
+        np.column_stack((run.amplitudes_mm, run.conicity, run.regression)).tolist(),
+    )
+    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
+    return write_together(folder, writers)
+
+
+def _write_bytes(path: Path, content: bytes) -> None:
+    path.write_bytes(content)
+
+
+def _picture(run: GeometryRun, name: str) -> Callable[[Path], None]:
+    return lambda path: _write_bytes(path, png(PICTURES[name](run)))
+
+
+def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
+    """Names of the columns and rows of ``table.csv``: one row a position."""
+    locus = run.locus
+    columns = {
+        "lateral_mm": locus.lateral_mm,
+        "vertical_mm": locus.vertical_mm,
+        "roll_mrad": 1e3 * locus.roll_rad,
+        "rolling_radius_difference_mm": locus.rolling_radius_difference_mm,
+    }
+    for side in SIDES:
+        at = locus.side(side)
+        columns |= {
+            f"{side}_wheel_x_mm": at.wheel_points_mm[:, 0, 0],
+            f"{side}_wheel_y_mm": at.wheel_points_mm[:, 0, 1],
+            f"{side}_rail_x_mm": at.rail_points_mm[:, 0, 0],
+            f"{side}_rail_y_mm": at.rail_points_mm[:, 0, 1],
+            f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
+            f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
+            f"{side}_relative_curvature_per_m": 1e3 * at.relative_curvatures_per_mm[:, 0],
+            f"{side}_next_gap_mm": at.gaps_mm[:, 1],
+            f"{side}_next_wheel_x_mm": at.wheel_points_mm[:, 1, 0],
+        }
+    return list(columns), np.column_stack(list(columns.values())).tolist()
+
+
+def _write_rows(path: Path, names: list[str], rows: list[list[float]]) -> None:
+    """Write a table; what is not there is left empty."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        writer.writerows([f"{value:.10g}" if math.isfinite(value) else "" for value in row] for row in rows)
+
+
+def print_geometry(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
+    """Print balance, contacts with Hertz's estimate, jumps, conicity, notices and files."""
+    console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
+    console.print(summary["status"]["message"], markup=False, soft_wrap=True)
+    position = summary["equilibrium"]
+    if position is not None:
+        console.print(
+            f"Motion in space: lateral {_clean(position['lateral_mm']):.4f} mm, vertical "
+            f"{_clean(position['vertical_mm']):.4f} mm, roll {_clean(1e3 * position['roll_rad']):.5f} mrad; "
+            f"L/V left {position['lateral_over_vertical']['left']:.3f}, "
+            f"right {position['lateral_over_vertical']['right']:.3f}",
+            markup=False,
+            soft_wrap=True,
+        )
+        console.print(_contact_table(position["contacts"]))
+    places = ", ".join(f"{jump['lateral_mm']:.3f} ({jump['side']})" for jump in summary["jumps"])
+    console.print(f"Jumps of the point of contact at lateral motions in mm: {places or 'none'}", markup=False)
+    conicity = summary["equivalent_conicity"]
+    if conicity is not None:
+        console.print(
+            f"Equivalent conicity at {conicity['amplitude_mm']:g} mm: {conicity['integration']:.4f} by integration, "
+            f"{conicity['regression']:.4f} by linear regression",
+            markup=False,
+            soft_wrap=True,
+        )
+    for notice in summary["notices"]:
+        console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
+    console.print(f"Computed in {summary['timings_s']['total']:.1f} s. Files:", markup=False)
+    for file in files:
+        console.print(f"  {file}", markup=False, soft_wrap=True)
+
+
+def _contact_table(contacts: list[dict[str, Any]]) -> Table:
+    table = Table(
+        "side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", "Hertz a mm", "Hertz p0 MPa",
+        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False,
+    )  # fmt: skip
+    for contact in contacts:
+        hertz = contact["hertz_half_width_mm"], contact["hertz_max_pressure_MPa"]
+        table.add_row(
+            contact["side"],
+            f"{contact['normal_force_kN']:.2f}",
+            f"{contact['contact_angle_deg']:.2f}",
+            f"{contact['wheel_point_mm'][0]:.2f}",
+            f"{contact['rail_point_mm'][0]:.2f}",
+            f"{contact['rolling_radius_mm']:.2f}",
+            *("conforming" if value is None else f"{value:.4g}" for value in hertz),
+        )
+    return table
+
+
+def _clean(value: float) -> float:
+    """Zero for noise of rounding."""
+    return 0.0 if abs(value) < 1e-7 else value

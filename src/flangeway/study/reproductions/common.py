@@ -1,0 +1,88 @@
+"""What all reproductions share: a published number beside the computed one, and the files of both."""
+
+import csv
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, fields
+from importlib.resources import files
+from pathlib import Path
+from typing import Any, Protocol
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class ReproducedNumber:
+    """A published number and the computed one: a row of ``table.csv``.
+
+    Parameters
+    ----------
+    table
+        Number of the published table, or the name of what stands for one, such as ``"Figure 57"``.
+    code
+        Row of that table.
+    quantity
+        What it is.
+    unit
+        Its unit.
+    published
+        Published value.
+    computed
+        Computed value.
+    relative_difference
+        ``computed / published - 1``.
+    within
+        Whether that is within its limit.
+    note
+        Reading, or the reason for a difference.
+
+    """
+
+    table: int | str
+    code: str
+    quantity: str
+    unit: str
+    published: float
+    computed: float
+    relative_difference: float
+    within: bool
+    note: str
+
+
+class Reproduced(Protocol):
+    """What a reproduction leaves, whatever it computes."""
+
+    @property
+    def numbers(self) -> Sequence[ReproducedNumber]:
+        """Published and computed numbers side by side."""
+
+    @property
+    def passed(self) -> bool:
+        """Whether the numbers are as near to the published ones as they must be."""
+
+    @property
+    def seconds(self) -> float:
+        """Wall-clock time."""
+
+
+def write_rows(path: Path, rows: Sequence[Any], kind: type) -> None:
+    """Write frozen rows as CSV, one column a field, numbers with 8 digits."""
+    names = [field.name for field in fields(kind)]
+    with path.open("w", encoding="utf-8", newline="") as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(names)
+        for row in rows:
+            values = [getattr(row, name) for name in names]
+            writer.writerow([f"{v:.8g}" if isinstance(v, float) else v for v in values])
+
+
+def published_rows(name: str) -> list[dict[str, str]]:
+    """Rows of a published table that comes with the package, by the names of its columns.
+
+    Parameters
+    ----------
+    name
+        Name of the file in ``study/data``; its lines that begin with ``#`` tell the source and are left out.
+
+    """
+    text = (files("flangeway.study") / "data" / name).read_text(encoding="utf-8")
+    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))

@@ -1,0 +1,286 @@
+"""The geometry of contact of a rigid wheelset on rigid rails: what ``flangeway geometry`` computes."""
+
+import math
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.exact import contact_modulus
+from flangeway.materials import Elastic
+from flangeway.railway.conicity import REFERENCE_AMPLITUDE_MM, conicity_by_regression, equivalent_conicity
+from flangeway.railway.rigid_contact import (
+    ContactJump,
+    ContactLocus,
+    RigidWheelset,
+    contact_jumps,
+    contact_locus,
+    locus_of,
+    path_of_contact,
+)
+from flangeway.railway.rigid_equilibrium import (
+    RigidContactPoint,
+    RigidEquilibrium,
+    RigidPosition,
+    held_ratios,
+    rigid_equilibrium,
+)
+from flangeway.railway.rolling import RollingRadiusDifference
+from flangeway.railway.track import SIDES
+from flangeway.study.rigid_case import GEOMETRY_CASES, GeometryCase
+from flangeway.study.versions import versions
+
+Floats = NDArray[np.float64]
+Progress = Callable[[str], None]
+
+THROAT_RADII_MM = (10.0, 12.0, 14.2875, 17.4625, 20.0)
+"""Radii of the throat's narrow arc that the figure compares."""
+
+WIDE_THROAT_RADII_MM = (30.0, 34.0, 38.1, 44.0, 50.0)
+"""Radii of the throat's wide arc that the figure compares."""
+
+_FURTHER_MM = 4.0  # beyond the largest amplitude: an asymmetric wheelset swings about another place
+_AMPLITUDE_STEP_MM = 0.1
+
+
+@dataclass(frozen=True, eq=False)
+class ThroatEffect:
+    """Lateral motion in balance over the radii of the throat.
+
+    Parameters
+    ----------
+    narrow_mm, wide_mm
+        Radii of the narrow and of the wide arc, (n,) and (m,).
+    lateral_narrow_mm, lateral_wide_mm
+        Lateral motion in balance for each, the other radius as it is; nan where there is no balance.
+    ratios, laterals_mm
+        For each narrow radius: lateral force over weight that is in balance at a lateral motion.
+
+    """
+
+    narrow_mm: Floats
+    lateral_narrow_mm: Floats
+    wide_mm: Floats
+    lateral_wide_mm: Floats
+    ratios: tuple[Floats, ...]
+    laterals_mm: tuple[Floats, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class GeometryRun:
+    """Contact geometry of a case.
+
+    Parameters
+    ----------
+    name, case
+        What was computed.
+    wheelset
+        Rigid curves.
+    locus
+        Points of contact over the lateral motion.
+    jumps
+        Where they jump.
+    amplitudes_mm, conicity, regression
+        Equivalent conicity by integration and by linear regression, (n,); empty if the wheelset does not steer.
+    equilibrium
+        Balance under the load.
+    throat
+        Effect of the throat's radii on the balance; None for wheels without that parameter, without lateral
+        force or without balance.
+    summary
+        What ``geometry.json`` holds.
+
+    """
+
+    name: str
+    case: GeometryCase
+    wheelset: RigidWheelset
+    locus: ContactLocus
+    jumps: tuple[ContactJump, ...]
+    amplitudes_mm: Floats
+    conicity: Floats
+    regression: Floats
+    equilibrium: RigidEquilibrium
+    throat: ThroatEffect | None
+    summary: dict[str, Any]
+
+
+def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: None) -> GeometryRun:
+    """Compute the contact geometry of a case.
+
+    Parameters
+    ----------
+    name
+        Name to show.
+    case
+        The case.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the wheels do not stand on the rails, or the lateral motion cannot be reached.
+
+    """
+    start = time.perf_counter()
+    wheelset = case.wheelset()
+    rolls = case.roll == "free"
+    n_side = round(case.largest_lateral_mm / case.step_mm)
+    progress("lowering the wheelset on the rails")
+    locus = contact_locus(wheelset, np.arange(-n_side, n_side + 1) * case.step_mm, roll=rolls)
+    progress("narrowing the jumps of the points of contact")
+    jumps = contact_jumps(wheelset, case.largest_lateral_mm) if rolls else ()
+    progress("integrating the wave motion")
+    amplitudes, conicity, regression, notice = _conicities(wheelset, case, rolls)
+    progress("seeking the balance under the load")
+    equilibrium = rigid_equilibrium(wheelset, case.load())
+    throat = None
+    if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
+        progress("varying the radii of the throat")
+        throat = throat_effect(case)
+    summary = _summary(name, case, jumps, amplitudes, conicity, regression, equilibrium, notice)
+    summary["timings_s"] = {"total": time.perf_counter() - start}
+    return GeometryRun(
+        name, case, wheelset, locus, jumps, amplitudes, conicity, regression, equilibrium, throat, summary
+    )
+
+
+def _conicities(wheelset: RigidWheelset, case: GeometryCase, rolls: bool) -> tuple[Floats, Floats, Floats, str | None]:
+    """Amplitudes, conicity by both methods, and a sentence if there is none or not for all amplitudes."""
+    none: Floats = np.zeros(0)
+    reach = case.largest_amplitude_mm + _FURTHER_MM
+    path = path_of_contact(wheelset, reach + 30.0)
+    lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
+    reach = min(reach, float(-lateral.min()), float(lateral.max()))
+    n_side = max(math.floor(reach / case.step_mm) - 1, 2)
+    try:
+        locus = contact_locus(wheelset, np.arange(-n_side, n_side + 1) * case.step_mm, roll=rolls)
+        difference = RollingRadiusDifference.of(locus)
+        room = n_side * case.step_mm - abs(difference.centred_mm)
+        largest = min(case.largest_amplitude_mm, room)
+        count = math.floor(largest / _AMPLITUDE_STEP_MM + 1e-9)
+        amplitudes = _AMPLITUDE_STEP_MM * np.arange(5, count + 1, dtype=np.float64)
+        return (
+            amplitudes,
+            equivalent_conicity(difference, amplitudes),
+            conicity_by_regression(difference, amplitudes),
+            None if largest == case.largest_amplitude_mm else f"conicity only up to an amplitude of {largest:.1f} mm",
+        )
+    except InputError as error:
+        return none, none, none, f"no equivalent conicity: {error.given}"
+
+
+def throat_effect(case: GeometryCase) -> ThroatEffect:
+    """Lateral motion in balance for several radii of the AAR-1B's throat.
+
+    Raises
+    ------
+    InputError
+        If the case's wheel is another one.
+
+    """
+    if case.wheel != "AAR-1B":
+        raise InputError(f"throat radii of {case.wheel}", "AAR-1B", "choose the wheel with this parameter")
+    load = case.load()
+
+    def lateral(**changes: float) -> tuple[RigidWheelset, float]:
+        wheelset = case.model_copy(update=changes).wheelset()
+        position = rigid_equilibrium(wheelset, load).position
+        return wheelset, math.nan if position is None else position.motion_in_space.lateral_mm
+
+    narrow = [lateral(throat_radius_mm=radius) for radius in THROAT_RADII_MM]
+    wide = [lateral(wide_throat_radius_mm=radius)[1] for radius in WIDE_THROAT_RADII_MM]
+    ratios, laterals = [], []
+    for wheelset, _ in narrow:
+        path = path_of_contact(wheelset, 25.0)
+        locus = locus_of(wheelset, path)
+        outward = (path.rail_level >= 0.0) & (np.arange(len(path.rail_level)) <= int(np.argmax(locus.lateral_mm)))
+        ratios.append(held_ratios(wheelset, path, load)[outward])
+        laterals.append(locus.lateral_mm[outward])
+    return ThroatEffect(
+        np.array(THROAT_RADII_MM),
+        np.array([value for _, value in narrow]),
+        np.array(WIDE_THROAT_RADII_MM),
+        np.array(wide),
+        tuple(ratios),
+        tuple(laterals),
+    )
+
+
+def _summary(
+    name: str,
+    case: GeometryCase,
+    jumps: tuple[ContactJump, ...],
+    amplitudes: Floats,
+    conicity: Floats,
+    regression: Floats,
+    equilibrium: RigidEquilibrium,
+    notice: str | None,
+) -> dict[str, Any]:
+    status, position = equilibrium.status, equilibrium.position
+    summary: dict[str, Any] = {
+        "case": name,
+        "title": GEOMETRY_CASES[name][0] if name in GEOMETRY_CASES else name,
+        "status": {"converged": status.converged, "message": status.message},
+        "inputs": case.model_dump(),
+        "load_lateral_over_vertical": equilibrium.load_ratio,
+        "equilibrium": None if position is None else _position_rows(position, case),
+        "number_of_equilibria": len(equilibrium.positions),
+        "all_equilibria": [
+            {"lateral_mm": each.motion_in_space.lateral_mm, "stable": each.stable} for each in equilibrium.positions
+        ],
+        "jumps": [
+            {
+                "side": jump.side,
+                "lateral_mm": jump.motion.lateral_mm,
+                "wheel_points_mm": jump.wheel_points_mm,
+                "rail_points_mm": jump.rail_points_mm,
+            }
+            for jump in jumps
+        ],
+        "equivalent_conicity": None,
+        "notices": [notice] if notice else [],
+        "versions": versions(),
+    }
+    if len(amplitudes) and amplitudes[0] <= REFERENCE_AMPLITUDE_MM <= amplitudes[-1] + 1e-9:
+        at = int(np.argmin(np.abs(amplitudes - REFERENCE_AMPLITUDE_MM)))
+        summary["equivalent_conicity"] = {
+            "amplitude_mm": float(amplitudes[at]),
+            "integration": float(conicity[at]),
+            "regression": float(regression[at]),
+        }
+    return summary
+
+
+def _position_rows(position: RigidPosition, case: GeometryCase) -> dict[str, Any]:
+    steel = Elastic(case.young_MPa, case.poisson).plane_modulus
+    modulus = contact_modulus(steel, steel)
+    return {
+        "lateral_mm": position.motion_in_space.lateral_mm,
+        "vertical_mm": position.motion_in_space.vertical_mm,
+        "roll_rad": position.motion_in_space.roll_rad,
+        "stable": position.stable,
+        "residual": position.residual,
+        "lateral_over_vertical": {side: position.lateral_over_vertical(side) for side in SIDES},
+        "contacts": [_contact_row(point, case.thickness_mm, modulus) for point in position.contacts],
+    }
+
+
+def _contact_row(point: RigidContactPoint, thickness_mm: float, modulus: float) -> dict[str, Any]:
+    hertz = point.hertz(thickness_mm, modulus)
+    return {
+        "side": point.side,
+        "normal_force_kN": 1e-3 * point.normal_force_N,
+        "contact_angle_deg": math.degrees(point.contact_angle_rad),
+        "rolling_radius_mm": point.rolling_radius_mm,
+        "wheel_point_mm": point.wheel_point_mm,
+        "rail_point_mm": point.rail_point_mm,
+        "relative_curvature_per_mm": point.relative_curvature_per_mm,
+        "hertz_half_width_mm": None if hertz is None else hertz.half_width,
+        "hertz_max_pressure_MPa": None if hertz is None else hertz.max_pressure,
+    }

@@ -1,0 +1,128 @@
+"""The published Hertz problem: forces, extreme stresses and pressures on its coarser meshes."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.study.hertz import HertzModel, build_hertz, solve_hertz
+from flangeway.study.reproductions.hertz import CODES, EXTREMES, hertz_row, published_problem, published_value
+
+FORCE = 251.84
+P0 = 671.5
+
+
+@pytest.fixture(scope="module")
+def printed():
+    """All codes on M1 and M2 with the penalty as printed."""
+    return {(code, level): hertz_row(code, level, "printed") for code in CODES for level in (1, 2)}
+
+
+@pytest.fixture(scope="module")
+def halved():
+    """All codes on M1 and M2, polygons and triangles of order 2 on M3 too, with the penalty halved by refinement."""
+    levels = [(code, level) for code in CODES for level in (1, 2)] + [("VVO2", 3), ("FDO2", 3)]
+    return {(code, level): hertz_row(code, level, "halved") for code, level in levels}
+
+
+@pytest.fixture(scope="module")
+def smooth():
+    """Polygons and triangles of order 2 on M3, segment-to-segment with multipliers between the circles."""
+    return {code: hertz_row(code, 3, "segments") for code in ("FDO2", "VVO2")}
+
+
+def test_every_load_step_converges_in_few_iterations(printed, halved, smooth):
+    """All ten load steps of all configurations converge in six iterations or fewer."""
+    for row in (*printed.values(), *halved.values(), *smooth.values()):
+        assert row.status.converged, (row.name, row.status.message)
+        assert len(row.iterations) == 10
+        assert max(row.iterations) <= 6
+
+
+def test_force_is_that_of_the_published_reference(printed):
+    """With the penalty as printed the force is within 1 % of 251.84 kN in every configuration."""
+    for row in printed.values():
+        assert row.force == pytest.approx(FORCE, rel=0.01), row.name
+
+
+def test_polygons_of_order_2_have_the_published_force_and_stresses_on_m3():
+    """VVO2 on M3, penalty as printed: force within 0.5 % of the reference, extremes of Tables 12 to 14 within 3 %."""
+    row = hertz_row("VVO2", 3, "printed")
+    assert row.force == pytest.approx(FORCE, rel=0.005)
+    for table, (name, _) in EXTREMES.items():
+        assert row.extremes[name] == pytest.approx(published_value(str(table), "VVO2", 3), rel=0.03)
+
+
+@pytest.mark.parametrize("code", ["VVO1", "VVO2"])
+@pytest.mark.parametrize("table", [12, 13, 14])
+def test_extreme_stresses_of_polygons_are_as_published(printed, halved, code, table):
+    """Extremes of Tables 12 to 14 on polygons are within 3 %, and within 2 % with the halved penalty."""
+    name = EXTREMES[table][0]
+    for level in (1, 2):
+        expected = published_value(str(table), code, level)
+        assert printed[code, level].extremes[name] == pytest.approx(expected, rel=0.03)
+        assert halved[code, level].extremes[name] == pytest.approx(expected, rel=0.02)
+
+
+def test_oscillation_of_stresses_grows_as_published(halved):
+    """With the halved penalty sigma_3 of triangles of order 2 overshoots more on each finer mesh, as in Table 12."""
+    overshoot = [halved["FDO2", level].extremes["principal_3"] for level in (1, 2, 3)]
+    published = [published_value("12", "FDO2", level) for level in (1, 2, 3)]
+    assert (np.diff(overshoot) < 0.0).all()
+    assert (np.diff(published) < 0.0).all()
+    np.testing.assert_allclose(overshoot, published, rtol=0.06)
+
+
+def test_oscillation_of_pressures_is_as_published(halved):
+    """Pressures oscillate by 10 % or more on triangles of order 2; on polygons it vanishes (Figure 76)."""
+    for level in (1, 2, 3):
+        assert halved["FDO2", level].pressure.oscillation > 0.1
+    on_polygons = [halved["VVO2", level].pressure.oscillation for level in (1, 2, 3)]
+    assert on_polygons[0] > 0.05 > on_polygons[1] > on_polygons[2]
+    assert on_polygons[2] < 0.01
+
+
+def test_segments_and_multipliers_give_hertz_pressure(smooth):
+    """On M3 the pressure is within 1.5 % of p0 from Hertz's but for the end elements; it oscillates by below 0.5 %."""
+    for row in smooth.values():
+        assert row.pressure_difference < 0.015
+        assert row.pressure.oscillation < 0.005
+
+
+def test_segments_and_multipliers_give_hertz_stress_and_width(smooth):
+    """On M3 the least principal stress is within 1 % of -p0, the half width within 2 %, the force within 0.5 %."""
+    for row in smooth.values():
+        assert row.extremes["principal_3"] == pytest.approx(-P0, rel=0.01)
+        assert row.half_width == pytest.approx(0.23876, rel=0.02)
+        assert row.force == pytest.approx(FORCE, rel=0.005)
+
+
+def test_stresses_on_the_line_of_symmetry_are_those_of_a_disc(smooth):
+    """From 0.1 to 1 cm down, stresses are within 1 % of p0 from those in a disc; a half plane's differ by over 2 %."""
+    row = smooth["VVO2"]
+    depth = -row.line.points[:, 1]
+    inner = depth > 0.1
+    computed = row.line.stresses.components[inner][:, :3]
+    disc = row.theory.axis_stresses_in_disc(depth[inner], 4.0)
+    half_plane = row.theory.stresses(0.0, depth[inner])
+    assert np.abs(computed - disc).max() < 0.01 * P0
+    assert np.abs(computed - half_plane).max() > 0.02 * P0
+
+
+def test_corners_of_straight_edges_show_in_the_pressure():
+    """On M2 the multipliers of polygons err by over 2 % between straight edges, by less than 1 % between circles."""
+    problem = published_problem("VVO2", 2, "segments")
+    rough, curved = (solve_hertz(replace(problem, curved=on_circle)) for on_circle in (False, True))
+    assert rough.status.converged
+    assert curved.pressure.largest_difference(curved.theory, 0.025) < 0.01
+    assert rough.pressure.largest_difference(rough.theory, 0.025) > 0.02
+
+
+def test_condensed_and_sparse_paths_agree():
+    """The path condensed to the zones and the one on all unknowns give the same force and displacements to 1e-9."""
+    problem = replace(published_problem("FDO1", 1), n_steps=2)
+    model = HertzModel(problem, build_hertz(problem).contact)
+    condensed, sparse = (solve_hertz(model, path=path) for path in ("condensed", "sparse"))
+    assert condensed.force == pytest.approx(sparse.force, rel=1e-9)
+    for one, other in zip(condensed.fields, sparse.fields, strict=True):
+        np.testing.assert_allclose(one.displacements, other.displacements, atol=1e-9 * 0.05)

@@ -1,0 +1,175 @@
+"""The command ``flangeway geometry``: its files, its numbers, and its errors."""
+
+import csv
+import itertools
+import json
+import sys
+
+import numpy as np
+import pytest
+
+from flangeway import cli
+from flangeway.errors import InputError
+from flangeway.railway.profiles import wheel
+from flangeway.railway.rigid_contact import contact_locus
+from flangeway.study.rigid import run_geometry
+from flangeway.study.rigid_case import GEOMETRY_CASES, find_geometry_case, with_wide_throat
+
+
+@pytest.fixture
+def command(tmp_path, monkeypatch, capsys):
+    """Run the command line in an empty folder."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "140")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flangeway", *arguments])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        return caught.value.code, *capsys.readouterr()
+
+    return run
+
+
+COARSE = ("--set", "step_mm=0.1")
+
+
+def test_the_command_writes_its_files(command, tmp_path):
+    """Pictures, tables and summary are there, the tables complete and of one piece with the summary."""
+    code, out, _ = command("geometry", "s1002-60e1", *COARSE)
+    assert code == 0
+    folder = tmp_path / "out" / "geometry-s1002-60e1"
+    names = {path.name for path in folder.iterdir()}
+    assert names == {
+        "contact_locus.png",
+        "rolling_radius_difference.png",
+        "conicity.png",
+        "table.csv",
+        "conicity.csv",
+        "geometry.json",
+    }
+    for name in names:
+        assert (folder / name).stat().st_size > 1000
+        assert name in out
+    with (folder / "table.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 141
+    lateral = np.array([float(row["lateral_mm"]) for row in rows])
+    assert lateral == pytest.approx(np.linspace(-7.0, 7.0, 141))
+    radii = [float(row["right_rolling_radius_mm"]) - float(row["left_rolling_radius_mm"]) for row in rows]
+    assert radii == pytest.approx([float(row["rolling_radius_difference_mm"]) for row in rows], abs=1e-6)
+    summary = json.loads((folder / "geometry.json").read_text(encoding="utf-8"))
+    assert summary["status"]["converged"]
+    with (folder / "conicity.csv").open(encoding="utf-8") as file:
+        at = next(row for row in csv.DictReader(file) if abs(float(row["amplitude_mm"]) - 3.0) < 1e-9)
+    assert float(at["conicity_integration"]) == pytest.approx(summary["equivalent_conicity"]["integration"])
+    assert f"{summary['equivalent_conicity']['integration']:.4f}" in out
+
+
+def test_the_curve_has_the_figure_of_the_throat(command, tmp_path):
+    """With a lateral force on AAR-1B wheels the effect of the throat is drawn, and three contacts are listed."""
+    code, out, _ = command("geometry", "wheelset-curve", *COARSE)
+    assert code == 0
+    folder = tmp_path / "out" / "geometry-wheelset-curve"
+    assert (folder / "throat_radius.png").stat().st_size > 1000
+    contacts = json.loads((folder / "geometry.json").read_text(encoding="utf-8"))["equilibrium"]["contacts"]
+    assert [contact["side"] for contact in contacts] == ["left", "right", "right"]
+    assert all(contact["hertz_max_pressure_MPa"] > 100.0 for contact in contacts)
+    assert "3 points" in out
+
+
+def test_overturning_ends_with_one(command):
+    """No balance is a result with exit status 1, and the sentence gives L/V."""
+    code, out, _ = command("geometry", "--set", "lateral_force_kN=200", *COARSE)
+    assert code == 1
+    assert "overturning" in out
+    assert "L/V" in out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (("geometry", "wheelset-curv"), "did you mean wheelset-curve?"),
+        (("geometry", "--set", "gauge=1435"), "did you mean gauge_mm?"),
+        (("geometry", "--set", "gauge_mm"), "KEY=VALUE"),
+        (("geometry", "--set", "gauge_mm=1100"), "gauge_mm and back_to_back_mm"),
+        (("geometry", "--set", "largest_lateral_mm=20"), "climbing flanges"),
+        (("geometry", "--set", "wheel=S1002", "--set", "wide_throat_radius_mm=40"), "AAR-1B"),
+        (("geometry", "--set", "superelevation_mm=5000"), "base width"),
+        (("geometry", "--set", "axle_load_kN=-300"), "above 0"),
+    ],
+)
+def test_wrong_input_is_explained(command, arguments, words):
+    """Wrong names, keys and values end with status 2, a message and no files."""
+    code, _, message = command(*arguments)
+    assert code == 2
+    assert words in message
+
+
+def test_unequal_wheels_swing_aside():
+    """A left wheel that is 0.2 mm smaller moves the place of equal radii to the left by that over twice the slope."""
+    values = {"left_tape_radius_mm": 474.4, "tape_radius_mm": 474.6, "step_mm": 0.1}
+    found = contact_locus(
+        find_geometry_case("wheelset-tangent", values).wheelset(), np.linspace(-8.0, 0.0, 81), roll=False
+    )
+    assert found.rolling_radius_difference_mm[-1] == pytest.approx(0.2, abs=1e-6)
+    at = np.interp(0.0, found.rolling_radius_difference_mm, found.lateral_mm)
+    assert at == pytest.approx(-0.2 / (2.0 * 0.05), abs=1e-4)
+
+
+def test_profiles_from_files_run_through(tmp_path):
+    """A wheel written as points and read again gives the contact geometry of the wheel itself to a few micrometres."""
+    profile = wheel("S1002")
+    points = profile.outline.part(profile.running_names).sampled(spacing=0.2)
+    points = points[(points[:, 0] > -69.0) & (points[:, 0] < 59.0)]
+    file = tmp_path / "worn.txt"
+    header = "# unit = mm\n# kind = wheel\n# origin = tape\n"
+    file.write_text(header + "\n".join(f"{x:.5f} {y:.5f}" for x, y in points) + "\n", encoding="utf-8")
+    values = {"left_wheel": str(file), "wheel_body": "S1002", "step_mm": 0.05}
+    mixed = find_geometry_case("s1002-60e1", values).wheelset()
+    plain = find_geometry_case("s1002-60e1", {}).wheelset()
+    lateral = np.linspace(-5.5, 5.5, 23)
+    one, other = contact_locus(mixed, lateral), contact_locus(plain, lateral)
+    assert np.abs(one.vertical_mm - other.vertical_mm).max() < 0.005
+    assert np.abs(one.left.contact_angles_rad[:, 0] - other.left.contact_angles_rad[:, 0]).max() < 0.01
+
+
+@pytest.mark.parametrize("name", GEOMETRY_CASES)
+def test_conicity_is_finite_at_all_amplitudes(name):
+    """Every bundled case has a conicity at every amplitude, by both methods of the same size."""
+    run = run_geometry(name, find_geometry_case(name, {"step_mm": 0.05, "lateral_force_kN": 0.0}))
+    assert len(run.amplitudes_mm) > 40
+    assert np.isfinite(run.conicity).all()
+    assert (run.conicity > 0.0).all()
+    # the regression gives jumps another weight
+    assert (np.abs(run.regression / run.conicity - 1.0) < 0.8).all()
+
+
+def test_without_roll_the_tread_of_1_20_is_its_conicity():
+    """Without roll the AAR-1B's conicity is the slope of its tread; with roll about five percent more."""
+    values = {"step_mm": 0.1, "largest_lateral_mm": 5.0}
+    plain = run_geometry("wheelset-tangent", find_geometry_case("wheelset-tangent", {**values, "roll": "none"}))
+    assert plain.summary["equivalent_conicity"]["integration"] == pytest.approx(0.05, rel=1e-5)
+    rolled = run_geometry("wheelset-tangent", find_geometry_case("wheelset-tangent", values))
+    assert rolled.summary["equivalent_conicity"]["integration"] == pytest.approx(0.05226, abs=2e-5)
+
+
+@pytest.mark.parametrize("radius", [30.0, 38.1, 50.0])
+def test_the_wide_throat_stays_tangent(radius):
+    """Another radius of the wide arc leaves tread and flange where they are and no kink anywhere."""
+    usual, other = wheel("AAR-1B"), with_wide_throat(wheel("AAR-1B"), radius)
+    parts = dict(zip(other.outline.names, other.outline.segments, strict=True))
+    assert 1.0 / abs(parts["throat_R2"].curvature) == pytest.approx(radius, rel=1e-6)
+    names = ("throat_R1", "throat_R2", "tread_1:20")
+    for one, following in itertools.pairwise(names):
+        assert parts[one].tangent(1.0)[0] == pytest.approx(parts[following].tangent(0.0)[0], abs=2e-5)
+    same = dict(zip(usual.outline.names, usual.outline.segments, strict=True))
+    assert parts["flange_face_75deg"] == same["flange_face_75deg"]
+    assert parts["tread_1:20"].end == same["tread_1:20"].end
+
+
+def test_a_wide_throat_that_is_none_is_refused():
+    """A radius below that of the narrow arc has no common tangents."""
+    with pytest.raises(InputError, match="wide_throat_radius_mm = 12"):
+        with_wide_throat(wheel("AAR-1B"), 12.0)

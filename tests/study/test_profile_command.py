@@ -1,0 +1,183 @@
+"""`flangeway profile`, as users call it."""
+
+import json
+import struct
+import sys
+
+import numpy as np
+import pytest
+
+from flangeway import cli
+from flangeway.railway.profile_file import read_profile
+from flangeway.railway.profiles import rail, wheel
+from flangeway.study.profile import run_profile
+
+FILES = {"profile.png", "curvature.png", "profile.json"}
+
+
+@pytest.fixture
+def call(monkeypatch, tmp_path, capsys):
+    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "110")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flangeway", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        return caught.value.code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def files(tmp_path):
+    """A worn head, noisy, in inches, from its top; and a noisy S1002 in mm."""
+    rng = np.random.default_rng(1)
+    profile = rail()
+    head = profile.outline.part(profile.head_names).sampled(spacing=0.3) - [0.0, profile.outline.bounds()[1, 1]]
+    head += 3e-3 * rng.normal(size=head.shape)
+    (tmp_path / "worn.csv").write_text("\n".join(f"{x / 25.4:.7f},{y / 25.4:.7f}" for x, y in head))
+    tread = wheel("S1002")
+    points = tread.outline.part(tread.running_names).sampled(spacing=0.3)
+    points += 3e-3 * rng.normal(size=points.shape)
+    (tmp_path / "tread.txt").write_text("\n".join(f"{x:.5f} {y:.5f}" for x, y in points))
+
+
+def png_size(path):
+    head = path.read_bytes()[:24]
+    assert head.startswith(b"\x89PNG")
+    return struct.unpack(">II", head[16:])
+
+
+def test_a_measured_head_on_a_rail(call, files, tmp_path):
+    """Unit, origin, noise, smoothing and joints are printed back; pictures, summary and conversion are written."""
+    status, out, err = call("profile", "worn.csv", "--unit", "in", "--join", "136RE", "--to", "new/rail.dxf")
+    assert status == 0, err
+    for words in ("rail, CSV", "in   given", "top   from the numbers", "deviation, largest, μm"):
+        assert " ".join(words.split()) in " ".join(out.split())
+    assert "transition, gauge, gap, mm" in out
+    folder = tmp_path / "out" / "profile-worn"
+    assert {path.name for path in folder.iterdir()} == FILES | {"joined.png"}
+    for path in folder.glob("*.png"):
+        assert min(png_size(path)) > 400
+    summary = json.loads((folder / "profile.json").read_text(encoding="utf-8"))
+    assert summary["read_as"]["unit"] == "in"
+    assert 2.0 < summary["smoothing"]["noise_um"] < 4.0
+    assert summary["smoothing"]["largest_deviation_um"] <= summary["smoothing"]["limit_um"] < 25.0
+    assert summary["area_mm2"] == pytest.approx(8602.42, abs=3.0)
+    again = run_profile("new/rail.dxf")
+    assert again.summary["area_mm2"] == pytest.approx(summary["area_mm2"], rel=1e-9)
+    assert again.summary["kind"] == "rail"
+
+
+@pytest.mark.parametrize("ending", ["prw", "whl", "txt", "csv"])
+def test_conversion_keeps_the_smoothed_wheel(ending, call, files, tmp_path):
+    """A noisy wheel, smoothed and converted, is read back within a micrometre, without being smoothed again."""
+    status, out, err = call("profile", "tread.txt", "--smooth", 6, "--to", f"tread2.{ending}")
+    assert status == 0, err
+    assert "wheel, two columns" in out
+    assert f"tread2.{ending}" in out
+    first = run_profile("tread.txt", _options(smooth_mm=6.0)).profile
+    again = read_profile(f"tread2.{ending}", _options(smooth_mm=0.0))
+    assert np.abs(again.surface.closest(first.smoothing.points)[2]).max() < 1e-3
+
+
+def _options(**given):
+    from flangeway.railway.profile_file import ReadOptions  # noqa: PLC0415
+
+    return ReadOptions(**given)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("S1002", "flange height Sh, mm 28.000"),
+        ("heavy-haul", "tape line is"),
+        ("aar-1b", "An approximation"),
+        ("60E1", "width of the head"),
+        ("136re-8", "crown radius 8 in"),
+    ],
+)
+def test_bundled_profiles_are_shown_with_their_certainty(name, words, call, tmp_path):
+    """Every bundled profile goes through the command, and says how certain it is and where it comes from."""
+    status, out, err = call("profile", name, "--out", "here")
+    assert status == 0, err
+    assert words in " ".join(out.split())
+    assert "Certainty:" in out
+    assert "Source:" in out
+    assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
+
+
+@pytest.mark.parametrize(
+    ("name", "ending"),
+    [("S1002", "whl"), ("S1002", "prw"), ("AAR-1B", "whl"), ("60E1", "ban"), ("136RE", "prr"), ("60E1", "txt")],
+)
+def test_bundled_profiles_are_converted(name, ending, call):
+    """A bundled running surface, written for another program, lies within a micrometre of the nominal one."""
+    assert call("profile", name, "--to", f"n.{ending}")[0] == 0
+    found = read_profile(f"n.{ending}")
+    nominal = run_profile(name)
+    surface = nominal.profile.surface
+    shift = [0.0, 0.0] if nominal.profile.kind == "wheel" else [0.0, surface.bounds()[1, 1]]
+    assert surface.closest(found.points + shift)[2].max() < 1e-3
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (("none.txt",), "none.txt"),
+        (("S1003",), "'S1003'"),
+        (("S1002", "--unit", "mm"), "options of a file"),
+        (("S1002", "--join", "60E1"), "options of a file"),
+        (("worn.csv",), "--unit in"),
+        (("worn.csv", "--unit", "in", "--join", "S1002"), "--join S1002"),
+        (("worn.csv", "--unit", "in", "--origin", "tape"), "--origin tape"),
+        (("worn.csv", "--unit", "in", "--smooth", "-2"), "--smooth -2"),
+        (("worn.csv", "--unit", "in", "--limit", "0"), "--limit 0"),
+        (("worn.csv", "--unit", "in", "--to", "x.whl"), "for a rail"),
+        (("worn.csv", "--unit", "in", "--to", "x.pdf"), "'.pdf'"),
+        (("tread.txt", "--join", "AAR-1B"), "flange's back"),
+        (("tread.txt", "--kind", "tram"), "--kind tram"),
+        (("tread.txt", "--mirror"), "--mirror"),
+        (("tread.txt", "--tape", "wide"), "--tape"),
+        (("tread.txt", "--origin", "flange-back", "--tape", "3"), "3 mm"),
+        ((), "NAME_OR_FILE"),
+    ],
+)
+def test_wrong_input_is_status_2_and_leaves_nothing(arguments, message, call, files, tmp_path):
+    """Wrong input ends with status 2 and a message of three parts on stderr, and leaves no file."""
+    before = sorted(tmp_path.iterdir())
+    status, out, err = call("profile", *arguments)
+    assert status == 2
+    assert message in err
+    assert "allowed:" in err
+    assert "what to do:" in err
+    assert out == ""
+    assert sorted(tmp_path.iterdir()) == before
+
+
+def test_places_that_cannot_be_written_are_refused(call, files, tmp_path):
+    """A file in the way of the folder, and a folder in the way of the conversion, are status 2 before any drawing."""
+    (tmp_path / "taken").write_text("")
+    (tmp_path / "x.txt").mkdir()
+    for arguments in (("--out", "taken"), ("--to", "x.txt"), ("--to", "taken/y.txt")):
+        status, _, err = call("profile", "tread.txt", *arguments)
+        assert status == 2
+        assert "drawing" not in err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_failing_picture_leaves_nothing(call, files, tmp_path, monkeypatch):
+    """If a picture cannot be drawn, no file is left at its place, the conversion neither."""
+
+    def fail(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("flangeway.report.profile_outputs.curvature_figure", fail)
+    status, _, err = call("profile", "tread.txt", "--to", "y.txt")
+    assert status == 130
+    assert "interrupted" in err
+    assert not (tmp_path / "out").exists()
+    assert not (tmp_path / "y.txt").exists()

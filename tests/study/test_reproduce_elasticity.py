@@ -1,0 +1,244 @@
+"""Chapter 5 computed again, as `flangeway reproduce elasticity` does, and `flangeway reproduce all`."""
+
+import csv
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from flangeway import cli
+from flangeway.errors import InputError
+from flangeway.mesh import rectangle_grid, refined
+from flangeway.report import reproductions
+from flangeway.report.refinement_figures import hanging_points
+from flangeway.report.reproductions import Reproduction
+from flangeway.study.closed_form import closed_form_values
+from flangeway.study.cook import ENERGY, CookCode, cook_reference, cook_row
+from flangeway.study.patch_test import PatchCode, patch_row
+from flangeway.study.reproductions import elasticity
+from flangeway.study.reproductions.elasticity import COOK, reproduce_elasticity
+
+PUBLISHED = {
+    "strain energy": 1542.159,
+    "vertical displacement at (48; 52)": 30.7494,
+    "vertical displacement at (48; 60)": 32.3007,
+}
+
+
+@pytest.fixture(scope="module")
+def found():
+    """The quick reproduction."""
+    return reproduce_elasticity(quick=True)
+
+
+def test_every_configuration_passes_the_patch_test(found):
+    """Finite, virtual and mixed elements of order 1 and 2 give the uniform stress to 1e-9, displacements to 1e-10."""
+    codes = {str(row.code) for row in found.patch}
+    assert codes == {f"{method}PTO{order}" for method in ("FD", "VD", "VV", "HE") for order in (1, 2)}
+    for row in found.patch:
+        assert row.stress_error < 1e-9
+        assert row.displacement_error < 1e-10
+
+
+def test_the_patch_test_sees_a_wrong_stress():
+    """The error of a row is the distance of its farthest stress from tension, zero and zero."""
+    row = patch_row(PatchCode("VV", 1))
+    spoiled = type(row)(row.code, row.n_unknowns, (1.0, -0.25, 0.1), 0.0, row.solution)
+    assert spoiled.stress_error == 0.25
+
+
+def test_mixed_configurations_have_both_methods():
+    """Codes with H and HE use virtual elements for all cells at the boundary and Lagrange triangles inside."""
+    for space in (CookCode("H", 1, 2).space(), patch_row(PatchCode("HE", 2)).solution.problem.space):
+        mesh = space.mesh
+        outer = np.zeros(mesh.n_edges, dtype=bool)
+        outer[mesh.edge_numbers(mesh.boundary_edges)] = True
+        at_rim = np.add.reduceat(outer[mesh.cell_edges], mesh.cell_offsets[:-1]) > 0
+        assert np.array_equal(np.flatnonzero(at_rim), np.sort(mesh.cell_sets["rim"]))
+        assert np.array_equal(np.flatnonzero(~at_rim), np.sort(mesh.cell_sets["triangles"]))
+        assert {type(batch.element).__name__ for batch in space.batches()} == {"Lagrange", "Virtual"}
+
+
+def test_each_refinement_of_the_membrane_is_nearer_to_the_published_numbers(found):
+    """Energy and both displacements are nearer on M2 than on M1 for every method and order, and within 10 % there."""
+    rows = {(n.code, n.quantity): n for n in found.numbers if n.table == COOK}
+    assert len(rows) == 30
+    for (code, quantity), number in rows.items():
+        assert number.published == PUBLISHED[quantity]
+        assert number.relative_difference == pytest.approx(number.computed / PUBLISHED[quantity] - 1.0, abs=1e-12)
+        if "M2" in code:
+            before = rows[code.replace("M2", "M1"), quantity]
+            assert abs(number.relative_difference) < abs(before.relative_difference) < 0.1
+
+
+@pytest.mark.parametrize("method", ["F", "V", "H"])
+def test_order_2_on_the_finest_mesh_is_within_a_thousandth(method):
+    """On M4 triangles, polygons and both in one mesh give energy and displacements within 0.1 % of those published."""
+    row = cook_row(CookCode(method, 4, 2))
+    assert (row.energy, row.middle, row.corner) == pytest.approx(tuple(PUBLISHED.values()), rel=1e-3)
+
+
+def test_a_row_farther_from_the_published_number_than_the_mesh_before_fails(found):
+    """A number that moves away from the published one under refinement is not within."""
+    coarse, fine = (next(row for row in found.cook if str(row.code) == code) for code in ("VCM1O1", "VCM2O1"))
+    worse = type(fine)(fine.code, fine.poisson, fine.n_unknowns, *[0.8 * v for v in PUBLISHED.values()], fine.solution)
+    numbers = list(elasticity._cook_numbers([coarse, worse]))
+    assert [number.within for number in numbers] == [True] * 3 + [False] * 3
+
+
+def test_the_reference_energy_rounds_to_the_published_one():
+    """Order 3 on an adaptive mesh has the energy that errors are measured with to 1e-6, as published to all digits."""
+    energy = cook_reference(1e-3).energy
+    assert energy == pytest.approx(ENERGY, rel=2e-6)
+    assert pytest.approx(PUBLISHED["strain energy"], abs=1e-3) == ENERGY
+
+
+def test_nearly_incompressible_order_1_locks_on_triangles_only(found):
+    """With nu = 0.4999 order 2 is within 1 %, polygons of order 1 within 2 % on M2, where triangles lack a fifth."""
+    rows = {row.code: row for row in found.incompressible_rows}
+    assert found.locking_free
+    for code, row in rows.items():
+        assert row.relative_difference == pytest.approx(row.load_work / 2652.4 - 1.0, abs=1e-12)
+        if code.endswith("O2"):
+            assert abs(row.relative_difference) < 0.01
+    assert abs(rows["VCM2O1"].relative_difference) < 0.02
+    assert rows["FCM2O1"].relative_difference < -0.2
+
+
+def test_kirsch_and_lame_are_met():
+    """Kirsch's plate is met to 0.5 %, Lame's cylinder to 0.1 %, its soft hoop stress (nu = 0.4999) to 2 %."""
+    values = list(closed_form_values())
+    assert len(values) == 2 * 3 + 8 * 3
+    for value in values:
+        soft = "0.4999" in value.code and value.quantity.startswith("hoop stress")
+        limit = 0.02 if soft else {"Kirsch": 5e-3, "Lamé": 1e-3}[value.body]
+        assert value.computed == pytest.approx(value.exact, rel=limit)
+
+
+def test_refinement_where_the_error_is_saves_unknowns(found):
+    """For uniform's least error the L-shaped body needs a tenth of its unknowns, Cook's membrane of order 2 a third."""
+    savings = {(case.body, case.order): case.saving for case in found.refinements}
+    assert min(savings["L-shape", 1], savings["L-shape", 2]) >= 10.0
+    assert savings["Cook", 2] >= 3.0
+    for case in found.refinements:
+        reached = next(row for row in case.adaptive if row.error <= case.uniform[-1].error)
+        assert case.saving == case.uniform[-1].n_unknowns / reached.n_unknowns
+
+
+def test_the_membranes_estimate_is_near_its_true_error(found):
+    """On the finest adaptive meshes of Cook's membrane the estimate is 0.75 to 1.25 times the true error."""
+    for case in found.refinements:
+        if case.body == "Cook":
+            last = case.adaptive[-1]
+            assert 0.75 < last.estimated_error / last.error < 1.25
+
+
+def test_hanging_points_are_those_inside_on_straight_sides():
+    """One cell of four refined has two hanging points; the new points on the boundary and inside it are none."""
+    mesh = refined(rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals"), [0])
+    found = np.sort(mesh.points[hanging_points(mesh)], axis=0)
+    np.testing.assert_allclose(found, [[0.25, 0.25], [0.5, 0.5]])
+    assert not len(hanging_points(rectangle_grid(1.0, 1.0, 3, 3)))
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: CookCode("X", 1, 1), "'F', 'V' or 'H'"),
+        (lambda: CookCode("F", 0, 1), "1 to 6"),
+        (lambda: PatchCode("VX", 1), "FD, VD, VV, HE"),
+    ],
+)
+def test_wrong_codes_are_refused(make, message):
+    """A method or a refinement that there is not is refused, with those that there are."""
+    with pytest.raises(InputError, match=message):
+        make()
+
+
+@pytest.fixture
+def call(monkeypatch, tmp_path, capsys):
+    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "120")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flangeway", *arguments])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        return caught.value.code, *capsys.readouterr()
+
+    return run
+
+
+def _registered(monkeypatch, **changes):
+    """Put other reproductions in the place of those that there are."""
+    monkeypatch.setattr(reproductions, "REPRODUCTIONS", changes)
+
+
+def test_the_command_leaves_tables_and_pictures(call, monkeypatch, tmp_path, found):
+    """The command ends with status 0, says how many numbers are within, and leaves all its files and columns."""
+    known = reproductions.REPRODUCTIONS["elasticity"]
+    again = Reproduction(lambda **_: found, known.write, known.print_summary, known.files)
+    _registered(monkeypatch, elasticity=again)
+    status, out, err = call("reproduce", "elasticity", "--quick", "--out", "found")
+    assert status == 0, err
+    assert f"{len(found.numbers)} of {len(found.numbers)} numbers" in out
+    folder = tmp_path / "found" / "elasticity"
+    assert {path.name for path in folder.iterdir()} == set(known.files)
+    for path in folder.glob("*.png"):
+        assert path.read_bytes().startswith(b"\x89PNG")
+        assert path.stat().st_size > 10_000
+    rows = {
+        path.name: list(csv.DictReader(path.read_text(encoding="utf-8").splitlines())) for path in folder.glob("*.csv")
+    }
+    assert list(rows["table.csv"][0]) == [
+        "table", "code", "quantity", "unit", "published", "computed", "relative_difference", "within", "note",
+    ]  # fmt: skip
+    assert {row["within"] for row in rows["table.csv"]} == {"True"}
+    assert len(rows["nearly_incompressible.csv"]) == len(found.cook)
+    assert len(rows["refinement.csv"]) == sum(len(case.uniform) + len(case.adaptive) for case in found.refinements)
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a made-up reproduction leaves."""
+
+    passed: bool
+    numbers: tuple = ()
+    seconds: float = 0.0
+
+
+def _made_up(passed, asked):
+    def compute(*, quick, progress):
+        asked.append(quick)
+        return Found(passed)
+
+    def write(found, folder, progress):
+        folder.mkdir(parents=True)
+        (folder / "table.csv").write_text("", encoding="utf-8")
+        return [folder / "table.csv"]
+
+    return Reproduction(compute, write, lambda console, *_: console.print("done"), ("table.csv",))
+
+
+@pytest.mark.parametrize(("second", "status"), [(True, 0), (False, 1)])
+def test_all_runs_every_one_into_its_folder(call, monkeypatch, tmp_path, second, status):
+    """`all` computes, writes and prints every reproduction, and its status is 0 only if all have passed."""
+    asked = []
+    _registered(monkeypatch, one=_made_up(second, asked), two=_made_up(True, asked))
+    found, out, _ = call("reproduce", "all", "--quick", "--out", "found")
+    assert found == status
+    assert out.count("done") == 2
+    assert asked == [True, True]
+    assert sorted(path.parent.name for path in tmp_path.glob("found/*/table.csv")) == ["one", "two"]
+
+
+def test_all_computes_nothing_if_one_folder_is_in_the_way(call, monkeypatch, tmp_path):
+    """A file in the place of one reproduction's folder is status 2 before any is computed."""
+    asked = []
+    _registered(monkeypatch, one=_made_up(True, asked), two=_made_up(True, asked))
+    (tmp_path / "two").write_text("")
+    assert call("reproduce", "all", "--out", ".")[0] == 2
+    assert asked == []

@@ -1,0 +1,157 @@
+"""The published Hertz problem computed again, as `flangeway reproduce hertz` does, and its half discs."""
+
+import csv
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+from rich.console import Console
+
+from flangeway.contact import Multiplier, SegmentToSegment
+from flangeway.elements import Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+from flangeway.mesh import check
+from flangeway.report.reproductions import REPRODUCTIONS
+from flangeway.study.half_disc import ARC, CUT, HalfDisc, edges_halved
+from flangeway.study.hertz import HertzProblem, solve_hertz
+from flangeway.study.reproductions.hertz import (
+    CODES,
+    EXTREMES,
+    FORCE_LIMITS,
+    STRESS_LIMIT,
+    published_problem,
+    reproduce_hertz,
+)
+
+
+@pytest.fixture(scope="module")
+def found():
+    """M1 and M2."""
+    return reproduce_hertz(quick=True)
+
+
+def test_quick_computes_the_coarser_half(found):
+    """Quick has six codes on M1 and M2 in both readings of the penalty, and order 2 with segment-to-segment."""
+    assert len(found.of("printed")) == len(found.of("halved")) == 12
+    assert len(found.of("segments")) == 8
+    assert {row.level for row in found.rows} == {1, 2}
+    assert found.exact == ()
+    assert found.passed
+
+
+def test_bounds_are_those_asked_for(found):
+    """Forces count within 0.5 and 1 %, stresses of VVO1 and VVO2 within 3 %: all of them are."""
+    assert FORCE_LIMITS == {1: 0.01, 2: 0.005}
+    assert STRESS_LIMIT == 0.03
+    assert len(found.forces) == 12
+    assert max(abs(number.relative_difference) for number in found.forces) <= 0.01
+    assert len(found.bounded_extremes) == 12
+    assert max(abs(number.relative_difference) for number in found.bounded_extremes) <= 0.03
+
+
+def test_a_number_outside_fails_the_reproduction(found):
+    """A force out of its limit, or a load step that did not converge, is not passed over."""
+    wrong = [replace(n, within=False) if n is found.forces[0] else n for n in found.numbers]
+    assert not replace(found, numbers=tuple(wrong)).passed
+    row = found.rows[0]
+    failed = replace(row, status=replace(row.status, converged=False))
+    assert not replace(found, rows=(failed, *found.rows[1:])).passed
+
+
+def test_each_published_extreme_stands_in_the_table_twice(found):
+    """Each number of Tables 12 to 14 has a row in either reading; one outside of 3 % names its deviation."""
+    for table in EXTREMES:
+        rows = [number for number in found.numbers if number.table == table]
+        assert len(rows) == 2 * len(CODES) * 2
+        for number in rows:
+            assert "oscillates" in number.note
+            assert number.within or "published reference" in number.note
+
+
+def test_command_leaves_its_files_and_a_summary(found, tmp_path):
+    """Pictures that are not blank, the table with its columns, and a summary that says how many numbers are within."""
+    hertz = REPRODUCTIONS["hertz"]
+    files = hertz.write(found, tmp_path / "hertz", lambda _: None)
+    assert sorted(file.name for file in files) == sorted(hertz.files)
+    for file in files:
+        if file.suffix == ".png":
+            assert imread(file)[..., :3].std() > 0.02, file.name
+    with (tmp_path / "hertz" / "table.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    header = "table,code,quantity,unit,published,computed,relative_difference,within,note"
+    assert list(rows[0]) == header.split(",")
+    assert len(rows) == len(found.numbers)
+    assert float(rows[0]["computed"]) == pytest.approx(found.numbers[0].computed, rel=1e-7)
+    text = io.StringIO()
+    hertz.print_summary(Console(file=text, width=200), found, files)
+    assert "12 of 12 forces" in text.getvalue()
+    assert "Passed." in text.getvalue()
+
+
+@pytest.mark.parametrize("side", ["below", "above"])
+@pytest.mark.parametrize("cells", ["triangles", "polygons", "edge-refined"])
+def test_half_discs_are_sound_meshes(cells, side):
+    """Each kind of mesh is sound, has the half disc's area to 1 %, and its fine arc about the apex in the origin."""
+    disc = HalfDisc(0.06, cells)
+    mesh = disc.mesh(side)
+    check(mesh)
+    assert mesh.cell_areas.sum() == pytest.approx(np.pi * 8.0, rel=0.01)
+    arc = mesh.points[mesh.edge_set(ARC)]
+    sign = -1.0 if side == "below" else 1.0
+    assert (sign * arc[..., 1]).min() == pytest.approx(0.0, abs=1e-3)
+    assert np.abs(arc[..., 0]).max() == pytest.approx(4.0 * np.sin(np.pi / 11.0), rel=1e-9)
+    np.testing.assert_allclose(mesh.points[mesh.edge_set(CUT)][..., 1], sign * 4.0, atol=1e-12)
+
+
+def test_edges_of_the_arc_are_halved_once():
+    """Edge refinement makes each triangle with one edge on the arc a quadrilateral and leaves area and others alone."""
+    mesh = HalfDisc(0.1).mesh("below")
+    fine = edges_halved(mesh, ARC)
+    n_arc = len(mesh.edge_set(ARC))
+    assert len(fine.edge_set(ARC)) == 2 * n_arc
+    assert fine.n_points == mesh.n_points + n_arc
+    assert (fine.cell_sizes[fine.cell_set("quadrilaterals")] == 4).all()
+    assert (fine.cell_sizes[fine.cell_set("triangles")] == 3).all()
+    np.testing.assert_allclose(fine.cell_areas, mesh.cell_areas, rtol=1e-9)
+
+
+def test_codes_name_methods_and_cells():
+    """F and V are finite and virtual triangles, VV polygons, H a mixture of triangles and virtual quadrilaterals."""
+    elements = {code: published_problem(code, 1).secondary.element for code in CODES}
+    assert elements["FDO1"] == Lagrange(1)
+    assert elements["VVO2"] == elements["VDO2"] == Virtual(2)
+    assert elements["HEO2"] == {"triangles": Lagrange(2), "quadrilaterals": Virtual(2)}
+    assert published_problem("VVO1", 4).enforcement.value == 2.56e4
+    assert published_problem("FDO2", 4, "halved").enforcement.value == 5.12e4 / 16.0
+
+
+def test_other_discs_meet_hertz_too():
+    """Unequal radii, materials and orders, chosen by a user, give Hertz's largest pressure within 2 %."""
+    soft = Elastic(10e3, 0.25)
+    problem = HertzProblem(
+        HalfDisc(0.012, order=2, radius=2.0, opening_rad=1.0),
+        HalfDisc(0.015, "polygons", order=2, radius=6.0, material=soft),
+        Multiplier(),
+        SegmentToSegment(),
+        approach=0.03,
+        curved=True,
+    )
+    solution = solve_hertz(problem)
+    assert solution.status.converged
+    assert solution.pressure.values.max() == pytest.approx(solution.theory.max_pressure, rel=0.02)
+
+
+def test_wrong_input_is_refused():
+    """Unknown cells, sizes that contradict each other, and an arc too narrow for the contact are refused by name."""
+    with pytest.raises(InputError, match="cells="):
+        HalfDisc(0.1, "squares")
+    with pytest.raises(InputError, match="body_size"):
+        HalfDisc(1.0)
+    with pytest.raises(InputError, match="approach"):
+        replace(published_problem("FDO1", 1), approach=0.0)
+    narrow = HalfDisc(0.06, opening_rad=0.1)
+    with pytest.raises(InputError, match="opening_rad"):
+        solve_hertz(replace(published_problem("FDO1", 1), secondary=narrow))
