@@ -191,3 +191,9 @@ def test_version_and_help(monkeypatch, capsys):
     assert called(monkeypatch, "--help") == 0
     said = capsys.readouterr().out
     assert all(command in said for command in ("run", "converge", "cases"))
+
+
+def test_the_package_runs_as_a_module():
+    """``python -m flangeway`` is the command."""
+    done = subprocess.run([sys.executable, "-m", "flangeway", "--version"], capture_output=True, text=True, check=True)
+    assert done.stdout.startswith("flangeway ")
