@@ -22,6 +22,7 @@ ORDER = (
     "study",
     "report",
     "cli",
+    "__main__",
 )
 MODULES = sorted(path for path in PACKAGE.rglob("*.py") if path != PACKAGE / "__init__.py")
 
