@@ -55,3 +55,13 @@ def test_cycling_active_sets_are_caught(monkeypatch: pytest.MonkeyPatch) -> None
 def test_an_unsolvable_problem_has_no_solution(monkeypatch: pytest.MonkeyPatch) -> None:
     """An indefinite matrix without a solution gives None, not a wrong answer."""
     assert complementarity.solve(np.array([[-1.0]]), np.array([-1.0]), np.array([False])) is None
+
+
+def test_repeated_constraints_share_one_force() -> None:
+    """Two equal constraints under load have a solution whose forces add up to that of one of them."""
+    matrix = np.array([[1.0, 1.0, 0.0], [1.0, 1.0, 0.0], [0.0, 0.0, 2.0]])
+    forces = complementarity.solve(matrix, np.array([-1.0, -1.0, 4.0]), np.array([True, True, False]))
+    assert forces is not None
+    assert forces[:2].sum() == pytest.approx(1.0)
+    assert (forces >= 0.0).all()
+    assert forces[2] == 0.0

@@ -1,11 +1,7 @@
 """Linear complementarity: ``s = M p + q``, ``p >= 0``, ``s >= 0``, ``p . s = 0``."""
 
-import warnings
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import LinAlgError, LinAlgWarning, cho_factor, lstsq, solve_triangular
-from scipy.linalg import solve as solve_dense
 
 Floats = NDArray[np.float64]
 
@@ -48,13 +44,14 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
 
 
 def _equations(matrix: Floats, right: Floats) -> Floats:
-    """Solution of symmetric equations, the least one where constraints repeat each other."""
-    with warnings.catch_warnings():
-        warnings.simplefilter("error", LinAlgWarning)
-        try:
-            return np.asarray(solve_dense(matrix, right, assume_a="sym"))
-        except (LinAlgError, LinAlgWarning):
-            return np.asarray(lstsq(matrix, right)[0])
+    """Solution of equations, the least one where constraints repeat each other.
+
+    NumPy's solver and not SciPy's: each has threads of its own, and where both wake in turn they wait for each other.
+    """
+    try:
+        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right)[0], dtype=np.float64)
 
 
 def _least_squares(matrix: Floats, offset: Floats) -> Floats | None:
@@ -62,9 +59,9 @@ def _least_squares(matrix: Floats, offset: Floats) -> Floats | None:
     from scipy.optimize import nnls  # noqa: PLC0415 (slow to import, seldom needed)
 
     try:
-        lower = np.tril(cho_factor(matrix, lower=True)[0])
-    except LinAlgError:
+        lower = np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
         return None
-    target = -solve_triangular(lower, offset, lower=True)
+    target = -np.linalg.solve(lower, offset)
     pressure: Floats = nnls(lower.T, target)[0]
     return pressure

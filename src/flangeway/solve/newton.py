@@ -48,7 +48,7 @@ class NewtonSettings:
     max_corrections
         Corrections of the forces before giving up.
     tolerance
-        Largest change of a displacement and largest violation of the contact law, both relative to the largest
+        Largest imbalance of forces over the total force, and largest violation of the contact law over the largest
         displacement.
 
     """
@@ -230,7 +230,8 @@ class _Run:
             self.history.append(Iteration(change, residual, int((carried > 0).sum()), changed, correction))
             self.displacements, self.current, self.forces = moved, after, carried
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
-            if not changed and max(change, residual) <= max(self.settings.tolerance, floor):
+            # the residual is that of the new state: what another round would change is of second order
+            if not changed and residual <= max(self.settings.tolerance, floor):
                 return None
         return self._explain()
 
