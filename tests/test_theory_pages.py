@@ -7,7 +7,7 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 SOURCE = "\n".join(path.read_text(encoding="utf-8") for path in (ROOT / "src" / "flangeway").rglob("*.py"))
-PAGES = ("contact.md", "elements.md", "torsion.md")
+PAGES = ("contact.md", "elasticity.md", "elements.md", "torsion.md")
 
 
 @pytest.mark.parametrize("page", PAGES)

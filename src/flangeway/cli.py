@@ -15,7 +15,7 @@ from flangeway.errors import InputError, MissingLibraryError
 
 # numpy, scipy, matplotlib and what needs them are imported inside functions, so that help is quick
 if TYPE_CHECKING:
-    from flangeway.study import WheelsetTangentCase
+    from flangeway.study import WheelsetCase
 
 Progress = Callable[[str], None]
 
@@ -33,13 +33,16 @@ Method = Annotated[
     str | None,
     typer.Option("--method", metavar="[fem|vem]", help="Triangles, or polygons with virtual elements."),
 ]
+CaseOrder = Annotated[
+    str | None, typer.Option("--order", metavar="[1|2]", help="Order of the elements of a case.", show_default=False)
+]
 SizeScale = Annotated[
     str | None,
     typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them."),
 ]
 Primary = Annotated[
     str | None,
-    typer.Option("--primary", metavar="[rail|wheel]", help="Bodies that give the segments of contact."),
+    typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies that give the segments of contact."),
 ]
 Crown = Annotated[
     str | None,
@@ -160,6 +163,7 @@ def _common(
 def run(
     case: CaseName,
     method: Method = None,
+    order: CaseOrder = None,
     size_scale: SizeScale = None,
     primary: Primary = None,
     crown_radius: Crown = None,
@@ -168,7 +172,7 @@ def run(
 ) -> None:
     """Run a case: summary on the terminal; JSON, report, picture and ParaView files in a folder (out/CASE)."""
     with _errors_as_exit_status():
-        inputs = _case(case, method, size_scale, primary, crown_radius, set_)
+        inputs = _case(case, method, order, size_scale, primary, crown_radius, set_)
         from flangeway.report import check_folder, write_outputs  # noqa: PLC0415
         from flangeway.report.terminal import print_summary  # noqa: PLC0415
         from flangeway.study import run_case  # noqa: PLC0415
@@ -186,6 +190,7 @@ def run(
 def converge(
     case: CaseName,
     method: Method = None,
+    order: CaseOrder = None,
     size_scale: SizeScale = None,
     primary: Primary = None,
     crown_radius: Crown = None,
@@ -194,7 +199,7 @@ def converge(
 ) -> None:
     """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge/converge.json)."""
     with _errors_as_exit_status():
-        inputs = _case(case, method, size_scale, primary, crown_radius, set_)
+        inputs = _case(case, method, order, size_scale, primary, crown_radius, set_)
         from flangeway.report.terminal import print_convergence  # noqa: PLC0415
         from flangeway.study import (  # noqa: PLC0415
             refuse_unwritable,
@@ -329,14 +334,14 @@ def reproduce(
 @app.command()
 def cases() -> None:
     """List the cases and their inputs, with defaults and what is allowed."""
-    from rich.table import Table  # noqa: PLC0415
+    from rich.table import Column, Table  # noqa: PLC0415
 
     from flangeway.study import CASES  # noqa: PLC0415
 
     console = _stdout()
     for name, case in CASES.items():
         console.print(f"{name}: {case.title}", style="bold", markup=False)
-        table = Table("key", "default", "allowed", "meaning", box=None, pad_edge=False)
+        table = Table(Column("key", no_wrap=True), "default", "allowed", "meaning", box=None, pad_edge=False)
         for row in case.inputs():
             table.add_row(*row)
         console.print(table)
@@ -359,16 +364,18 @@ def main() -> None:
 def _case(
     name: str,
     method: str | None,
+    order: str | None,
     size_scale: str | None,
     primary: str | None,
     crown_radius: str | None,
     settings: list[str] | None,
-) -> "WheelsetTangentCase":
+) -> "WheelsetCase":
     """Return the case with what the options say, checked as far as possible before computing."""
     from flangeway.study import find_case  # noqa: PLC0415
 
     values = {
         "method": method,
+        "order": order,
         "size_scale": size_scale,
         "primary": primary,
         "crown_radius_in": crown_radius,

@@ -23,13 +23,31 @@ def test_every_input_reaches_the_problem():
         "crown_radius_in": 14.0, "gauge_mm": 1602.0, "cant": 0.05, "back_to_back_mm": 1516.0,
         "wheel_radius_mm": 450.0, "barycentre_height_mm": 1500.0, "axle_load_kN": 200.0, "thickness_mm": 20.0,
         "young_MPa": 2e5, "poisson": 0.25, "method": "vem", "size_scale": 2.0, "contact_size_mm": 0.3,
-        "body_size_mm": 2.0, "penalty_factor": 10.0, "primary": "wheel",
+        "body_size_mm": 2.0, "penalty_factor": 10.0, "primary": "wheel", "rail": "60E1", "wheel": "S1002",
+        "throat_radius_mm": 17.46, "left_rail": "60E1", "left_wheel": "S1002", "gauge_depth_mm": 14.0,
+        "wheel_radius_at": "tape-line", "left_wheel_radius_mm": 499.0, "car_mass_t": 100.0,
+        "lateral_force_kN": 10.0, "superelevation_mm": 20.0, "lateral_mm": 5.0, "vertical_mm": -1.0, "roll_rad": 1e-4,
+        "wheel_young_MPa": 2e5, "wheel_poisson": 0.25, "rail_young_MPa": 2e5, "rail_poisson": 0.25, "order": 2,
+        "wheel_method": "vem", "rail_method": "vem", "wheel_order": 2, "rail_order": 2, "wheel_contact_size_mm": 0.3,
+        "rail_contact_size_mm": 0.3, "growth": 0.2, "pairing": "segment-to-segment", "enforcement": "multiplier",
+        "penetration_mm": 1e-3,
     }  # fmt: skip
-    one_choice_only = {"rail", "wheel"}
-    assert set(changes) | one_choice_only == set(WheelsetTangentCase.model_fields)
+    curve = {"speed_km_h": 70.0, "curve_radius_m": 400.0, "superelevation_mm": "from-speed"}
+    together = {
+        "n_axles": ({"car_mass_t": 100.0}, 6),
+        "speed_km_h": ({"curve_radius_m": 400.0, "speed_km_h": 60.0}, 70.0),
+        "curve_radius_m": (curve, 500.0),
+        "cant_deficiency_mm": (curve, 20.0),
+        "superelevation_base_mm": (curve | {"superelevation_mm": 30.0}, 1500.0),
+    }
+    files_only = {"rail_body", "wheel_body"}
+    assert set(changes) | set(together) | files_only == set(WheelsetTangentCase.model_fields)
     default = repr(WheelsetTangentCase().problem())
     for key, value in changes.items():
         assert repr(WheelsetTangentCase.from_values({key: value}).problem()) != default, key
+    for key, (others, value) in together.items():
+        before = repr(WheelsetTangentCase.from_values(others).problem())
+        assert repr(WheelsetTangentCase.from_values({**others, key: value}).problem()) != before, key
 
 
 def test_text_and_numbers_give_the_same_case():
@@ -42,7 +60,7 @@ def test_text_and_numbers_give_the_same_case():
     ("values", "given", "allowed", "advice"),
     [
         ({"method": "fvm"}, "method = 'fvm'", "fem or vem", "take fem"),
-        ({"primary": "axle"}, "primary = 'axle'", "rail or wheel", "take rail"),
+        ({"primary": "axle"}, "primary = 'axle'", "auto or rail or wheel", "take auto"),
         ({"size_scale": 0}, "size_scale = 0", "from 0.05 up to 20", "take 1"),
         ({"size_scale": float("nan")}, "size_scale = nan", "from 0.05", "take 1"),
         ({"axle_load_kN": -300}, "axle_load_kN = -300", "above 0", "presses on the rails"),

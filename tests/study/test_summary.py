@@ -7,15 +7,17 @@ import pytest
 
 from flangeway.study import WheelsetTangentCase, summarise, write_summary
 
+IN_SPACE = {"horizontal_in_space_mm", "vertical_in_space_mm"}
 SHAPE = {
     "status": {"converged", "message"},
-    "motion": {"vertical_mm", "lateral_mm", "roll_rad", "approach_mm", "reference"},
+    "motion": {"vertical_mm", "lateral_mm", "roll_rad", "approach_mm", "reference"} | IN_SPACE,
+    "load": {"vertical_kN", "lateral_kN", "tilt_rad", "along_track_kN", "onto_track_kN"},
     "balance": {"vertical_error", "lateral_error", "moment_error", "resulting_error"},
     "timings_s": {"meshing", "assembly", "factorisation", "contact", "post_processing", "total"},
     "versions": {"flangeway", "python", "numpy", "scipy", "gmsh"},
 }
 CONTACT = {
-    "side", "force_kN", "lateral_force_kN", "vertical_force_kN", "rail_position_mm", "wheel_position_mm",
+    "side", "region", "force_kN", "lateral_force_kN", "vertical_force_kN", "rail_position_mm", "wheel_position_mm",
     "space_position_mm", "half_width_mm", "max_pressure_MPa", "pressure_scatter", "hertz_half_width_mm",
     "hertz_pressure_MPa", "n_nodes",
 }  # fmt: skip

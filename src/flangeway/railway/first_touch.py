@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.geometry import Placement
 from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion
 
@@ -17,7 +18,7 @@ WINDOW_MM = 3.0  # about the coarse touch, where the curves are graphs over x
 
 @dataclass(frozen=True)
 class FirstTouch:
-    """Where a wheel that is lowered without lateral motion or roll first touches its rail.
+    """Where a wheel that is lowered without roll first touches its rail.
 
     Parameters
     ----------
@@ -42,8 +43,8 @@ class FirstTouch:
     relative_curvature_per_mm: float
 
 
-def first_touch(track: Track, wheelset: Wheelset, side: Side) -> FirstTouch:
-    """Lower a wheel on its rail.
+def first_touch(track: Track, wheelset: Wheelset, side: Side, lateral_mm: float = 0.0) -> FirstTouch:
+    """Lower a wheel on its rail, moved to the right by `lateral_mm`.
 
     Raises
     ------
@@ -51,9 +52,11 @@ def first_touch(track: Track, wheelset: Wheelset, side: Side) -> FirstTouch:
         If no point of the wheel's running surface stands over the rail's head.
 
     """
-    wheel_placement, rail_placement = wheelset.placement(side), track.placement(side)
-    wheel_curve = wheelset.wheel.outline.part(wheelset.wheel.running_names)
-    rail_curve = track.rail.outline.part(track.rail.head_names)
+    wheel_placement = Placement(translation=(lateral_mm, 0.0)).after(wheelset.placement(side))
+    rail_placement = track.placement(side)
+    wheel_profile, rail_profile = wheelset.wheel_of(side), track.rail_of(side)
+    wheel_curve = wheel_profile.outline.part(wheel_profile.running_names)
+    rail_curve = rail_profile.outline.part(rail_profile.head_names)
     wheel = wheel_placement.points(wheel_curve.sampled(spacing=SPACING_MM))
     rail = rail_placement.points(rail_curve.sampled(spacing=SPACING_MM))
     x = np.arange(
@@ -90,7 +93,7 @@ def first_touch(track: Track, wheelset: Wheelset, side: Side) -> FirstTouch:
         point,
         (float(on_wheel[0]), float(on_wheel[1])),
         (float(on_rail[0]), float(on_rail[1])),
-        relative_curvature(wheelset.wheel, on_wheel, track.rail, on_rail),
+        relative_curvature(wheel_profile, on_wheel, rail_profile, on_rail),
     )
 
 

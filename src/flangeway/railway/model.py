@@ -1,126 +1,39 @@
 """From profiles to four elastic parts in contact: meshes, surfaces, penalty."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactSystem, NodeToSegment, Penalty, Surface
-from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.contact import Contact, ContactSystem, Surface
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
-from flangeway.geometry import Contour, Outline, Placement
-from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, Refinement, dual, triangulate
+from flangeway.geometry import Outline, Placement
+from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.problems import Body, Part
+from flangeway.railway.discretisation import Discretisation, Role
 from flangeway.railway.first_touch import FirstTouch, touching_motion
-from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion
+from flangeway.railway.load import Load
+from flangeway.railway.problem import Prescribed, WheelsetProblem
+from flangeway.railway.standing import Standing
+from flangeway.railway.track import SIDES, Side, WheelsetMotion
+from flangeway.railway.zones import Zone
 
-Method = Literal["fem", "vem"]
-Role = Literal["rail", "wheel"]
+__all__ = ["Discretisation", "Load", "Prescribed", "WheelsetModel", "WheelsetProblem", "build_model"]
 
+BENDING_MM = 10.0
+"""How far the bending of the rail may shift a contact."""
 
-@dataclass(frozen=True)
-class Load:
-    """Force on the wheelset at the car's barycentre, axes of space.
+FLANGE_MM = 1.0
+"""How much farther than a rigid one an elastic wheelset may go sideways."""
 
-    Parameters
-    ----------
-    vertical_N
-        Weight, down, > 0.
+MARGIN_MM = 8.0
+"""Gap at the rigid rest within which a second place may come into contact: flanges may push the rails apart."""
 
-    """
-
-    vertical_N: float  # noqa: N815 (the unit newton)
-
-    def __post_init__(self) -> None:
-        if not (np.isfinite(self.vertical_N) and self.vertical_N > 0.0):
-            raise InputError(
-                f"Load(vertical_N={self.vertical_N})",
-                "a positive weight: it presses the wheels on the rails",
-                "give the load of the axle in N, 300000 for 30 t",
-            )
-
-
-@dataclass(frozen=True)
-class Discretisation:
-    """How the bodies are meshed and joined.
-
-    Parameters
-    ----------
-    method
-        ``"fem"``: triangles. ``"vem"``: the polygons dual to the same triangles.
-    order
-        Order of the elements.
-    contact_size_mm
-        Size of the triangles in the candidate contact zones.
-    body_size_mm
-        Size of the triangles far from them.
-    growth
-        Growth of the size per distance from the zones.
-    size_scale
-        Factor on both sizes.
-    penalty_factor
-        Penalty as pressure per penetration, over the contact modulus per mm.
-    primary
-        Which bodies give the segments; the others give the nodes.
-
-    """
-
-    method: Method = "fem"
-    order: int = 1
-    contact_size_mm: float = 0.25
-    body_size_mm: float = 1.5
-    growth: float = 0.1
-    size_scale: float = 1.0
-    penalty_factor: float = 20.0
-    primary: Role = "rail"
-
-    def __post_init__(self) -> None:
-        for name in ("contact_size_mm", "body_size_mm", "growth", "size_scale", "penalty_factor"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"Discretisation({name}={value})", "a positive number", "leave it out")
-        for name, allowed in (("method", ("fem", "vem")), ("primary", ("rail", "wheel"))):
-            if getattr(self, name) not in allowed:
-                raise InputError(
-                    f"Discretisation({name}={getattr(self, name)!r})",
-                    " or ".join(repr(value) for value in allowed),
-                    "choose one of these",
-                )
-
-    @property
-    def element(self) -> Element:
-        """Element of all cells."""
-        return Lagrange(self.order) if self.method == "fem" else Virtual(self.order)
-
-
-@dataclass(frozen=True)
-class WheelsetProblem:
-    """A wheelset on a track under a load.
-
-    Parameters
-    ----------
-    track, wheelset, load
-        What stands where, and the force on it.
-    material
-        Material of wheels and rails.
-    thickness_mm
-        Length of the bodies along the track.
-    discretisation
-        How the bodies are meshed and joined.
-
-    """
-
-    track: Track
-    wheelset: Wheelset
-    load: Load
-    material: Elastic
-    thickness_mm: float = 10.0
-    discretisation: Discretisation = field(default_factory=Discretisation)
+WIDER = 2.5
+"""Factor on reach and margins each time that zones turn out too small."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,38 +46,57 @@ class WheelsetModel:
         What is modelled.
     touch_motion
         Motion of the wheelset from its reference position to first touch.
+    start_motion
+        Where a rigid wheelset would come to rest: the search for the elastic one starts there.
     touches
         First touch of each side, left then right.
     hertz
         Contact of one wheel by Hertz's theory for half the load and the curvatures at first touch: sets the zones.
-    wheel, rail
-        The bodies of the right side; the left side uses the same, mirrored.
+    bodies
+        Body of each part by the part's name; equal profiles share one, mirrored.
     system
         The contacts of both sides.
     parts
         The placed parts by name: ``wheel-left``, ``rail-left``, ``wheel-right``, ``rail-right``.
+    zones
+        Candidate zone of each part by name, in the frame of its profile.
 
     """
 
     problem: WheelsetProblem
     touch_motion: WheelsetMotion
+    start_motion: WheelsetMotion
     touches: tuple[FirstTouch, ...]
     hertz: LineContact
-    wheel: Body
-    rail: Body
     system: ContactSystem
     parts: dict[str, Part]
+    zones: dict[str, Zone]
+
+    @property
+    def wheel(self) -> Body:
+        """Body of the right wheel."""
+        return self.parts["wheel-right"].body
+
+    @property
+    def rail(self) -> Body:
+        """Body of the right rail."""
+        return self.parts["rail-right"].body
+
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies, wheels first, each once."""
+        names = ("wheel-right", "wheel-left", "rail-right", "rail-left")
+        return tuple(dict.fromkeys(self.parts[name].body for name in names))
 
     @cached_property
     def moving(self) -> NDArray[np.bool_]:
         """Which of the system's parts are wheels."""
-        return np.array([part.body is self.wheel for part in self.system.parts])
+        return np.array([part.name.startswith("wheel") for part in self.system.parts])
 
     @cached_property
     def sides(self) -> tuple[Side, ...]:
         """Side of each of the system's parts."""
-        left = (self.contact("left").secondary.part, self.contact("left").primary.part)
-        return tuple("left" if part in left else "right" for part in self.system.parts)
+        return tuple("left" if part.name.endswith("left") else "right" for part in self.system.parts)
 
     def contact(self, side: Side) -> Contact:
         """Contact of a side."""
@@ -179,105 +111,127 @@ class WheelsetModel:
         )
 
 
-def build_model(problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None) -> WheelsetModel:
+def build_model(
+    problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None, *, widenings: int = 0
+) -> WheelsetModel:
     """Mesh the bodies, fine where they can touch, and pair their surfaces.
 
-    The candidate zone reaches two half widths of Hertz's contact and 10 mm (for the bending of the rail, which
-    shifts the contact) to both sides of the first touch.
+    The candidate zones go round the places where rigid wheels touch or nearly touch, at first touch or where the load
+    takes them, with two half widths of Hertz's contact and what the bending of the rail shifts beyond.
+
+    Parameters
+    ----------
+    problem
+        What stands where.
+    progress
+        Called with a sentence at each stage.
+    widenings
+        How often the zones have turned out too small.
+
+    Raises
+    ------
+    InputError
+        If no rigid wheelset stands on this track under this load, or a body cannot be meshed.
+
     """
     settings = problem.discretisation
     touch_motion, touches = touching_motion(problem.track, problem.wheelset)
     right = touches[SIDES.index("right")]
-    modulus = problem.material.plane_modulus
+    materials = (problem.material_of("wheel"), problem.material_of("rail"))
     hertz = LineContact(
         problem.load.vertical_N / 2.0 / problem.thickness_mm,
-        right.relative_curvature_per_mm,
-        contact_modulus(modulus, modulus),
+        max(right.relative_curvature_per_mm, 1e-4),
+        contact_modulus(*(material.plane_modulus for material in materials)),
     )
-    reach = 2.0 * hertz.half_width + 10.0
-    wheel_profile, rail_profile = problem.wheelset.wheel, problem.track.rail
-    progress("meshing the wheel")
-    wheel, wheel_edges = _body(
-        problem, "wheel", wheel_profile.outline, wheel_profile.running_names,
-        right.wheel_point_mm, reach, "cut",
-    )  # fmt: skip
-    progress("meshing the rail")
-    rail, rail_edges = _body(
-        problem, "rail", rail_profile.outline, rail_profile.head_names,
-        right.rail_point_mm, reach, rail_profile.base_names,
-    )  # fmt: skip
-    penalty = Penalty(settings.penalty_factor * hertz.modulus, per="length")
-    parts, contacts = {}, []
+    start, zones = _zones(problem, touch_motion, touches, 2.0 * hertz.half_width + BENDING_MM, WIDER**widenings)
+    wheelset, track = problem.wheelset, problem.track
+    bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32]]] = {}
+    parts, edges = {}, {}
     for side in SIDES:
-        placed_wheel = Part(f"wheel-{side}", wheel, problem.wheelset.placement(side))
-        placed_rail = Part(f"rail-{side}", rail, problem.track.placement(side))
-        parts.update({part.name: part for part in (placed_wheel, placed_rail)})
-        secondary, primary = Surface(placed_wheel, wheel_edges), Surface(placed_rail, rail_edges)
-        if settings.primary == "wheel":
-            secondary, primary = primary, secondary
-        contacts.append(Contact(secondary, primary, NodeToSegment(), penalty))
-    return WheelsetModel(problem, touch_motion, tuple(touches), hertz, wheel, rail, ContactSystem(contacts), parts)
+        for kind, placement in (("wheel", wheelset.placement(side)), ("rail", track.placement(side))):
+            role: Role = "wheel" if kind == "wheel" else "rail"
+            profile = wheelset.wheel_of(side) if role == "wheel" else track.rail_of(side)
+            name = f"{role}-{side}"
+            if (role, id(profile)) not in bodies:
+                progress(f"meshing the {role}" if not bodies or len(bodies) < 2 else f"meshing the other {role}")
+                bodies[role, id(profile)] = _body(problem, role, side, zones[name])
+            body, edges[name] = bodies[role, id(profile)]
+            parts[name] = Part(name, body, placement)
+    contacts = []
+    for side in SIDES:
+        primary, secondary = f"rail-{side}", f"wheel-{side}"
+        if problem.primary[0] == "wheel":
+            primary, secondary = secondary, primary
+        second, first = (Surface(parts[name], edges[name]) for name in (secondary, primary))
+        contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
+    return WheelsetModel(problem, touch_motion, start, tuple(touches), hertz, ContactSystem(contacts), parts, zones)
 
 
-def _body(
-    problem: WheelsetProblem,
-    name: Role,
-    outline: Outline,
-    contact_names: tuple[str, ...],
-    touch: tuple[float, float],
-    reach: float,
-    held: str | tuple[str, ...],
-) -> tuple[Body, NDArray[np.int32]]:
+def _zones(
+    problem: WheelsetProblem, touch_motion: WheelsetMotion, touches: list[FirstTouch], reach: float, wider: float
+) -> tuple[WheelsetMotion, dict[str, Zone]]:
+    """Rest of the rigid wheelset, and the zone of each part; equal profiles of both sides share one zone."""
+    track, wheelset = problem.track, problem.wheelset
+    standing = Standing(track, wheelset)
+    start = touch_motion
+    shift = problem.prescribed.lateral_mm
+    if shift is not None:
+        start = standing.at(shift)
+    elif problem.load.in_track[0] != 0.0 or not standing.is_symmetric:
+        start = standing.rest(problem.load)
+    places: dict[str, list[tuple[float, float]]] = {
+        f"{role}-{side}": [] for side in SIDES for role in ("wheel", "rail")
+    }
+    if start is touch_motion:
+        for touch in touches:
+            places[f"wheel-{touch.side}"].append(touch.wheel_point_mm)
+            places[f"rail-{touch.side}"].append(touch.rail_point_mm)
+    farther = FLANGE_MM * wider
+    aside = np.sign(start.lateral_mm) or 1.0
+    extras = [0.0, aside * farther / 2.0, aside * farther]
+    if start is touch_motion:
+        extras = [0.0] if wider == 1.0 else [-farther, 0.0, farther]
+    for extra in extras:
+        near = standing.near_places(start.moved(WheelsetMotion(lateral_mm=extra)), MARGIN_MM * wider)
+        for side, (on_wheel, on_rail) in near.items():
+            places[f"wheel-{side}"] += [(float(x), float(y)) for x, y in on_wheel]
+            places[f"rail-{side}"] += [(float(x), float(y)) for x, y in on_rail]
+    if track.rail_of("left") is track.rail_of("right"):
+        places["rail-left"] = places["rail-right"] = places["rail-left"] + places["rail-right"]
+    if wheelset.wheel_of("left") is wheelset.wheel_of("right"):
+        places["wheel-left"] = places["wheel-right"] = places["wheel-left"] + places["wheel-right"]
+    return start, {name: Zone(tuple(at), reach * wider) for name, at in places.items()}
+
+
+def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple[Body, NDArray[np.int32]]:
     """Mesh one body; return it with the edges of its candidate zone."""
     settings = problem.discretisation
-    size = settings.contact_size_mm * settings.size_scale
-    zone = _zone(outline.part(contact_names), touch, reach)
-    body_size = settings.body_size_mm * settings.size_scale
+    held: tuple[str, ...]
+    outline: Outline
+    if role == "wheel":
+        wheel = problem.wheelset.wheel_of(side)
+        outline, names, held = wheel.outline, wheel.running_names, ("cut",)
+    else:
+        rail = problem.track.rail_of(side)
+        outline, names, held = rail.outline, rail.head_names, rail.base_names
+    size = settings.size_of(role)
+    body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
     try:
-        mesh = triangulate(outline, size=body_size, refinements=(Refinement(zone, size, settings.growth),))
+        refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
+        mesh = triangulate(outline, size=body_size, refinements=(refinement,))
     except InputError as error:
         raise InputError(
-            f"{name}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
+            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
             f" and no mesh comes of it ({error.given})",
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error
-    if settings.method == "vem":
+    if settings.method_of(role) == "vem":
         mesh = dual(mesh)
-    edges = _edges_within(mesh, contact_names, touch, reach, name)
-    if not isinstance(held, str):
+    edges = zone.edges(mesh, names, role)
+    held_name = held[0]
+    if len(held) > 1:
         mesh = mesh.with_edge_set("held", np.vstack([mesh.edge_set(part) for part in held]))
-        held = "held"
-    body = Body(name, mesh, settings.element, problem.material, held, thickness=problem.thickness_mm)
-    return body, edges
-
-
-def _zone(curve: Contour, touch: tuple[float, float], reach: float) -> NDArray[np.float64]:
-    """Points of a curve within reach of the first touch, along the curve."""
-    points = curve.sampled(spacing=0.25)
-    along = _arc_lengths(points)
-    middle = along[np.argmin(np.linalg.norm(points - touch, axis=1))]
-    return points[np.abs(along - middle) <= reach]
-
-
-def _edges_within(
-    mesh: PolyMesh, names: tuple[str, ...], touch: tuple[float, float], reach: float, name: str
-) -> NDArray[np.int32]:
-    chain = mesh.chain(*names)
-    points = mesh.points[chain]
-    along = _arc_lengths(points)
-    middle = along[np.argmin(np.linalg.norm(points - touch, axis=1))]
-    inside = np.flatnonzero(np.abs(along - middle) <= reach)
-    if len(inside) < 3:
-        raise InputError(
-            f"a mesh with {max(len(inside) - 1, 0)} edges in the contact zone of the {name}",
-            "at least two",
-            "lower size_scale or contact_size_mm",
-        )
-    nodes = chain[inside[0] : inside[-1] + 1]
-    return np.stack((nodes[:-1], nodes[1:]), axis=1).astype(np.int32)
-
-
-def _arc_lengths(points: NDArray[np.float64]) -> NDArray[np.float64]:
-    steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
-    return np.concatenate(([0.0], np.cumsum(steps)))
+        held_name = "held"
+    material, thickness = problem.material_of(role), problem.thickness_mm
+    return Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness), edges

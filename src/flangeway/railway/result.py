@@ -13,13 +13,20 @@ from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, pressure_patches
 from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.missed import missed_contact
 from flangeway.railway.model import WheelsetModel, WheelsetProblem, build_model
-from flangeway.railway.track import Side
+from flangeway.railway.track import SIDES, Side, WheelsetMotion
 from flangeway.solve import CondensedBodies, Status
 
 Floats = NDArray[np.float64]
 
 FEWEST_NODES = 8
+
+MOST_WIDENINGS = 1
+"""How often the computation is done again with wider candidate zones."""
+
+GAUGE_SIDE = np.tan(np.deg2rad(15.0))
+"""Slope of the contact from which it is named after the gauge corner."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +40,7 @@ class WheelRailPatch:
     pressure
         Nodes, forces and pressures in space; forces are those on the secondary side.
     force_on_wheel_N
-        Resultant on the wheel, axes of space, shape (2,).
+        Resultant on the wheel, axes of the track, shape (2,).
     wheel_point_mm, rail_point_mm
         Centre of pressure on the undeformed profiles, in their frames (both sides in the right-hand form).
     hertz
@@ -47,6 +54,15 @@ class WheelRailPatch:
     wheel_point_mm: Floats
     rail_point_mm: Floats
     hertz: LineContact | None
+
+    @property
+    def region(self) -> str:
+        """Part of the rail that is touched: ``crown``, ``gauge corner`` or ``field corner``."""
+        lateral, vertical = self.force_on_wheel_N
+        inward = -lateral if self.side == "right" else lateral
+        if abs(inward) < GAUGE_SIDE * vertical:
+            return "crown"
+        return "gauge corner" if inward > 0.0 else "field corner"
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,8 +101,27 @@ class WheelsetResult:
 
     @property
     def approach_mm(self) -> float:
-        """How far the wheelset sinks from first touch to balance."""
-        return self.model.touch_motion.vertical_mm - self.equilibrium.motion.vertical_mm
+        """How far the axle's middle sinks from the place where the rigid wheelset first touches or rests to balance."""
+        return self.model.start_motion.vertical_mm - self.equilibrium.motion.vertical_mm
+
+    @property
+    def motion_in_space(self) -> WheelsetMotion:
+        """The motion along horizontal and vertical."""
+        motion = self.equilibrium.motion
+        lateral, vertical = self.model.problem.load.to_space(motion.lateral_mm, motion.vertical_mm)
+        return WheelsetMotion(lateral, vertical, motion.roll_rad)
+
+    def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
+        """Contact force on the wheel of a side, axes of the track, shape (2,)."""
+        forces = [patch.force_on_wheel_N for patch in self.patches if patch.side == side]
+        return np.sum(forces, axis=0) if forces else np.zeros(2)
+
+    def lateral_over_vertical(self, side: Side) -> float:
+        """Ratio L/V of a wheel's contact force, positive where it pushes the rail outwards; nan without contact."""
+        lateral, vertical = self.force_on_wheel_N(side)
+        if not vertical > 0.0:
+            return float("nan")
+        return float(lateral / vertical) * (-1.0 if side == "right" else 1.0)
 
 
 def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None) -> WheelsetResult:
@@ -101,24 +136,29 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
 
     """
     timings: dict[str, float] = {}
-    with _timed(timings, "meshing"):
-        model = build_model(problem, progress)
-    with _timed(timings, "assembly"):
-        progress("assembling the stiffness")
-        n_unknowns = sum(body.stiffness.n for body in (model.wheel, model.rail))
-    with _timed(timings, "factorisation"):
-        progress(f"condensing {n_unknowns} unknowns to the surfaces")
-        response = CondensedBodies(model.system.surface_nodes)
-    with _timed(timings, "contact"):
-        equilibrium = find_equilibrium(model, response, progress)
+    for widenings in range(MOST_WIDENINGS + 1):
+        with _timed(timings, "meshing"):
+            model = build_model(problem, progress, widenings=widenings)
+        with _timed(timings, "assembly"):
+            progress("assembling the stiffness")
+            n_unknowns = sum(body.stiffness.n for body in model.bodies)
+        with _timed(timings, "factorisation"):
+            progress(f"condensing {n_unknowns} unknowns to the surfaces")
+            response = CondensedBodies(model.system.surface_nodes)
+        with _timed(timings, "contact"):
+            equilibrium = find_equilibrium(model, response, progress)
+            state = equilibrium.state
+            patches = tuple(_wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
+            missed = missed_contact(model, response, state)
+        if equilibrium.status.converged and not missed and not any(patch.pressure.at_edge for patch in patches):
+            break
+        if widenings < MOST_WIDENINGS:
+            progress("the candidate zones were too small: again with wider ones")
     with _timed(timings, "post-processing"):
         progress("recovering the fields")
-        state = equilibrium.state
-        rotations = response.rotations(state.placements)
-        fields = response.fields(rotations, state.nodal_forces)
-        patches = tuple(_wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
+        fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     names = [part.name for part in model.system.parts]
-    status, warnings = _judged(model, equilibrium, patches)
+    status, warnings = _judged(model, equilibrium, patches, missed)
     return WheelsetResult(
         status,
         model,
@@ -135,14 +175,14 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
 def _timed(timings: dict[str, float], stage: str) -> Iterator[None]:
     start = time.perf_counter()
     yield
-    timings[stage] = time.perf_counter() - start
+    timings[stage] = timings.get(stage, 0.0) + time.perf_counter() - start
 
 
 def _wheel_rail_patch(model: WheelsetModel, patch: PressurePatch) -> WheelRailPatch:
     contact = model.system.contacts[patch.contact]
     side: Side = "left" if patch.contact == 0 else "right"
-    wheel_is_secondary = contact.secondary.part.body is model.wheel
-    wheel, rail = model.problem.wheelset.wheel, model.problem.track.rail
+    wheel_is_secondary = contact.secondary.part.name.startswith("wheel")
+    wheel, rail = model.problem.wheelset.wheel_of(side), model.problem.track.rail_of(side)
     on_wheel, on_rail = patch.secondary_point, patch.primary_point
     if not wheel_is_secondary:
         on_wheel, on_rail = on_rail, on_wheel
@@ -156,7 +196,7 @@ def _wheel_rail_patch(model: WheelsetModel, patch: PressurePatch) -> WheelRailPa
 
 
 def _judged(
-    model: WheelsetModel, equilibrium: Equilibrium, patches: tuple[WheelRailPatch, ...]
+    model: WheelsetModel, equilibrium: Equilibrium, patches: tuple[WheelRailPatch, ...], missed: tuple[Side, ...]
 ) -> tuple[Status, tuple[str, ...]]:
     """Final status, and warnings about what a converged iteration does not show."""
     status = equilibrium.status
@@ -173,8 +213,14 @@ def _judged(
                 "is missing; check the profiles and the load"
             )
             status = Status(False, message, status.iterations)
+    if missed and status.converged:
+        message = f"wheel and rail overlap outside of the candidate zone on the {' and '.join(missed)} side"
+        status = Status(False, message + "; check the profiles, the gauge and the load", status.iterations)
+    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
+    if lost and status.converged:
+        warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
     depth = -float(equilibrium.state.linearisation.gaps.min(initial=0.0))
-    approach = model.touch_motion.vertical_mm - equilibrium.motion.vertical_mm
+    approach = model.start_motion.vertical_mm - equilibrium.motion.vertical_mm
     if depth > 0.05 * abs(approach):
         warnings.append(f"the penetration of {depth:.1e} mm is more than 5 % of the approach; raise penalty_factor")
     return status, tuple(warnings)

@@ -1,6 +1,7 @@
 """Where the rails and the wheels stand (seed 7.2.1; readings in `docs/readings.md`).
 
-Axes of space: x across the track to the right, y up, origin in the middle of the track at the top of the rails.
+Axes of the track: x across it to the right, y up from its plane, origin in the middle of the track at the top of the
+rails. Without superelevation they are those of space.
 Profiles are those of the right side, their track side at negative x; the left side is their mirror image.
 """
 
@@ -24,51 +25,71 @@ def _require_positive(owner: str, **lengths: float) -> None:
 
 @dataclass(frozen=True)
 class Track:
-    """Two equal rails, fixed along their bases.
+    """Two rails, fixed along their bases.
 
     Parameters
     ----------
     rail
-        Profile of the right rail; the left one mirrors it.
+        Profile of the right rail.
     gauge_mm
-        Distance between the closest points of the two rails' heads.
+        Distance between the two rails' heads, half of it on each side of the middle.
     cant
         Inclination of the rails towards the middle, as a slope (1/40).
+    left_rail
+        Profile of the left rail, in the right-hand form; None: the left rail mirrors the right one.
+    gauge_depth_mm
+        Depth below the rails' tops above which the gauge is measured; None: between the heads' closest points.
 
     """
 
     rail: RailProfile
     gauge_mm: float = 1600.0
     cant: float = 1.0 / 40.0
+    left_rail: RailProfile | None = None
+    gauge_depth_mm: float | None = None
 
     def __post_init__(self) -> None:
         _require_positive("Track", gauge_mm=self.gauge_mm)
+        if self.gauge_depth_mm is not None:
+            _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
         if not abs(self.cant) <= 0.2:
             raise InputError(f"Track(cant={self.cant})", "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
+
+    def rail_of(self, side: Side) -> RailProfile:
+        """Profile of the rail of a side, in the right-hand form."""
+        return self.left_rail if side == "left" and self.left_rail is not None else self.rail
 
     def placement(self, side: Side) -> Placement:
         """Where the rail of a side stands: canted, its head at the gauge, its top at y = 0."""
         angle = math.atan(self.cant)
-        canted = self.rail.outline.transformed(Placement(angle))
-        (left, _), (_, top) = canted.bounds(self.rail.head_names)
+        rail = self.rail_of(side)
+        canted = rail.outline.transformed(Placement(angle))
+        (left, _), (_, top) = canted.bounds(rail.head_names)
+        if self.gauge_depth_mm is not None:
+            points = canted.part(rail.head_names).sampled(spacing=0.01)
+            left = float(points[points[:, 1] >= top - self.gauge_depth_mm, 0].min())
         placement = Placement(angle, (self.gauge_mm / 2.0 - left, -top))
         return placement if side == "right" else mirrored(placement)
 
 
 @dataclass(frozen=True)
 class Wheelset:
-    """Two equal wheels on a rigid axle that carries the load.
+    """Two wheels on a rigid axle that carries the load.
 
     Parameters
     ----------
     wheel
-        Profile of the right wheel; the left one mirrors it.
+        Profile of the right wheel.
     back_to_back_mm
         Distance between the inner faces of the wheels.
     radius_mm
         Distance from the axle to the farthest point of the wheel, the tip of the flange.
     barycentre_height_mm
         Height above the axle of the point where the load acts.
+    left_wheel
+        Profile of the left wheel, in the right-hand form; None: the left wheel mirrors the right one.
+    left_radius_mm
+        As `radius_mm` for the left wheel; None: both have the same rolling radius at the tape line.
 
     """
 
@@ -76,9 +97,13 @@ class Wheelset:
     back_to_back_mm: float = 1515.0
     radius_mm: float = 500.0
     barycentre_height_mm: float = 1457.7
+    left_wheel: WheelProfile | None = None
+    left_radius_mm: float | None = None
 
     def __post_init__(self) -> None:
         _require_positive("Wheelset", back_to_back_mm=self.back_to_back_mm, radius_mm=self.radius_mm)
+        if self.left_radius_mm is not None:
+            _require_positive("Wheelset", left_radius_mm=self.left_radius_mm)
         if not math.isfinite(self.barycentre_height_mm):
             raise InputError(
                 f"Wheelset(barycentre_height_mm={self.barycentre_height_mm})",
@@ -88,19 +113,29 @@ class Wheelset:
 
     @property
     def tape_radius_mm(self) -> float:
-        """Rolling radius at the tape line."""
+        """Rolling radius of the right wheel at the tape line."""
         return self.radius_mm - self.wheel.flange_height_mm
 
+    def wheel_of(self, side: Side) -> WheelProfile:
+        """Profile of the wheel of a side, in the right-hand form."""
+        return self.left_wheel if side == "left" and self.left_wheel is not None else self.wheel
+
+    def tape_radius_of(self, side: Side) -> float:
+        """Rolling radius of the wheel of a side at the tape line, in mm."""
+        if side == "right" or self.left_radius_mm is None:
+            return self.tape_radius_mm
+        return self.left_radius_mm - self.wheel_of("left").flange_height_mm
+
     def placement(self, side: Side) -> Placement:
-        """Where the wheel of a side stands in the reference position: its tape line at y = 0."""
-        lateral = self.back_to_back_mm / 2.0 + self.wheel.flange_back_mm
-        placement = Placement(0.0, (lateral, 0.0))
+        """Where the wheel of a side stands in the reference position: the right tape line at y = 0, the axle level."""
+        lateral = self.back_to_back_mm / 2.0 + self.wheel_of(side).flange_back_mm
+        placement = Placement(0.0, (lateral, self.tape_radius_mm - self.tape_radius_of(side)))
         return placement if side == "right" else mirrored(placement)
 
 
 @dataclass(frozen=True)
 class WheelsetMotion:
-    """Rigid motion of the wheelset from its reference position, axes of space.
+    """Rigid motion of the wheelset from its reference position, axes of the track.
 
     Parameters
     ----------

@@ -2,10 +2,11 @@
 
 import shlex
 
-from flangeway.study import WheelsetTangentCase
+from flangeway.study import WheelsetCase
 
 OPTIONS = {
     "method": "--method",
+    "order": "--order",
     "size_scale": "--size-scale",
     "primary": "--primary",
     "crown_radius_in": "--crown-radius",
@@ -13,7 +14,7 @@ OPTIONS = {
 """Inputs with an option of their own; all others go through ``--set``."""
 
 
-def command_line(case: WheelsetTangentCase) -> str:
+def command_line(case: WheelsetCase) -> str:
     """Return the command that runs a case, with what differs from the defaults."""
     words = ["flangeway", "run", case.name]
     for key, field in type(case).model_fields.items():

@@ -67,7 +67,7 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
     at_touch = dict(
         zip(
             (part.name for part in model.system.parts),
-            model.placements(model.touch_motion),
+            model.placements(model.start_motion),
             strict=True,
         )
     )

@@ -175,7 +175,7 @@ def extremes_figure(found: HertzReproduction) -> Figure:
         axes.set_ylabel(f"extreme of the {STRESSES[name]} in kN/cm$^2$", fontsize=9)
         axes.grid(**GRID)
     handles, labels = figure.axes[0].get_legend_handles_labels()
-    figure.legend(handles, labels, loc="outside lower center", ncols=7, fontsize=8, frameon=False)
+    figure.legend(handles, labels, loc="outside lower center", ncols=8, fontsize=8, frameon=False)
     return figure
 
 

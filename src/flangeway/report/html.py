@@ -9,10 +9,12 @@ from importlib.resources import files
 from string import Template
 from typing import Any
 
+from flangeway.railway.discretisation import Role
 from flangeway.report.command import command_line
 from flangeway.report.tables import (
     Table,
     bodies_table,
+    contact_name,
     contacts_table,
     motion_table,
     number,
@@ -60,7 +62,7 @@ def report_page(run: CaseRun, pictures: Iterable[Picture]) -> str:
         verdict="Converged:" if status["converged"] else "Not converged:",
         message=escape(status["message"]),
         facts="\n".join(_facts(summary)),
-        sentence=escape(summary["motion"]["reference"]),
+        sentence=escape(_reference(summary)),
         warnings=_warnings(summary["warnings"]),
         figures="\n".join(_figure(picture) for picture in pictures),
         tables="\n".join(_table(table(summary)) for table in tables),
@@ -73,8 +75,21 @@ def report_page(run: CaseRun, pictures: Iterable[Picture]) -> str:
 
 
 def _method(run: CaseRun) -> str:
-    cells = "linear finite elements" if run.case.method == "fem" else "linear virtual elements"
-    return f"{cells}, the {run.case.primary}s give the segments of contact"
+    problem = run.result.model.problem
+    settings = problem.discretisation
+    words = []
+    for role in ("wheel", "rail"):
+        kind: Role = "wheel" if role == "wheel" else "rail"
+        order = "linear" if settings.order_of(kind) == 1 else "quadratic"
+        words.append(f"{order} {'finite' if settings.method_of(kind) == 'fem' else 'virtual'} elements")
+    cells = words[0] if words[0] == words[1] else f"{words[0]} in the wheels, {words[1]} in the rails"
+    return f"{cells}, the {problem.primary[0]}s give the segments of contact"
+
+
+def _reference(summary: dict[str, Any]) -> str:
+    published = summary["published"]
+    more = f" {published['reason']}" if published else ""
+    return f"{summary['motion']['reference']}{more}"
 
 
 def _facts(summary: dict[str, Any]) -> list[str]:
@@ -82,10 +97,10 @@ def _facts(summary: dict[str, Any]) -> list[str]:
         (number(summary["motion"]["approach_mm"], 3) + " mm", "approach after first touch"),
     ]
     for contact in summary["contacts"]:
-        side = contact["side"]
+        side, place = contact["side"], contact_name(contact, summary["contacts"])
         facts += [
-            (number(contact["force_kN"], 2) + " kN", f"force on the {side} wheel"),
-            (number(contact["max_pressure_MPa"], 0) + " MPa", f"largest pressure, {side}"),
+            (number(contact["force_kN"], 2) + " kN", f"force on the {side} wheel" + place.removeprefix(side)),
+            (number(contact["max_pressure_MPa"], 0) + " MPa", f"largest pressure, {place}"),
         ]
     error = summary["balance"]["resulting_error"]
     facts.append(("–" if error is None else f"{error:.0e}", "resulting error of the balance"))

@@ -15,9 +15,9 @@ def pressure_figure(run: CaseRun) -> Figure:
     figure = new_figure(13.0, 4.6)
     both = figure.subplots(1, 2, sharey=True)
     for axes, side in zip(both, SIDES, strict=True):
-        for patch in run.result.patches:
-            if patch.side == side:
-                _draw_patch(axes, patch)
+        mine = [patch for patch in run.result.patches if patch.side == side]
+        for patch, line in zip(mine, ("-", "-.", ":", "--"), strict=False):
+            _draw_patch(axes, patch, line, patch.region if len(mine) > 1 else "nodes")
         outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"
         axes.set_title(f"{side} contact ({outwards})".capitalize(), fontsize=10)
         axes.set_xlabel("length along the surface from the centre of pressure in mm")
@@ -29,12 +29,12 @@ def pressure_figure(run: CaseRun) -> Figure:
     return figure
 
 
-def _draw_patch(axes: Axes, patch: WheelRailPatch) -> None:
+def _draw_patch(axes: Axes, patch: WheelRailPatch, line: str, name: str) -> None:
     pressure = patch.pressure
     along = np.copysign(1.0, pressure.points[-1, 0] - pressure.points[0, 0]) * pressure.along
     axes.plot(
-        along, pressure.pressures, color=INK, lw=1.0, marker="o", ms=3.5, mfc="white",
-        label=f"nodes: largest {pressure.pressures.max():.0f} MPa, half width {pressure.half_width:.2f} mm",
+        along, pressure.pressures, color=INK, lw=1.0, ls=line, marker="o", ms=3.5, mfc="white",
+        label=f"{name}: largest {pressure.pressures.max():.0f} MPa, half width {pressure.half_width:.2f} mm",
     )  # fmt: skip
     if patch.hertz is None:
         return

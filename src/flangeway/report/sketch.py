@@ -23,8 +23,8 @@ def draw_sketch(axes: Axes, result: WheelsetResult) -> None:
     for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
         _draw_wheel(axes, sign, inner, axle, wheelset.radius_mm)
         for outline, placement in (
-            (wheelset.wheel.outline, motion.placement(wheelset, side)),
-            (track.rail.outline, track.placement(side)),
+            (wheelset.wheel_of(side).outline, motion.placement(wheelset, side)),
+            (track.rail_of(side).outline, track.placement(side)),
         ):
             points = placement.points(outline.sampled(max_deviation=0.2))
             axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.7))
@@ -67,7 +67,12 @@ def _draw_load(axes: Axes, result: WheelsetResult, axle: float) -> None:
     x, y = WheelsetMotion().barycentre(wheelset)
     axes.plot([x], [y], marker="o", color=INK, ms=4)
     axes.annotate("", (x, y), (x, y + 330), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.4})
-    axes.text(x + 45, y + 250, f"{load.vertical_N / 1e3:g} kN", fontsize=8, va="center")
+    along = load.in_track[0]
+    if along:
+        start = x - 330 if along > 0.0 else x + 330
+        axes.annotate("", (x, y), (start, y), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.4})
+        axes.text(start, y - 60, f"{abs(along) / 1e3:.4g} kN along the track", fontsize=8, ha="center", va="top")
+    axes.text(x + 45, y + 250, f"{load.in_track[1] / 1e3:.4g} kN", fontsize=8, va="center")
     axes.text(x + 45, y, "barycentre of the car", fontsize=7, va="center")
     _dimension(axes, (x - 90, axle), (x - 90, y), f"{wheelset.barycentre_height_mm:g} above the axle")
 

@@ -44,7 +44,13 @@ def contacts_table(summary: Row) -> Table:
         ("nodes in contact", lambda c: f"{c['n_nodes']}"),
     ]
     rows = [(name, *(text(contact) for contact in contacts)) for name, text in quantities]
-    return Table("Contacts", ("", *(c["side"] for c in contacts)), tuple(rows))
+    return Table("Contacts", ("", *(contact_name(c, contacts) for c in contacts)), tuple(rows))
+
+
+def contact_name(contact: Row, contacts: list[Row]) -> str:
+    """Side of a contact, with its region where the side has several."""
+    alone = sum(other["side"] == contact["side"] for other in contacts) == 1
+    return str(contact["side"]) if alone else f"{contact['side']}, {contact['region']}"
 
 
 def motion_table(summary: Row) -> Table:
@@ -53,8 +59,21 @@ def motion_table(summary: Row) -> Table:
     rows = [
         ("approach after first touch, mm", number(motion["approach_mm"], 4)),
         ("vertical motion, mm", number(motion["vertical_mm"], 4)),
-        ("lateral motion, mm", _small(motion["lateral_mm"])),
+        ("lateral motion, mm", _motion(motion["lateral_mm"])),
         ("roll, rad", _small(motion["roll_rad"])),
+    ]
+    published = summary["published"]
+    if published:
+        rows += [
+            ("  vertical in space, mm", number(motion["vertical_in_space_mm"], 4)),
+            ("  horizontal in space, mm", number(motion["horizontal_in_space_mm"], 4)),
+            ("  published vertical, mm", number(published["vertical_mm"], 3)),
+            ("  published horizontal, mm", number(published["horizontal_mm"], 3)),
+            ("  published roll, rad", _small(published["roll_rad"])),
+        ]
+    if any(side["lateral_over_vertical"] is not None for side in summary["sides"]):
+        rows += [(f"L/V of the {s['side']} wheel", number(s["lateral_over_vertical"], 4)) for s in summary["sides"]]
+    rows += [
         ("resulting error of the balance", _small(balance["resulting_error"])),
         ("  vertical", _small(balance["vertical_error"])),
         ("  lateral", _small(balance["lateral_error"])),
@@ -94,6 +113,11 @@ def number(value: float | None, digits: int) -> str:
 
 def _small(value: float | None) -> str:
     return "–" if value is None else f"{value:.1e}"
+
+
+def _motion(value: float | None) -> str:
+    """Return a motion with four decimals, or its size where these are all zero."""
+    return _small(value) if value is None or abs(value) < 5e-4 else f"{value:.4f}"
 
 
 def _place(point: list[float]) -> str:

@@ -99,7 +99,6 @@ class CondensedBodies(BodyResponse):
         inner = sp.csr_array(geometric[np.ix_(bent, bent)])
         matrix = inner @ columns[bent]
         matrix[np.diag_indices(len(bent))] += 1.0
-        # NumPy's solver: SciPy has threads of its own, and where both wake in turn they wait for each other
         bend = np.linalg.solve(matrix, inner @ free[bent])
         for number in range(len(self._condensed)):  # each body yields to its own forces alone
             here, _ = self._touched_of(number, touched)

@@ -10,6 +10,8 @@ from flangeway.study.output import refuse_unwritable, write_together
 from flangeway.study.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.study.runner import CaseRun, run_case
 from flangeway.study.summary import summarise, write_summary
+from flangeway.study.wheelset_case import WheelsetCase
+from flangeway.study.wheelset_curve import WheelsetCurveCase
 from flangeway.study.wheelset_tangent import WheelsetTangentCase
 
 __all__ = [
@@ -22,6 +24,8 @@ __all__ = [
     "CookCode",
     "CookRow",
     "RefinementRow",
+    "WheelsetCase",
+    "WheelsetCurveCase",
     "WheelsetTangentCase",
     "adapt",
     "cook_row",

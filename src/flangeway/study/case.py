@@ -2,7 +2,8 @@
 
 import difflib
 from collections.abc import Mapping
-from typing import Any, ClassVar, Literal, Self, get_args, get_origin
+from types import UnionType
+from typing import Any, ClassVar, Literal, Self, Union, get_args, get_origin
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, ValidationError
@@ -50,17 +51,28 @@ class Case(BaseModel):
 
 def allowed(field: FieldInfo) -> str:
     """Say in words what a field accepts."""
-    if get_origin(field.annotation) is Literal:
-        return " or ".join(str(value) for value in get_args(field.annotation))
     bounds = [
         f"{word} {getattr(limit, attribute):g}"
         for kind, attribute, word in _BOUNDS
         for limit in field.metadata
         if isinstance(limit, kind)
     ]
-    if field.annotation is float:
-        return " ".join(["a number", *bounds])
-    return "a name"
+    words = []
+    for kind in _alternatives(field.annotation):
+        if get_origin(kind) is Literal:
+            words += [str(value) for value in get_args(kind)]
+        elif kind is float:
+            words.append(" ".join(["a number", *bounds]))
+        elif kind is int:
+            words.append(" ".join(["a whole number", *bounds]))
+        elif kind is str:
+            words.append("a name")
+    return " or ".join(words)
+
+
+def _alternatives(annotation: Any) -> tuple[Any, ...]:
+    """Types of a union, or the one type that there is."""
+    return get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
 
 
 def closest(word: str, known: list[str]) -> str:

@@ -2,13 +2,15 @@
 
 from flangeway.errors import InputError
 from flangeway.study.case import closest
+from flangeway.study.wheelset_case import WheelsetCase
+from flangeway.study.wheelset_curve import WheelsetCurveCase
 from flangeway.study.wheelset_tangent import WheelsetTangentCase
 
-CASES = {case.name: case for case in (WheelsetTangentCase,)}
+CASES: dict[str, type[WheelsetCase]] = {case.name: case for case in (WheelsetTangentCase, WheelsetCurveCase)}
 """Types of the cases by name."""
 
 
-def find_case(name: str) -> type[WheelsetTangentCase]:
+def find_case(name: str) -> type[WheelsetCase]:
     """Return the type of the case with a name.
 
     Raises

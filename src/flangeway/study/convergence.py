@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from flangeway.study.runner import Progress, run_case
-from flangeway.study.wheelset_tangent import WheelsetTangentCase
+from flangeway.study.wheelset_case import WheelsetCase
 
 LARGEST_APPROACH_CHANGE = 0.02
 LARGEST_POSITION_CHANGE_MM = 0.2
@@ -78,7 +78,7 @@ class Convergence:
         }
 
 
-def run_halved(case: WheelsetTangentCase, progress: Progress = lambda _: None) -> Convergence:
+def run_halved(case: WheelsetCase, progress: Progress = lambda _: None) -> Convergence:
     """Run a case with its own sizes and with half of them.
 
     Raises

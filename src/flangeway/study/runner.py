@@ -7,7 +7,7 @@ from typing import Any
 
 from flangeway.railway.result import WheelsetResult, solve_wheelset
 from flangeway.study.summary import summarise
-from flangeway.study.wheelset_tangent import WheelsetTangentCase
+from flangeway.study.wheelset_case import WheelsetCase
 
 Progress = Callable[[str], None]
 
@@ -27,12 +27,12 @@ class CaseRun:
 
     """
 
-    case: WheelsetTangentCase
+    case: WheelsetCase
     result: WheelsetResult
     summary: dict[str, Any]
 
 
-def run_case(case: WheelsetTangentCase, progress: Progress = lambda _: None) -> CaseRun:
+def run_case(case: WheelsetCase, progress: Progress = lambda _: None) -> CaseRun:
     """Solve a case.
 
     Parameters

@@ -8,17 +8,26 @@ from typing import Any
 from flangeway.post import cell_stresses
 from flangeway.railway.equilibrium import Balance
 from flangeway.railway.result import WheelRailPatch, WheelsetResult
+from flangeway.railway.track import SIDES, Side
 from flangeway.study.versions import versions
-from flangeway.study.wheelset_tangent import WheelsetTangentCase
+from flangeway.study.wheelset_case import WheelsetCase
+from flangeway.study.wheelset_curve import PUBLISHED_CM, WheelsetCurveCase
 
 REFERENCE = (
     "Motion from the reference position, in which the axle is level, in the middle of the track, and the wheels' tape "
-    "lines are at the height of the rails' tops (y = 0). The approach is the descent after first touch."
+    "lines are at the height of the rails' tops (y = 0), in the track's axes; beside it along horizontal and vertical. "
+    "The approach is the descent from the position in which rigid wheels touch (in a curve: come to rest)."
+)
+PUBLISHED_REASON = (
+    "Published position of the curve (seed Table 16, along horizontal and vertical): its vertical motion counts from a "
+    "reference that is not given, with a gap of about 2.6 mm; its lateral motion is decided by where the wheel's "
+    "throat meets the gauge corner, and the throat radii of the AAR-1B are assumed here (throat_radius_mm changes "
+    "them), which leaves the lateral motion 1 to 3 mm larger. Only the balance can be compared."
 )
 AXES = {
     "space": (
-        "x across the track to the right, y up; origin in the middle of the track at the top of the rails; "
-        "roll counter-clockwise about the axle's middle."
+        "The track's axes: x across the track to the right, y up from its plane; origin in the middle of the track at "
+        "the top of the rails; roll counter-clockwise about the axle's middle. Superelevation turns them in space."
     ),
     "rail": (
         "The right rail's profile: x from the middle of its base away from the middle of the track, y up "
@@ -28,11 +37,11 @@ AXES = {
         "The right wheel's profile: x from the tape line away from the middle of the track, y up to the "
         "axle. The left wheel is its mirror image."
     ),
-    "forces": "Of the rail on the wheel, axes of space: a positive lateral force pushes the wheel to the right.",
+    "forces": "Of the rail on the wheel, the track's axes: a positive lateral force pushes the wheel to the right.",
 }
 
 
-def summarise(case: WheelsetTangentCase, result: WheelsetResult, total_s: float) -> dict[str, Any]:
+def summarise(case: WheelsetCase, result: WheelsetResult, total_s: float) -> dict[str, Any]:
     """Return the summary of a solved case.
 
     Parameters
@@ -59,9 +68,13 @@ def summarise(case: WheelsetTangentCase, result: WheelsetResult, total_s: float)
             "lateral_mm": motion.lateral_mm,
             "roll_rad": motion.roll_rad,
             "approach_mm": result.approach_mm,
+            "horizontal_in_space_mm": result.motion_in_space.lateral_mm,
+            "vertical_in_space_mm": result.motion_in_space.vertical_mm,
             "reference": REFERENCE,
         },
+        "load": _load(result),
         "balance": _balance(result.equilibrium.balance),
+        "sides": [_side(result, side) for side in SIDES],
         "contacts": [_contact(patch) for patch in result.patches],
         "stresses": _stresses(result),
         "bodies": _bodies(result),
@@ -69,6 +82,7 @@ def summarise(case: WheelsetTangentCase, result: WheelsetResult, total_s: float)
         "case": {"name": case.name, **case.model_dump()},
         "axes": AXES,
         "assumptions": _assumptions(case, result),
+        "published": _published(case),
         "warnings": list(result.warnings),
         "versions": versions(),
     }
@@ -80,6 +94,42 @@ def write_summary(path: Path, summary: dict[str, Any]) -> None:
     """Write a summary as JSON."""
     text = json.dumps(summary, indent=2, ensure_ascii=False, allow_nan=False)
     path.write_text(text + "\n", encoding="utf-8")
+
+
+def _load(result: WheelsetResult) -> dict[str, float]:
+    load = result.model.problem.load
+    along, onto = load.in_track
+    return {
+        "vertical_kN": load.vertical_N / 1e3,
+        "lateral_kN": load.lateral_N / 1e3,
+        "tilt_rad": load.tilt_rad,
+        "along_track_kN": along / 1e3,
+        "onto_track_kN": onto / 1e3,
+    }
+
+
+def _side(result: WheelsetResult, side: Side) -> dict[str, Any]:
+    """Total force on a wheel and its L/V."""
+    lateral, vertical = result.force_on_wheel_N(side) / 1e3
+    return {
+        "side": side,
+        "lateral_force_kN": lateral,
+        "vertical_force_kN": vertical,
+        "lateral_over_vertical": result.lateral_over_vertical(side),
+    }
+
+
+def _published(case: WheelsetCase) -> dict[str, Any]:
+    """Published position of the curve, with why it differs; nothing for other cases."""
+    if not isinstance(case, WheelsetCurveCase):
+        return {}
+    vertical, horizontal, roll = PUBLISHED_CM[case.method, case.order]
+    return {
+        "vertical_mm": 10.0 * vertical,
+        "horizontal_mm": 10.0 * horizontal,
+        "roll_rad": roll,
+        "reason": PUBLISHED_REASON,
+    }
 
 
 def _balance(balance: Balance) -> dict[str, float]:
@@ -95,6 +145,7 @@ def _contact(patch: WheelRailPatch) -> dict[str, Any]:
     lateral, vertical = patch.force_on_wheel_N / 1e3
     return {
         "side": patch.side,
+        "region": patch.region,
         "force_kN": math.hypot(lateral, vertical),
         "lateral_force_kN": lateral,
         "vertical_force_kN": vertical,
@@ -136,24 +187,36 @@ def _bodies(result: WheelsetResult) -> list[dict[str, Any]]:
             "points": body.mesh.n_points,
             "parts": sorted(name for name, part in model.parts.items() if part.body is body),
         }
-        for body in (model.wheel, model.rail)
+        for body in model.bodies
     ]
 
 
-def _assumptions(case: WheelsetTangentCase, result: WheelsetResult) -> list[str]:
+def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
     problem = result.model.problem
-    wheel, rail = problem.wheelset.wheel, problem.track.rail
+    wheelset, track = problem.wheelset, problem.track
+    role, reason = problem.primary
+    wheels = list(dict.fromkeys(wheelset.wheel_of(side) for side in ("right", "left")))
+    rails = list(dict.fromkeys(track.rail_of(side) for side in ("right", "left")))
+    alike = len(wheels) == len(rails) == 1
+    materials = {"wheels": problem.material_of("wheel"), "rails": problem.material_of("rail")}
+    if materials["wheels"] == materials["rails"]:
+        materials = {"steel": problem.material}
     return [
         "Plane strain: the bodies do not stretch along the track.",
         f"Thickness {case.thickness_mm:g} mm: this length of wheel and rail bears the whole load.",
-        f"Wheel {wheel.title}. {wheel.certainty}",
-        f"Rail {rail.title}. {rail.certainty}",
-        f"Linear elastic, isotropic steel: Young's modulus {case.young_MPa:g} MPa, Poisson's ratio "
-        f"{case.poisson:g}; no yielding, however high the stress.",
+        *(f"Wheel {wheel.title}. {wheel.certainty}" for wheel in wheels),
+        *(f"Rail {rail.title}. {rail.certainty}" for rail in rails),
+        *(
+            f"Linear elastic, isotropic {name}: Young's modulus {each.young:g} MPa, Poisson's ratio "
+            f"{each.poisson:g}; no yielding, however high the stress."
+            for name, each in materials.items()
+        ),
         "Contact without friction.",
+        f"The {role}s give the segments of contact: {reason}.",
         "The rails are fixed along their whole base.",
-        "The wheels' cuts and the axle are rigid; the load acts at the car's barycentre and stays vertical.",
-        "The left side is the mirror image of the right side, mesh included.",
+        "The wheels' cuts and the axle are rigid; the load acts at the car's barycentre and stays vertical"
+        + (", its lateral force horizontal." if problem.load.lateral_N else "."),
+        *(["The left side is the mirror image of the right side, mesh included."] if alike else []),
     ]
 
 

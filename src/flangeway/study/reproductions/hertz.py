@@ -1,9 +1,9 @@
 """The published Hertz problem (chapter 6.2.2, Tables 9 to 14) computed again, and computed without its oscillations.
 
-As published: node-to-segment, a penalty per node, straight edges, ten load steps. The penalty is taken as Table 10 prints
-it, and halved with each refinement, so that it falls with the elements' size (by 2 on M1 to 16 on M4): with that reading
-the extremes of Tables 12 to 14 come out, and the pressures of Figure 76. Beside it: segment-to-segment with multipliers
-weighted by biorthogonal functions, the gap measured between the circles.
+As published: node-to-segment, a penalty per node, straight edges, ten load steps. The penalty is taken as Table 10
+prints it, and halved with each refinement, so that it falls with the elements' size (by 2 on M1 to 16 on M4): with that
+reading the extremes of Tables 12 to 14 come out, and the pressures of Figure 76. Beside it: segment-to-segment with
+multipliers weighted by biorthogonal functions, the gap measured between the circles.
 """
 
 import time

@@ -1,0 +1,122 @@
+"""How wheels and rails are meshed, and how their contact is enforced."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
+from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.errors import InputError
+
+Method = Literal["fem", "vem"]
+Role = Literal["rail", "wheel"]
+Choice = Literal["auto", "rail", "wheel"]
+PairingName = Literal["node-to-segment", "segment-to-segment"]
+EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]
+
+
+@dataclass(frozen=True)
+class Discretisation:
+    """How the bodies are meshed and joined.
+
+    Parameters
+    ----------
+    method
+        ``"fem"``: triangles. ``"vem"``: the polygons dual to the same triangles.
+    order
+        Order of the elements.
+    contact_size_mm
+        Size of the triangles in the candidate contact zones, for order 1; order 2 has triangles of twice the size, with
+        nodes as far apart.
+    body_size_mm
+        Size of the triangles far from them, likewise.
+    growth
+        Growth of the size per distance from the zones.
+    size_scale
+        Factor on both sizes.
+    penalty_factor
+        Penalty as pressure per penetration, over the contact modulus per mm.
+    primary
+        Which bodies give the segments; the others give the nodes. ``"auto"``: see `WheelsetProblem.primary`.
+    wheel_method, rail_method, wheel_order, rail_order, wheel_contact_size_mm, rail_contact_size_mm
+        What differs for one body; None: as for both.
+    pairing
+        ``"node-to-segment"`` or ``"segment-to-segment"``.
+    enforcement
+        ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
+    penetration_mm
+        Largest penetration that augmented Lagrange tolerates.
+
+    """
+
+    method: Method = "fem"
+    order: int = 1
+    contact_size_mm: float = 0.25
+    body_size_mm: float = 1.5
+    growth: float = 0.1
+    size_scale: float = 1.0
+    penalty_factor: float = 20.0
+    primary: Choice = "auto"
+    wheel_method: Method | None = None
+    rail_method: Method | None = None
+    wheel_order: int | None = None
+    rail_order: int | None = None
+    wheel_contact_size_mm: float | None = None
+    rail_contact_size_mm: float | None = None
+    pairing: PairingName = "node-to-segment"
+    enforcement: EnforcementName = "penalty"
+    penetration_mm: float = 1e-4
+
+    def __post_init__(self) -> None:
+        lengths = ("contact_size_mm", "body_size_mm", "wheel_contact_size_mm", "rail_contact_size_mm", "penetration_mm")
+        for name in (*lengths, "growth", "size_scale", "penalty_factor"):
+            value = getattr(self, name)
+            if value is not None and not (np.isfinite(value) and value > 0.0):
+                raise InputError(f"Discretisation({name}={value})", "a positive number", "leave it out")
+        choices: tuple[tuple[str, tuple[str | None, ...]], ...] = (
+            ("method", ("fem", "vem")),
+            ("wheel_method", ("fem", "vem", None)),
+            ("rail_method", ("fem", "vem", None)),
+            ("primary", ("auto", "rail", "wheel")),
+            ("pairing", ("node-to-segment", "segment-to-segment")),
+            ("enforcement", ("penalty", "augmented-lagrange", "multiplier")),
+        )
+        for name, allowed in choices:
+            if getattr(self, name) not in allowed:
+                raise InputError(
+                    f"Discretisation({name}={getattr(self, name)!r})",
+                    " or ".join(repr(value) for value in allowed),
+                    "choose one of these",
+                )
+
+    def method_of(self, body: Role) -> Method:
+        """Method of a kind of body."""
+        return (self.wheel_method if body == "wheel" else self.rail_method) or self.method
+
+    def order_of(self, body: Role) -> int:
+        """Order of the elements of a kind of body."""
+        return (self.wheel_order if body == "wheel" else self.rail_order) or self.order
+
+    def size_of(self, body: Role) -> float:
+        """Size of the triangles of a kind of body where it can touch, in mm."""
+        size = self.wheel_contact_size_mm if body == "wheel" else self.rail_contact_size_mm
+        return (size or self.contact_size_mm) * self.size_scale * self.order_of(body)
+
+    def element_of(self, body: Role) -> Element:
+        """Element of all cells of a kind of body."""
+        order = self.order_of(body)
+        return Lagrange(order) if self.method_of(body) == "fem" else Virtual(order)
+
+    def pairing_law(self) -> NodeToSegment | SegmentToSegment:
+        """How the surfaces are compared."""
+        return NodeToSegment() if self.pairing == "node-to-segment" else SegmentToSegment()
+
+    def enforcement_law(self, modulus: float) -> Penalty | AugmentedLagrange | Multiplier:
+        """How penetration is kept off, for a contact modulus in MPa."""
+        value = self.penalty_factor * modulus
+        if self.enforcement == "penalty":
+            return Penalty(value, per="length")
+        if self.enforcement == "augmented-lagrange":
+            return AugmentedLagrange(value, per="length", penetration=self.penetration_mm)
+        return Multiplier()

@@ -1,0 +1,77 @@
+"""Forces on the wheelset, and where they come from."""
+
+import math
+from dataclasses import dataclass
+
+from flangeway.errors import InputError
+
+GRAVITY_M_S2 = 9.80665
+"""Standard acceleration of free fall."""
+
+
+@dataclass(frozen=True)
+class Load:
+    """Force on the wheelset at the car's barycentre: weight along the vertical, lateral force along the horizontal.
+
+    Parameters
+    ----------
+    vertical_N
+        Weight, down, > 0.
+    lateral_N
+        Horizontal force to the right: the centrifugal force of a curve to the left.
+    tilt_rad
+        Rotation of the track by its superelevation, counter-clockwise: positive lifts the right rail.
+
+    """
+
+    vertical_N: float  # noqa: N815 (the unit newton)
+    lateral_N: float = 0.0  # noqa: N815
+    tilt_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (math.isfinite(self.vertical_N) and self.vertical_N > 0.0):
+            raise InputError(
+                f"Load(vertical_N={self.vertical_N})",
+                "a positive weight: it presses the wheels on the rails",
+                "give the load of the axle in N, 300000 for 30 t",
+            )
+        if not math.isfinite(self.lateral_N):
+            raise InputError(f"Load(lateral_N={self.lateral_N})", "a finite force in N", "leave it out for none")
+        if not abs(self.tilt_rad) < 0.25:
+            raise InputError(
+                f"Load(tilt_rad={self.tilt_rad})", "an angle between -0.25 and 0.25 rad", "check the superelevation"
+            )
+
+    @property
+    def in_track(self) -> tuple[float, float]:
+        """Force along the track's plane to the right and force onto it, in N."""
+        cosine, sine = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
+        along = self.lateral_N * cosine - self.vertical_N * sine
+        onto = self.vertical_N * cosine + self.lateral_N * sine
+        return along, onto
+
+    def to_space(self, x: float, y: float) -> tuple[float, float]:
+        """Components along horizontal and vertical of a vector in the track's axes."""
+        cosine, sine = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
+        return cosine * x - sine * y, sine * x + cosine * y
+
+
+def curve_force_N(weight_N: float, speed_km_h: float, radius_m: float) -> float:  # noqa: N802
+    """Centrifugal force of a weight in a curve, ``(W / g) v^2 / R``."""
+    return weight_N / GRAVITY_M_S2 * (speed_km_h / 3.6) ** 2 / radius_m
+
+
+def balanced_superelevation_mm(speed_km_h: float, radius_m: float, base_mm: float) -> float:
+    """Superelevation at which weight and centrifugal force have no part along the track's plane."""
+    return base_mm * math.sin(math.atan((speed_km_h / 3.6) ** 2 / (GRAVITY_M_S2 * radius_m)))
+
+
+def superelevation_angle(superelevation_mm: float, base_mm: float) -> float:
+    """Tilt in rad of a track whose right rail is higher by `superelevation_mm`, measured over a base width."""
+    if not (base_mm > 0.0 and abs(superelevation_mm) <= 0.2 * base_mm):
+        raise InputError(
+            f"superelevation_mm = {superelevation_mm:g} over a base of {base_mm:g} mm",
+            "at most a fifth of the base width",
+            "give both in mm; 3 cm is 30",
+        )
+    return math.asin(superelevation_mm / base_mm)

@@ -1,0 +1,83 @@
+"""A wheelset in a curve, hung on its flanges, overloaded, prescribed, and where no balance exists."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.load import Load, superelevation_angle
+from flangeway.railway.problem import Prescribed
+from flangeway.railway.result import WheelsetResult, solve_wheelset
+from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
+
+
+def solve(case, **values) -> WheelsetResult:
+    return solve_wheelset(case.from_values({"size_scale": 2.0, **values}).problem())
+
+
+@pytest.mark.parametrize("crown", [8, 10, 14])
+def test_the_curve_is_in_balance_from_a_cold_start(crown: int) -> None:
+    """The resulting error is below 1e-10, with two contacts on the outer rail and one on the inner one."""
+    result = solve(WheelsetCurveCase, crown_radius_in=crown)
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.balance.resulting_error < 1e-10
+    regions = sorted((patch.side, patch.region) for patch in result.patches)
+    assert regions == [("left", "crown"), ("right", "crown"), ("right", "gauge corner")]
+    along, onto = result.model.problem.load.in_track
+    assert sum(patch.force_on_wheel_N for patch in result.patches) == pytest.approx([-along, onto], rel=1e-9)
+
+
+def test_methods_agree_in_the_curve() -> None:
+    """Triangles and polygons agree in force of each contact within 4 % and in lateral motion within 0.1 mm."""
+    fem, vem = (solve(WheelsetCurveCase, method=method) for method in ("fem", "vem"))
+    assert fem.equilibrium.motion.lateral_mm == pytest.approx(vem.equilibrium.motion.lateral_mm, abs=0.1)
+    for one, other in zip(fem.patches, vem.patches, strict=True):
+        assert np.linalg.norm(one.force_on_wheel_N) == pytest.approx(np.linalg.norm(other.force_on_wheel_N), rel=0.04)
+
+
+def test_flanges_push_the_rails_apart() -> None:
+    """At gauge 1575 mm, less than the flanges span, both sides bear on tread and flange, alike on both sides."""
+    result = solve(WheelsetTangentCase, gauge_mm=1575.0)
+    assert result.status.converged, result.status.message
+    assert sorted((patch.side, patch.region) for patch in result.patches) == [
+        ("left", "crown"), ("left", "gauge corner"), ("right", "crown"), ("right", "gauge corner"),
+    ]  # fmt: skip
+    assert abs(result.equilibrium.motion.lateral_mm) < 1e-6
+
+
+def test_thirty_times_the_load_is_found() -> None:
+    """At 9 MN an axle, many steps' limit below first touch, the balance is found as well."""
+    result = solve(WheelsetTangentCase, axle_load_kN=9000.0)
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.balance.resulting_error < 1e-10
+
+
+def test_a_prescribed_shift_is_held_by_a_force_at_the_axle() -> None:
+    """At a lateral shift of 5 mm the shift is exact and weight and roll are in balance to 1e-9."""
+    result = solve(WheelsetTangentCase, lateral_mm=5.0)
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.motion.lateral_mm == pytest.approx(5.0, abs=1e-12)
+    balance = result.equilibrium.balance
+    assert abs(balance.vertical_error) + abs(balance.moment_error) < 1e-9
+    assert abs(balance.lateral_error) > 1e-4
+    assert result.model.problem.prescribed == Prescribed(lateral_mm=5.0)
+
+
+def test_superelevation_that_balances_the_force_takes_the_flange_off() -> None:
+    """With no force along the track the wheelset stays within 0.05 mm of the middle."""
+    result = solve(WheelsetTangentCase, speed_km_h=70.0, curve_radius_m=400.0, superelevation_mm="from-speed")
+    assert result.status.converged, result.status.message
+    assert abs(result.equilibrium.motion.lateral_mm) < 0.05
+
+
+def test_what_cannot_balance_is_said() -> None:
+    """A force above the wheelset's base overturns it, and the message gives L/V."""
+    with pytest.raises(InputError, match="overturns") as caught:
+        solve(WheelsetCurveCase, lateral_force_kN=200.0, superelevation_mm=0.0)
+    assert "L/V" in caught.value.given
+
+
+def test_the_load_in_the_axes_of_the_track() -> None:
+    """Superelevation turns the load: 28.4 kN and 30 mm on 1600 mm leave 22.77 kN along the track (by hand)."""
+    along, onto = Load(300e3, 28.4e3, superelevation_angle(30.0, 1600.0)).in_track
+    assert along == pytest.approx(22770.0, rel=1e-5)
+    assert np.hypot(along, onto) == pytest.approx(np.hypot(300e3, 28.4e3))
