@@ -3,6 +3,7 @@
 Exit status 0: done; 1: not converged, a check failed, or a library is missing; 2: the input is wrong; 130: interrupted.
 """
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +13,10 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 import typer
 
 from flangeway.errors import InputError, MissingLibraryError
+
+# dense matrices here are small: on a busy machine the threads of BLAS wait for each other longer than they compute.
+# Assembly and sparse factorisation use all cores. Read by OpenBLAS when NumPy is imported; a user's own setting stays.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # numpy, scipy, matplotlib and what needs them are imported inside functions, so that help is quick
 if TYPE_CHECKING:
