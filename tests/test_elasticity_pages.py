@@ -63,6 +63,16 @@ def test_the_page_prints_what_it_says(
         assert all((tmp_path / name).stat().st_size > 0 for name in TUTORIAL_FILES)
 
 
+def test_the_readme_prints_energy_and_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The README's first Python block runs: energy of a sheared square to 5 %, and an error of a few per cent."""
+    run("../README.md", tmp_path, monkeypatch)
+    energy, error = (float(word) for word in capsys.readouterr().out.split())
+    assert energy == pytest.approx(3.92e-4, rel=0.05)
+    assert 0.0 < error < 0.05
+
+
 def test_a_support_left_out_is_named_as_the_tutorial_says() -> None:
     """The sentence that the tutorial quotes is the message of a plate held in x only."""
     space = Space(rectangle_grid(2.0, 1.0, 2, 1), Virtual(1))

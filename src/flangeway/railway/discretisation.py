@@ -42,7 +42,8 @@ class Discretisation:
     wheel_method, rail_method, wheel_order, rail_order, wheel_contact_size_mm, rail_contact_size_mm
         What differs for one body; None: as for both.
     pairing
-        ``"node-to-segment"`` or ``"segment-to-segment"``.
+        ``"segment-to-segment"`` or, as in the seed, ``"node-to-segment"``, whose nodal pressures scatter and which may
+        cycle at order 2.
     enforcement
         ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
     penetration_mm
@@ -64,7 +65,7 @@ class Discretisation:
     rail_order: int | None = None
     wheel_contact_size_mm: float | None = None
     rail_contact_size_mm: float | None = None
-    pairing: PairingName = "node-to-segment"
+    pairing: PairingName = "segment-to-segment"
     enforcement: EnforcementName = "penalty"
     penetration_mm: float = 1e-4
 

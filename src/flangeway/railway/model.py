@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flangeway.contact import Contact, ContactSystem, Surface
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
-from flangeway.geometry import Outline, Placement
+from flangeway.geometry import Contour, Outline, Placement
 from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.problems import Body, Part
 from flangeway.railway.discretisation import Discretisation, Role
@@ -145,8 +145,8 @@ def build_model(
     )
     start, zones = _zones(problem, touch_motion, touches, 2.0 * hertz.half_width + BENDING_MM, WIDER**widenings)
     wheelset, track = problem.wheelset, problem.track
-    bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32]]] = {}
-    parts, edges = {}, {}
+    bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
+    parts, edges, curves = {}, {}, {}
     for side in SIDES:
         for kind, placement in (("wheel", wheelset.placement(side)), ("rail", track.placement(side))):
             role: Role = "wheel" if kind == "wheel" else "rail"
@@ -155,14 +155,14 @@ def build_model(
             if (role, id(profile)) not in bodies:
                 progress(f"meshing the {role}" if not bodies or len(bodies) < 2 else f"meshing the other {role}")
                 bodies[role, id(profile)] = _body(problem, role, side, zones[name])
-            body, edges[name] = bodies[role, id(profile)]
+            body, edges[name], curves[name] = bodies[role, id(profile)]
             parts[name] = Part(name, body, placement)
     contacts = []
     for side in SIDES:
         primary, secondary = f"rail-{side}", f"wheel-{side}"
         if problem.primary[0] == "wheel":
             primary, secondary = secondary, primary
-        second, first = (Surface(parts[name], edges[name]) for name in (secondary, primary))
+        second, first = (Surface(parts[name], edges[name], curves[name]) for name in (secondary, primary))
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
     return WheelsetModel(problem, touch_motion, start, tuple(touches), hertz, ContactSystem(contacts), parts, zones)
 
@@ -203,8 +203,8 @@ def _zones(
     return start, {name: Zone(tuple(at), reach * wider) for name, at in places.items()}
 
 
-def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple[Body, NDArray[np.int32]]:
-    """Mesh one body; return it with the edges of its candidate zone."""
+def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple[Body, NDArray[np.int32], Contour]:
+    """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
     settings = problem.discretisation
     held: tuple[str, ...]
     outline: Outline
@@ -234,4 +234,5 @@ def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple
         mesh = mesh.with_edge_set("held", np.vstack([mesh.edge_set(part) for part in held]))
         held_name = "held"
     material, thickness = problem.material_of(role), problem.thickness_mm
-    return Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness), edges
+    body = Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness)
+    return body, edges, outline.part(names)
