@@ -108,7 +108,7 @@ def _table(rows: tuple[HertzRow, ...], variant: Variant) -> Table:
         "iterations",
         "s",
     ):
-        shown.add_column(name, justify="right")
+        shown.add_column(name, justify="right", min_width=6 if name == "force kN" else None)
     for row in rows:
         shown.add_row(
             row.name,
