@@ -22,56 +22,11 @@ from flangeway.errors import InputError
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-SHARP = np.deg2rad(30.0)
-"""Turn of a surface above which the two sides of a node have a constraint each."""
-
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
 
 DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
 """Biorthogonal functions of an edge as combinations of its two hats."""
-
-
-@dataclass(frozen=True, eq=False)
-class Hats:
-    """Hat functions on a surface, one an end of edges, two at sharp corners.
-
-    Parameters
-    ----------
-    nodes
-        Place in the surface of each function's node, shape (n,).
-    of_edge
-        Functions of the two ends of each edge, shape (n_edges, 2).
-    areas
-        Integrals of the functions over the undeformed surface, times the thickness, shape (n,).
-
-    """
-
-    nodes: Ints
-    of_edge: Ints
-    areas: Floats
-
-    @classmethod
-    def on(cls, surface: Surface) -> "Hats":
-        """Functions on a surface."""
-        points = surface.part.body.mesh.points
-        ends = points[surface.edge_nodes[:, [0, -1]]]
-        chords = ends[:, 1] - ends[:, 0]
-        before = np.roll(chords, 1, axis=0)
-        turn = np.arctan2(before[:, 0] * chords[:, 1] - before[:, 1] * chords[:, 0], (before * chords).sum(1))
-        starts_anew = np.abs(turn) > SHARP
-        starts_anew[0] |= surface.edge_places[-1, -1] != 0
-        # one new function at each edge's end, one more at its start where the surface starts anew
-        last = np.arange(len(chords)) + np.cumsum(starts_anew)
-        first = last - 1
-        if not starts_anew[0]:
-            first[0] = last[-1]
-        nodes = np.empty(last.max() + 1, dtype=np.int64)
-        nodes[first], nodes[last] = surface.edge_places[:, 0], surface.edge_places[:, -1]
-        areas = np.zeros(len(nodes))
-        for column in (first, last):
-            np.add.at(areas, column, surface.edge_lengths / 2.0 * surface.part.body.thickness)
-        return cls(nodes, np.stack((first, last), axis=1), areas)
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,14 +136,14 @@ class SegmentToSegment:
 
     def node_areas(self, secondary: Surface) -> Floats:
         """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
-        hats = Hats.on(secondary)
+        hats = secondary.hats
         areas = np.zeros(len(secondary.nodes))
         np.add.at(areas, hats.nodes, hats.areas)
         return areas
 
     def key_nodes(self, secondary: Surface) -> Ints:
         """Places in a surface of the nodes of all constraints that it can have, by key."""
-        return Hats.on(secondary).nodes
+        return secondary.hats.nodes
 
     def pair(
         self,
@@ -201,7 +156,7 @@ class SegmentToSegment:
         settle: bool = False,  # noqa: ARG002 (likewise)
     ) -> SegmentPairs:
         """Find the pieces within reach; see `NodeToSegment.pair` for the parameters."""
-        hats = Hats.on(secondary)
+        hats = secondary.hats
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         edges = positions[secondary.edge_places]

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.contact.hats import Hats
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
@@ -140,6 +141,11 @@ class Surface:
         points = self.part.body.mesh.points
         lengths: Floats = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
         return lengths
+
+    @cached_property
+    def hats(self) -> Hats:
+        """Hat functions on the edges' ends, for averages of the gap."""
+        return Hats.on(self)
 
     @cached_property
     def tributary_lengths(self) -> Floats:
