@@ -7,6 +7,7 @@ from pathlib import Path
 from flangeway.report.contact_figure import contact_figure
 from flangeway.report.drawing import png
 from flangeway.report.fields import PartFields, part_fields
+from flangeway.report.files import bytes_writer
 from flangeway.report.html import Picture, report_page
 from flangeway.report.paraview import write_part
 from flangeway.report.pressure_figure import pressure_figure
@@ -52,7 +53,7 @@ def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = 
     vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
     page = report_page(run, pictures)
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
-    writers[PICTURE] = lambda path: _write_bytes(path, pictures[0].png)
+    writers[PICTURE] = bytes_writer(pictures[0].png)
     writers[REPORT] = lambda path: _write_text(path, page)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     return write_together(folder, writers)
@@ -80,10 +81,6 @@ def _pictures(run: CaseRun, fields: list[PartFields]) -> list[Picture]:
             "force and the profiles' radii at the contact.",
         ),
     ]
-
-
-def _write_bytes(path: Path, data: bytes) -> None:
-    path.write_bytes(data)
 
 
 def _write_text(path: Path, text: str) -> None:

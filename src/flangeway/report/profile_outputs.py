@@ -4,13 +4,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from matplotlib.figure import Figure
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from flangeway.errors import InputError
-from flangeway.report.drawing import png
+from flangeway.report.files import picture_writers, print_files
 from flangeway.report.profile_figures import curvature_figure, join_figure, shape_figure
 from flangeway.study import refuse_unwritable, write_summary, write_together
 from flangeway.study.profile import ProfileRun, converted
@@ -45,26 +44,15 @@ def write_profile(
     """
     text = None if to is None else converted(run, to.suffix.lower())
     progress("drawing the pictures and writing the files")
-    figures: dict[str, Callable[[], Figure]] = {
-        SHAPE: lambda: shape_figure(run),
-        CURVATURE: lambda: curvature_figure(run),
-    }
-    join = run.join
-    if join is not None:
-        figures[JOIN] = lambda: join_figure(join)
-    writers: dict[str, Callable[[Path], None]] = {name: _picture(figure) for name, figure in figures.items()}
+    figures = {SHAPE: shape_figure(run), CURVATURE: curvature_figure(run)}
+    if run.join is not None:
+        figures[JOIN] = join_figure(run.join)
+    writers = picture_writers(figures)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     files = write_together(folder, writers)
     if to is not None and text is not None:
         files += write_together(to.parent, {to.name: _text(text)})
     return files
-
-
-def _picture(figure: Callable[[], Figure]) -> Callable[[Path], None]:
-    def write(path: Path) -> None:
-        path.write_bytes(png(figure()))
-
-    return write
 
 
 def _text(text: str) -> Callable[[Path], None]:
@@ -90,9 +78,7 @@ def print_profile(console: Console, summary: dict[str, Any], files: list[Path]) 
     for key in ("certainty", "source"):
         if summary[key]:
             console.print(f"{key.capitalize()}: {summary[key]}", markup=False, soft_wrap=True)
-    console.print("Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)
+    print_files(console, files)
 
 
 def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:

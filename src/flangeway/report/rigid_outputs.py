@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from flangeway.railway.track import SIDES
-from flangeway.report.drawing import png
+from flangeway.report.files import picture_writers, print_files
 from flangeway.report.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
 from flangeway.study import refuse_unwritable, write_summary, write_together
 from flangeway.study.rigid import GeometryRun
@@ -50,10 +50,10 @@ def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], Non
 
     """
     progress("drawing the pictures and writing the files")
-    writers: dict[str, Callable[[Path], None]] = {name: _picture(run, name) for name in PICTURES}
+    figures = {name: draw(run) for name, draw in PICTURES.items()}
     if run.throat is not None:
-        throat = run.throat
-        writers[THROAT] = lambda path: _write_bytes(path, png(throat_figure(throat)))
+        figures[THROAT] = throat_figure(run.throat)
+    writers = picture_writers(figures)
     writers[TABLE] = lambda path: _write_rows(path, *locus_table(run))
     writers[CONICITY] = lambda path: _write_rows(
         path,
@@ -62,14 +62,6 @@ def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], Non
     )
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     return write_together(folder, writers)
-
-
-def _write_bytes(path: Path, content: bytes) -> None:
-    path.write_bytes(content)
-
-
-def _picture(run: GeometryRun, name: str) -> Callable[[Path], None]:
-    return lambda path: _write_bytes(path, png(PICTURES[name](run)))
 
 
 def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
@@ -132,9 +124,7 @@ def print_geometry(console: Console, summary: dict[str, Any], files: list[Path])
         )
     for notice in summary["notices"]:
         console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
-    console.print(f"Computed in {summary['timings_s']['total']:.1f} s. Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)
+    print_files(console, files, summary["timings_s"]["total"])
 
 
 def _contact_table(contacts: list[dict[str, Any]]) -> Table:

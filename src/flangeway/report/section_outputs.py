@@ -12,7 +12,7 @@ from rich.table import Table
 
 from flangeway.mesh import write_vtu
 from flangeway.post import shear_stresses
-from flangeway.report.drawing import png
+from flangeway.report.files import picture_writers, print_files
 from flangeway.report.section_figures import (
     mesh_figure,
     prandtl_figure,
@@ -57,17 +57,10 @@ def write_section(run: SectionRun, folder: Path, progress: Callable[[str], None]
 
     """
     progress("drawing the pictures and writing the files")
-    writers: dict[str, Callable[[Path], None]] = {name: _picture(run, name) for name in PICTURES}
+    writers = picture_writers({name: draw(run) for name, draw in PICTURES.items()})
     writers[FIELDS] = lambda path: _write_fields(run, path)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     return write_together(folder, writers)
-
-
-def _picture(run: SectionRun, name: str) -> Callable[[Path], None]:
-    def write(path: Path) -> None:
-        path.write_bytes(png(PICTURES[name](run)))
-
-    return write
 
 
 def _write_fields(run: SectionRun, path: Path) -> None:
@@ -108,9 +101,7 @@ def print_section(console: Console, summary: dict[str, Any], files: list[Path]) 
             markup=False,
             soft_wrap=True,
         )
-    console.print(f"Computed in {summary['timings_s']['total']:.1f} s. Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)
+    print_files(console, files, summary["timings_s"]["total"])
 
 
 def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:

@@ -8,6 +8,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table as RichTable
 
+from flangeway.report.files import print_files
 from flangeway.report.tables import (
     Table,
     bodies_table,
@@ -29,9 +30,7 @@ def print_summary(console: Console, summary: dict[str, Any], files: list[Path]) 
         console.print(f"Warning: {warning}", style="yellow", markup=False, soft_wrap=True)
     short = [re.split(r"[:;.](?: |$)", sentence)[0] for sentence in summary["assumptions"]]
     console.print(f"Assumed: {'; '.join(short)}.", markup=False)
-    console.print(f"Computed in {number(summary['timings_s']['total'], 1)} s. Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)
+    print_files(console, files, summary["timings_s"]["total"])
 
 
 def print_convergence(console: Console, convergence: Convergence, file: Path) -> None:

@@ -14,7 +14,7 @@ from flangeway.report.contact_patch_figures import (
     pressures_figure,
     stresses_figure,
 )
-from flangeway.report.reproductions.reproduction import picture_writers, print_files
+from flangeway.report.files import picture_writers, print_files
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.contact_patch import PASSED, PUBLISHED, ContactPatchReproduction, PatchRow
@@ -81,7 +81,7 @@ def print_summary(console: Console, found: ContactPatchReproduction, files: list
                 style="red",
                 markup=False,
             )
-    print_files(console, found.seconds, files)
+    print_files(console, files, found.seconds)
 
 
 def _published_table(found: ContactPatchReproduction) -> Table:

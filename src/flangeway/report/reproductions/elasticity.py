@@ -15,8 +15,8 @@ from flangeway.report.elasticity_figures import (
     incompressible_figure,
     patch_figure,
 )
+from flangeway.report.files import picture_writers, print_files
 from flangeway.report.refinement_figures import adaptive_meshes_figure, estimate_figure, refinement_convergence_figure
-from flangeway.report.reproductions.reproduction import picture_writers, print_files
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.elasticity import COOK, ElasticityReproduction, IncompressibleRow
@@ -111,7 +111,7 @@ def print_summary(console: Console, found: ElasticityReproduction, files: list[P
     console.print(_locking(found), markup=False, soft_wrap=True)
     for case in found.refinements:
         console.print(_saving(case.body, case.order, case.saving), markup=False, soft_wrap=True)
-    print_files(console, found.seconds, files)
+    print_files(console, files, found.seconds)
 
 
 def _cook_table(found: ElasticityReproduction) -> Table:

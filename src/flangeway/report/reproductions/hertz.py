@@ -9,7 +9,7 @@ from rich.console import Console
 from rich.table import Table
 
 from flangeway.report import hertz_figures
-from flangeway.report.reproductions.reproduction import picture_writers, print_files
+from flangeway.report.files import picture_writers, print_files
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.hertz import CODES, REFERENCE_FORCE, VARIANTS, HertzReproduction, HertzRow, Variant
@@ -77,7 +77,7 @@ def print_summary(console: Console, found: HertzReproduction, files: list[Path])
     console.print("Passed." if found.passed else "Not passed.", style="bold green" if found.passed else "bold red")
     for variant in VARIANTS:
         console.print(_table(found.of(variant), variant))
-    print_files(console, found.seconds, files)
+    print_files(console, files, found.seconds)
 
 
 def _print_outside(console: Console, number: ReproducedNumber) -> None:

@@ -1,15 +1,13 @@
-"""One of the things that ``flangeway reproduce`` can do, and what the ways to write and print them share."""
+"""One of the things that ``flangeway reproduce`` can do."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from matplotlib.figure import Figure
 from rich.console import Console
 
 from flangeway.errors import InputError
-from flangeway.report.drawing import png
 from flangeway.study import refuse_unwritable
 from flangeway.study.case import closest
 from flangeway.study.reproductions import Reproduced
@@ -67,22 +65,3 @@ def find_reproductions(name: str, known: Mapping[str, Reproduction]) -> dict[str
         names = [*known, ALL]
         raise InputError(f"a reproduction called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
     return {name: known[name]}
-
-
-def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Callable[[Path], None]]:
-    """Draw figures now, and return functions that write them as PNG files, by the files' names."""
-    return {name: _bytes_writer(png(figure)) for name, figure in figures.items()}
-
-
-def _bytes_writer(data: bytes) -> Callable[[Path], None]:
-    def write(path: Path) -> None:
-        path.write_bytes(data)
-
-    return write
-
-
-def print_files(console: Console, seconds: float, files: Sequence[Path]) -> None:
-    """Print the time and the files."""
-    console.print(f"Computed in {seconds:.1f} s. Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)

@@ -7,7 +7,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from flangeway.report.reproductions.reproduction import picture_writers, print_files
+from flangeway.report.files import picture_writers, print_files
 from flangeway.report.torsion_figures import convergence_figure, fields_figure
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
@@ -61,7 +61,7 @@ def print_summary(console: Console, found: TorsionReproduction, files: list[Path
             )
     if found.rates:
         console.print(_rates_table(found))
-    print_files(console, found.seconds, files)
+    print_files(console, files, found.seconds)
 
 
 def _rates_table(found: TorsionReproduction) -> Table:
