@@ -1,5 +1,6 @@
 """From profiles to four elastic parts in contact: meshes, surfaces, penalty."""
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
@@ -112,7 +113,11 @@ class WheelsetModel:
 
 
 def build_model(
-    problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None, *, widenings: int = 0
+    problem: WheelsetProblem,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    widenings: int = 0,
+    whole: bool = False,
 ) -> WheelsetModel:
     """Mesh the bodies, fine where they can touch, and pair their surfaces.
 
@@ -127,6 +132,8 @@ def build_model(
         Called with a sentence at each stage.
     widenings
         How often the zones have turned out too small.
+    whole
+        Zones over the whole running surfaces and heads, for contact anywhere.
 
     Raises
     ------
@@ -144,6 +151,8 @@ def build_model(
         contact_modulus(*(material.plane_modulus for material in materials)),
     )
     start, zones = _zones(problem, touch_motion, touches, 2.0 * hertz.half_width + BENDING_MM, WIDER**widenings)
+    if whole:
+        zones = {name: Zone(zone.places, math.inf) for name, zone in zones.items()}
     wheelset, track = problem.wheelset, problem.track
     bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}

@@ -21,7 +21,7 @@ class Zone:
     places
         Points on or near the curve in its frame, at least one.
     reach
-        Length of the stretch beyond the first and the last of them, along the curve.
+        Length of the stretch beyond the first and the last of them, along the curve; infinite: all of it.
 
     """
 

@@ -1,0 +1,17 @@
+"""The command line: one file for each group of commands.
+
+Exit status 0: done; 1: not converged, a check failed, or a library is missing; 2: the input is wrong; 130: interrupted.
+"""
+
+# ruff: noqa: I001 (the order of imports is that of the commands)
+import os
+
+# dense matrices here are small: on a busy machine the threads of BLAS wait for each other longer than they compute.
+# Assembly and sparse factorisation use all cores. Read by OpenBLAS when NumPy is imported; a user's own setting stays.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+# each adds its commands, in the order in which help lists them
+from flangeway.cli import cases, geometry, section, profile, reproduce
+from flangeway.cli.app import app, main
+
+__all__ = ["app", "cases", "geometry", "main", "profile", "reproduce", "section"]

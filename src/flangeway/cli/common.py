@@ -1,0 +1,80 @@
+"""What all commands share: exit statuses, errors as messages, progress, ``--set``.
+
+NumPy, SciPy, Matplotlib and what needs them are imported inside of functions, so that help is quick.
+"""
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from flangeway.errors import InputError, MissingLibraryError
+
+Progress = Callable[[str], None]
+
+DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False),
+]
+Quick = Annotated[bool, typer.Option("--quick", help="Compute the coarser half of the meshes only.")]
+
+
+def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
+    """Return what ``--set`` says, by key."""
+    given: dict[str, Any] = {}
+    for setting in settings or []:
+        key, equals, value = setting.partition("=")
+        if not equals:
+            raise InputError(f"--set {setting}", "--set KEY=VALUE", advice)
+        given[key.strip()] = value.strip()
+    return given
+
+
+@contextmanager
+def errors_as_exit_status() -> Iterator[None]:
+    """Turn the errors that users can meet into a message and an exit status."""
+    try:
+        yield
+    except InputError as error:
+        complain(str(error))
+        raise typer.Exit(WRONG_INPUT) from None
+    except MissingLibraryError as error:
+        complain(str(error))
+        raise typer.Exit(FAILED) from None
+    except KeyboardInterrupt:
+        complain("interrupted; nothing was written")
+        raise typer.Exit(INTERRUPTED) from None
+
+
+@contextmanager
+def progress_shown() -> Iterator[Progress]:
+    """Show sentences on stderr: one changing line on a terminal, a line each elsewhere."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import Progress as Bar  # noqa: PLC0415
+    from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield lambda sentence: print(sentence, file=sys.stderr, flush=True)
+        return
+    columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
+    with Bar(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("starting", total=None)
+        yield lambda sentence: bar.update(task, description=sentence)
+
+
+def stdout() -> Any:
+    """Return the terminal for results."""
+    from rich.console import Console  # noqa: PLC0415
+
+    return Console(highlight=False)
+
+
+def complain(message: str) -> None:
+    """Say on stderr what went wrong."""
+    typer.echo(f"flangeway: {message}", err=True)
