@@ -262,8 +262,8 @@ def test_the_equivalent_conicity_of_en_15302(combination):
 
 def test_the_conicity_of_s1002_on_60e1():
     """At 3 mm, gauge 1435 mm, 1:40, the usual European pair has 0.17 to 0.18, whether it rolls or not."""
-    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    rigid = RigidWheelset.of(track, wheelset).with_gauge(1435.0, 14.0)
+    track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    rigid = RigidWheelset.of(track, wheelset)
     lateral = np.arange(-450, 451) * 0.01
     found = [
         equivalent_conicity(RollingRadiusDifference.of(contact_locus(rigid, lateral, roll=roll)), [3.0])[0]

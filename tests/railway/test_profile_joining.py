@@ -5,17 +5,18 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.mesh import check, triangulate
-from flangeway.railway.first_touch import first_touch
 from flangeway.railway.joining import (
     BLEND_FACTOR,
     LARGEST_BLEND_MM,
     LEAST_BLEND_MM,
     joined,
     nominal_profile,
+    on_plain_body,
 )
 from flangeway.railway.pieces import lengths_along, pieces_between, point_at
 from flangeway.railway.profile_file import ReadOptions, read_profile
 from flangeway.railway.profiles import RailProfile, rail, wheel
+from flangeway.railway.rigid_contact import RigidWheelset, contact_locus
 from flangeway.railway.segment_files import write_segment_csv
 from flangeway.railway.track import Track, Wheelset
 from flangeway.railway.whole_outline import whole_profile
@@ -115,7 +116,7 @@ def test_heads_are_placed_by_their_gauge_face(tmp_path):
     ("points", "kind", "name", "message"),
     [
         (lambda: head_points() + np.array([0.0, 8.0]), "rail", "60E1", "top is 8 mm above that of the nominal 60E1"),
-        (lambda: head_points("136RE") + np.array([5.0, 0.0]), "rail", "136RE", "mm from the nominal 136RE"),
+        (lambda: head_points("136RE") + np.array([25.0, 0.0]), "rail", "136RE", "mm from the nominal 136RE"),
         (head_points, "rail", "S1002", "--join S1002, a wheel, for a rail"),
         (wheel_points, "wheel", "60E1", "--join 60E1, a rail, for a wheel"),
         (wheel_points, "wheel", "AAR-1B", "flange's back"),
@@ -129,6 +130,27 @@ def test_what_does_not_fit_is_refused(points, kind, name, message, tmp_path):
         joined(measured, name)
 
 
+@pytest.mark.parametrize(("name", "aside", "lean"), [("136RE", 6.0, 0.0), ("60E1", -6.5, 0.0), ("60E1", 0.0, 0.025)])
+def test_a_head_counted_from_elsewhere_is_moved_to_its_field_side(name, aside, lean, tmp_path):
+    """A head counted from a mark beside its middle, or from the highest point as it leans, fits with a notice."""
+    points = head_points(name) @ np.array([[1.0, -lean], [lean, 1.0]]) / np.hypot(1.0, lean)
+    points = points - points[np.argmax(points[:, 1])] * [float(lean != 0.0), 1.0] + [aside, 0.0]
+    found = joined(read_profile(file_of(tmp_path, points, "rail"), ReadOptions(smooth_mm=0.0)), name)
+    assert "moved sideways" in found.profile.notices[-1]
+    assert max(joint.gap_mm for joint in found.joints) < 2.5
+    assert found.joints[0].gap_mm < 0.2
+
+
+def test_a_wheel_that_no_bundled_one_is_like_has_a_plain_body(tmp_path):
+    """Any running surface of a wheel becomes a wheel below a block, its surface as measured, and is meshed."""
+    points = wheel_points()
+    measured = read_profile(file_of(tmp_path, points, "wheel"), ReadOptions(smooth_mm=0.0))
+    found = on_plain_body(measured)
+    assert found.running_surface.length == pytest.approx(measured.surface.length, rel=1e-12)
+    assert found.outline.bounds(["cut"])[:, 1] == pytest.approx([50.0, 50.0])
+    check(triangulate(found.outline, size=4.0), region_area=found.outline.area, area_tolerance=2e-3)
+
+
 def test_worn_profiles_run_through_the_chain(tmp_path):
     """A worn noisy head on 60E1 and a noisy S1002 touch, and are meshed with a running surface of one chain."""
     rng = np.random.default_rng(2)
@@ -137,9 +159,10 @@ def test_worn_profiles_run_through_the_chain(tmp_path):
     tread = tread + 2e-3 * rng.normal(size=tread.shape)
     on_rail = joined(read_profile(file_of(tmp_path, rail_points, "rail")), "60E1").profile
     on_wheel = joined(read_profile(file_of(tmp_path, tread, "wheel")), "S1002").profile
-    touch = first_touch(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0), "right")
-    assert abs(touch.rail_point_mm[0]) < 35.0
-    assert abs(touch.relative_curvature_per_mm) < 0.2
+    rigid = RigidWheelset.of(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0))
+    touch = contact_locus(rigid, [0.0]).right
+    assert abs(touch.rail_points_mm[0, 0, 0]) < 35.0
+    assert abs(touch.relative_curvatures_per_mm[0, 0]) < 0.2
     for profile, names in ((on_rail, on_rail.head_names), (on_wheel, on_wheel.running_names)):
         mesh = triangulate(profile.outline, size=3.0)
         check(mesh, region_area=profile.outline.area, area_tolerance=2e-3)

@@ -8,7 +8,6 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line
-from flangeway.railway.first_touch import touching_motion
 from flangeway.railway.profiles import rail, wheel
 from flangeway.railway.rigid_contact import (
     RigidWheelset,
@@ -50,8 +49,8 @@ def heavy_haul():
 @pytest.fixture(scope="module")
 def s1002():
     """S1002 on 60E1 at 1:40, gauge 1435 mm at 14 mm, back-to-back 1360 mm: the Manchester contact benchmark."""
-    track, wheelset = Track(rail("60E1"), 1435.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    return RigidWheelset.of(track, wheelset).with_gauge(1435.0, 14.0)
+    track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
+    return RigidWheelset.of(track, wheelset)
 
 
 @pytest.mark.parametrize("radius", [0.01, 20.0, 300.0])
@@ -98,17 +97,6 @@ def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
     for side, sign in ((heavy_haul.right, 1.0), (heavy_haul.left, -1.0)):
         gap = brute_gap(side, sign * lateral, height, sign * float(locus.roll_rad[0])).min()
         assert -1e-10 < gap < 2e-7
-
-
-def test_the_middle_agrees_with_the_first_touch():
-    """Without lateral motion the height and the point of contact are those of wheels lowered on a dense grid."""
-    track, wheelset = Track(rail("136RE")), Wheelset(wheel("AAR-1B"))
-    motion, touches = touching_motion(track, wheelset)
-    locus = contact_locus(RigidWheelset.of(track, wheelset), [0.0])
-    assert locus.vertical_mm[0] == pytest.approx(motion.vertical_mm, abs=1e-7)
-    assert locus.right.rail_points_mm[0, 0] == pytest.approx(touches[1].rail_point_mm, abs=0.02)
-    assert locus.right.points_mm[0, 0] == pytest.approx(touches[1].point_mm, abs=0.02)
-    assert locus.left.points_mm[0, 0, 0] == pytest.approx(-locus.right.points_mm[0, 0, 0], abs=1e-9)
 
 
 def test_left_and_right_mirror_each_other(heavy_haul):
@@ -241,10 +229,10 @@ def test_wheels_beside_the_rails_are_refused():
         contact_locus(wheelset, [0.0])
 
 
-def test_a_gauge_below_the_head_is_refused(s1002):
+def test_a_gauge_below_the_head_is_refused():
     """The gauge is measured where the profile has a face."""
-    with pytest.raises(InputError, match="below the rail's top"):
-        s1002.with_gauge(1435.0, 90.0)
+    with pytest.raises(InputError, match="below the head of the right rail"):
+        Track(rail("60E1"), 1435.0, gauge_depth_mm=90.0).placement("right")
 
 
 def test_the_gauge_is_that_of_the_faces(s1002):

@@ -71,9 +71,28 @@ def test_superelevation_that_balances_the_force_takes_the_flange_off() -> None:
 
 def test_what_cannot_balance_is_said() -> None:
     """A force above the wheelset's base overturns it, and the message gives L/V."""
-    with pytest.raises(InputError, match="overturns") as caught:
+    with pytest.raises(InputError, match="overturning") as caught:
         solve(WheelsetCurveCase, lateral_force_kN=200.0, superelevation_mm=0.0)
     assert "L/V" in caught.value.given
+
+
+def test_a_flange_that_climbs_is_a_derailment() -> None:
+    """A force low enough not to overturn, but beyond what the flange holds, is refused as a derailment with L/V."""
+    with pytest.raises(InputError, match="derailment") as caught:
+        solve(WheelsetCurveCase, lateral_force_kN=900.0, superelevation_mm=0.0, barycentre_height_mm=-480.0)
+    assert "L/V 3.000" in caught.value.given
+
+
+def test_all_balances_are_found() -> None:
+    """Beside the balance in the throat there is one on the top of the climbing flange, and it is unstable."""
+    result = solve(WheelsetCurveCase, equilibria="all", order=1)
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.stable is True
+    (other,) = result.others
+    assert other.stable is False
+    assert other.balance.resulting_error < 1e-9
+    rigid = [position.motion.lateral_mm for position in result.model.rest.equilibrium.positions]
+    assert [result.equilibrium.motion.lateral_mm, other.motion.lateral_mm] == pytest.approx(rigid, abs=2.0)
 
 
 def test_the_load_in_the_axes_of_the_track() -> None:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from flangeway.materials import Elastic
-from flangeway.railway.equilibrium import _jacobian, balance_of, contact_at, find_equilibrium
+from flangeway.railway.balance import balance_of, jacobian_of
+from flangeway.railway.equilibrium import contact_at, find_equilibrium
 from flangeway.railway.model import Discretisation, Load, WheelsetProblem, build_model
 from flangeway.railway.profiles import rail, wheel
 from flangeway.railway.result import WheelsetResult, solve_wheelset
@@ -114,9 +115,9 @@ def test_the_forces_hardly_depend_on_the_path(coarse) -> None:
 def test_jacobian_of_the_balance(coarse, motion: WheelsetMotion) -> None:
     """The exact Jacobian of the balance agrees with central differences to 1e-5."""
     model, response = coarse
-    motion = model.touch_motion.moved(motion)
+    motion = model.start_motion.moved(motion)
     state = contact_at(model, response, motion)
-    exact = _jacobian(model, response, motion, state)
+    exact = jacobian_of(model, response, motion, state)
     steps = (1e-6, 1e-6, 1e-9)
     for column, change in enumerate(np.eye(3) * steps):
         ends = []

@@ -12,8 +12,9 @@ from flangeway import cli
 from flangeway.errors import InputError
 from flangeway.railway.profiles import wheel
 from flangeway.railway.rigid_contact import contact_locus
+from flangeway.railway.throat import with_wide_throat
 from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import GEOMETRY_CASES, find_geometry_case, with_wide_throat
+from flangeway.study.rigid_case import GEOMETRY_CASES, find_geometry_case
 
 
 @pytest.fixture
@@ -109,9 +110,9 @@ def test_wrong_input_is_explained(command, arguments, words):
 
 def test_unequal_wheels_swing_aside():
     """A left wheel that is 0.2 mm smaller moves the place of equal radii to the left by that over twice the slope."""
-    values = {"left_tape_radius_mm": 474.4, "tape_radius_mm": 474.6, "step_mm": 0.1}
+    values = {"left_wheel_radius_mm": 474.4, "wheel_radius_mm": 474.6, "wheel_radius_at": "tape-line", "step_mm": 0.1}
     found = contact_locus(
-        find_geometry_case("wheelset-tangent", values).wheelset(), np.linspace(-8.0, 0.0, 81), roll=False
+        find_geometry_case("wheelset-tangent", values).curves(), np.linspace(-8.0, 0.0, 81), roll=False
     )
     assert found.rolling_radius_difference_mm[-1] == pytest.approx(0.2, abs=1e-6)
     at = np.interp(0.0, found.rolling_radius_difference_mm, found.lateral_mm)
@@ -127,8 +128,8 @@ def test_profiles_from_files_run_through(tmp_path):
     header = "# unit = mm\n# kind = wheel\n# origin = tape\n"
     file.write_text(header + "\n".join(f"{x:.5f} {y:.5f}" for x, y in points) + "\n", encoding="utf-8")
     values = {"left_wheel": str(file), "wheel_body": "S1002", "step_mm": 0.05}
-    mixed = find_geometry_case("s1002-60e1", values).wheelset()
-    plain = find_geometry_case("s1002-60e1", {}).wheelset()
+    mixed = find_geometry_case("s1002-60e1", values).curves()
+    plain = find_geometry_case("s1002-60e1", {}).curves()
     lateral = np.linspace(-5.5, 5.5, 23)
     one, other = contact_locus(mixed, lateral), contact_locus(plain, lateral)
     assert np.abs(one.vertical_mm - other.vertical_mm).max() < 0.005

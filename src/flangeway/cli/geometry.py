@@ -33,7 +33,7 @@ def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, 
         from flangeway.study.rigid_case import find_geometry_case  # noqa: PLC0415
 
         inputs = find_geometry_case(case, settings_of(set_, "a wrong key lists the right ones"))
-        inputs.wheelset()
+        inputs.curves()
         folder = out or Path("out", f"geometry-{case}")
         check_geometry_folder(folder)
         with progress_shown() as progress:

@@ -11,6 +11,7 @@ from flangeway.errors import InputError
 
 Method = Literal["fem", "vem"]
 Role = Literal["rail", "wheel"]
+ROLES: tuple[Role, Role] = ("wheel", "rail")
 Choice = Literal["auto", "rail", "wheel"]
 PairingName = Literal["node-to-segment", "segment-to-segment"]
 EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]

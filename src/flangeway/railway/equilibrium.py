@@ -6,15 +6,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.railway.balance import Balance, balance_of, is_stable, jacobian_of
 from flangeway.railway.model import WheelsetModel
 from flangeway.railway.track import WheelsetMotion
 from flangeway.solve import BodyResponse, ContactState, Status, follow, solve_contact
-from flangeway.solve.sensitivity import QUARTER_TURN, motion_derivatives
 
 Floats = NDArray[np.float64]
-
-LATERAL_REFERENCE_N = 28.4e3
-"""Reference of the lateral error in both situations: the centrifugal force of the curve (seed 7.2.2)."""
 
 FIRST_PENETRATION_MM = 0.1
 FIRST_CAP = np.array([0.3, 0.3, 3e-4])  # mm, mm, rad: the lateral stiffness jumps when a flange touches
@@ -30,30 +27,8 @@ DOWN = np.array([False, True, False])
 WORSE = 4.0
 """Growth of the error above which a step is taken back and tried at a quarter of its length."""
 
-
-@dataclass(frozen=True)
-class Balance:
-    """Relative errors of the equilibrium (seed 7.2.2).
-
-    Parameters
-    ----------
-    vertical_error
-        Residual of the vertical force over the load.
-    lateral_error
-        Residual of the lateral force over 28.4 kN.
-    moment_error
-        Residual of the moment about the barycentre over the moment of one side's contact forces.
-
-    """
-
-    vertical_error: float
-    lateral_error: float
-    moment_error: float
-
-    @property
-    def resulting_error(self) -> float:
-        """Root of the sum of squares of the three errors."""
-        return float(np.linalg.norm([self.vertical_error, self.lateral_error, self.moment_error]))
+FARTHEST = np.array([30.0, 30.0, 0.05])
+"""Motion in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +45,10 @@ class Equilibrium:
         Errors of the equilibrium in the current configuration.
     state
         Contact forces and displacements of the surfaces.
+    stable
+        Whether the wheelset comes back after a small push; None where that has no meaning: not in balance, or held.
+    history
+        Errors at each position that the search tried, in order.
 
     """
 
@@ -77,70 +56,142 @@ class Equilibrium:
     motion: WheelsetMotion
     balance: Balance
     state: ContactState
+    stable: bool | None = None
+    history: tuple[Balance, ...] = ()
 
 
 def find_equilibrium(
     model: WheelsetModel,
     response: BodyResponse,
     progress: Callable[[str], None] = lambda _: None,
+    start: WheelsetMotion | None = None,
 ) -> Equilibrium:
     """Find the components of the motion that are not prescribed by Newton's method with the exact Jacobian.
 
-    The search starts a little below the place where rigid wheels would rest, where the forces have derivatives. Steps
-    are limited; the limit grows while they lead on and shrinks when one makes the balance much worse.
+    The search starts a little below a place where rigid wheels rest, where the forces have derivatives. Steps are
+    limited; the limit grows while they lead on and shrinks when one makes the balance much worse.
+
+    Parameters
+    ----------
+    model, response
+        The wheelset and its bodies.
+    progress
+        Called with a sentence after each step.
+    start
+        Where rigid wheels rest; the model's own by default.
+
     """
-    free = np.array([value is None for value in model.problem.prescribed.components])
-    # down first: a wheelset that hangs on its flanges slips aside before they have pushed the rails apart
-    now = free & DOWN if (free & DOWN).any() else free
-    motion = _start(model)
-    state = contact_at(model, response, motion)
-    best: Equilibrium | None = None
-    growth, last_error = 1.0, np.inf
-    safe = (motion, state)
-    for iteration in range(MAX_ITERATIONS):
-        residual, balance = balance_of(model, response, motion, state)
-        error = _error(balance, now)
-        if error < LOWERED and now is not free:
-            now, growth, last_error = free, 1.0, np.inf
-            error = _error(balance, free)
-        progress(f"balance {error:.1e} after {iteration} steps")
-        failed = not state.status.converged or not state.forces.any()
-        if iteration and (failed or error > WORSE * last_error) and growth > SMALLEST_GROWTH and best is None:
-            growth /= 4.0
-            motion, state = safe
-            residual, balance = balance_of(model, response, motion, state)
-        elif failed:
-            failure = f"the contact forces were not found: {state.status.message}"
-            if state.status.converged:
-                failure = "the wheels left the rails; check the load and the profiles"
-            return Equilibrium(Status(False, failure, iteration), motion, balance, state)
-        else:
-            if best is not None and error >= _error(best.balance, free):
-                return best  # round-off: the last step was no better
-            if error <= ACCEPTED and now is free:
-                message = f"contact forces balance the load to {error:.1e}"
-                best = Equilibrium(Status(True, message, iteration), motion, balance, state)
-                if error <= TOLERANCE or not free.any():
-                    return best
-            last_error, safe = error, (motion, state)
-        if not free.any():
-            message = "contact forces at the prescribed position"
-            return Equilibrium(Status(True, message, iteration), motion, balance, state)
-        step, limited = _step(model, response, motion, state, residual, growth * FIRST_CAP, now)
-        growth = min(2.0 * growth, LARGEST_GROWTH) if limited and safe[1] is state else growth
-        target = motion.moved(WheelsetMotion(*step))
-        state = contact_at(model, response, target, safe)
-        motion = target
-    failure = (
-        f"no balance in {MAX_ITERATIONS} steps, error {error:.1e}; check that these profiles can bear the load, and "
-        "that load and Young's modulus are in the stated units"
-    )
-    return best or Equilibrium(Status(False, failure, MAX_ITERATIONS), motion, balance, state)
+    return _Search(model, response, progress, model.start_motion if start is None else start).run()
 
 
-def _start(model: WheelsetModel) -> WheelsetMotion:
+class _Search:
+    """The state of a search."""
+
+    def __init__(
+        self, model: WheelsetModel, response: BodyResponse, progress: Callable[[str], None], start: WheelsetMotion
+    ) -> None:
+        self.model, self.response, self.progress = model, response, progress
+        self.free = np.array([value is None for value in model.problem.prescribed.components])
+        # down first: a wheelset that hangs on its flanges slips aside before they have pushed the rails apart
+        self.now = self.free & DOWN if (self.free & DOWN).any() else self.free
+        self.start = start
+        self.motion = _pressed(model, start)
+        self.state = contact_at(model, response, self.motion, start=start)
+        self.residual, self.balance = balance_of(model, response, self.motion, self.state)
+        self.growth, self.last_error = 1.0, np.inf
+        self.safe = (self.motion, self.state)
+        self.best: Equilibrium | None = None
+        self.history: list[Balance] = []
+
+    def run(self) -> Equilibrium:
+        for iteration in range(MAX_ITERATIONS):
+            error = self._error()
+            self.history.append(self.balance)
+            self.progress(f"balance {error:.1e} after {iteration} steps")
+            lost = not self.state.status.converged or not self.state.forces.any()
+            if not self.free.any() and not lost:
+                return self._found(Status(True, "contact forces at the prescribed position", iteration))
+            if iteration and (lost or error > WORSE * self.last_error) and self._can_go_back():
+                self.growth /= 4.0
+                self._be_at(*self.safe)
+                limited = False
+            elif lost or self._is_away():
+                return self._found(Status(False, self._why(), iteration))
+            else:
+                if self._is_done(error, iteration) and self.best is not None:
+                    return self.best
+                self.last_error, self.safe = error, (self.motion, self.state)
+                limited = True
+            self._advance(may_grow=limited)
+        failure = (
+            f"no balance in {MAX_ITERATIONS} steps, error {self._error():.1e}; check that these profiles can bear the "
+            "load, and that load and Young's modulus are in the stated units"
+        )
+        return self.best or self._found(Status(False, failure, MAX_ITERATIONS))
+
+    def _error(self) -> float:
+        """Error of what is free now; once the weight is borne, of all that is not prescribed."""
+        error = self.balance.error_of(self.now)
+        if error < LOWERED and self.now is not self.free:
+            self.now, self.growth, self.last_error = self.free, 1.0, np.inf
+            error = self.balance.error_of(self.free)
+        return error
+
+    def _is_done(self, error: float, iteration: int) -> bool:
+        if self.best is not None and error >= self.best.balance.resulting_error:
+            return True  # round-off: the last step was no better
+        if error > ACCEPTED or self.now is not self.free:
+            return False
+        self.best = self._found(Status(True, f"contact forces balance the load to {error:.1e}", iteration))
+        return error <= TOLERANCE
+
+    def _can_go_back(self) -> bool:
+        return self.growth > SMALLEST_GROWTH and self.best is None
+
+    def _is_away(self) -> bool:
+        return bool((np.abs(np.array(self.motion.components) - self.start.components) > FARTHEST).any())
+
+    def _why(self) -> str:
+        if not self.state.status.converged:
+            return f"the contact forces were not found: {self.state.status.message}"
+        return "the wheels left the rails; check the load and the profiles"
+
+    def _found(self, status: Status) -> Equilibrium:
+        stable = None
+        if status.converged and self.free.all():
+            jacobian = jacobian_of(self.model, self.response, self.motion, self.state)
+            stable = is_stable(self.model, self.motion, jacobian)
+        return Equilibrium(status, self.motion, self.balance, self.state, stable, tuple(self.history))
+
+    def _be_at(self, motion: WheelsetMotion, state: ContactState) -> None:
+        self.motion, self.state = motion, state
+        self.residual, self.balance = balance_of(self.model, self.response, motion, state)
+
+    def _advance(self, *, may_grow: bool) -> None:
+        step, limited = self._step()
+        if limited and may_grow:
+            self.growth = min(2.0 * self.growth, LARGEST_GROWTH)
+        target = self.motion.moved(WheelsetMotion(*step))
+        self._be_at(target, contact_at(self.model, self.response, target, self.safe))
+
+    def _step(self) -> tuple[Floats, bool]:
+        """Newton's step of the free components within a cap, and whether the cap limited it."""
+        jacobian = jacobian_of(self.model, self.response, self.motion, self.state)
+        cap, free = self.growth * FIRST_CAP, self.now
+        step = np.zeros(3)
+        system = jacobian[np.ix_(free, free)]
+        # one wheel alone may have no stiffness in some direction: the least of all steps then
+        step[free] = np.linalg.lstsq(system * cap[free], -self.residual[free], rcond=1e-14)[0] * cap[free]
+        if np.array_equal(free, DOWN) and step[1] * self.residual[1] < 0.0:
+            # where a flange gives way the force falls as the wheelset sinks: go on
+            step[1] = np.sign(self.residual[1]) * cap[1]
+        excess = float((np.abs(step) / cap).max())
+        return step / max(1.0, excess), excess > 1.0
+
+
+def _pressed(model: WheelsetModel, start: WheelsetMotion) -> WheelsetMotion:
     """Return a position in which both wheels press on the rails, with what is prescribed."""
-    rest = model.start_motion.moved(WheelsetMotion(vertical_mm=-FIRST_PENETRATION_MM))
+    rest = start.moved(WheelsetMotion(vertical_mm=-FIRST_PENETRATION_MM))
     given = model.problem.prescribed
     return WheelsetMotion(
         rest.lateral_mm if given.lateral_mm is None else given.lateral_mm,
@@ -149,115 +200,37 @@ def _start(model: WheelsetModel) -> WheelsetMotion:
     )
 
 
-def _error(balance: Balance, free: NDArray[np.bool_]) -> float:
-    """Resulting error of the balance of what is not prescribed."""
-    return float(np.linalg.norm(np.array([balance.lateral_error, balance.vertical_error, balance.moment_error])[free]))
-
-
-def _step(
-    model: WheelsetModel,
-    response: BodyResponse,
-    motion: WheelsetMotion,
-    state: ContactState,
-    residual: Floats,
-    cap: Floats,
-    free: NDArray[np.bool_],
-) -> tuple[Floats, bool]:
-    """Newton's step of the free components within a cap, and whether the cap limited it."""
-    jacobian = _jacobian(model, response, motion, state)
-    step = np.zeros(3)
-    system = jacobian[np.ix_(free, free)]
-    # one wheel alone may have no stiffness in some direction: the least of all steps then
-    step[free] = np.linalg.lstsq(system * cap[free], -residual[free], rcond=1e-14)[0] * cap[free]
-    if np.array_equal(free, DOWN) and step[1] * residual[1] < 0.0:
-        # where a flange gives way the force falls as the wheelset sinks: go on
-        step[1] = np.sign(residual[1]) * cap[1]
-    excess = float((np.abs(step) / cap).max())
-    return step / max(1.0, excess), excess > 1.0
-
-
 def contact_at(
     model: WheelsetModel,
     response: BodyResponse,
     motion: WheelsetMotion,
     known: tuple[WheelsetMotion, ContactState] | None = None,
+    *,
+    start: WheelsetMotion | None = None,
 ) -> ContactState:
-    """Contact forces at a position of the wheelset, by adaptive steps from a known one or from first touch."""
-    start, state = known if known is not None else (model.start_motion, None)
+    """Contact forces at a position of the wheelset, by adaptive steps from a known one.
+
+    Parameters
+    ----------
+    model, response
+        The wheelset and its bodies.
+    motion
+        The position.
+    known
+        A position and its contact forces.
+    start
+        Without a known one: where the wheels only just touch; the model's rigid rest by default.
+
+    """
+    origin, state = known if known is not None else (model.start_motion if start is None else start, None)
     change = WheelsetMotion(
-        motion.lateral_mm - start.lateral_mm,
-        motion.vertical_mm - start.vertical_mm,
-        motion.roll_rad - start.roll_rad,
+        motion.lateral_mm - origin.lateral_mm,
+        motion.vertical_mm - origin.vertical_mm,
+        motion.roll_rad - origin.roll_rad,
     )
 
     def solve_at(part: float, from_state: ContactState | None) -> ContactState:
-        placements = model.placements(start.moved(change, part))
+        placements = model.placements(origin.moved(change, part))
         return solve_contact(response, model.system, placements, start=from_state)
 
     return follow(solve_at, state)
-
-
-def wheel_forces(model: WheelsetModel, response: BodyResponse, state: ContactState) -> Floats:
-    """Contact forces on the wheels' surface nodes, zero on the rails', shape (n_nodes, 2)."""
-    moves = model.moving[response.body_of_node]
-    return np.where(moves[:, None], state.nodal_forces, 0.0)
-
-
-def balance_of(
-    model: WheelsetModel, response: BodyResponse, motion: WheelsetMotion, state: ContactState
-) -> tuple[Floats, Balance]:
-    """Residual of the wheelset's equilibrium and its relative errors, in the current configuration.
-
-    Returns
-    -------
-    tuple
-        Lateral force, vertical force and moment about the barycentre in the track's axes (N, N, N mm), and the errors.
-        With a prescribed motion, the moment is that about the axle's middle, where the wheelset is held.
-
-    """
-    problem = model.problem
-    along, onto = problem.load.in_track
-    forces = wheel_forces(model, response, state)
-    axle, barycentre = np.array(motion.axle(problem.wheelset)), np.array(motion.barycentre(problem.wheelset))
-    arms = state.positions - barycentre
-    moments = arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]
-    right = np.array([side == "right" for side in model.sides])[response.body_of_node]
-    lateral, vertical = forces.sum(axis=0) + np.array([along, -onto])
-    reference = float(np.abs(moments[right].sum())) or 1.0
-    moment = moments.sum()
-    if _is_held(model):
-        x, y = barycentre - axle
-        moment += x * vertical - y * lateral
-    balance = Balance(
-        float(vertical / problem.load.vertical_N), float(lateral / LATERAL_REFERENCE_N), float(moment / reference)
-    )
-    return np.array([lateral, vertical, moment]), balance
-
-
-def _is_held(model: WheelsetModel) -> bool:
-    return any(value is not None for value in model.problem.prescribed.components)
-
-
-def _jacobian(model: WheelsetModel, response: BodyResponse, motion: WheelsetMotion, state: ContactState) -> Floats:
-    """Derivatives of the residual by lateral and vertical motion and roll, shape (3, 3)."""
-    wheelset = model.problem.wheelset
-    axle, barycentre = np.array(motion.axle(wheelset)), np.array(motion.barycentre(wheelset))
-    derivatives = motion_derivatives(response, state, model.moving, axle)
-    nodes = state.linearisation.nodes
-    on_wheel = model.moving[response.body_of_node[nodes]]
-    force = state.nodal_forces[nodes[on_wheel]]
-    arm = state.positions[nodes[on_wheel]] - barycentre
-    carried = np.column_stack((np.eye(2), QUARTER_TURN @ (barycentre - axle)))
-    arm_change = derivatives.positions[on_wheel] - carried
-    force_change = derivatives.nodal_forces[on_wheel]
-    moment = np.einsum("nq,n->q", arm_change[:, 0], force[:, 1])
-    moment -= np.einsum("nq,n->q", arm_change[:, 1], force[:, 0])
-    moment += np.einsum("n,nq->q", arm[:, 0], force_change[:, 1])
-    moment -= np.einsum("n,nq->q", arm[:, 1], force_change[:, 0])
-    total = force_change.sum(axis=0)
-    if _is_held(model):
-        residual = balance_of(model, response, motion, state)[0]
-        x, y = barycentre - axle
-        moment += x * total[1] - y * total[0]
-        moment[2] += -y * residual[1] - x * residual[0]
-    return np.vstack((total, moment))

@@ -14,11 +14,10 @@ from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Contour, Outline, Placement
 from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.problems import Body, Part
-from flangeway.railway.discretisation import Discretisation, Role
-from flangeway.railway.first_touch import FirstTouch, touching_motion
+from flangeway.railway.discretisation import ROLES, Discretisation, Role
 from flangeway.railway.load import Load
 from flangeway.railway.problem import Prescribed, WheelsetProblem
-from flangeway.railway.standing import Standing
+from flangeway.railway.rest import RigidRest, rigid_rest
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 from flangeway.railway.zones import Zone
 
@@ -33,8 +32,9 @@ FLANGE_MM = 1.0
 MARGIN_MM = 8.0
 """Gap at the rigid rest within which a second place may come into contact: flanges may push the rails apart."""
 
-WIDER = 2.5
-"""Factor on reach and margins each time that zones turn out too small."""
+
+LEAST_CURVATURE_PER_MM = 1e-4
+"""Relative curvature that conforming curves are given for the size of the zones."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,16 +45,10 @@ class WheelsetModel:
     ----------
     problem
         What is modelled.
-    touch_motion
-        Motion of the wheelset from its reference position to first touch.
-    start_motion
+    rest
         Where a rigid wheelset would come to rest: the search for the elastic one starts there.
-    touches
-        First touch of each side, left then right.
     hertz
-        Contact of one wheel by Hertz's theory for half the load and the curvatures at first touch: sets the zones.
-    bodies
-        Body of each part by the part's name; equal profiles share one, mirrored.
+        Contact of one wheel by Hertz's theory for half the load and the curvatures at rest: sets the zones.
     system
         The contacts of both sides.
     parts
@@ -65,13 +59,16 @@ class WheelsetModel:
     """
 
     problem: WheelsetProblem
-    touch_motion: WheelsetMotion
-    start_motion: WheelsetMotion
-    touches: tuple[FirstTouch, ...]
+    rest: RigidRest
     hertz: LineContact
     system: ContactSystem
     parts: dict[str, Part]
     zones: dict[str, Zone]
+
+    @property
+    def start_motion(self) -> WheelsetMotion:
+        """Motion from the reference position to where the rigid wheelset rests."""
+        return self.rest.motion
 
     @property
     def wheel(self) -> Body:
@@ -116,13 +113,12 @@ def build_model(
     problem: WheelsetProblem,
     progress: Callable[[str], None] = lambda _: None,
     *,
-    widenings: int = 0,
     whole: bool = False,
 ) -> WheelsetModel:
     """Mesh the bodies, fine where they can touch, and pair their surfaces.
 
-    The candidate zones go round the places where rigid wheels touch or nearly touch, at first touch or where the load
-    takes them, with two half widths of Hertz's contact and what the bending of the rail shifts beyond.
+    The candidate zones go round the places where rigid wheels touch or nearly touch where the load takes them, with two
+    half widths of Hertz's contact and what the bending of the rail shifts beyond.
 
     Parameters
     ----------
@@ -130,8 +126,6 @@ def build_model(
         What stands where.
     progress
         Called with a sentence at each stage.
-    widenings
-        How often the zones have turned out too small.
     whole
         Zones over the whole running surfaces and heads, for contact anywhere.
 
@@ -142,23 +136,19 @@ def build_model(
 
     """
     settings = problem.discretisation
-    touch_motion, touches = touching_motion(problem.track, problem.wheelset)
-    right = touches[SIDES.index("right")]
-    materials = (problem.material_of("wheel"), problem.material_of("rail"))
+    rest = rigid_rest(problem)
     hertz = LineContact(
         problem.load.vertical_N / 2.0 / problem.thickness_mm,
-        max(right.relative_curvature_per_mm, 1e-4),
-        contact_modulus(*(material.plane_modulus for material in materials)),
+        max(rest.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
+        contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
     )
-    start, zones = _zones(problem, touch_motion, touches, 2.0 * hertz.half_width + BENDING_MM, WIDER**widenings)
-    if whole:
-        zones = {name: Zone(zone.places, math.inf) for name, zone in zones.items()}
+    zones = _zones(problem, rest, math.inf if whole else 2.0 * hertz.half_width + BENDING_MM)
     wheelset, track = problem.wheelset, problem.track
     bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}
     for side in SIDES:
-        for kind, placement in (("wheel", wheelset.placement(side)), ("rail", track.placement(side))):
-            role: Role = "wheel" if kind == "wheel" else "rail"
+        for role in ROLES:
+            placement = wheelset.placement(side) if role == "wheel" else track.placement(side)
             profile = wheelset.wheel_of(side) if role == "wheel" else track.rail_of(side)
             name = f"{role}-{side}"
             if (role, id(profile)) not in bodies:
@@ -173,43 +163,22 @@ def build_model(
             primary, secondary = secondary, primary
         second, first = (Surface(parts[name], edges[name], curves[name]) for name in (secondary, primary))
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
-    return WheelsetModel(problem, touch_motion, start, tuple(touches), hertz, ContactSystem(contacts), parts, zones)
+    return WheelsetModel(problem, rest, hertz, ContactSystem(contacts), parts, zones)
 
 
-def _zones(
-    problem: WheelsetProblem, touch_motion: WheelsetMotion, touches: list[FirstTouch], reach: float, wider: float
-) -> tuple[WheelsetMotion, dict[str, Zone]]:
-    """Rest of the rigid wheelset, and the zone of each part; equal profiles of both sides share one zone."""
-    track, wheelset = problem.track, problem.wheelset
-    standing = Standing(track, wheelset)
-    start = touch_motion
-    shift = problem.prescribed.lateral_mm
-    if shift is not None:
-        start = standing.at(shift)
-    elif problem.load.in_track[0] != 0.0 or not standing.is_symmetric:
-        start = standing.rest(problem.load)
-    places: dict[str, list[tuple[float, float]]] = {
-        f"{role}-{side}": [] for side in SIDES for role in ("wheel", "rail")
-    }
-    if start is touch_motion:
-        for touch in touches:
-            places[f"wheel-{touch.side}"].append(touch.wheel_point_mm)
-            places[f"rail-{touch.side}"].append(touch.rail_point_mm)
-    farther = FLANGE_MM * wider
-    aside = np.sign(start.lateral_mm) or 1.0
-    extras = [0.0, aside * farther / 2.0, aside * farther]
-    if start is touch_motion:
-        extras = [0.0] if wider == 1.0 else [-farther, 0.0, farther]
-    for extra in extras:
-        near = standing.near_places(start.moved(WheelsetMotion(lateral_mm=extra)), MARGIN_MM * wider)
-        for side, (on_wheel, on_rail) in near.items():
-            places[f"wheel-{side}"] += [(float(x), float(y)) for x, y in on_wheel]
-            places[f"rail-{side}"] += [(float(x), float(y)) for x, y in on_rail]
-    if track.rail_of("left") is track.rail_of("right"):
+def _zones(problem: WheelsetProblem, rest: RigidRest, reach: float) -> dict[str, Zone]:
+    """Zone of each part; equal profiles of both sides share one zone."""
+    aside = math.copysign(FLANGE_MM, rest.motion.lateral_mm) if abs(rest.motion.lateral_mm) > FLANGE_MM else 0.0
+    near = rest.near_places((0.0, 0.5 * aside, aside) if aside else (0.0,), MARGIN_MM)
+    places = {}
+    for side, (on_wheel, on_rail) in near.items():
+        places[f"wheel-{side}"] = [(float(x), float(y)) for x, y in on_wheel]
+        places[f"rail-{side}"] = [(float(x), float(y)) for x, y in on_rail]
+    if problem.track.is_symmetric:
         places["rail-left"] = places["rail-right"] = places["rail-left"] + places["rail-right"]
-    if wheelset.wheel_of("left") is wheelset.wheel_of("right"):
+    if problem.wheelset.left_wheel is None:
         places["wheel-left"] = places["wheel-right"] = places["wheel-left"] + places["wheel-right"]
-    return start, {name: Zone(tuple(at), reach * wider) for name, at in places.items()}
+    return {name: Zone(tuple(at), reach) for name, at in places.items()}
 
 
 def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple[Body, NDArray[np.int32], Contour]:

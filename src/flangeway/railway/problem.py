@@ -57,6 +57,8 @@ class WheelsetProblem:
         Where it differs from `material`.
     prescribed
         Components of the motion that are given instead of found.
+    all_equilibria
+        Whether further balances are looked for, from every position in which rigid wheels are in balance.
 
     """
 
@@ -69,6 +71,7 @@ class WheelsetProblem:
     wheel_material: Elastic | None = None
     rail_material: Elastic | None = None
     prescribed: Prescribed = field(default_factory=Prescribed)
+    all_equilibria: bool = False
 
     def material_of(self, body: Role) -> Elastic:
         """Material of a kind of body."""

@@ -22,8 +22,8 @@ Floats = NDArray[np.float64]
 
 FEWEST_NODES = 8
 
-MOST_WIDENINGS = 1
-"""How often the computation is done again with wider candidate zones."""
+SAME_MM = 1e-3
+"""Distance of two balances, in mm and rad, below which they are one."""
 
 GAUGE_SIDE = np.tan(np.deg2rad(15.0))
 """Slope of the contact from which it is named after the gauge corner."""
@@ -87,6 +87,8 @@ class WheelsetResult:
         Seconds for meshing, assembly, factorisation, contact, and post-processing.
     warnings
         Sentences about what limits the result.
+    others
+        Further balances, if more than one was found.
 
     """
 
@@ -98,6 +100,7 @@ class WheelsetResult:
     displacements: dict[str, Floats]
     timings_s: dict[str, float]
     warnings: tuple[str, ...]
+    others: tuple[Equilibrium, ...] = ()
 
     @property
     def approach_mm(self) -> float:
@@ -136,9 +139,9 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
 
     """
     timings: dict[str, float] = {}
-    for widenings in range(MOST_WIDENINGS + 1):
+    for whole in (False, True):
         with _timed(timings, "meshing"):
-            model = build_model(problem, progress, widenings=widenings)
+            model = build_model(problem, progress, whole=whole)
         with _timed(timings, "assembly"):
             progress("assembling the stiffness")
             n_unknowns = sum(body.stiffness.n for body in model.bodies)
@@ -146,14 +149,15 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
             progress(f"condensing {n_unknowns} unknowns to the surfaces")
             response = CondensedBodies(model.system.surface_nodes)
         with _timed(timings, "contact"):
-            equilibrium = find_equilibrium(model, response, progress)
+            equilibrium, *others = _equilibria(model, response, progress, model.rest.starts if whole else ())
             state = equilibrium.state
             patches = tuple(_wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
             missed = missed_contact(model, response, state)
-        if equilibrium.status.converged and not missed and not any(patch.pressure.at_edge for patch in patches):
+        is_whole = not missed and not any(patch.pressure.at_edge for patch in patches)
+        if equilibrium.status.converged and equilibrium.stable is not False and is_whole and not problem.all_equilibria:
             break
-        if widenings < MOST_WIDENINGS:
-            progress("the candidate zones were too small: again with wider ones")
+        if not whole:
+            progress("once more with contact anywhere on the running surfaces")
     with _timed(timings, "post-processing"):
         progress("recovering the fields")
         fields = response.fields(response.rotations(state.placements), state.nodal_forces)
@@ -168,7 +172,32 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
         dict(zip(names, fields, strict=True)),
         timings,
         warnings,
+        tuple(others),
     )
+
+
+def _equilibria(
+    model: WheelsetModel,
+    response: CondensedBodies,
+    progress: Callable[[str], None],
+    starts: tuple[WheelsetMotion, ...],
+) -> list[Equilibrium]:
+    """Balances from some starts, those that are stable first; without starts that from the model's own."""
+    found: list[Equilibrium] = []
+    for start in starts or (model.start_motion,):
+        new = find_equilibrium(model, response, progress, start)
+        if not any(_is_same(new, other) for other in found):
+            found.append(new)
+        if new.status.converged and new.stable is not False and not model.problem.all_equilibria:
+            break
+    found.sort(key=lambda each: (not each.status.converged, each.stable is False))
+    return [found[0], *(each for each in found[1:] if each.status.converged)]
+
+
+def _is_same(one: Equilibrium, other: Equilibrium) -> bool:
+    if not (one.status.converged and other.status.converged):
+        return False
+    return bool(np.allclose(one.motion.components, other.motion.components, rtol=0.0, atol=SAME_MM))
 
 
 @contextmanager
@@ -216,6 +245,8 @@ def _judged(
     if missed and status.converged:
         message = f"wheel and rail overlap outside of the candidate zone on the {' and '.join(missed)} side"
         status = Status(False, message + "; check the profiles, the gauge and the load", status.iterations)
+    if equilibrium.stable is False:
+        warnings.append("the balance is unstable: a small push carries the wheelset away from it")
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
     if lost and status.converged:
         warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")

@@ -44,37 +44,21 @@ class RigidWheelset:
         The sides, each in its right-hand form.
     reference_height_mm
         Height of the axle's middle over the top of the rails in the reference position.
+    barycentre_height_mm
+        Height above the axle's middle of the point where a load acts.
 
     """
 
     left: RigidSide
     right: RigidSide
     reference_height_mm: float
+    barycentre_height_mm: float = Wheelset.barycentre_height_mm
 
     @classmethod
     def of(cls, track: Track, wheelset: Wheelset) -> "RigidWheelset":
         """Return the rigid curves of a wheelset on a track."""
         left, right = (RigidSide.of(track, wheelset, side) for side in SIDES)
-        return cls(left, right, wheelset.tape_radius_mm)
-
-    def with_gauge(self, gauge_mm: float, depth_mm: float) -> "RigidWheelset":
-        """Return the wheelset on rails set to a gauge that is measured below their tops.
-
-        Parameters
-        ----------
-        gauge_mm
-            Distance of the gauge faces.
-        depth_mm
-            Depth below the rail's top at which it is measured, 14 in Europe, 15.875 in North America.
-
-        Raises
-        ------
-        InputError
-            If a rail has no gauge face at that depth.
-
-        """
-        left, right = (side.with_gauge_face(0.5 * gauge_mm, depth_mm) for side in (self.left, self.right))
-        return RigidWheelset(left, right, self.reference_height_mm)
+        return cls(left, right, wheelset.tape_radius_mm, wheelset.barycentre_height_mm)
 
     def side(self, side: Side) -> RigidSide:
         """Curves of a side."""

@@ -14,6 +14,7 @@ from scipy.optimize import nnls
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
+from flangeway.railway.load import Load
 from flangeway.railway.rigid_contact import (
     ContactLocus,
     RigidWheelset,
@@ -37,75 +38,6 @@ _ASIDE_MM = 0.05
 _NEAR_MM = 1e-6
 _ONE_POINT_MM = 1e-2
 _REACH_MM = 40.0
-
-
-@dataclass(frozen=True)
-class RigidLoad:
-    """Forces at the car's barycentre, in space: x horizontal to the right, y up.
-
-    Parameters
-    ----------
-    vertical_N
-        Weight, down, > 0.
-    lateral_N
-        Horizontal force to the right; the centrifugal force of a curve to the left.
-    tilt_rad
-        Rotation of the track by its superelevation, counter-clockwise: positive lifts the right rail.
-    barycentre_height_mm
-        Height above the axle's middle of the point where the forces act.
-
-    Raises
-    ------
-    InputError
-        If the weight is not positive or a number is not finite.
-
-    """
-
-    vertical_N: float  # noqa: N815 (the unit newton)
-    lateral_N: float = 0.0  # noqa: N815
-    tilt_rad: float = 0.0
-    barycentre_height_mm: float = 1457.7
-
-    def __post_init__(self) -> None:
-        if not (math.isfinite(self.vertical_N) and self.vertical_N > 0.0):
-            raise InputError(
-                f"RigidLoad(vertical_N={self.vertical_N})",
-                "a positive weight: it presses the wheels on the rails",
-                "give the load of the axle in N, 300000 for 30 t",
-            )
-        for name in ("lateral_N", "tilt_rad", "barycentre_height_mm"):
-            if not math.isfinite(getattr(self, name)):
-                raise InputError(f"RigidLoad({name}={getattr(self, name)})", "a finite number", "leave it out")
-
-    @property
-    def in_track(self) -> tuple[float, float]:
-        """Force along the track's plane to the right and force onto it, in N."""
-        cosine, sine = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
-        along = self.lateral_N * cosine - self.vertical_N * sine
-        onto = self.vertical_N * cosine + self.lateral_N * sine
-        return along, onto
-
-
-def centrifugal_force(mass_kg: float, speed_km_h: float, radius_m: float) -> float:
-    """Centrifugal force of a mass in a curve in N, ``m v^2 / R``."""
-    if not (mass_kg > 0.0 and radius_m > 0.0 and math.isfinite(speed_km_h)):
-        raise InputError(
-            f"a mass of {mass_kg} kg in a curve of {radius_m} m",
-            "a positive mass and a positive radius",
-            "give the mass that one axle carries",
-        )
-    return mass_kg * (speed_km_h / 3.6) ** 2 / radius_m
-
-
-def superelevation_tilt(superelevation_mm: float, base_mm: float) -> float:
-    """Tilt of a track in rad whose outer rail is higher by `superelevation_mm` over a base width."""
-    if not (base_mm > 0.0 and abs(superelevation_mm) < base_mm):
-        raise InputError(
-            f"a superelevation of {superelevation_mm} mm over {base_mm} mm",
-            "less than the base width",
-            "give both in mm; the base is the distance of the rails' middles, or the gauge",
-        )
-    return math.asin(superelevation_mm / base_mm)
 
 
 @dataclass(frozen=True)
@@ -201,10 +133,8 @@ class RigidEquilibrium:
 
     Parameters
     ----------
-    status
-        Whether there is a balance that the wheelset reaches from the middle of the track; if not, why.
-    position
-        That balance; None if there is none.
+    outcome
+        The balance that the wheelset reaches from the middle of the track; without one the error that says why.
     positions
         All balances between climbing flanges, from left to right.
     load_ratio
@@ -212,13 +142,39 @@ class RigidEquilibrium:
 
     """
 
-    status: Status
-    position: RigidPosition | None
+    outcome: RigidPosition | InputError
     positions: tuple[RigidPosition, ...]
     load_ratio: float
 
+    @property
+    def position(self) -> RigidPosition | None:
+        """The balance that is reached; None if there is none."""
+        return None if isinstance(self.outcome, InputError) else self.outcome
 
-def rigid_equilibrium(wheelset: RigidWheelset, load: RigidLoad) -> RigidEquilibrium:
+    @property
+    def status(self) -> Status:
+        """Whether there is a balance that the wheelset reaches from the middle of the track; if not, why."""
+        if isinstance(self.outcome, InputError):
+            error = self.outcome
+            return Status(False, f"{error.given}; allowed is {error.allowed}; {error.advice}", 0)
+        lateral, n_points = self.outcome.motion.lateral_mm, len(self.outcome.contacts)
+        return Status(True, f"in balance at a lateral motion of {lateral:.3f} mm on {n_points} points", 0)
+
+    def reached(self) -> RigidPosition:
+        """Return the balance that is reached.
+
+        Raises
+        ------
+        InputError
+            If there is none: the load overturns the wheelset, or carries a flange over its rail.
+
+        """
+        if isinstance(self.outcome, InputError):
+            raise self.outcome
+        return self.outcome
+
+
+def rigid_equilibrium(wheelset: RigidWheelset, load: Load) -> RigidEquilibrium:
     """Find all positions in which a load is in balance, and the one that is reached from the middle.
 
     Parameters
@@ -250,17 +206,18 @@ def rigid_equilibrium(wheelset: RigidWheelset, load: RigidLoad) -> RigidEquilibr
             for i, place in enumerate(places)
         ]
     along, onto = load.in_track
-    ratios = held_ratios(wheelset, path, load)
+    ratios = held_ratios(wheelset, path)
     middle = int(np.argmin(np.abs(path.rail_level)))
     reached = _reached(derivative[middle], middle, places, rising)
     position = None if reached is None else positions[reached]
-    status = _status(position, load, path, ratios, along / onto)
-    return RigidEquilibrium(
-        status,
-        position if position is not None and position.bears else None,
-        tuple(each for each in positions if each.bears),
-        along / onto,
-    )
+    outcome: RigidPosition | InputError
+    if position is None:
+        outcome = _derailment(path, ratios, along / onto)
+    elif not position.bears:
+        outcome = _overturning(wheelset, position, along / onto)
+    else:
+        outcome = position
+    return RigidEquilibrium(outcome, tuple(each for each in positions if each.bears), along / onto)
 
 
 def _slopes(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
@@ -275,21 +232,21 @@ def _slopes(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
     return slopes[0] - roll * arms[0], roll
 
 
-def _work(wheelset: RigidWheelset, path: Settled, load: RigidLoad) -> tuple[Floats, Floats]:
+def _work(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
     """Lift and lateral motion of the barycentre per lateral motion at the rails' height."""
     vertical, roll = _slopes(wheelset, path)
-    height = wheelset.reference_height_mm + load.barycentre_height_mm
+    height = wheelset.reference_height_mm + wheelset.barycentre_height_mm
     return vertical - roll * height * np.sin(path.roll), 1.0 - roll * height * np.cos(path.roll)
 
 
-def _derivative(wheelset: RigidWheelset, path: Settled, load: RigidLoad) -> Floats:
+def _derivative(wheelset: RigidWheelset, path: Settled, load: Load) -> Floats:
     """Derivative of the load's potential along the path."""
     along, onto = load.in_track
-    lift, lateral = _work(wheelset, path, load)
+    lift, lateral = _work(wheelset, path)
     return onto * lift - along * lateral
 
 
-def held_ratios(wheelset: RigidWheelset, path: Settled, load: RigidLoad) -> Floats:
+def held_ratios(wheelset: RigidWheelset, path: Settled) -> Floats:
     """Ratio of lateral to vertical force at the barycentre that is in balance in each position, nan where none is.
 
     Parameters
@@ -298,15 +255,13 @@ def held_ratios(wheelset: RigidWheelset, path: Settled, load: RigidLoad) -> Floa
         Wheels and rails.
     path
         Positions in which both wheels touch.
-    load
-        Gives the height of the barycentre.
 
     """
-    lift, lateral = _work(wheelset, path, load)
+    lift, lateral = _work(wheelset, path)
     return np.where(lateral > 1e-3, lift / np.where(lateral > 1e-3, lateral, 1.0), np.nan)
 
 
-def _zeros(wheelset: RigidWheelset, load: RigidLoad, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _zeros(wheelset: RigidWheelset, load: Load, low: Floats, high: Floats) -> tuple[Floats, Floats]:
     """Narrow intervals in which the derivative passes through zero, by continuous change or by a jump."""
     rows = np.arange(len(low))
     for _ in range(12):
@@ -330,7 +285,7 @@ def _reached(derivative: float, middle: int, places: NDArray[np.int64], rising: 
     return None
 
 
-def _position(wheelset: RigidWheelset, load: RigidLoad, found: Settled, ends: range, stable: bool) -> RigidPosition:
+def _position(wheelset: RigidWheelset, load: Load, found: Settled, ends: range, stable: bool) -> RigidPosition:
     """Forces and points of contact at a zero; positions about it, so that both points of a jump are there."""
     locus = locus_of(wheelset, found)
     motion = locus.motion(ends[0])
@@ -338,8 +293,8 @@ def _position(wheelset: RigidWheelset, load: RigidLoad, found: Settled, ends: ra
     along, onto = load.in_track
     height = wheelset.reference_height_mm + motion.vertical_mm
     barycentre = (
-        motion.lateral_mm - load.barycentre_height_mm * math.sin(motion.roll_rad),
-        height + load.barycentre_height_mm * math.cos(motion.roll_rad),
+        motion.lateral_mm - wheelset.barycentre_height_mm * math.sin(motion.roll_rad),
+        height + wheelset.barycentre_height_mm * math.cos(motion.roll_rad),
     )
     columns = []
     for point in points:
@@ -402,39 +357,25 @@ def _with_force(point: RigidContactPoint, force: float) -> RigidContactPoint:
     )
 
 
-def _status(
-    position: RigidPosition | None, load: RigidLoad, path: Settled, ratios: Floats, load_ratio: float
-) -> Status:
-    """Say what happens to the wheelset."""
+def _derailment(path: Settled, ratios: Floats, load_ratio: float) -> InputError:
     side = "right" if load_ratio >= 0.0 else "left"
-    if position is None:
-        outer = path.right if side == "right" else path.left
-        steepest = float(np.tan(np.nanmax(outer.angle[:, 0])))
-        towards = 1.0 if side == "right" else -1.0
-        held = float(np.nanmax(towards * ratios))
-        return Status(
-            False,
-            f"derailment: the {side} flange climbs its rail; the load's L/V is {abs(load_ratio):.3f}, the contacts "
-            f"hold {held:.3f} at most (flange angle {math.degrees(math.atan(steepest)):.1f} deg, no friction); "
-            "lower the lateral force or speed, or raise the superelevation",
-            0,
-        )
-    if not position.bears:
-        arm = max(
-            abs(point.point_mm[0] - position.motion.lateral_mm) for point in position.contacts if point.side == side
-        )
-        limit = arm / (load.barycentre_height_mm + _wheel_height(position))
-        return Status(
-            False,
-            f"overturning about the {side} rail: the other wheel lifts; the load's L/V is {abs(load_ratio):.3f}, and "
-            f"{limit:.3f} is where it lifts with this height of the barycentre; lower the lateral force, the speed or "
-            "the barycentre, or raise the superelevation",
-            0,
-        )
-    lateral = position.motion.lateral_mm
-    return Status(True, f"in balance at a lateral motion of {lateral:.3f} mm on {len(position.contacts)} points", 0)
+    outer = path.right if side == "right" else path.left
+    steepest = float(np.tan(np.nanmax(outer.angle[:, 0])))
+    held = float(np.nanmax((1.0 if side == "right" else -1.0) * ratios))
+    return InputError(
+        f"a load of L/V {abs(load_ratio):.3f}, which is a derailment: the {side} flange climbs its rail",
+        f"L/V up to {held:.3f}, which the contacts hold (flange angle {math.degrees(math.atan(steepest)):.1f} deg, no "
+        "friction)",
+        "lower the lateral force or the speed, or raise the superelevation",
+    )
 
 
-def _wheel_height(position: RigidPosition) -> float:
-    """Largest rolling radius of the points of contact."""
-    return max(point.rolling_radius_mm for point in position.contacts)
+def _overturning(wheelset: RigidWheelset, position: RigidPosition, load_ratio: float) -> InputError:
+    side = "right" if load_ratio >= 0.0 else "left"
+    arm = max(abs(point.point_mm[0] - position.motion.lateral_mm) for point in position.contacts if point.side == side)
+    height = wheelset.barycentre_height_mm + max(point.rolling_radius_mm for point in position.contacts)
+    return InputError(
+        f"a load of L/V {abs(load_ratio):.3f}, which is overturning about the {side} rail: the other wheel lifts",
+        f"L/V up to {arm / height:.3f}, at which it lifts with this height of the barycentre",
+        "lower the lateral force, the speed or the barycentre, or raise the superelevation",
+    )

@@ -81,37 +81,13 @@ class RigidSide:
         if side == "left":
             rail_frame, reference = mirrored(rail_frame), mirrored(reference)
         wheel_frame = Placement(0.0, (0.0, -wheelset.tape_radius_mm)).after(reference)
-        wheel, rail = wheelset.wheel, track.rail
+        wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
         return cls(
             RigidCurve.from_contour(wheel.outline.part(wheel.running_names), wheel_frame),
             RigidCurve.from_contour(rail.outline.part(rail.head_names), rail_frame),
             wheel_frame,
             rail_frame,
         )
-
-    def with_gauge_face(self, x_mm: float, depth_mm: float) -> "RigidSide":
-        """Return the side with its rail moved sideways, the gauge face at x at a depth below the rail's top.
-
-        Raises
-        ------
-        InputError
-            If the rail has no gauge face at that depth.
-
-        """
-        arcs = np.linspace(0.0, self.rail.length, 20_001)
-        height = self.rail.at(arcs).y
-        top = int(np.argmax(height))
-        wanted = float(height[top]) - depth_mm
-        if not height[0] <= wanted < height[top]:
-            raise InputError(
-                f"a gauge measured {depth_mm:g} mm below the rail's top",
-                f"depths to {height[top] - height[0]:.1f} mm, as far as the profile goes down",
-                "give a smaller depth, or a profile with its gauge face",
-            )
-        arc = np.interp(wanted, height[: top + 1], arcs[: top + 1])
-        shift = x_mm - float(self.rail.at(arc).x)
-        frame = Placement(0.0, (shift, 0.0)).after(self.rail_frame)
-        return RigidSide(self.wheel, self.rail.moved(shift, 0.0), self.wheel_frame, frame)
 
     @cached_property
     def _rail_heights(self) -> tuple[float, Floats]:

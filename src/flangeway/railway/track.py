@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
+import numpy as np
+
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles import RailProfile, WheelProfile
@@ -55,6 +57,11 @@ class Track:
         if not abs(self.cant) <= 0.2:
             raise InputError(f"Track(cant={self.cant})", "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
 
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the left rail mirrors the right one."""
+        return self.left_rail is None
+
     def rail_of(self, side: Side) -> RailProfile:
         """Profile of the rail of a side, in the right-hand form."""
         return self.left_rail if side == "left" and self.left_rail is not None else self.rail
@@ -67,6 +74,13 @@ class Track:
         (left, _), (_, top) = canted.bounds(rail.head_names)
         if self.gauge_depth_mm is not None:
             points = canted.part(rail.head_names).sampled(spacing=0.01)
+            lowest = float(points[points[:, 0] < points[np.argmax(points[:, 1]), 0], 1].min())
+            if lowest > top - self.gauge_depth_mm:
+                raise InputError(
+                    f"gauge_depth_mm = {self.gauge_depth_mm:g}, below the head of the {side} rail",
+                    f"depths to {top - lowest:.1f} mm below the rail's top, as far as its gauge face goes down",
+                    "give a smaller depth, or a profile with its gauge face",
+                )
             left = float(points[points[:, 1] >= top - self.gauge_depth_mm, 0].min())
         placement = Placement(angle, (self.gauge_mm / 2.0 - left, -top))
         return placement if side == "right" else mirrored(placement)
@@ -112,6 +126,11 @@ class Wheelset:
             )
 
     @property
+    def is_symmetric(self) -> bool:
+        """Whether the left wheel mirrors the right one."""
+        return self.left_wheel is None and self.left_radius_mm is None
+
+    @property
     def tape_radius_mm(self) -> float:
         """Rolling radius of the right wheel at the tape line."""
         return self.radius_mm - self.wheel.flange_height_mm
@@ -151,6 +170,11 @@ class WheelsetMotion:
     lateral_mm: float = 0.0
     vertical_mm: float = 0.0
     roll_rad: float = 0.0
+
+    @property
+    def components(self) -> tuple[float, float, float]:
+        """Lateral and vertical motion and roll."""
+        return self.lateral_mm, self.vertical_mm, self.roll_rad
 
     def moved(self, other: "WheelsetMotion", part: float = 1.0) -> "WheelsetMotion":
         """Add a part of another motion."""

@@ -128,7 +128,7 @@ def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: N
 
     """
     start = time.perf_counter()
-    wheelset = case.wheelset()
+    wheelset = case.curves()
     rolls = case.roll == "free"
     n_side = round(case.largest_lateral_mm / case.step_mm)
     progress("lowering the wheelset on the rails")
@@ -189,7 +189,7 @@ def throat_effect(case: GeometryCase) -> ThroatEffect:
     load = case.load()
 
     def lateral(**changes: float) -> tuple[RigidWheelset, float]:
-        wheelset = case.model_copy(update=changes).wheelset()
+        wheelset = case.model_copy(update=changes).curves()
         position = rigid_equilibrium(wheelset, load).position
         return wheelset, math.nan if position is None else position.motion_in_space.lateral_mm
 
@@ -200,7 +200,7 @@ def throat_effect(case: GeometryCase) -> ThroatEffect:
         path = path_of_contact(wheelset, 25.0)
         locus = locus_of(wheelset, path)
         outward = (path.rail_level >= 0.0) & (np.arange(len(path.rail_level)) <= int(np.argmax(locus.lateral_mm)))
-        ratios.append(held_ratios(wheelset, path, load)[outward])
+        ratios.append(held_ratios(wheelset, path)[outward])
         laterals.append(locus.lateral_mm[outward])
     return ThroatEffect(
         np.array(THROAT_RADII_MM),

@@ -1,0 +1,124 @@
+"""Where the rigid wheelset rests: first guess of the elastic search, and the places where it has to mesh finely."""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.railway.problem import WheelsetProblem
+from flangeway.railway.rigid_contact import RigidWheelset, Settled, contact_locus, locus_of, settle
+from flangeway.railway.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
+from flangeway.railway.track import SIDES, Side, WheelsetMotion
+
+Floats = NDArray[np.float64]
+
+END_MM = 2.0
+"""Places nearer to the end of a running surface are where it ends, not where smooth curves come close."""
+
+APART_MM = 0.1
+"""Lateral distance below which two positions count as one."""
+
+
+@dataclass(frozen=True, eq=False)
+class RigidRest:
+    """A rigid wheelset at rest under its load, or at the lateral motion that is prescribed.
+
+    Parameters
+    ----------
+    wheelset
+        Rigid curves.
+    starts
+        Motions of the axle's middle in which the load is in balance, or might be for elastic wheels: the one that is
+        reached first, then the others, and the middle of the track.
+    equilibrium
+        All balances of the load; None at a prescribed lateral motion.
+
+    """
+
+    wheelset: RigidWheelset
+    starts: tuple[WheelsetMotion, ...]
+    equilibrium: RigidEquilibrium | None
+
+    @property
+    def motion(self) -> WheelsetMotion:
+        """Motion of the axle's middle."""
+        return self.starts[0]
+
+    @property
+    def relative_curvature_per_mm(self) -> float:
+        """Sum of the curvatures of wheel and rail where the right wheel touches."""
+        return float(self._settled(0.0).right.relative_curvature[0, 0])
+
+    def near_places(self, asides_mm: tuple[float, ...], margin_mm: float) -> dict[Side, tuple[Floats, Floats]]:
+        """Places on wheel and rail, in their frames, that touch or are within a margin of it; two arrays (n, 2) a side.
+
+        Parameters
+        ----------
+        asides_mm
+            Lateral motions beside the rest, at the height of the rails, that are looked at; what lies beyond a rail
+            adds nothing.
+        margin_mm
+            Largest vertical gap.
+
+        """
+        found: dict[Side, list[tuple[Floats, Floats]]] = {side: [] for side in SIDES}
+        for aside in asides_mm:
+            try:
+                settled = self._settled(aside)
+            except InputError:
+                if aside == 0.0:
+                    raise
+                continue
+            locus = locus_of(self.wheelset, settled)
+            for side in SIDES:
+                touches = settled.left if side == "left" else settled.right
+                at = locus.side(side)
+                near = (at.gaps_mm[0] <= margin_mm) & self._inside(side, touches.wheel_arc[0], touches.x[0])
+                near[0] = True
+                found[side].append((at.wheel_points_mm[0, near], at.rail_points_mm[0, near]))
+        return {
+            side: (np.concatenate([pair[0] for pair in pairs]), np.concatenate([pair[1] for pair in pairs]))
+            for side, pairs in found.items()
+        }
+
+    def _settled(self, aside_mm: float) -> Settled:
+        height = self.wheelset.reference_height_mm
+        return settle(
+            self.wheelset, np.array([self.motion.lateral_mm + height * math.sin(self.motion.roll_rad) + aside_mm])
+        )
+
+    def _inside(self, side: Side, wheel_arc: Floats, rail_x: Floats) -> NDArray[np.bool_]:
+        curves = self.wheelset.side(side)
+        first, last = curves.rail.joints[[0, -1]]
+        on_wheel = (wheel_arc > END_MM) & (wheel_arc < curves.wheel.length - END_MM)
+        inside: NDArray[np.bool_] = on_wheel & (rail_x > first + END_MM) & (rail_x < last - END_MM)
+        return inside
+
+
+def rigid_rest(problem: WheelsetProblem) -> RigidRest:
+    """Find where a rigid wheelset comes to rest when it starts in the middle of the track.
+
+    Raises
+    ------
+    InputError
+        If the wheels do not stand on the rails, the load overturns the wheelset or carries a flange over its rail, or
+        a prescribed lateral motion cannot be reached.
+
+    """
+    wheelset = RigidWheelset.of(problem.track, problem.wheelset)
+    lateral = problem.prescribed.lateral_mm
+    if lateral is not None:
+        return RigidRest(wheelset, (contact_locus(wheelset, [lateral]).motion(0),), None)
+    equilibrium = rigid_equilibrium(wheelset, problem.load)
+    reached = equilibrium.reached().motion
+    middle = contact_locus(wheelset, [0.0]).motion(0)
+    found = [reached, *(position.motion for position in equilibrium.positions), middle]
+    if problem.track.is_symmetric and problem.wheelset.is_symmetric and problem.load.in_track[0] == 0.0:
+        found.insert(0, middle)
+    starts: list[WheelsetMotion] = []
+    for motion in found:
+        if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
+            starts.append(motion)
+    return RigidRest(wheelset, tuple(starts), equilibrium)

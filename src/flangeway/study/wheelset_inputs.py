@@ -1,0 +1,157 @@
+"""Inputs of a wheelset on two rails that the rigid and the elastic computation share."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from flangeway.errors import InputError
+from flangeway.railway.load import (
+    GRAVITY_M_S2,
+    Load,
+    balanced_superelevation_mm,
+    curve_force_N,
+    superelevation_angle,
+)
+from flangeway.railway.problem import WheelsetProblem
+from flangeway.railway.profiles import WheelProfile
+from flangeway.railway.throat import with_wide_throat
+from flangeway.railway.track import Track, Wheelset
+from flangeway.study.case import Case
+from flangeway.study.wheelset_profiles import rail_named, wheel_named
+
+
+class WheelsetInputs(Case):
+    """Profiles, measures, load and material of a wheelset on two rails."""
+
+    rail: str = Field("136RE", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
+    crown_radius_in: float | None = Field(
+        None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in; 10 if left out"
+    )
+    wheel: str = Field("AAR-1B", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
+    throat_radius_mm: float | None = Field(
+        None, gt=0.0, description="radius of the AAR-1B's throat beside the flange; the file's if left out"
+    )
+    wide_throat_radius_mm: float | None = Field(
+        None, gt=0.0, description="radius of the wide arc between the AAR-1B's throat and tread; the file's if left out"
+    )
+    left_rail: str | None = Field(None, description="rail of the left side, likewise; as on the right if left out")
+    left_wheel: str | None = Field(None, description="wheel of the left side, likewise; as on the right if left out")
+    rail_body: str = Field("136RE", description="bundled rail that gives web and foot to a file's head")
+    wheel_body: str = Field("AAR-1B", description="bundled wheel that gives the rim to a file's running surface")
+    gauge_mm: float = Field(Track.gauge_mm, gt=0.0, description="distance between the rails' heads")
+    gauge_depth_mm: float | None = Field(
+        None, gt=0.0, description="depth below the tops above which the gauge is measured; closest points if left out"
+    )
+    cant: float = Field(Track.cant, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025")
+    back_to_back_mm: float = Field(
+        Wheelset.back_to_back_mm, gt=0.0, description="distance between the wheels' inner faces"
+    )
+    wheel_radius_mm: float = Field(
+        Wheelset.radius_mm, ge=150.0, description="distance from the axle to the place wheel_radius_at"
+    )
+    wheel_radius_at: Literal["flange-tip", "tape-line"] = Field(
+        "flange-tip", description="where wheel_radius_mm is measured"
+    )
+    left_wheel_radius_mm: float | None = Field(
+        None, ge=150.0, description="radius of the left wheel, likewise; same at the tape line if left out"
+    )
+    barycentre_height_mm: float = Field(
+        Wheelset.barycentre_height_mm, description="height of the car's barycentre above the axle"
+    )
+    axle_load_kN: float = Field(  # noqa: N815 (the unit kilonewton)
+        300.0, gt=0.0, description="weight that the wheelset bears; it presses on the rails"
+    )
+    car_mass_t: float | None = Field(
+        None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"
+    )
+    n_axles: int = Field(4, ge=1, description="wheelsets that share car_mass_t")
+    lateral_force_kN: float = Field(  # noqa: N815
+        0.0, description="horizontal force at the barycentre, to the right: centrifugal force of a curve to the left"
+    )
+    speed_km_h: float | None = Field(
+        None, ge=0.0, description="speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"
+    )
+    curve_radius_m: float | None = Field(None, gt=0.0, description="radius of the curve; needs speed_km_h")
+    superelevation_mm: float | Literal["from-speed"] = Field(
+        0.0, description="height of the right rail over the left one; from-speed: what balances speed and radius"
+    )
+    cant_deficiency_mm: float = Field(
+        0.0, ge=0.0, description="what a superelevation from-speed lacks of the balanced one"
+    )
+    superelevation_base_mm: float | None = Field(
+        None, gt=0.0, description="width over which superelevation is measured; the gauge if left out"
+    )
+    thickness_mm: float = Field(
+        WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
+    )
+    young_MPa: float = Field(  # noqa: N815 (the unit megapascal)
+        210e3, gt=0.0, description="Young's modulus of wheels and rails"
+    )
+    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
+
+    def load(self) -> Load:
+        """Return weight, lateral force and tilt of the track.
+
+        Raises
+        ------
+        InputError
+            If speed or radius stands alone, or a force is given besides both.
+
+        """
+        weight = 1e3 * self.axle_load_kN
+        if self.car_mass_t is not None:
+            if "axle_load_kN" in self.model_fields_set:
+                raise InputError("axle_load_kN and car_mass_t", "one of both", "leave one out")
+            weight = 1e3 * self.car_mass_t / self.n_axles * GRAVITY_M_S2
+        lateral = 1e3 * self.lateral_force_kN
+        base = self.gauge_mm if self.superelevation_base_mm is None else self.superelevation_base_mm
+        balanced = None
+        if (self.speed_km_h is None) != (self.curve_radius_m is None):
+            raise InputError("one of speed_km_h and curve_radius_m", "both or neither", "give the other one as well")
+        if self.speed_km_h is not None and self.curve_radius_m is not None:
+            if "lateral_force_kN" in self.model_fields_set:
+                raise InputError(
+                    "lateral_force_kN with speed_km_h and curve_radius_m", "the force or both of these", "leave it out"
+                )
+            lateral = curve_force_N(weight, self.speed_km_h, self.curve_radius_m)
+            balanced = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
+        if self.superelevation_mm != "from-speed":
+            return Load(weight, lateral, superelevation_angle(float(self.superelevation_mm), base))
+        if balanced is None:
+            raise InputError(
+                "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"
+            )
+        height = max(balanced - self.cant_deficiency_mm, 0.0)
+        return Load(weight, lateral, superelevation_angle(height, base))
+
+    def track(self) -> Track:
+        """Return the rails in their places."""
+        left = None
+        if self.left_rail not in (None, self.rail):
+            left = rail_named(str(self.left_rail), self._crown(str(self.left_rail)), self.rail_body)
+        right = rail_named(self.rail, self._crown(self.rail), self.rail_body)
+        return Track(right, self.gauge_mm, self.cant, left, self.gauge_depth_mm)
+
+    def _crown(self, name: str) -> float | None:
+        """Radius of the crown for a rail, left out only where the other side's rail is the one that takes it."""
+        other = {self.rail, self.left_rail or self.rail} - {name}
+        return None if name != "136RE" and "136RE" in other else self.crown_radius_in
+
+    def _wheel(self, name: str) -> WheelProfile:
+        other = {self.wheel, self.left_wheel or self.wheel} - {name}
+        if name != "AAR-1B" and "AAR-1B" in other:
+            return wheel_named(name, None, self.wheel_body)
+        found = wheel_named(name, self.throat_radius_mm, self.wheel_body)
+        return found if self.wide_throat_radius_mm is None else with_wide_throat(found, self.wide_throat_radius_mm)
+
+    def wheelset(self) -> Wheelset:
+        """Return the wheels on their axle."""
+        right = self._wheel(self.wheel)
+        left = None
+        if self.left_wheel not in (None, self.wheel):
+            left = self._wheel(str(self.left_wheel))
+        radius, left_radius = self.wheel_radius_mm, self.left_wheel_radius_mm
+        if self.wheel_radius_at == "tape-line":
+            radius += right.flange_height_mm
+            left_radius = None if left_radius is None else left_radius + (left or right).flange_height_mm
+        return Wheelset(right, self.back_to_back_mm, radius, self.barycentre_height_mm, left, left_radius)

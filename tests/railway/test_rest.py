@@ -1,0 +1,45 @@
+"""Where the rigid wheelset rests, from which the elastic search starts."""
+
+import math
+
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.railway.rest import rigid_rest
+from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
+
+
+@pytest.mark.parametrize("cant", [1 / 40, 1 / 30, 1 / 100])
+def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(cant: float) -> None:
+    """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(cant)) from its middle, to 1 µm."""
+    rest = rigid_rest(WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "cant": cant}).problem())
+    _, on_rail = rest.near_places((0.0,), 0.01)["right"]
+    assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(cant)), abs=1e-3)
+    assert rest.relative_curvature_per_mm == pytest.approx(1 / 254.0)
+    assert (rest.motion.lateral_mm, rest.motion.roll_rad) == (0.0, pytest.approx(0.0, abs=1e-15))
+
+
+def test_in_the_curve_the_flange_side_has_a_second_place() -> None:
+    """At rest in the curve tread and throat touch on the right and the tread on the left, each place on both curves."""
+    problem = WheelsetCurveCase().problem()
+    rest = rigid_rest(problem)
+    near = rest.near_places((0.0,), 1e-3)
+    assert [len(near[side][0]) for side in ("left", "right")] == [1, 2]
+    for side, (on_wheel, on_rail) in near.items():
+        wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
+        assert wheel.outline.closest(on_wheel)[2].max() < 1e-6
+        assert rail.outline.closest(on_rail)[2].max() < 1e-6
+
+
+def test_a_prescribed_lateral_motion_is_taken() -> None:
+    """The rest at a prescribed lateral motion has it, and touches on both sides; no balance is looked for."""
+    rest = rigid_rest(WheelsetTangentCase.from_values({"lateral_mm": 5.0}).problem())
+    assert rest.motion.lateral_mm == pytest.approx(5.0, abs=1e-9)
+    assert rest.equilibrium is None
+
+
+@pytest.mark.parametrize("gauge", [1000.0, 1850.0, 3000.0])
+def test_a_wheel_that_misses_its_rail(gauge: float) -> None:
+    """A gauge that leaves the wheels beside the rails, or on the edge of them, is refused with what to check."""
+    with pytest.raises(InputError, match="gauge_mm"):
+        rigid_rest(WheelsetTangentCase.from_values({"gauge_mm": gauge}).problem())
