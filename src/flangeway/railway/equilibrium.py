@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from flangeway.railway.balance import Balance, balance_of, is_stable, jacobian_of
 from flangeway.railway.model import WheelsetModel
 from flangeway.railway.track import WheelsetMotion
-from flangeway.solve import BodyResponse, ContactState, Status, follow, solve_contact
+from flangeway.solve import BodyResponse, ContactState, Status, StepSettings, follow, solve_contact
 
 Floats = NDArray[np.float64]
 
@@ -18,6 +18,9 @@ FIRST_CAP = np.array([0.3, 0.3, 3e-4])  # mm, mm, rad: the lateral stiffness jum
 LARGEST_GROWTH = 64.0
 SMALLEST_GROWTH = 1.0 / 1024.0
 MAX_ITERATIONS = 60
+STALLED = 15
+"""Steps in which the error does not fall by a tenth, after which the search is given up."""
+
 TOLERANCE = 1e-12
 ACCEPTED = 1e-10
 LOWERED = 0.05
@@ -26,6 +29,9 @@ LOWERED = 0.05
 DOWN = np.array([False, True, False])
 WORSE = 4.0
 """Growth of the error above which a step is taken back and tried at a quarter of its length."""
+
+NEXT_STEP = StepSettings(smallest=0.125)
+"""Steps of contact on the way to the next position: where they fail, a shorter way is tried before shorter steps."""
 
 FARTHEST = np.array([30.0, 30.0, 0.05])
 """Motion in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""
@@ -100,10 +106,12 @@ class _Search:
         self.residual, self.balance = balance_of(model, response, self.motion, self.state)
         self.growth, self.last_error = 1.0, np.inf
         self.safe = (self.motion, self.state)
+        self.least = (np.inf, 0)
         self.best: Equilibrium | None = None
         self.history: list[Balance] = []
 
     def run(self) -> Equilibrium:
+        iteration = 0
         for iteration in range(MAX_ITERATIONS):
             error = self._error()
             self.history.append(self.balance)
@@ -117,6 +125,8 @@ class _Search:
                 limited = False
             elif lost or self._is_away():
                 return self._found(Status(False, self._why(), iteration))
+            elif self._has_stalled(error, iteration):
+                break
             else:
                 if self._is_done(error, iteration) and self.best is not None:
                     return self.best
@@ -124,18 +134,24 @@ class _Search:
                 limited = True
             self._advance(may_grow=limited)
         failure = (
-            f"no balance in {MAX_ITERATIONS} steps, error {self._error():.1e}; check that these profiles can bear the "
+            f"no balance in {iteration + 1} steps, error {self._error():.1e}; check that these profiles can bear the "
             "load, and that load and Young's modulus are in the stated units"
         )
-        return self.best or self._found(Status(False, failure, MAX_ITERATIONS))
+        return self.best or self._found(Status(False, failure, iteration + 1))
 
     def _error(self) -> float:
         """Error of what is free now; once the weight is borne, of all that is not prescribed."""
         error = self.balance.error_of(self.now)
         if error < LOWERED and self.now is not self.free:
             self.now, self.growth, self.last_error = self.free, 1.0, np.inf
+            self.least = (np.inf, self.least[1])
             error = self.balance.error_of(self.free)
         return error
+
+    def _has_stalled(self, error: float, iteration: int) -> bool:
+        if error < 0.9 * self.least[0]:
+            self.least = (error, iteration)
+        return iteration - self.least[1] > STALLED
 
     def _is_done(self, error: float, iteration: int) -> bool:
         if self.best is not None and error >= self.best.balance.resulting_error:
@@ -233,4 +249,4 @@ def contact_at(
         placements = model.placements(origin.moved(change, part))
         return solve_contact(response, model.system, placements, start=from_state)
 
-    return follow(solve_at, state)
+    return follow(solve_at, state, None if known is None else NEXT_STEP)
