@@ -1,6 +1,7 @@
-"""Small contact problems that several tests share."""
+"""What several folders of tests share: the command line in this process, and small contact problems."""
 
 import os
+import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -10,6 +11,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 import pytest
 
+from flangeway import cli
 from flangeway.contact import Contact, ContactSystem, NodeToSegment, Penalty, Surface
 from flangeway.elements import Lagrange, Virtual
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
@@ -19,6 +21,22 @@ from flangeway.problems import Body, Part
 
 RADIUS = 50.0
 STEEL = Elastic(210e3, 0.3)
+
+
+@pytest.fixture
+def call(monkeypatch, tmp_path, capsys):
+    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "140")
+    monkeypatch.setenv("NO_COLOR", "1")
+
+    def run(*arguments):
+        monkeypatch.setattr(sys, "argv", ["flangeway", *map(str, arguments)])
+        with pytest.raises(SystemExit) as caught:
+            cli.main()
+        return caught.value.code, *capsys.readouterr()
+
+    return run
 
 
 @dataclass(frozen=True)

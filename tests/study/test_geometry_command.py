@@ -3,12 +3,10 @@
 import csv
 import itertools
 import json
-import sys
 
 import numpy as np
 import pytest
 
-from flangeway import cli
 from flangeway.errors import InputError
 from flangeway.railway.profiles import wheel
 from flangeway.railway.rigid_contact import contact_locus
@@ -16,29 +14,12 @@ from flangeway.railway.throat import with_wide_throat
 from flangeway.study.rigid import run_geometry
 from flangeway.study.rigid_case import GEOMETRY_CASES, find_geometry_case
 
-
-@pytest.fixture
-def command(tmp_path, monkeypatch, capsys):
-    """Run the command line in an empty folder."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "140")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flangeway", *arguments])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        return caught.value.code, *capsys.readouterr()
-
-    return run
-
-
 COARSE = ("--set", "step_mm=0.1")
 
 
-def test_the_command_writes_its_files(command, tmp_path):
+def test_the_command_writes_its_files(call, tmp_path):
     """Pictures, tables and summary are there, the tables complete and of one piece with the summary."""
-    code, out, _ = command("geometry", "s1002-60e1", *COARSE)
+    code, out, _ = call("geometry", "s1002-60e1", *COARSE)
     assert code == 0
     folder = tmp_path / "out" / "geometry-s1002-60e1"
     names = {path.name for path in folder.iterdir()}
@@ -68,9 +49,9 @@ def test_the_command_writes_its_files(command, tmp_path):
     assert f"{summary['equivalent_conicity']['integration']:.4f}" in out
 
 
-def test_the_curve_has_the_figure_of_the_throat(command, tmp_path):
+def test_the_curve_has_the_figure_of_the_throat(call, tmp_path):
     """With a lateral force on AAR-1B wheels the effect of the throat is drawn, and three contacts are listed."""
-    code, out, _ = command("geometry", "wheelset-curve", *COARSE)
+    code, out, _ = call("geometry", "wheelset-curve", *COARSE)
     assert code == 0
     folder = tmp_path / "out" / "geometry-wheelset-curve"
     assert (folder / "throat_radius.png").stat().st_size > 1000
@@ -80,9 +61,9 @@ def test_the_curve_has_the_figure_of_the_throat(command, tmp_path):
     assert "3 points" in out
 
 
-def test_overturning_ends_with_one(command):
+def test_overturning_ends_with_one(call):
     """No balance is a result with exit status 1, and the sentence gives L/V."""
-    code, out, _ = command("geometry", "--set", "lateral_force_kN=200", *COARSE)
+    code, out, _ = call("geometry", "--set", "lateral_force_kN=200", *COARSE)
     assert code == 1
     assert "overturning" in out
     assert "L/V" in out
@@ -101,9 +82,9 @@ def test_overturning_ends_with_one(command):
         (("geometry", "--set", "axle_load_kN=-300"), "above 0"),
     ],
 )
-def test_wrong_input_is_explained(command, arguments, words):
+def test_wrong_input_is_explained(call, arguments, words):
     """Wrong names, keys and values end with status 2, a message and no files."""
-    code, _, message = command(*arguments)
+    code, _, message = call(*arguments)
     assert code == 2
     assert words in message
 

@@ -2,33 +2,15 @@
 
 import json
 import struct
-import sys
 
 import numpy as np
 import pytest
 
-from flangeway import cli
 from flangeway.railway.profile_file import read_profile
 from flangeway.railway.profiles import rail, wheel
 from flangeway.study.profile import run_profile
 
 FILES = {"profile.png", "curvature.png", "profile.json"}
-
-
-@pytest.fixture
-def call(monkeypatch, tmp_path, capsys):
-    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "110")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flangeway", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        return caught.value.code, *capsys.readouterr()
-
-    return run
 
 
 @pytest.fixture

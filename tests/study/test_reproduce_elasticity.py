@@ -1,13 +1,11 @@
 """Chapter 5 computed again, as `flangeway reproduce elasticity` does, and `flangeway reproduce all`."""
 
 import csv
-import sys
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 
-from flangeway import cli
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid, refined
 from flangeway.report import reproductions
@@ -154,22 +152,6 @@ def test_wrong_codes_are_refused(make, message):
     """A method or a refinement that there is not is refused, with those that there are."""
     with pytest.raises(InputError, match=message):
         make()
-
-
-@pytest.fixture
-def call(monkeypatch, tmp_path, capsys):
-    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "120")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flangeway", *arguments])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        return caught.value.code, *capsys.readouterr()
-
-    return run
 
 
 def _registered(monkeypatch, **changes):

@@ -13,9 +13,9 @@ from flangeway.contact import Multiplier, SegmentToSegment
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
-from flangeway.mesh import check
+from flangeway.mesh import check, edges_halved
 from flangeway.report.reproductions import REPRODUCTIONS
-from flangeway.study.half_disc import ARC, CUT, HalfDisc, edges_halved
+from flangeway.study.half_disc import ARC, CUT, HalfDisc
 from flangeway.study.hertz import HertzProblem, solve_hertz
 from flangeway.study.reproductions.hertz import (
     CODES,

@@ -3,13 +3,10 @@
 import csv
 import json
 import struct
-import sys
 
 import meshio
 import numpy as np
 import pytest
-
-from flangeway import cli
 
 BOX = """
 title = "Box girder"
@@ -20,22 +17,6 @@ points = [[0, 0], [0, 60], [100, 60], [100, 0]]
 points = [[10, 10, 5], [90, 10, 5], [90, 50, 5], [10, 50, 5]]
 """
 FILES = {"mesh.png", "warping.png", "prandtl.png", "shear_stress.png", "section.vtu", "section.json"}
-
-
-@pytest.fixture
-def call(monkeypatch, tmp_path, capsys):
-    """Run the command line in this process, in a folder of its own; return status, stdout and stderr."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flangeway", *map(str, arguments)])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        return caught.value.code, *capsys.readouterr()
-
-    return run
 
 
 def png_size(path):

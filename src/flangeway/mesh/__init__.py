@@ -5,6 +5,7 @@ from flangeway.mesh.conforming import conforming
 from flangeway.mesh.dual import dual
 from flangeway.mesh.files import read_mesh
 from flangeway.mesh.gmsh_mesher import triangulate
+from flangeway.mesh.halved import edges_halved
 from flangeway.mesh.marking import doerfler_marking
 from flangeway.mesh.mending import MeshFile
 from flangeway.mesh.polymesh import PolyMesh
@@ -23,6 +24,7 @@ __all__ = [
     "doerfler_marking",
     "dual",
     "dual_section",
+    "edges_halved",
     "read_mesh",
     "rectangle_grid",
     "refined",

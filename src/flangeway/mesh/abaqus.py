@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.mesh.abaqus_assembly import flat_deck
 from flangeway.mesh.mending import DrawnMesh
 
 Ints = NDArray[np.int64]
@@ -55,7 +56,7 @@ class _Model:
 
 
 def read_abaqus(path: Path) -> DrawnMesh:
-    """Read nodes, plane elements, sets and surfaces of a file with one part.
+    """Read nodes, plane elements, sets and surfaces, of parts and instances too (see `flat_deck`).
 
     Element sets become cell sets. Surfaces of elements (``S1`` to ``S4``, or the whole rim), sets of line elements, and
     the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name.
@@ -74,7 +75,7 @@ def read_abaqus(path: Path) -> DrawnMesh:
     if "\0" in text:
         raise InputError(f"{path}, which is binary", "an Abaqus input file, which is text", "export it as .inp")
     model = _Model()
-    for block in _blocks(text):
+    for block in _blocks(flat_deck(text)):
         _take(model, block)
     if not model.nodes:
         raise InputError(f"{path} without *NODE", "an Abaqus input file with nodes and elements", "export the mesh")

@@ -9,13 +9,12 @@ from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, Refinement, dual, rectangle_grid, refined, triangulate
+from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
 from flangeway.post import displacements_at, recovered_stresses, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 from flangeway.study.adaptive import adapt
-from flangeway.study.half_disc import edges_halved
 from flangeway.study.refinement import (
     Measure,
     RefinementRow,
