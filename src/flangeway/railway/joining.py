@@ -5,6 +5,10 @@ to the point that lies beyond the end's foot on that outline by a blend: four ti
 foot, at least `LEAST_BLEND_MM` and at most `LARGEST_BLEND_MM`. The nominal
 outline closes the body from there. The ends may be no further from the nominal outline than the limits below: else the
 origin is wrong, or it is the profile of another rail or wheel.
+
+Files of heads often count from the highest point or from a mark of the instrument instead of the head's middle. A head
+whose ends do not fit is moved sideways until its field side, which does not wear, lies on the nominal one, and a notice
+tells it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
 """
 
 from dataclasses import dataclass
@@ -16,15 +20,28 @@ from flangeway.geometry import Contour, Line, Outline, Placement, Point, Segment
 from flangeway.railway.pieces import lengths_along, pieces_between, point_at
 from flangeway.railway.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.raw_profile import Kind
 
 LEAST_BLEND_MM = 1.0
 LARGEST_BLEND_MM = 12.0
 BLEND_FACTOR = 4.0
-LARGEST_GAP_MM = 3.0
-"""Largest distance of an end of a rail's head, or of a wheel's flange back, from the nominal outline."""
+LARGEST_GAP_MM = 4.0
+"""Largest distance of an end of a rail's head, or of a wheel's flange back, from the nominal outline.
+
+A new head that its file holds inclined by 1:40 about its top ends 3 mm from the upright body.
+"""
 
 LARGEST_RIM_GAP_MM = 15.0
 """The same at the rim of a wheel: rims differ in width."""
+
+LARGEST_SHIFT_MM = 15.0
+"""Largest motion sideways that lays the field side of a measured head on the nominal one."""
+
+REACHES_MM = {"rail": (-15.0, 10.0), "wheel": (-40.0, 20.0)}
+"""First and last x that a measured surface covers at least, from the head's middle or the tape line: where contact is.
+
+A shorter one would be in contact on the nominal outline, without a word.
+"""
 
 HEIGHTS_MM = (-30.0, 1.0)
 """Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
@@ -104,7 +121,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
 
     """
     nominal = nominal_profile(name)
-    kind = "rail" if isinstance(nominal, RailProfile) else "wheel"
+    kind: Kind = "rail" if isinstance(nominal, RailProfile) else "wheel"
     if measured.kind != kind:
         known = RAILS if measured.kind == "rail" else WHEELS
         raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
@@ -114,7 +131,17 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     surface = measured.surface.transformed(Placement(translation=shift))
     if isinstance(nominal, RailProfile):
         _refuse_height(surface, nominal)
-    outline, joints = _closed(surface, nominal)
+    notices = measured.notices
+    try:
+        outline, joints = _closed(surface, nominal)
+    except InputError:
+        aside = _field_shift(measured, surface, nominal)
+        if aside is None:
+            raise
+        surface = surface.transformed(Placement(translation=(aside, 0.0)))
+        outline, joints = _closed(surface, nominal)
+        notices = (*notices, f"The head is moved sideways by {aside:.2f} mm: its field side lies on the nominal one.")
+    _refuse_short(surface, kind)
     title = f"{measured.title} on {nominal.title}"
     certainty = f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
     source = f"File: {measured.format}. Body: {nominal.source}"
@@ -127,10 +154,12 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
             flange_back_mm=-float(outline.bounds()[0, 0]),
             certainty=certainty,
             source=source,
+            notices=notices,
         )
         return Joined(wheel_profile, nominal, surface, joints)
     names = _running(outline, nominal.head_names)[::-1]
-    return Joined(RailProfile(title, outline, names, nominal.base_names, certainty, source), nominal, surface, joints)
+    rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices)
+    return Joined(rail_profile, nominal, surface, joints)
 
 
 def nominal_profile(name: str) -> RailProfile | WheelProfile:
@@ -167,6 +196,74 @@ def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float,
     face = head[head[:, 0] < 0.0]
     order = np.argsort(face[:, 1])
     return float(np.interp(height - GAUGE_DEPTH_MM, face[order, 1], face[order, 0])), height
+
+
+def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfile | WheelProfile) -> float | None:
+    """Return what lays the field side's end of a measured head on the nominal head; None where that is no remedy."""
+    if not isinstance(nominal, RailProfile) or frame_origin(measured) != "top":
+        return None
+    if measured.orientation.how.get("origin") == "given":
+        return None
+    ends = (surface.segments[0].start, surface.segments[-1].end)
+    x, y = max(ends)
+    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
+    face = head[head[:, 0] > 0.0]
+    face = face[np.argsort(face[:, 1])]
+    if not face[0, 1] - LARGEST_GAP_MM <= y <= face[-1, 1]:
+        return None
+    shift = float(np.interp(y, face[:, 1], face[:, 0])) - x
+    return shift if abs(shift) <= LARGEST_SHIFT_MM else None
+
+
+def on_plain_body(measured: MeasuredProfile, cut_height_mm: float = 50.0) -> WheelProfile:
+    """Return a wheel with a measured running surface, upright faces above its ends and a level cut.
+
+    For wheels that no bundled one is like: the stresses beside the contact are those of a block of steel.
+
+    Parameters
+    ----------
+    measured
+        Running surface of a wheel.
+    cut_height_mm
+        Height of the cut above the tape line; 10 mm above the higher end of the surface if that is more.
+
+    Raises
+    ------
+    InputError
+        If it is no wheel or no running surface, or the faces meet it.
+
+    """
+    if measured.kind != "wheel" or isinstance(measured.surface, Outline):
+        raise InputError(f"a plain body for {measured.title}", "the running surface of a wheel", "leave it out")
+    surface = measured.surface
+    _refuse_short(surface, "wheel")
+    start, end = surface.segments[0].start, surface.segments[-1].end
+    high = max(cut_height_mm, start[1] + 10.0, end[1] + 10.0)
+    cut = [Line(end, (end[0], high)), Line((end[0], high), (start[0], high)), Line((start[0], high), start)]
+    names = [*[MEASURED] * len(surface.segments), "outer_face", "cut", "back_face"]
+    outline = Outline.from_segments([*surface.segments, *cut], names)
+    return WheelProfile(
+        f"{measured.title} on a plain body",
+        outline,
+        (MEASURED,),
+        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_back_mm=-float(outline.bounds()[0, 0]),
+        certainty="Running surface as measured, below a block of steel with upright faces.",
+        source=f"File: {measured.format}.",
+        notices=measured.notices,
+    )
+
+
+def _refuse_short(surface: Contour, kind: Kind) -> None:
+    (low, _), (high, _) = surface.bounds()
+    first, last = REACHES_MM[kind]
+    if low > first or high < last:
+        raise InputError(
+            f"a measured surface from x = {low:.4g} to {high:.4g} mm, too short for the contact",
+            f"at least from {first:g} to {last:g} mm, counted from the "
+            + ("middle of the head" if kind == "rail" else "tape line"),
+            "measure the whole running surface, or check --origin and --tape",
+        )
 
 
 def _refuse_height(surface: Contour, nominal: RailProfile) -> None:

@@ -86,7 +86,7 @@ def _refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
         raise InputError(
             f"a profile of {path:.4g} mm along its curve",
             f"{low:g} to {high:g} mm",
-            f"is the file in {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right",
+            f"is its unit {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right",
         )
 
 
@@ -202,4 +202,5 @@ def _gaps(points: FloatArray, lines: Lines) -> list[str]:
 def _turns_deg(first: FloatArray, second: FloatArray) -> FloatArray:
     """Angles (n,) between directions (n, 2)."""
     cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-    return np.degrees(np.abs(np.arctan2(cross, (first * second).sum(axis=1))))
+    turns: FloatArray = np.degrees(np.abs(np.arctan2(cross, (first * second).sum(axis=1))))
+    return turns

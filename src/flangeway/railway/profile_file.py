@@ -21,7 +21,7 @@ from flangeway.railway.segment_files import (
     write_segment_csv,
 )
 from flangeway.railway.simpack import read_simpack, write_simpack
-from flangeway.railway.smoothing import Smoothing, smoothed
+from flangeway.railway.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
 from flangeway.railway.two_column import one_line, read_two_column, write_two_column
 
 FORMATS = {
@@ -188,6 +188,8 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
         origin=options.origin,
         tape_mm=options.tape_mm,
     )
+    if taken.mirrored and taken.how["side"] == "from the flange":
+        more.append("The flange shows a left-hand wheel; it is mirrored to the right-hand side.")
     title = one_line(raw.title) or stem
     points = taken.applied(raw.points)
     if raw.contour is not None:
@@ -199,6 +201,11 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
         points = points[::-1]
     points = np.ascontiguousarray(points)
     smoothing = smoothed(points, options.smooth_mm, options.limit_um, name="measured")
+    if options.smooth_mm is None and smoothing.wavelength_mm > USUAL_WAVELENGTH_MM:
+        more.append(
+            f"The noise is {smoothing.noise_um:.0f} micrometres; waves shorter than {smoothing.wavelength_mm:g} mm are "
+            "smoothed away so that curvatures can be trusted."
+        )
     if smoothing.n_held > _MANY_HELD * len(points):
         more.append(
             f"{smoothing.n_held} points were held to the limit: the waves that they show are smoothed with a larger "

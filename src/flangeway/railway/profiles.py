@@ -66,6 +66,8 @@ class RailProfile:
         How far the contour can be trusted.
     source
         Where it comes from.
+    notices
+        What was left out, bridged, smoothed or assumed when its file was read, in sentences.
 
     """
 
@@ -75,6 +77,7 @@ class RailProfile:
     base_names: tuple[str, ...]
     certainty: str
     source: str
+    notices: tuple[str, ...] = ()
 
     @property
     def running_surface(self) -> Contour:
@@ -105,6 +108,8 @@ class WheelProfile:
         How far the contour can be trusted.
     source
         Where it comes from.
+    notices
+        What was left out, bridged, smoothed or assumed when its file was read, in sentences.
 
     """
 
@@ -115,6 +120,7 @@ class WheelProfile:
     flange_back_mm: float
     certainty: str
     source: str
+    notices: tuple[str, ...] = ()
 
     @property
     def running_surface(self) -> Contour:

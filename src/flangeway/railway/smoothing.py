@@ -21,7 +21,13 @@ ARC_TOLERANCE_MM = 2e-4
 """Largest distance between the spline and the arcs that stand for it."""
 
 USUAL_WAVELENGTH_MM = 5.0
-"""Wavelength that noisy points are smoothed by: about the width of a contact."""
+"""Wavelength that noisy points are smoothed by: about the width of a contact. Very noisy ones need a longer one."""
+
+LARGEST_USUAL_WAVELENGTH_MM = 20.0
+"""Longest wavelength that is taken if nothing is asked."""
+
+CURVATURE_NOISE_PER_MM = 1e-3
+"""Scatter of the smooth curve's curvature above which the wavelength grows: a quarter of a crown of 10 in."""
 
 WAVELENGTHS_MM = (0.1, 100.0)
 """Wavelengths that can be asked for."""
@@ -37,8 +43,10 @@ USUAL_LIMIT_UM = 20.0
 
 FEWEST_POINTS = 10
 _PIECE_MM = 4.0
+_GAIN_INTEGRAL = 0.2777
 _N_ROUNDS = 60
 _MOST_SAY = 1e3
+_SAME_MM = 1e-9  # neighbours that differ by rounding are one point
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +109,28 @@ def noise_um(points: FloatArray) -> float:
     return 1.4826e3 * float(np.median(np.abs(across / np.hypot(*along.T))))
 
 
+def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:
+    """Wavelength, in whole mm, at which noise leaves a curvature that scatters by `CURVATURE_NOISE_PER_MM` at most.
+
+    White noise of standard deviation s on points a distance h apart leaves the smooth curve, whose halved wavelength
+    has the wave number k, with a curvature of variance ``s^2 h k^5 / pi`` times the integral of
+    ``t^4 / (1 + t^4)^2`` over all t > 0, which is 0.2777.
+
+    Parameters
+    ----------
+    noise_um
+        Standard deviation of the noise across the curve.
+    spacing_mm
+        Distance of neighbouring points.
+
+    """
+    variance = (1e-3 * noise_um) ** 2 * spacing_mm / math.pi * _GAIN_INTEGRAL
+    if variance == 0.0:
+        return USUAL_WAVELENGTH_MM
+    wavelength = 2.0 * math.pi * (variance / CURVATURE_NOISE_PER_MM**2) ** 0.2
+    return float(min(max(round(wavelength), USUAL_WAVELENGTH_MM), LARGEST_USUAL_WAVELENGTH_MM))
+
+
 def smoothed(
     points: FloatArray, wavelength_mm: float | None = None, limit_um: float | None = None, name: str = "profile"
 ) -> Smoothing:
@@ -111,7 +141,7 @@ def smoothed(
     points
         In order along the profile, neighbours differing.
     wavelength_mm
-        Wavelength whose height is halved; 0 for a curve through all points; None for `USUAL_WAVELENGTH_MM` if their
+        Wavelength whose height is halved; 0 for a curve through all points; None for `usual_wavelength_mm` if their
         noise is above `NOISE_UM`, else 0.
     limit_um
         Largest deviation of any point; `USUAL_LIMIT_UM` or six times the noise if left out.
@@ -132,16 +162,17 @@ def smoothed(
     low, high = LIMITS_UM
     if limit_um is not None and not low <= limit_um <= high:
         raise InputError(f"--limit {limit_um:g}", f"{low:g} to {high:g} micrometres", "leave it out")
+    points = points[np.concatenate(([True], np.diff(_lengths(points)) > _SAME_MM))]
     if len(points) < FEWEST_POINTS:
         raise InputError(
             f"{len(points)} points", f"{FEWEST_POINTS} or more", "give the whole profile; hundreds of points are usual"
         )
     noise = noise_um(points)
     limit = max(USUAL_LIMIT_UM, 6.0 * noise) if limit_um is None else limit_um
+    s = _lengths(points)
     wavelength = wavelength_mm
     if wavelength is None:
-        wavelength = USUAL_WAVELENGTH_MM if noise > NOISE_UM else 0.0
-    s = _lengths(points)
+        wavelength = usual_wavelength_mm(noise, float(np.median(np.diff(s)))) if noise > NOISE_UM else 0.0
     if wavelength == 0.0:
         spline, deviations, n_held = make_interp_spline(s, points), np.zeros(len(points)), 0
     else:
@@ -217,7 +248,8 @@ def _across(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray:
     """Signed distances (n,) in um of points from the spline, across it, positive to its left."""
     tangents = spline(s, 1)
     apart = points - spline(s)
-    return 1e3 * (tangents[:, 0] * apart[:, 1] - tangents[:, 1] * apart[:, 0]) / np.hypot(*tangents.T)
+    distances: FloatArray = 1e3 * (tangents[:, 0] * apart[:, 1] - tangents[:, 1] * apart[:, 0]) / np.hypot(*tangents.T)
+    return distances
 
 
 def _lengths(points: FloatArray) -> FloatArray:

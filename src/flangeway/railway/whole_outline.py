@@ -1,5 +1,7 @@
 """A rail or wheel from a closed outline of a file: which of its sides are head, base, running surface and cut."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from flangeway.errors import InputError
@@ -33,8 +35,8 @@ def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
         )
     certainty, source = "As the file draws it.", f"File: {measured.format}."
     if measured.kind == "rail":
-        return _rail(outline, measured.title, certainty, source)
-    return _wheel(outline, measured.title, certainty, source)
+        return replace(_rail(outline, measured.title, certainty, source), notices=measured.notices)
+    return replace(_wheel(outline, measured.title, certainty, source), notices=measured.notices)
 
 
 def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProfile:

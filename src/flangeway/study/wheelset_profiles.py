@@ -1,38 +1,111 @@
-"""Rails and wheels of cases by the names that users give: bundled ones, or files of running surfaces."""
+"""Rails and wheels of cases by the names that users give: bundled ones, or files of profiles."""
 
 from pathlib import Path
 
 from flangeway.errors import InputError
-from flangeway.railway.joining import joined
-from flangeway.railway.profile_file import FORMATS, read_profile
-from flangeway.railway.profiles import RailProfile, WheelProfile, rail, wheel
+from flangeway.geometry import Outline
+from flangeway.railway.joining import joined, nominal_profile, on_plain_body
+from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile
+from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.raw_profile import Kind
+from flangeway.railway.whole_outline import whole_profile
+
+PLAIN = "plain"
+"""Body of a wheel that is like no bundled one: a block above its running surface."""
 
 
 def rail_named(name: str, crown_radius_in: float | None, body: str) -> RailProfile:
-    """Return a bundled rail, or a file's running surface on the body of a bundled one.
+    """Return a bundled rail, a file's running surface on the body of a bundled one, or a file's whole outline.
 
     Raises
     ------
     InputError
-        If there is none of that name, or the file holds a wheel or cannot be read.
+        If there is none of that name, or the file holds a wheel, cannot be read or does not fit the body.
 
     """
     if not _is_file(name):
+        _refuse_other_kind(name, "rail")
         return rail(name, crown_radius_in=crown_radius_in)
-    found = joined(read_profile(name), body).profile
+    found = _from_file(name, "rail", body)
     if not isinstance(found, RailProfile):
-        raise InputError(f"rail = {name}, which holds a wheel", "a rail", "exchange the keys rail and wheel")
+        raise TypeError("a rail's file gives a rail")
     return found
 
 
 def wheel_named(name: str, throat_radius_mm: float | None, body: str) -> WheelProfile:
-    """Return a bundled wheel, or a file's running surface on the body of a bundled one; errors as `rail_named`."""
+    """Return a bundled wheel, or one from a file; errors as `rail_named`."""
     if not _is_file(name):
+        _refuse_other_kind(name, "wheel")
         return wheel(name, throat_radius_mm=throat_radius_mm)
-    found = joined(read_profile(name), body).profile
+    found = _from_file(name, "wheel", body)
     if not isinstance(found, WheelProfile):
-        raise InputError(f"wheel = {name}, which holds a rail", "a wheel", "exchange the keys rail and wheel")
+        raise TypeError("a wheel's file gives a wheel")
     return found
+
+
+def _from_file(name: str, kind: Kind, body: str) -> RailProfile | WheelProfile:
+    measured = _read(name, kind)
+    if measured.kind != kind:
+        raise InputError(
+            f"{kind} = {name}, which holds a {measured.kind}", f"a {kind}", "exchange the keys rail and wheel"
+        )
+    if isinstance(measured.surface, Outline):
+        return whole_profile(measured)
+    bodies = RAILS if kind == "rail" else (*WHEELS, PLAIN)
+    if body == PLAIN and kind == "wheel":
+        return on_plain_body(measured)
+    try:
+        wanted = nominal_profile(body)
+    except InputError as reason:
+        raise InputError(
+            f"{kind}_body = {body}", ", ".join(bodies), "choose the one most like the measured"
+        ) from reason
+    if isinstance(wanted, RailProfile) != (kind == "rail"):
+        raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
+    try:
+        return joined(measured, body).profile
+    except InputError as reason:
+        others = [other for other in bodies if other != body and _fits(measured, other)]
+        advice = (
+            f"flangeway profile {name} --join {body} shows what it is taken for; options say what the file does not"
+        )
+        if others:
+            advice = f"is it the profile of another {kind}? Give {kind}_body = {' or '.join(others)}"
+        raise InputError(f"{kind} = {name}: {reason.given}", reason.allowed, advice) from reason
+
+
+def _read(name: str, kind: Kind) -> MeasuredProfile:
+    """Read a file; where neither file nor shape tells what it holds, the key does."""
+    try:
+        return read_profile(name)
+    except InputError as reason:
+        if "--kind" in reason.allowed:
+            try:
+                return read_profile(name, ReadOptions(kind=kind))
+            except InputError as second:
+                reason = second
+        advice = reason.advice
+        if "--" in f"{reason.allowed} {advice}":
+            advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"
+        raise InputError(f"{kind} = {reason.given}", reason.allowed, advice) from reason
+
+
+def _fits(measured: MeasuredProfile, body: str) -> bool:
+    try:
+        on_plain_body(measured) if body == PLAIN else joined(measured, body)
+    except InputError:
+        return False
+    return True
+
+
+def _refuse_other_kind(name: str, kind: Kind) -> None:
+    if name in (WHEELS if kind == "rail" else RAILS):
+        other = "wheel" if kind == "rail" else "rail"
+        raise InputError(
+            f"{kind} = {name}, which is a {other}",
+            ", ".join(RAILS if kind == "rail" else WHEELS),
+            "exchange the keys rail and wheel",
+        )
 
 
 def _is_file(name: str) -> bool:

@@ -1,0 +1,165 @@
+"""A worn wheel on a worn rail, measured with 30 micrometres of noise, from the instrument's files to the balance."""
+
+import numpy as np
+import pytest
+
+from flangeway.railway.miniprof import write_miniprof
+from flangeway.railway.profile_file import ReadOptions, profile_text, read_profile
+from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.simpack import write_simpack
+from flangeway.railway.smoothing import smoothed, usual_wavelength_mm
+from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+from flangeway.study import WheelsetCurveCase, WheelsetTangentCase, run_case
+
+NOISE_MM = 0.03
+SPACING_MM = 0.25
+WEAR_MM = 1.0
+LATERALS_MM = (-2.0, 0.0, 2.0, 4.0, 6.0)
+
+
+def across(points):
+    """Unit normals (n, 2) to the left of a row of points."""
+    along = np.gradient(points, axis=0)
+    return np.column_stack((-along[:, 1], along[:, 0])) / np.hypot(*along.T)[:, None]
+
+
+def worn_head():
+    """A 136RE's head from its top, 0.8 mm worn at the gauge corner and 0.2 mm on the crown."""
+    profile = rail()
+    points = profile.running_surface.sampled(spacing=SPACING_MM) - [0.0, profile.outline.bounds()[1, 1]]
+    depth = 0.8 * np.exp(-(((points[:, 0] + 30.0) / 6.0) ** 2)) + 0.2 * np.exp(-((points[:, 0] / 20.0) ** 2))
+    return points + across(points) * (depth * (points[:, 1] > -20.0))[:, None]
+
+
+def hollow_tread():
+    """An AAR-1B's running surface, 1 mm hollow: the head has worn its shape into it at several lateral motions."""
+    track, wheelset = Track(rail()), Wheelset(wheel())
+    points = wheelset.wheel.running_surface.sampled(spacing=SPACING_MM)
+    on_track = track.placement("right").points(worn_head() + np.array([0.0, rail().outline.bounds()[1, 1]]))
+    height = points[:, 1].copy()
+    reached = (points[:, 0] > -40.0) & (points[:, 0] < 55.0)
+    for lateral in LATERALS_MM:
+        at = WheelsetMotion(lateral, 0.0, 0.0).placement(wheelset, "right").inverse().points(on_track)
+        at = at[np.argsort(at[:, 0])]
+        rail_height = np.interp(points[:, 0], at[:, 0], at[:, 1])
+        lowered = (points[:, 1] - rail_height)[reached].min()
+        height = np.where(reached, np.maximum(height, rail_height + lowered + WEAR_MM), height)
+    window = np.hanning(23) / np.hanning(23).sum()
+    depth = np.convolve(np.pad(height - points[:, 1], 11, mode="edge"), window, "valid")
+    return points + np.column_stack((np.zeros(len(points)), depth))
+
+
+def noisy(points, seed):
+    """Points moved across their curve by white noise."""
+    return points + across(points) * NOISE_MM * np.random.default_rng(seed).normal(size=(len(points), 1))
+
+
+@pytest.fixture(scope="module")
+def files(tmp_path_factory):
+    """Files of the pair, without and with noise, by ending."""
+    folder = tmp_path_factory.mktemp("worn")
+    found = {}
+    for name, head, tread in (
+        ("new", worn_head(), hollow_tread()),
+        ("worn", noisy(worn_head(), 1), noisy(hollow_tread(), 2)),
+    ):
+        texts = {
+            ".ban": write_miniprof(head, "rail", name),
+            ".prr": write_simpack(head, "rail", name),
+            ".whl": write_miniprof(tread, "wheel", name, wheel().flange_back_mm),
+            ".prw": write_simpack(tread, "wheel", name),
+        }
+        for ending, text in texts.items():
+            file = folder / f"{name}{ending}"
+            file.write_text(text, encoding="utf-8")
+            found[name, ending] = file
+    return found
+
+
+def solved(case, files, name, wheel_ending, rail_ending):
+    values = {"wheel": str(files[name, wheel_ending]), "rail": str(files[name, rail_ending]), "size_scale": 3.0}
+    return run_case(case.from_values(values))
+
+
+@pytest.fixture(scope="module")
+def runs(files):
+    """Solved cases: tangent without and with noise, curve with noise."""
+    return {
+        "smooth": solved(WheelsetTangentCase, files, "new", ".whl", ".ban"),
+        "noisy": solved(WheelsetTangentCase, files, "worn", ".whl", ".ban"),
+        "curve": solved(WheelsetCurveCase, files, "worn", ".prw", ".prr"),
+    }
+
+
+@pytest.mark.parametrize("kind", ["rail", "wheel"])
+def test_files_are_written_back_within_a_micrometre(kind, tmp_path):
+    """Noisy points of MiniProf and Simpack files, written into both formats, come back within 0.01 micrometres."""
+    points = noisy(worn_head() if kind == "rail" else hollow_tread(), 4)[::3]
+    endings = (".ban", ".prr") if kind == "rail" else (".whl", ".prw")
+    for ending, text in zip(endings, (write_miniprof(points, kind, ""), write_simpack(points, kind, "")), strict=True):
+        file = tmp_path / f"one{ending}"
+        file.write_text(text, encoding="utf-8")
+        one = read_profile(file, ReadOptions(smooth_mm=0.0))
+        assert np.abs(one.points - points - (one.points - points).mean(axis=0)).max() < 1e-5
+        for other in endings:
+            back = tmp_path / f"back{other}"
+            back.write_text(profile_text(one, other), encoding="utf-8")
+            again = read_profile(back, ReadOptions(smooth_mm=0.0))
+            assert np.abs(again.points - one.points).max() < 1e-5
+
+
+def test_both_formats_give_one_curve(files):
+    """A MiniProf file and a Simpack file of the same points give the same smooth curve within 0.1 micrometres."""
+    for pair in ((".ban", ".prr"), (".whl", ".prw")):
+        one, other = (read_profile(files["worn", ending]) for ending in pair)
+        assert np.abs(one.best_points - other.best_points).max() < 1e-4
+
+
+@pytest.mark.parametrize("name", ["smooth", "noisy", "curve"])
+def test_the_chain_ends_in_balance(name, runs):
+    """From the files to the balance: converged, errors below 1e-10, contact forces that bear the load."""
+    run = runs[name]
+    assert run.result.status.converged, run.result.status.message
+    assert run.result.equilibrium.balance.resulting_error < 1e-10
+    along, onto = run.result.model.problem.load.in_track
+    total = sum(patch.force_on_wheel_N for patch in run.result.patches)
+    assert total == pytest.approx([-along, onto], rel=1e-8, abs=1.0)
+
+
+def test_a_hollow_tread_conforms(runs):
+    """The worn wheel bears on one wide place: more than 9 mm half width, where the new pair has 6.4 mm."""
+    patches = runs["smooth"].result.patches
+    assert [patch.side for patch in patches] == ["left", "right"]
+    assert min(patch.pressure.half_width for patch in patches) > 9.0
+
+
+def test_noise_is_no_wear(runs):
+    """With 30 micrometres of noise the contacts are as many, 1.5 mm about their places, their pressure within 20 %."""
+    smooth, noise = (runs[name].result.patches for name in ("smooth", "noisy"))
+    assert [patch.side for patch in noise] == [patch.side for patch in smooth]
+    for one, other in zip(smooth, noise, strict=True):
+        assert other.rail_point_mm == pytest.approx(one.rail_point_mm, abs=1.5)
+        assert other.pressure.pressures.max() == pytest.approx(one.pressure.pressures.max(), rel=0.2)
+
+
+def test_the_run_says_how_the_noise_was_smoothed(runs):
+    """What was done to the files stands among the assumptions of the run, with wheel and rail named."""
+    said = [line for line in runs["noisy"].summary["assumptions"] if "The noise is" in line]
+    assert len(said) == 2
+    noise = [float(line.split("The noise is ")[1].split(" micrometres")[0]) for line in said]
+    assert noise == pytest.approx([1e3 * NOISE_MM] * 2, rel=0.2)
+    assert "AAR-1B" in said[0]
+    assert "136RE" in said[1]
+
+
+def test_the_wavelength_bounds_the_scatter_of_the_curvature():
+    """White noise of 30 micrometres on a straight line leaves a curvature that scatters by 0.001/mm, as is bound."""
+    x = np.arange(0.0, 400.0, SPACING_MM)
+    points = np.column_stack((x, NOISE_MM * np.random.default_rng(3).normal(size=len(x))))
+    found = smoothed(points, limit_um=1e4)
+    assert found.wavelength_mm == usual_wavelength_mm(1e3 * NOISE_MM, SPACING_MM) == 11.0
+    inner = found.points[40:-40]
+    curvature = np.gradient(np.gradient(inner[:, 1], inner[:, 0]), inner[:, 0])
+    assert np.std(curvature) == pytest.approx(1e-3, rel=0.3)
+    assert usual_wavelength_mm(2.0, SPACING_MM) == 5.0
+    assert usual_wavelength_mm(500.0, SPACING_MM) == 20.0
