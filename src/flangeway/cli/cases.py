@@ -1,4 +1,4 @@
-"""``flangeway run``, ``converge`` and ``cases``."""
+"""``flangeway run``, ``check``, ``init``, ``schema``, ``converge`` and ``cases``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -10,8 +10,28 @@ from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progr
 
 if TYPE_CHECKING:
     from flangeway.study import WheelsetCase
+    from flangeway.study.case import RunnableCase
 
-CaseName = Annotated[str, typer.Argument(metavar="CASE", help="Name of a case; `flangeway cases` lists them.")]
+CaseOrFile = Annotated[
+    str,
+    typer.Argument(
+        metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), a case file, or an Abaqus deck."
+    ),
+]
+CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
+NewName = Annotated[
+    str,
+    typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them. Or an Abaqus deck (.inp)."),
+]
+To = Annotated[
+    Path | None, typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False)
+]
+SchemaTo = Annotated[
+    Path | None, typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False)
+]
+ListedName = Annotated[
+    str | None, typer.Argument(metavar="[CASE]", help="The one to explain; all if left out.", show_default=False)
+]
 # text, not numbers or choices: the case checks all values, with one kind of message
 Method = Annotated[
     str | None,
@@ -40,7 +60,7 @@ Set = Annotated[
 
 @app.command()
 def run(
-    case: CaseName,
+    case: CaseOrFile,
     method: Method = None,
     order: CaseOrder = None,
     size_scale: SizeScale = None,
@@ -49,25 +69,23 @@ def run(
     set_: Set = None,
     out: Out = None,
 ) -> None:
-    """Run a case: summary on the terminal; JSON, report, picture and ParaView files in a folder (out/CASE)."""
+    """Run a case or a case file: summary on the terminal; JSON, pictures and ParaView files in a folder (out/CASE)."""
     with errors_as_exit_status():
         inputs = _case(case, method, order, size_scale, primary, crown_radius, set_)
-        from flangeway.report import check_folder, write_outputs  # noqa: PLC0415
-        from flangeway.report.terminal import print_summary  # noqa: PLC0415
-        from flangeway.study import run_case  # noqa: PLC0415
+        from flangeway.report.case_outputs import check_case_folder, print_case, write_case  # noqa: PLC0415
 
-        folder = out or Path("out", case)
-        check_folder(folder)
+        folder = out or Path("out", Path(case).stem)
+        check_case_folder(inputs, folder)
         with progress_shown() as progress:
-            done = run_case(inputs, progress)
-            files = write_outputs(done, folder, progress)
-        print_summary(stdout(), done.summary, files)
-        raise typer.Exit(DONE if done.result.status.converged else FAILED)
+            done = inputs.run(progress)
+            files = write_case(done, folder, progress)
+        print_case(stdout(), done, files)
+        raise typer.Exit(DONE if done.status.converged else FAILED)
 
 
 @app.command()
 def converge(
-    case: CaseName,
+    case: CaseOrFile,
     method: Method = None,
     order: CaseOrder = None,
     size_scale: SizeScale = None,
@@ -78,7 +96,7 @@ def converge(
 ) -> None:
     """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge/converge.json)."""
     with errors_as_exit_status():
-        inputs = _case(case, method, order, size_scale, primary, crown_radius, set_)
+        inputs = _wheelset(_case(case, method, order, size_scale, primary, crown_radius, set_))
         from flangeway.report.terminal import print_convergence  # noqa: PLC0415
         from flangeway.study import (  # noqa: PLC0415
             refuse_unwritable,
@@ -97,19 +115,73 @@ def converge(
 
 
 @app.command()
-def cases() -> None:
+def cases(case: ListedName = None) -> None:
     """List the cases and their inputs, with defaults and what is allowed."""
-    from rich.table import Column, Table  # noqa: PLC0415
+    with errors_as_exit_status():
+        from rich.table import Column, Table  # noqa: PLC0415
 
-    from flangeway.study import CASES  # noqa: PLC0415
+        from flangeway.study import CASES, find_case  # noqa: PLC0415
 
-    console = stdout()
-    for name, case in CASES.items():
-        console.print(f"{name}: {case.title}", style="bold", markup=False)
-        table = Table(Column("key", no_wrap=True), "default", "allowed", "meaning", box=None, pad_edge=False)
-        for row in case.inputs():
-            table.add_row(*row)
-        console.print(table)
+        console = stdout()
+        wanted = list(CASES.values()) if case is None else [find_case(case)]
+        for kind in wanted:
+            console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
+            for caption, rows in kind.tables_of_inputs():
+                if caption:
+                    console.print(f"  {caption}", markup=False)
+                table = Table(Column("key", no_wrap=True), "default", "allowed", "meaning", box=None, pad_edge=False)
+                for row in rows:
+                    table.add_row(*row)
+                console.print(table, markup=False)
+
+
+@app.command()
+def init(name: NewName, to: To = None) -> None:
+    """Write a case file to begin with: every key with its meaning, unit, range and default; or what a deck says."""
+    with errors_as_exit_status():
+        from flangeway.study import find_case, load_case, write_together  # noqa: PLC0415
+        from flangeway.study.abaqus_case import ENDING  # noqa: PLC0415
+        from flangeway.study.case_template import write_case_file, write_template  # noqa: PLC0415
+
+        file = to or Path(f"{Path(name).stem if name.endswith(ENDING) else name}.toml")
+        if name.endswith(ENDING):
+            text = write_case_file(load_case(name), file.parent)
+        else:
+            text = write_template(find_case(name))
+        _refuse_existing(file, "choose another name with --to, or remove it")
+        write_together(file.parent, {file.name: lambda path: _write_text(path, text)})
+        stdout().print(f"{file}: edit it, then flangeway run {file}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def check(file: CaseFile, set_: Set = None) -> None:
+    """Check a case file without computing: keys, values, ranges, files, shapes; what is wrong is told with its line."""
+    with errors_as_exit_status():
+        inputs = _case(str(file), None, None, None, None, None, set_)
+        given = len(inputs.model_fields_set)
+        stdout().print(
+            f"{file}: a case {inputs.name} with {given} input{'s' * (given != 1)}; nothing is wrong. Compute it with "
+            f"flangeway run {file}",
+            markup=False,
+            soft_wrap=True,
+        )
+
+
+@app.command()
+def schema(to: SchemaTo = None) -> None:
+    """Print the JSON Schema of case files, with which editors complete keys and mark mistakes."""
+    with errors_as_exit_status():
+        import json  # noqa: PLC0415
+
+        from flangeway.study import write_together  # noqa: PLC0415
+        from flangeway.study.case_template import schema as case_schema  # noqa: PLC0415
+
+        text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"
+        if to is None:
+            typer.echo(text, nl=False)
+            return
+        write_together(to.parent, {to.name: lambda path: _write_text(path, text)})
+        stdout().print(f"{to}: name it in the first line of a case file, #:schema {to}", markup=False, soft_wrap=True)
 
 
 def _case(
@@ -120,9 +192,9 @@ def _case(
     primary: str | None,
     crown_radius: str | None,
     settings: list[str] | None,
-) -> "WheelsetCase":
+) -> "RunnableCase":
     """Return the case with what the options say, checked as far as possible before computing."""
-    from flangeway.study import find_case  # noqa: PLC0415
+    from flangeway.study.case_file import check_case, is_case_file, read_case  # noqa: PLC0415
 
     values = {
         "method": method,
@@ -133,6 +205,27 @@ def _case(
     }
     given: dict[str, Any] = {key: value for key, value in values.items() if value is not None}
     given |= settings_of(settings, f"`flangeway cases` lists the keys of {name}")
-    case = find_case(name).from_values(given)
-    case.problem()
+    case = read_case(name, given)
+    check_case(case, name if is_case_file(name) else None)
     return case
+
+
+def _wheelset(case: "RunnableCase") -> "WheelsetCase":
+    """Return the case if it is one of a wheelset."""
+    from flangeway.study import WheelsetCase, find_wheelset  # noqa: PLC0415
+
+    if not isinstance(case, WheelsetCase):
+        find_wheelset(case.name)
+        raise AssertionError("a wheelset's case that is none")
+    return case
+
+
+def _refuse_existing(file: Path, advice: str) -> None:
+    from flangeway.errors import InputError  # noqa: PLC0415
+
+    if file.exists() or file.is_symlink():
+        raise InputError(f"file {file}, which is there already", "the name of a new file", advice)
+
+
+def _write_text(path: Path, text: str) -> None:
+    path.write_text(text, encoding="utf-8")

@@ -58,6 +58,32 @@ def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
     return DrawnSection(str(data.get("title", "")), Section(regions), agreed, materials, tuple(notices))
 
 
+def outline_region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
+    """Return the region that a table describes, with points, path or circle in `outer` or by itself, and holes.
+
+    Parameters
+    ----------
+    table
+        The table.
+    what
+        What messages start with.
+    notices
+        Gets what was mended.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or missing, or an outline is wrong.
+
+    """
+    keys = (*_LOOP_KEYS, "outer", "holes")
+    _refuse_unknown(table, keys, f"{what}the table")
+    if "outer" not in table:
+        outer = {key: value for key, value in table.items() if key in _LOOP_KEYS}
+        table = {"outer": outer, **{key: value for key, value in table.items() if key not in outer}}
+    return _region(table, what, notices)
+
+
 def _region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
     if "outer" not in table:
         raise InputError(f"{what}no outer boundary", "a table [outer] with points, path or circle", "add it")

@@ -12,6 +12,7 @@ from flangeway.errors import InputError
 Floats = NDArray[np.float64]
 
 FLAT = 1e-9
+LARGEST_COORDINATE = 1e30
 
 
 @dataclass(frozen=True)
@@ -156,15 +157,14 @@ class _Flattener:
         if part not in self.parts:
             known = ", ".join(self.parts)
             raise InputError(f"{block.place} of the part '{part}'", f"the parts {known}", "export the deck again")
-        try:
-            numbers = [[float(word) for word in row] for row in block.rows]
-        except ValueError as reason:
-            raise InputError(f"{block.place}: {block.rows}", "numbers for shift and rotation", "repair it") from reason
+        numbers = [[_real(word, block) for word in row] for row in block.rows]
         shift = np.array((numbers[0] + [0.0, 0.0, 0.0])[:3]) if numbers else np.zeros(3)
         turn, centre = np.eye(2), np.zeros(2)
         if len(numbers) > 1:
+            if len(numbers[1]) != 7:
+                raise InputError(f"{block.place}: {', '.join(block.rows[1])}", "two points and an angle", "repair it")
             axis = np.array(numbers[1][3:6]) - np.array(numbers[1][:3])
-            if len(numbers[1]) != 7 or abs(axis[0]) + abs(axis[1]) > FLAT * abs(axis[2]):
+            if abs(axis[0]) + abs(axis[1]) > FLAT * abs(axis[2]):
                 raise InputError(
                     f"{block.place}, which is turned out of the plane", "rotations about z", "turn it in the program"
                 )
@@ -257,6 +257,9 @@ def _whole(word: str, block: DeckBlock) -> int:
 
 def _real(word: str, block: DeckBlock) -> float:
     try:
-        return float(word.upper().replace("D", "E"))
+        value = float(word.upper().replace("D", "E"))
     except ValueError as reason:
         raise InputError(f"{block.place}: {word[:40]}", "a number and coordinates", "repair it") from reason
+    if not abs(value) <= LARGEST_COORDINATE:
+        raise InputError(f"{block.place}: {word[:40]}", f"coordinates up to {LARGEST_COORDINATE:g}", "repair it")
+    return value

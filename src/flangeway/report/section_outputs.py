@@ -57,10 +57,15 @@ def write_section(run: SectionRun, folder: Path, progress: Callable[[str], None]
 
     """
     progress("drawing the pictures and writing the files")
+    return write_together(folder, section_writers(run))
+
+
+def section_writers(run: SectionRun) -> dict[str, Callable[[Path], None]]:
+    """Return functions that write the files of a section, by the files' names."""
     writers = picture_writers({name: draw(run) for name, draw in PICTURES.items()})
     writers[FIELDS] = lambda path: _write_fields(run, path)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
-    return write_together(folder, writers)
+    return writers
 
 
 def _write_fields(run: SectionRun, path: Path) -> None:

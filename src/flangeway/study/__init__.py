@@ -1,8 +1,11 @@
 """Cases by name, their inputs, their runs, and what these leave for programs to read."""
 
 from flangeway.study.adaptive import AdaptiveRun, AdaptiveStep, adapt
-from flangeway.study.case import Case
-from flangeway.study.cases import CASES, find_case
+from flangeway.study.bodies_run import BodiesRun, BodyResult
+from flangeway.study.case import Case, Run, RunnableCase
+from flangeway.study.case_file import load_case
+from flangeway.study.case_template import schema, write_template
+from flangeway.study.cases import CASES, find_case, find_wheelset
 from flangeway.study.convergence import Convergence, run_halved
 from flangeway.study.cook import CookCode, CookRow, cook_row, solve_cook
 from flangeway.study.l_shape import l_shape, solve_l_shape
@@ -18,28 +21,36 @@ __all__ = [
     "CASES",
     "AdaptiveRun",
     "AdaptiveStep",
+    "BodiesRun",
+    "BodyResult",
     "Case",
     "CaseRun",
     "Convergence",
     "CookCode",
     "CookRow",
     "RefinementRow",
+    "Run",
+    "RunnableCase",
     "WheelsetCase",
     "WheelsetCurveCase",
     "WheelsetTangentCase",
     "adapt",
     "cook_row",
     "find_case",
+    "find_wheelset",
     "l_shape",
+    "load_case",
     "refine_adaptively",
     "refine_uniformly",
     "refuse_unwritable",
     "run_case",
     "run_halved",
+    "schema",
     "solve_cook",
     "solve_l_shape",
     "stress_errors",
     "summarise",
     "write_summary",
+    "write_template",
     "write_together",
 ]

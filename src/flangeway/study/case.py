@@ -1,33 +1,71 @@
 """What all cases share: named inputs with ranges, checked before anything is computed."""
 
 import difflib
-from collections.abc import Mapping
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
 from types import UnionType
-from typing import Any, ClassVar, Literal, Self, Union, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
 
 import annotated_types as at
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
 from flangeway.errors import InputError
+from flangeway.solve import Status
+
+Key = tuple[str | int, ...]
+"""Path of an input: a name, or in nested tables names and places in lists."""
+Progress = Callable[[str], None]
 
 _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
+_LONGEST = 80
 
 
-class Case(BaseModel):
+class Run(Protocol):
+    """What every run of a case has, whatever the case."""
+
+    @property
+    def case(self) -> "Case":
+        """The inputs."""
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Plain numbers with their units in the keys."""
+
+
+class Table(BaseModel):
+    """A group of inputs inside a case: a table of a case file."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+
+class Case(Table):
     """Inputs of a computation; every key bears its unit, and what is left out has a default.
 
     Build one with `from_values`, which raises `InputError`.
     """
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
-
     name: ClassVar[str]
     title: ClassVar[str]
+    essential: ClassVar[tuple[str, ...]] = ()
+    """Keys that stand in a new case file; the others stand there as comments."""
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Values of a new case file where they are not the defaults."""
 
     @classmethod
-    def from_values(cls, values: Mapping[str, Any]) -> Self:
+    def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
         """Return the case with some inputs changed; numbers may be given as text.
+
+        Parameters
+        ----------
+        values
+            Inputs by key.
+        where
+            Text to put before what is said about a key, such as its file and line.
 
         Raises
         ------
@@ -36,17 +74,59 @@ class Case(BaseModel):
 
         """
         try:
+            _refuse_switches(cls, values, where)
             return cls(**values)
         except ValidationError as reason:
-            raise _input_error(cls, reason) from None
+            raise _input_error(cls, reason, where) from None
 
     @classmethod
     def inputs(cls) -> list[tuple[str, str, str, str]]:
         """Key, default, what is allowed, and meaning of every input."""
-        return [
-            (key, _text(field.default), allowed(field), field.description or "")
-            for key, field in cls.model_fields.items()
-        ]
+        return [row for _, rows in _inputs_of(cls, "")[:1] for row in rows]
+
+    @classmethod
+    def tables_of_inputs(cls) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+        """Inputs as in `inputs`, those inside tables apart, each group with the path of its table."""
+        return _inputs_of(cls, "")
+
+
+class RunnableCase(Case):
+    """A case that `flangeway run` computes; subclasses say how."""
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise `InputError` for what is wrong beyond single values, without computing."""
+
+    @abstractmethod
+    def run(self, progress: Progress = lambda _: None) -> Run:
+        """Compute the case.
+
+        Parameters
+        ----------
+        progress
+            Called with a sentence at each stage.
+
+        Raises
+        ------
+        InputError
+            If the inputs make no problem that can be solved.
+        MissingLibraryError
+            If the mesh generator lacks a shared library of the system.
+
+        """
+
+
+def _inputs_of(table: type[Table], path: str) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+    rows, inner = [], []
+    for key, field in table.model_fields.items():
+        default = "needed" if field.is_required() else _text(field.get_default(call_default_factory=True))
+        kind = table_in(field.annotation)
+        if kind is not None:
+            several = "[]" if any(get_origin(each) is list for each in alternatives(field.annotation)) else ""
+            inner += _inputs_of(kind, f"{path}{key}{several}.")
+            default = default if field.is_required() else "none"
+        rows.append((key, default, allowed(field), field.description or ""))
+    return [(path.rstrip("."), rows), *inner]
 
 
 def allowed(field: FieldInfo) -> str:
@@ -57,22 +137,51 @@ def allowed(field: FieldInfo) -> str:
         for limit in field.metadata
         if isinstance(limit, kind)
     ]
+    return " or ".join(_words(field.annotation, " ".join(bounds)))
+
+
+def _words(annotation: Any, bounds: str = "") -> list[str]:
+    """What the alternatives of a type are called."""
     words = []
-    for kind in _alternatives(field.annotation):
-        if get_origin(kind) is Literal:
-            words += [str(value) for value in get_args(kind)]
+    for kind in alternatives(annotation):
+        origin, members = get_origin(kind), get_args(kind)
+        if origin is Literal:
+            words += [str(value) for value in members]
         elif kind is float:
-            words.append(" ".join(["a number", *bounds]))
+            words.append(f"a number {bounds}".strip())
         elif kind is int:
-            words.append(" ".join(["a whole number", *bounds]))
+            words.append(f"a whole number {bounds}".strip())
+        elif kind is bool:
+            words.append("true or false")
         elif kind is str:
             words.append("a name")
-    return " or ".join(words)
+        elif origin is tuple:
+            words.append(f"[{', '.join(' or '.join(_words(each, bounds)) for each in members)}]")
+        elif members == (str,):
+            words.append("a list of names")
+        elif origin in (list, dict):
+            inner = " or ".join(_words(members[-1], bounds)).replace("a table with", "tables with")
+            words.append(f"{'a list' if origin is list else 'a table'}{f' of {inner}' if inner else ''}")
+        elif table_in(kind):
+            words.append(f"a table with the keys {', '.join(kind.model_fields)}")
+    return words
 
 
-def _alternatives(annotation: Any) -> tuple[Any, ...]:
+def alternatives(annotation: Any) -> tuple[Any, ...]:
     """Types of a union, or the one type that there is."""
+    if get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
     return get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
+
+
+def table_in(annotation: Any) -> type[Table] | None:
+    """Type of the tables that an input holds, alone, in a list or by name; None for plain values."""
+    for kind in alternatives(annotation):
+        if isinstance(kind, type) and issubclass(kind, Table):
+            return kind
+        if get_origin(kind) in (list, dict):
+            return table_in(get_args(kind)[-1])
+    return None
 
 
 def closest(word: str, known: list[str]) -> str:
@@ -81,22 +190,89 @@ def closest(word: str, known: list[str]) -> str:
     return f"did you mean {near[0]}?" if near else "choose one of these"
 
 
+def key_text(key: Key) -> str:
+    """Write a path of keys: ``bodies[1].young_MPa``, counted from 1."""
+    text = ""
+    for item in key:
+        text += f"[{item + 1}]" if isinstance(item, int) else f".{item}" if text else item
+    return text
+
+
 def _text(value: object) -> str:
+    if value is None:
+        return "none"
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def _input_error(case: type[Case], reason: ValidationError) -> InputError:
-    given, allow, advice = [], [], []
-    for error in reason.errors():
-        key = str(error["loc"][0])
-        given.append(f"{key} = {error['input']!r}")
+def short(value: object) -> str:
+    """Write a value for a message, cut where it is long."""
+    text = repr(value)
+    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+
+
+def _refuse_switches(case: type[Table], values: Mapping[str, Any], where: Callable[[Key], str]) -> None:
+    """Refuse true and false for numbers, which pydantic would take for 1 and 0."""
+    for key, value in values.items():
         field = case.model_fields.get(key)
-        if field is None:
-            known = list(case.model_fields)
-            given[-1] = f"an input called {key!r}"
-            allow.append(f"the inputs of {case.name}: {', '.join(known)}")
-            advice.append(closest(key, known))
+        if field is None or not isinstance(value, bool) or bool in alternatives(field.annotation):
+            continue
+        raise InputError(
+            f"{where((key,))}{key} = {str(value).lower()}", f"{key} is {allowed(field)}", _advice(key, field)
+        )
+
+
+def _advice(key: str, field: FieldInfo) -> str:
+    if field.is_required():
+        return f"give {key}: {field.description}"
+    default = field.get_default(call_default_factory=True)
+    return f"leave {key} out to take {_text(default)} ({field.description})"
+
+
+def _input_error(case: type[Case], reason: ValidationError, where: Callable[[Key], str]) -> InputError:
+    given, allow, advice = [], [], []
+    told: set[Key] = set()
+    for error in reason.errors():
+        key, table, field = _found(case, error["loc"])
+        if key in told:
+            continue
+        told.add(key)
+        name, text = str(key[-1]) if key else "", key_text(key)
+        if error["type"] == "missing" and field is not None:
+            given.append(f"{where(key[:-1])}no {text}")
+            allow.append(f"{name} is {allowed(field)}")
+            advice.append(_advice(name, field))
+        elif field is None:
+            known = list(table.model_fields)
+            inside = key_text(key[:-1])
+            given.append(f"{where(key)}an input called {name!r}{f' in {inside}' if inside else ''}")
+            allow.append(f"the inputs of {inside or case.name}: {', '.join(known)}")
+            advice.append(closest(name, known))
         else:
-            allow.append(f"{key} is {allowed(field)}")
-            advice.append(f"leave {key} out to take {_text(field.default)} ({field.description})")
+            last = next(item for item in reversed(key) if isinstance(item, str))
+            given.append(f"{where(key)}{text} = {short(error['input'])}")
+            allow.append(f"{last} is {allowed(field)}")
+            advice.append(_advice(last, field))
     return InputError("; ".join(given), "; ".join(allow), "; ".join(advice))
+
+
+def _found(case: type[Table], location: Key) -> tuple[Key, type[Table], FieldInfo | None]:
+    """Path of a fault without the names of alternatives, the table it is in, and the field, None for unknown keys."""
+    path: list[str | int] = []
+    table: type[Table] = case
+    inner: type[Table] | None = case
+    field: FieldInfo | None = None
+    by_name = False
+    for item in location:
+        if isinstance(item, int) or by_name:
+            path.append(item)
+            by_name = False
+        elif inner is not None and item in inner.model_fields:
+            table, field = inner, inner.model_fields[item]
+            path.append(item)
+            inner = table_in(field.annotation)
+            by_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))
+        elif inner is not None and not item.startswith(("list[", "dict[")):
+            return (*path, item), inner, None
+        else:
+            break  # the name of one of several types
+    return tuple(path), table, field

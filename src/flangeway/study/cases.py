@@ -1,16 +1,27 @@
 """The cases that can be run, by name."""
 
 from flangeway.errors import InputError
-from flangeway.study.case import closest
+from flangeway.study.case import RunnableCase, closest
+from flangeway.study.contact_patch_case import ContactPatchCase
+from flangeway.study.cook_case import CookCase
+from flangeway.study.hertz_case import HertzCase
+from flangeway.study.torsion_case import TorsionCase
+from flangeway.study.two_bodies import TwoBodiesCase
 from flangeway.study.wheelset_case import WheelsetCase
 from flangeway.study.wheelset_curve import WheelsetCurveCase
 from flangeway.study.wheelset_tangent import WheelsetTangentCase
 
-CASES: dict[str, type[WheelsetCase]] = {case.name: case for case in (WheelsetTangentCase, WheelsetCurveCase)}
+CASES: dict[str, type[RunnableCase]] = {
+    case.name: case
+    for case in (
+        *(WheelsetTangentCase, WheelsetCurveCase),
+        *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
+    )
+}
 """Types of the cases by name."""
 
 
-def find_case(name: str) -> type[WheelsetCase]:
+def find_case(name: str) -> type[RunnableCase]:
     """Return the type of the case with a name.
 
     Raises
@@ -22,3 +33,11 @@ def find_case(name: str) -> type[WheelsetCase]:
     if name not in CASES:
         raise InputError(f"a case called {name!r}", f"one of: {', '.join(CASES)}", closest(name, list(CASES)))
     return CASES[name]
+
+
+def find_wheelset(name: str) -> type[WheelsetCase]:
+    """Return the type of a case of a wheelset; errors as `find_case`."""
+    wheelsets = {key: case for key, case in CASES.items() if issubclass(case, WheelsetCase)}
+    if name not in wheelsets:
+        raise InputError(f"a case called {name!r}", f"one of: {', '.join(wheelsets)}", closest(name, list(wheelsets)))
+    return wheelsets[name]

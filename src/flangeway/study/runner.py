@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from flangeway.railway.result import WheelsetResult, solve_wheelset
+from flangeway.solve import Status
 from flangeway.study.summary import summarise
 from flangeway.study.wheelset_case import WheelsetCase
 
@@ -30,6 +31,11 @@ class CaseRun:
     case: WheelsetCase
     result: WheelsetResult
     summary: dict[str, Any]
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return self.result.status
 
 
 def run_case(case: WheelsetCase, progress: Progress = lambda _: None) -> CaseRun:

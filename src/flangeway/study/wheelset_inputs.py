@@ -59,7 +59,7 @@ class WheelsetInputs(Case):
         Wheelset.barycentre_height_mm, description="height of the car's barycentre above the axle"
     )
     axle_load_kN: float = Field(  # noqa: N815 (the unit kilonewton)
-        300.0, gt=0.0, description="weight that the wheelset bears; it presses on the rails"
+        300.0, gt=0.0, le=1e5, description="weight that the wheelset bears; it presses on the rails"
     )
     car_mass_t: float | None = Field(
         None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"

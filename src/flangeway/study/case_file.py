@@ -1,0 +1,304 @@
+"""Cases in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys."""
+
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from flangeway.errors import InputError
+from flangeway.study.abaqus_case import ENDING as DECK_ENDING
+from flangeway.study.abaqus_case import abaqus_values
+from flangeway.study.case import Key, RunnableCase, key_text, short
+from flangeway.study.cases import find_case
+from flangeway.study.two_bodies import TwoBodiesCase
+from flangeway.study.versions import versions
+
+FORMAT = 1
+"""Number of the format that this version writes; files of lower numbers are read, higher ones refused."""
+ENDING = ".toml"
+LARGEST_BYTES = 5_000_000
+
+FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file")
+"""Inputs that may name a file; paths in a case file are relative to its folder."""
+FILE_ENDINGS = (
+    *(".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".toml", ".mpt"),
+    *(".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas"),
+)
+
+
+_HEADER = re.compile(r"\s*(\[\[?)([\w.\s\"'-]+)\]\]?\s*(?:#.*)?$")
+_KEY = re.compile(r"\s*([\w-]+|\"[^\"]*\"|'[^']*')\s*[=.]")
+
+
+def is_case_file(name: str | Path) -> bool:
+    """Whether a name means a case file, not a case."""
+    path = Path(name)
+    return path.suffix.lower() in (ENDING, DECK_ENDING) or path.is_file()
+
+
+def load_case(name_or_file: str | Path, **settings: Any) -> RunnableCase:
+    """Return the case of a name with its defaults, or that of a case file or of an Abaqus deck (.inp).
+
+    Parameters
+    ----------
+    name_or_file
+        Name of a case, a TOML file, or an Abaqus deck, see `flangeway.study.abaqus_case.abaqus_values`.
+    settings
+        Inputs that go before those of the file.
+
+    Raises
+    ------
+    InputError
+        If there is no such case or file, or an input is wrong; of files the message names file, line and key.
+
+    """
+    return read_case(name_or_file, settings)
+
+
+def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = None) -> RunnableCase:
+    """Return a case as `load_case` does.
+
+    Parameters
+    ----------
+    name_or_file
+        Name of a case, or a TOML file.
+    settings
+        Inputs that go before those of the file. Those inside tables are named by points, items of a list by their
+        numbers from 1 or by their ``name``: ``bodies.disc.size_mm``.
+
+    """
+    given = dict(settings or {})
+    if not is_case_file(name_or_file):
+        return find_case(str(name_or_file)).from_values(_set({}, given))
+    if Path(name_or_file).suffix.lower() == DECK_ENDING:
+        return _read_deck(Path(name_or_file), given)
+    text = _CaseText.read(Path(name_or_file))
+    case, values = text.case()
+    inputs = _set(text.resolved(values), given)
+    replaced = {key.partition(".")[0] for key in given}
+
+    def where(key: Key) -> str:
+        return "" if key and key[0] in replaced else text.place(key)
+
+    return case.from_values(inputs, where)
+
+
+def _read_deck(file: Path, settings: Mapping[str, Any]) -> RunnableCase:
+    try:
+        values = abaqus_values(file)
+    except InputError as reason:
+        if str(file) in reason.given:
+            raise
+        raise InputError(f"{file}, {reason.given}", reason.allowed, reason.advice) from reason
+    return TwoBodiesCase.from_values(_set(values, settings), lambda _: f"{file}: ")
+
+
+def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
+    """Raise `InputError` for what is wrong beyond single values; the message names the file, if one is given."""
+    try:
+        case.check()
+    except InputError as reason:
+        if file is None:
+            raise
+        deck = Path(file).suffix.lower() == DECK_ENDING
+        place = f"{file}: " if deck else _CaseText.read(Path(file)).place(_key_in(reason.given))
+        raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _key_in(message: str) -> Key:
+    """Key that a message starts with, as `key_text` writes it."""
+    path = re.match(r"\w+(?:\[\d+\]|\.\w+)*", message)
+    key: list[str | int] = []
+    for name, number in re.findall(r"(\w+)(?:\[(\d+)\])?", path[0] if path else ""):
+        key += [name] if not number else [name, int(number) - 1]
+    return tuple(key)
+
+
+@dataclass(frozen=True)
+class _CaseText:
+    """A case file.
+
+    Parameters
+    ----------
+    file
+        The file.
+    text
+        Its contents.
+    data
+        What it says.
+
+    """
+
+    file: Path
+    text: str
+    data: dict[str, Any]
+
+    @classmethod
+    def read(cls, file: Path) -> "_CaseText":
+        try:
+            if file.stat().st_size > LARGEST_BYTES:
+                raise InputError(
+                    f"{file} of {file.stat().st_size} bytes",
+                    f"up to {LARGEST_BYTES}",
+                    "give meshes in files of their own",
+                )
+            text = file.read_bytes().decode("utf-8-sig")
+        except OSError as reason:
+            raise InputError(
+                f"case file {file}: {reason.strerror or reason}",
+                "a file that can be read, or the name of a case",
+                "correct the name; `flangeway init NAME` writes a case file",
+            ) from reason
+        except UnicodeDecodeError as reason:
+            raise InputError(
+                f"{file}: bytes that are no text (byte {reason.start})", "text in UTF-8", "save it as UTF-8"
+            ) from reason
+        try:
+            return cls(file, text, tomllib.loads(text))
+        except (ValueError, RecursionError) as reason:  # a wrong TOML is one of the former
+            raise InputError(
+                f"{file}: not TOML: {reason}",
+                'lines such as gauge_mm = 1435.0 or rail = "60E1", each key once',
+                "correct the place; names stand in quotation marks",
+            ) from reason
+
+    def case(self) -> tuple[type[RunnableCase], dict[str, Any]]:
+        """Type of the case, and its inputs."""
+        values = dict(self.data)
+        self._refuse_other_format(values.pop("flangeway", FORMAT))
+        if "case" not in values:
+            raise InputError(
+                f"{self.file}: no key case",
+                'a line such as case = "wheelset-tangent" at the top',
+                "add it; `flangeway cases` lists the names"
+                + (", `flangeway section` reads outlines" if "outer" in values or "parts" in values else ""),
+            )
+        name = values.pop("case")
+        try:
+            return find_case(name if isinstance(name, str) else short(name)), values
+        except InputError as reason:
+            raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
+
+    def _refuse_other_format(self, number: Any) -> None:
+        place = self.place(("flangeway",))
+        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+            raise InputError(
+                f"{place}flangeway = {short(number)}", f"the number of the file's format, {FORMAT}", "leave it out"
+            )
+        if number > FORMAT:
+            raise InputError(
+                f"{place}flangeway = {number}, a newer format than this version reads",
+                f"up to {FORMAT} in flangeway {versions()['flangeway']}",
+                "install a newer flangeway, or write the file anew with `flangeway init`",
+            )
+
+    def resolved(self, values: Mapping[str, Any], above: Key = ()) -> dict[str, Any]:
+        """Inputs with the files' names made independent of the current folder.
+
+        Raises
+        ------
+        InputError
+            If a file is not there.
+
+        """
+        found: dict[str, Any] = {}
+        for key, value in values.items():
+            here = (*above, key)
+            if isinstance(value, dict):
+                found[key] = self.resolved(value, here)
+            elif isinstance(value, list):
+                found[key] = [
+                    self.resolved(item, (*here, number)) if isinstance(item, dict) else item
+                    for number, item in enumerate(value)
+                ]
+            else:
+                found[key] = self._path(here, value) if key in FILE_KEYS and isinstance(value, str) else value
+        return found
+
+    def _path(self, key: Key, name: str) -> str:
+        path = self.file.parent / name
+        try:
+            if path.is_file():
+                return str(path)
+        except (OSError, ValueError):  # too long, or a zero byte
+            pass
+        if Path(name).suffix.lower() in FILE_ENDINGS or "/" in name:
+            raise InputError(
+                f"{self.place(key)}{key_text(key)} = {short(name)}: there is no such file",
+                f"a file, its path relative to the case file's folder {self.file.parent.resolve()}",
+                "correct the path, or copy the file there",
+            )
+        return name
+
+    def place(self, key: Key) -> str:
+        """File and line of a key, or of the nearest one above it, to stand before a message."""
+        lines = self._lines()
+        for end in range(len(key), 0, -1):
+            if key[:end] in lines:
+                return f"{self.file}, line {lines[key[:end]]}: "
+        return f"{self.file}: "
+
+    def _lines(self) -> dict[Key, int]:
+        """Line of each table and key."""
+        found: dict[Key, int] = {}
+        items: dict[Key, int] = {}
+        table: Key = ()
+        for number, row in enumerate(self.text.splitlines(), 1):
+            if header := _HEADER.match(row):
+                table = ()
+                names = [name.strip(" \t\"'") for name in header[2].split(".")]
+                for place, name in enumerate(names):
+                    table = (*table, name)
+                    if place == len(names) - 1 and header[1] == "[[":
+                        items[table] = items.get(table, -1) + 1
+                    if table in items:
+                        table = (*table, items[table])
+                found.setdefault(table, number)
+            elif key := _KEY.match(row):
+                found.setdefault((*table, key[1].strip("\"'")), number)
+        return found
+
+
+def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values with some replaced, those inside tables named by points."""
+    found: dict[str, Any] = dict(values)
+    for name, value in settings.items():
+        path = name.split(".")
+        if len(path) > 1:
+            _set_inside(found, path, value, name)
+        else:
+            found[name] = value
+    return found
+
+
+def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:
+    place: Any = values
+    for number, item in enumerate(path):
+        known: dict[str, Any] = {}
+        if isinstance(place, list):
+            known = {str(n): n - 1 for n in range(1, len(place) + 1)}
+            known |= {str(each["name"]): n for n, each in enumerate(place) if isinstance(each, dict) and "name" in each}
+        elif isinstance(place, dict):
+            known = {key: key for key in place}
+        last = number == len(path) - 1
+        if isinstance(place, dict) and last:
+            place[item] = _value(value)
+            return
+        if item not in known or last:
+            raise InputError(
+                f"--set {name}", f"at {'.'.join(path[:number]) or 'the top'} one of: {', '.join(known) or 'nothing'}",
+                "name tables by their keys, and items of lists by their numbers from 1 or their names",
+            )  # fmt: skip
+        place = place[known[item]]
+
+
+def _value(value: Any) -> Any:
+    """Read a list or a table that is given as text."""
+    if isinstance(value, str) and value[:1] in ("[", "{"):
+        try:
+            return tomllib.loads(f"value = {value}")["value"]
+        except (ValueError, RecursionError):
+            return value
+    return value

@@ -1,0 +1,480 @@
+"""The general case against answers found without it: exact stresses, Hertz's theory, and itself turned and moved."""
+
+import json
+
+import meshio
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.exact import LineContact, contact_modulus
+from flangeway.mesh import read_mesh, rectangle_grid
+from flangeway.report.case_outputs import write_case
+from flangeway.study import load_case
+from flangeway.study.bodies_shape import part_of_mesh
+from flangeway.study.two_bodies import TwoBodiesCase
+
+WIDTH, UPPER, LOWER = 6.0, 2.0, 3.0
+UPPER_POISSON = 0.2
+# both boxes spread by nu (1 + nu) / E: equal, so that no edge hangs over
+LOWER_POISSON = (np.sqrt(1.0 + 4.0 * 3.0 * UPPER_POISSON * (1.0 + UPPER_POISSON)) - 1.0) / 2.0
+PAIR = {"secondary": "upper", "secondary_edges": "bottom", "primary": "lower", "primary_edges": "top"}
+
+
+def box(name, low, height, **keys):
+    """Body of a rectangle from a height up."""
+    shape = {"width_mm": WIDTH, "height_mm": height, "centre_mm": [0.0, low + height / 2.0]}
+    return {"name": name, "rectangle": shape, "size_mm": 1.3, **keys}
+
+
+def stack(gap=0.0, upper=None, lower=None, **keys):
+    """Two boxes, the far sides held upright, free to spread."""
+    values = {
+        "thickness_mm": 2.0,
+        "bodies": [
+            box("upper", gap, UPPER, young_MPa=1000.0, poisson=UPPER_POISSON, **(upper or {})),
+            box("lower", -LOWER, LOWER, young_MPa=3000.0, poisson=LOWER_POISSON, method="vem", **(lower or {})),
+        ],
+        "supports": [
+            {"body": "upper", "edges": "top", "hold": "y"},
+            {"body": "upper", "point_mm": [-WIDTH / 2.0, gap + UPPER], "hold": "x"},
+            {"body": "lower", "edges": "bottom", "hold": "y"},
+            {"body": "lower", "point_mm": [-WIDTH / 2.0, -LOWER], "hold": "x"},
+        ],
+        "contacts": [{**PAIR, "enforcement": "multiplier"}],
+    }
+    return TwoBodiesCase.from_values({**values, **keys})
+
+
+def pressures(run):
+    return np.concatenate([patch.pressures for patch in run.patches])
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.7])
+def test_a_force_on_stacked_boxes_gives_uniform_pressure_and_their_shortening(gap):
+    """A pushed stack bears force over area everywhere and gives way by the sum of p h (1 - nu^2) / E, and the gap."""
+    run = stack(gap, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
+    pressure = 240.0 / (WIDTH * 2.0)
+    shorter = pressure * (UPPER * (1.0 - UPPER_POISSON**2) / 1000.0 + LOWER * (1.0 - LOWER_POISSON**2) / 3000.0)
+    assert run.status.converged
+    assert pressures(run) == pytest.approx(pressure, rel=1e-6)
+    assert run.summary["results"]["pushed_mm"] == pytest.approx(gap + shorter, rel=1e-6)
+    forces = {row["body"]: row for row in run.summary["results"]["forces"]}
+    assert forces["upper"]["contact_N"] == pytest.approx([0.0, 240.0], rel=1e-6, abs=1e-6)
+    assert forces["lower"]["supports_N"] == pytest.approx([0.0, 240.0], rel=1e-6, abs=1e-6)
+
+
+def sliding(gap, turned, loads):
+    """The stack, its boxes held at one side alone, upright or turned by a right angle; the upper one can slide."""
+    values = stack(gap).model_dump()
+    for body in values["bodies"]:
+        body["rotation_deg"] = 90.0 if turned else 0.0
+    side = {"at_y_mm" if turned else "at_x_mm": -WIDTH / 2.0, "hold": "y" if turned else "x"}
+    values["supports"] = [
+        {"body": "upper", **side},
+        {"body": "lower", **side},
+        {"body": "lower", "edges": "bottom", "hold": "x" if turned else "y"},
+    ]
+    return TwoBodiesCase.from_values({**values, "loads": [{"body": "upper", **load} for load in loads]})
+
+
+@pytest.mark.parametrize("gap", [0.0, 0.4])
+@pytest.mark.parametrize("turned", [False, True])
+def test_a_box_that_slides_rests_on_the_contact(gap, turned):
+    """A box under pressure, held by nothing along its way, rests on the other: p is uniform and its top comes down."""
+    run = sliding(gap, turned, [{"edges": "top", "pressure_MPa": 20.0}]).run()
+    assert run.status.converged
+    assert pressures(run) == pytest.approx(20.0, rel=1e-6)
+    field = run.bodies["upper"].field
+    nodes = field.problem.space.nodes
+    motion = run.bodies["upper"].moved(nodes, field.displacements[: len(nodes)])
+    height, fall = (-nodes[:, 0], motion[:, 0]) if turned else (nodes[:, 1], -motion[:, 1])
+    shorter = 20.0 * (UPPER * (1.0 - UPPER_POISSON**2) / 1000.0 + LOWER * (1.0 - LOWER_POISSON**2) / 3000.0)
+    assert fall[height > gap + UPPER - 1e-9] == pytest.approx(gap + shorter, rel=1e-6)
+
+
+def test_a_weight_that_slides_is_borne_by_the_contact():
+    """The force of contact is the weight of the box that slides, and its supports bear none of it."""
+    results = sliding(0.1, False, [{"body_force_N_mm3": [0.0, -2.5]}]).run().summary["results"]
+    weight = 2.5 * UPPER * WIDTH * 2.0
+    upper = results["forces"][0]
+    assert results["sliding_body"] == "upper"
+    assert results["slid_mm"][1] < -0.1
+    assert upper["contact_N"][1] == pytest.approx(weight, rel=1e-6)
+    assert upper["supports_N"][1] == pytest.approx(0.0, abs=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("supports", "loads", "told"),
+    [
+        ([{"at_x_mm": -3.0, "hold": "x"}], [], "slide in y, without a load"),
+        ([{"point_mm": [-3.0, 2.0], "hold": "x"}], [], "in several ways"),
+        ([{"point_mm": [-3.0, 2.0], "hold": "xy"}], [], "with a rotation"),
+        ([{"at_x_mm": -3.0, "hold": "x"}], [{"edges": "top", "pressure_MPa": 1.0}], None),
+    ],
+)
+def test_a_body_that_floats_otherwise_is_refused(supports, loads, told):
+    """Supports that let a body turn, or slide without a load, are refused with the way that it can move."""
+    values = stack().model_dump()
+    values["supports"] = [{"body": "upper", **each} for each in supports] + values["supports"][2:]
+    values["loads"] = [{"body": "upper", **each} for each in loads]
+    case = TwoBodiesCase.from_values(values)
+    if told is None:
+        case.check()
+        return
+    with pytest.raises(InputError, match=told):
+        case.check()
+
+
+def test_a_turned_stack_gives_the_same():
+    """Bodies turned by 37 degrees and pressed along the turned direction bear the same force, to the mesher's noise."""
+    forces = []
+    for angle in (0.0, np.deg2rad(37.0)):
+        down = np.array([np.sin(angle), -np.cos(angle)])
+        values = stack(motions=[{"body": "upper", "shift_mm": (0.05 * down).tolist()}]).model_dump()
+        for body in values["bodies"]:
+            body["rotation_deg"] = np.rad2deg(angle)
+        values["supports"] = [{"body": "upper", "edges": "top"}, {"body": "lower", "edges": "bottom"}]
+        run = TwoBodiesCase.from_values(values).run()
+        assert run.status.converged
+        forces.append(-run.contact.forces[0] @ down)
+        across = run.contact.forces[0] @ [down[1], -down[0]]
+        assert abs(across) < 1e-3 * forces[-1]
+    assert forces[0] > 100.0
+    assert forces[1] == pytest.approx(forces[0], rel=0.01)
+
+
+@pytest.mark.parametrize("n_steps", [1, 3])
+def test_loads_deform_bodies_before_they_touch(n_steps):
+    """A hanging column under body force b meets a standing one: their pressure is b h / 4, for equal columns."""
+    h, b = 3.0, 40.0
+    values = {
+        "hypothesis": "plane-stress",
+        "bodies": [box(name, low, h, young_MPa=500.0, poisson=0.0) for name, low in (("upper", 0.0), ("lower", -h))],
+        "supports": [{"body": "upper", "edges": "top"}, {"body": "lower", "edges": "bottom"}],
+        "loads": [{"body": "upper", "body_force_N_mm3": [0.0, -b]}],
+        "contacts": [{**PAIR, "enforcement": "multiplier"}],
+        "steps": {"number": n_steps},
+    }
+    values["bodies"] = [{**body, "order": 2} for body in values["bodies"]]
+    run = TwoBodiesCase.from_values(values).run()
+    assert len(run.contact.steps) == n_steps
+    assert pressures(run) == pytest.approx(b * h / 4.0, rel=1e-6)
+    forces = run.summary["results"]["forces"][0]
+    assert forces["loads_N"] == pytest.approx([0.0, -b * h * WIDTH], abs=1e-6)
+    assert forces["supports_N"][1] == pytest.approx(0.75 * b * h * WIDTH, rel=1e-6)
+    # the field has both parts: at the middle of the hanging column u = -b (h y - y^2 / 2) / E + p y / E, y downwards
+    field = run.bodies["upper"].field
+    nodes = field.problem.space.nodes
+    depth = h - nodes[:, 1]
+    exact = (-b * (h * depth - depth**2 / 2.0) + b * h / 4.0 * depth) / 500.0
+    assert field.displacements[: len(nodes), 1] == pytest.approx(exact, abs=1e-8)
+
+
+def test_given_displacements_are_the_same_as_motions():
+    """Supports displaced by numbers and supports moved as a rigid line give the same pressure."""
+    moved = stack(motions=[{"body": "upper", "shift_mm": [0.0, -0.02]}]).run()
+    values = stack().model_dump()
+    values["supports"][0]["y_mm"] = -0.02
+    given = TwoBodiesCase.from_values(values).run()
+    assert given.contact.forces == pytest.approx(moved.contact.forces, rel=1e-9)
+    assert pressures(given) == pytest.approx(pressures(moved), rel=1e-9)
+    largest = [run.summary["bodies"][0]["max_displacement_mm"] for run in (given, moved)]
+    assert largest[0] == pytest.approx(largest[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("load", ["pressure", "traction", "force", "point", "support"])
+def test_one_body_without_contact_is_plane_elasticity(load):
+    """A box pulled or pressed by any kind of load has the exact uniform stress and stretch."""
+    loads = {
+        "pressure": [{"body": "upper", "at_y_mm": UPPER, "pressure_MPa": -5.0}],
+        "traction": [{"body": "upper", "edges": ["top"], "traction_MPa": [0.0, 5.0]}],
+        "force": [{"body": "upper", "box_mm": [-3.0, 2.0, 3.0, 2.0], "force_N": [0.0, 5.0 * WIDTH * 2.0]}],
+        "point": [{"body": "upper", "point_mm": [3.0, 2.0], "force_N": [0.0, 5.0 * WIDTH * 2.0]}],
+        "support": [],
+    }[load]
+    stretch = 5.0 * (1.0 - 0.2**2) / 1000.0 * UPPER
+    supports = [
+        {"body": "upper", "edges": "bottom", "hold": "y"},
+        {"body": "upper", "point_mm": [-WIDTH / 2.0, 0.0], "hold": "x"},
+    ]
+    if load == "support":
+        supports.append({"body": "upper", "edges": "top", "hold": "y", "y_mm": stretch})
+    bodies = [box("upper", 0.0, UPPER, young_MPa=1000.0, poisson=0.2)]
+    run = TwoBodiesCase.from_values({"thickness_mm": 2.0, "bodies": bodies, "supports": supports, "loads": loads}).run()
+    field = run.bodies["upper"].field
+    top = field.displacements[np.flatnonzero(field.problem.space.nodes[:, 1] == UPPER)[:, None], 1]
+    assert run.contact is None
+    if load == "point":  # at one corner: the box turns and the mean is what the resultant does
+        assert top.max() > stretch
+        assert field.problem.load_vector().sum(axis=0) == pytest.approx([0.0, 60.0])
+    else:
+        assert top == pytest.approx(stretch, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("keys", "pressure", "width"),
+    [
+        ({}, 0.02, 0.05),
+        ({"lower": "block", "force_N": 2e4, "lower_method": "vem"}, 0.02, 0.05),
+        ({"order": 2, "lower_young_MPa": 70e3, "size_mm": 0.15, "force_N": 2e4}, 0.02, 0.05),
+    ],
+)
+def test_cylinders_agree_with_hertz(keys, pressure, width):
+    """Largest pressure and half width of cylinders are within 2 and 5 % of Hertz's under the same force."""
+    run = load_case("hertz", **keys).run()
+    results = run.summary["results"]
+    curvature = 1.0 / 40.0 + (0.0 if keys.get("lower") else 1.0 / 40.0)
+    lower = keys.get("lower_young_MPa", 200e3)
+    modulus = contact_modulus(200e3 / (1.0 - 1.0 / 9.0), lower / (1.0 - 1.0 / 9.0))
+    hertz = LineContact(results["force_N"] / 10.0, curvature, modulus)
+    assert run.status.converged
+    assert results["force_N"] == pytest.approx(keys.get("force_N", results["force_N"]), rel=1e-6)
+    assert results["max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=pressure)
+    assert results["half_width_mm"] == pytest.approx(hertz.half_width, rel=width)
+    assert results["hertz_max_pressure_MPa"] == pytest.approx(hertz.max_pressure, rel=1e-12)
+    assert not results["reaches_an_end"]
+
+
+def test_the_contact_patch_case_passes_with_segments_and_fails_with_nodes():
+    """Segment-to-segment keeps the uniform pressure to rounding; node-to-segment is off by more than a percent."""
+    segments = load_case("contact-patch").run().summary["results"]
+    nodes = load_case("contact-patch", pairing="node-to-segment").run().summary["results"]
+    assert segments["exact_pressure_MPa"] == pytest.approx(200e3 * 9.0 / 8.0 * 0.1 / 20.0)
+    assert segments["largest_difference"] < 1e-9
+    assert nodes["largest_difference"] > 0.01
+
+
+def test_a_push_that_meets_nothing_ends_and_says_so():
+    """A force that pulls the bodies apart is no error of the program: the run ends as not converged, with a reason."""
+    run = stack(motions=[{"body": "upper", "push_N": [0.0, 240.0]}]).run()
+    assert not run.status.converged
+    assert "check its direction" in run.status.message
+    assert run.summary["status"]["converged"] is False
+    loads = [{"body": "upper", "body_force_N_mm3": [0.0, 1000.0]}]
+    pulled = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
+    assert "pull it away" in pulled.status.message
+
+
+def test_a_pushed_body_hands_its_loads_on():
+    """The contact bears the push and the weight of the pushed body together."""
+    loads = [{"body": "upper", "body_force_N_mm3": [0.0, -2.0]}]
+    run = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
+    assert run.contact.forces[0, 1] == pytest.approx(240.0 + 2.0 * UPPER * WIDTH * 2.0, rel=1e-6)
+
+
+def test_three_bodies_hand_the_force_down():
+    """A plate held at its right side bears a part of the push; the block below it bears the rest."""
+    values = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).model_dump()
+    values["bodies"].append(box("ground", -2.0 * LOWER, LOWER, young_MPa=3000.0, poisson=LOWER_POISSON))
+    values["supports"] = [
+        *values["supports"][:2], {"body": "lower", "edges": "right", "hold": "xy"},
+        {"body": "ground", "edges": "bottom", "hold": "xy"},
+    ]  # fmt: skip
+    values["contacts"].append(
+        {"secondary": "lower", "secondary_edges": "bottom", "primary": "ground", "primary_edges": "top"}
+    )
+    run = TwoBodiesCase.from_values(values).run()
+    assert run.status.converged
+    assert run.contact.forces[0, 1] == pytest.approx(240.0, rel=1e-5)
+    rows = {row["body"]: row for row in run.summary["results"]["forces"]}
+    total = sum(np.array(row["supports_N"]) for name, row in rows.items() if name != "upper")
+    assert total[1] == pytest.approx(240.0, rel=1e-5)
+    assert 0.0 < rows["ground"]["supports_N"][1] < 240.0
+
+
+DECK = """*HEADING
+two blocks, made by hand
+*NODE
+1, 0., 0.
+2, 2., 0.
+3, 4., 0.
+4, 0., 1.
+5, 2., 1.
+6, 4., 1.
+11, 0., 1.
+12, 1.5, 1.
+13, 4., 1.
+14, 0., 2.
+15, 1.5, 2.
+16, 4., 2.
+*ELEMENT, TYPE=CPE4, ELSET=LOWER
+1, 1, 2, 5, 4
+2, 2, 3, 6, 5
+*ELEMENT, TYPE=CPE4, ELSET=UPPER
+3, 11, 12, 15, 14
+4, 12, 13, 16, 15
+*NSET, NSET=BASE
+1, 2, 3
+*NSET, NSET=LID
+14, 15, 16
+*SURFACE, NAME=MASTER
+LOWER, S3
+*SURFACE, NAME=SLAVE
+UPPER, S1
+"""
+CASE = """case = "two-bodies"
+[[bodies]]
+name = "upper"
+file = "blocks.inp"
+cells = "UPPER"
+method = "vem"
+poisson = 0.0
+[[bodies]]
+name = "lower"
+file = "blocks.inp"
+cells = "LOWER"
+method = "vem"
+poisson = 0.0
+[[supports]]
+body = "upper"
+edges = "LID"
+[[supports]]
+body = "lower"
+edges = "BASE"
+[[motions]]
+body = "upper"
+shift_mm = [0.0, -0.01]
+[[contacts]]
+secondary = "upper"
+secondary_edges = "SLAVE"
+primary = "lower"
+primary_edges = "MASTER"
+enforcement = "multiplier"
+"""
+
+
+def test_both_blocks_of_one_abaqus_file_are_pressed(tmp_path):
+    """A deck with two blocks in touch runs with its own sets and surfaces; without contraction p = E d / (h1 + h2)."""
+    (tmp_path / "blocks.inp").write_text(DECK, encoding="utf-8")
+    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    run = load_case(tmp_path / "case.toml").run()
+    assert pressures(run) == pytest.approx(210e3 * 0.01 / 2.0, rel=1e-9)
+    metres = load_case(tmp_path / "case.toml", **{"bodies.1.unit": "m", "bodies.2.unit": "m"}).run()
+    assert pressures(metres) == pytest.approx(210e3 * 0.01 / 2000.0, rel=1e-9)
+
+
+def test_a_part_of_a_mesh_keeps_its_sets():
+    """Cells chosen from a mesh keep their places, areas and what is left of the named edges and cells."""
+    mesh = rectangle_grid(3.0, 2.0, 3, 2, cells="quadrilaterals").with_cell_set("left", [0, 3])
+    part = part_of_mesh(mesh, np.array([0, 1, 3]))
+    assert part.cell_areas == pytest.approx(mesh.cell_areas[[0, 1, 3]])
+    assert part.cell_centroids == pytest.approx(mesh.cell_centroids[[0, 1, 3]])
+    assert part.cell_sets["left"].tolist() == [0, 2]
+    lengths = {
+        name: np.linalg.norm(np.diff(part.points[p], axis=1), axis=-1).sum() for name, p in part.edge_sets.items()
+    }
+    assert lengths == pytest.approx({"bottom": 2.0, "top": 1.0, "left": 2.0})
+
+
+def test_a_gmsh_mesh_is_the_same_as_its_shape(tmp_path):
+    """A box meshed elsewhere, with its names in a .msh file, bears the force of the same box given by its measures."""
+    mesh = rectangle_grid(WIDTH, UPPER, 6, 2, cells="triangles")
+    points = np.column_stack((mesh.points - [WIDTH / 2.0, 0.0], np.zeros(mesh.n_points)))
+    cells = [
+        ("triangle", mesh.cell_points.reshape(-1, 3)),
+        ("line", mesh.edge_sets["top"]),
+        ("line", mesh.edge_sets["bottom"]),
+    ]
+    tags = [np.full(len(data), number) for number, (_, data) in zip((1, 2, 3), cells, strict=True)]
+    names = {"box": np.array([1, 2]), "top": np.array([2, 1]), "bottom": np.array([3, 1])}
+    data = {"gmsh:physical": tags, "gmsh:geometrical": tags}
+    meshio.write(
+        tmp_path / "box.msh", meshio.Mesh(points, cells, cell_data=data, field_data=names), file_format="gmsh22"
+    )
+    assert set(read_mesh(tmp_path / "box.msh").mesh.edge_sets) == {"top", "bottom"}
+    values = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).model_dump()
+    values["bodies"][0] = {
+        "name": "upper", "file": str(tmp_path / "box.msh"), "cells": "box", "young_MPa": 1000.0, "poisson": 0.2,
+    }  # fmt: skip
+    run = TwoBodiesCase.from_values(values).run()
+    assert pressures(run) == pytest.approx(20.0, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "told"),
+    [
+        ("size_mm", 1.0, "the file's mesh as it is"),
+        ("cells", "MIDDLE", "LOWER, UPPER"),
+        ("method", "fem", 'method = "vem"'),
+        ("materials", {"MIDDLE": {}}, "LOWER"),
+    ],
+)
+def test_what_a_mesh_file_does_not_take_is_told(tmp_path, key, value, told):
+    """Keys that contradict a mesh file are refused with what is there."""
+    (tmp_path / "blocks.inp").write_text(DECK, encoding="utf-8")
+    body = {"name": "a", "file": str(tmp_path / "blocks.inp"), "method": "vem", "cells": "LOWER", key: value}
+    with pytest.raises(InputError) as caught:
+        TwoBodiesCase.from_values({"bodies": [body]}).check()
+    assert told in str(caught.value)
+
+
+def test_several_materials_are_taken_by_cell_sets(tmp_path):
+    """Two squares side by side with moduli 1 and 10 stretch as springs in a row."""
+    (tmp_path / "bar.inp").write_text(
+        "*NODE\n1, 0, 0\n2, 1, 0\n3, 2, 0\n4, 0, 1\n5, 1, 1\n6, 2, 1\n*ELEMENT, TYPE=CPS4, ELSET=soft\n1, 1, 2, 5, 4\n"
+        "*ELEMENT, TYPE=CPS4, ELSET=stiff\n2, 2, 3, 6, 5\n*NSET, NSET=held\n1, 4\n*NSET, NSET=pulled\n3, 6\n",
+        encoding="utf-8",
+    )
+    case = TwoBodiesCase.from_values(
+        {
+            "hypothesis": "plane-stress",
+            "bodies": [
+                {
+                    "name": "bar", "file": str(tmp_path / "bar.inp"), "method": "vem",
+                    "materials": {n: {"young_MPa": young, "poisson": 0.0} for n, young in (("soft", 1), ("stiff", 10))},
+                }
+            ],
+            "supports": [{"body": "bar", "edges": "held"}],
+            "loads": [{"body": "bar", "edges": "pulled", "traction_MPa": [0.1, 0.0]}],
+        }
+    )  # fmt: skip
+    assert case.run().summary["bodies"][0]["max_displacement_mm"] == pytest.approx(0.11)
+
+
+def test_outlines_with_arcs_and_holes_are_bodies():
+    """A plate with a hole, given by points and a circle, weighs its area, exact to the circle's chords."""
+    outline = {"points": [[0, 0], [4, 0], [4, 3], [0, 3]], "holes": [{"circle": {"centre": [2.0, 1.5], "radius": 0.5}}]}
+    case = TwoBodiesCase.from_values(
+        {
+            "bodies": [{"name": "plate", "outline": outline, "fine": [{"at_mm": [[2.0, 1.5]], "size_mm": 0.1}]}],
+            "supports": [{"body": "plate", "at_y_mm": 0.0}],
+            "loads": [{"body": "plate", "body_force_N_mm3": [0.0, -1.0]}],
+        }
+    )
+    run = case.run()
+    assert run.status.converged
+    assert run.bodies["plate"].field.problem.load_vector()[:, 1].sum() == pytest.approx(-(12.0 - np.pi / 4.0), rel=2e-3)
+
+
+def test_an_outline_file_in_another_unit_is_a_body(tmp_path):
+    """An outline drawn in cm is meshed in mm: its weight is that of its area, its size and its sides are as named."""
+    (tmp_path / "box.csv").write_text(
+        "# unit: cm\nname,type,x0,y0,x1,y1\na,line,0,0,2,0\nb,line,2,0,2,1\nc,line,2,1,0,1\nd,line,0,1,0,0\n",
+        encoding="utf-8",
+    )
+    (tmp_path / "box.toml").write_text(
+        'case = "two-bodies"\n[[bodies]]\nname = "box"\nfile = "box.csv"\nsize_mm = 3.0\n[[supports]]\nbody = "box"\n'
+        'edges = "a"\n[[loads]]\nbody = "box"\nbody_force_N_mm3 = [1.0, 0.0]\n', encoding="utf-8",
+    )  # fmt: skip
+    case = load_case(tmp_path / "box.toml")
+    problem = case.run().bodies["box"].field.problem
+    assert problem.load_vector().sum(axis=0) == pytest.approx([200.0, 0.0])
+    assert 60 < problem.space.mesh.n_cells < 120
+
+
+def test_the_files_show_the_whole_motion(tmp_path):
+    """The ParaView files have the bodies at their first places, their whole motion, and stresses with their unit."""
+    run = stack(0.3, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
+    files = write_case(run, tmp_path)
+    assert [file.name for file in files] == [
+        "stresses.png", "pressure.png", "1-upper.vtu", "2-lower.vtu", "bodies.pvd", "summary.json",
+    ]  # fmt: skip
+    assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary
+    read = meshio.read(tmp_path / "1-upper.vtu")
+    motion = read.point_data["displacement_mm"]
+    top = read.points[:, 1] > UPPER + 0.3 - 1e-9
+    assert motion[top, 1] == pytest.approx(-run.summary["results"]["pushed_mm"], rel=1e-9)
+    arrays = read.point_data | read.cell_data_dict
+    assert arrays["stress_yy_MPa"] == pytest.approx(-20.0, rel=1e-5)
+    assert arrays["von_mises_MPa"].max() < 20.0
