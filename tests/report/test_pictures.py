@@ -1,19 +1,38 @@
 """Pictures: what they say, and that they can be read in black and white."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from matplotlib.text import Text
 
 from flangeway.report import part_fields
+from flangeway.report.bending_figure import bending_figure
 from flangeway.report.contact_figure import contact_figure
 from flangeway.report.drawing import StressColours, png
 from flangeway.report.pressure_figure import pressure_figure
+from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
+from flangeway.report.subsurface_figure import subsurface_figure
 from flangeway.report.wheelset_figure import deformation_factor, wheelset_figure
 
 
 def figures(run):
+    """All pictures of a run, in the order of the page."""
     fields = list(part_fields(run.result))
-    return wheelset_figure(run, fields), contact_figure(run, fields), pressure_figure(run)
+    return (
+        wheelset_figure(run, fields),
+        rigid_elastic_figure(run, fields),
+        *(contact_figure(run, fields, side) for side in ("left", "right")),
+        pressure_figure(run),
+        subsurface_figure(run),
+        bending_figure(run, fields),
+    )
+
+
+@pytest.fixture(scope="module")
+def drawn(runs):
+    """Pictures of the coarse runs by method."""
+    return {method: figures(run) for method, run in runs.items()}
 
 
 def texts(figure):
@@ -21,9 +40,9 @@ def texts(figure):
 
 
 @pytest.mark.parametrize("method", ["fem", "vem"])
-def test_nothing_is_clipped(runs, method):
+def test_nothing_is_clipped(drawn, method):
     """Every text of every picture lies inside of the picture."""
-    for figure in figures(runs[method]):
+    for figure in drawn[method]:
         figure.draw_without_rendering()
         renderer = figure.canvas.get_renderer()
         width, height = figure.bbox.size
@@ -36,29 +55,62 @@ def test_nothing_is_clipped(runs, method):
             assert not outside or text in ticks, text.get_text()  # ticks out of range are not drawn
 
 
-def test_axes_bear_units_and_names(runs):
-    """All axes have a unit, and the pictures name the approximate wheel, the stresses and the factor."""
-    whole, zones, pressure = figures(runs["fem"])
-    said = [" ".join(text.get_text() for text in texts(figure)) for figure in (whole, zones, pressure)]
+def test_axes_bear_units_and_names(drawn):
+    """All axes have a unit, and the pictures name the wheel, stresses, forces and factors that they show."""
+    said = [" ".join(text.get_text() for text in texts(figure)) for figure in drawn["fem"]]
+    zones = (
+        *("von Mises stress in MPa", "minimum principal stress in MPa", "in-plane shear stress in MPa"),
+        *("kN", "x in mm", "y in mm"),
+    )
     for words, wanted in zip(
         said,
         (
             ("AAR-1B (approximate)", "von Mises stress in MPa", "times as large", "x in mm", "gauge 1600", "300 kN"),
-            ("minimum principal stress in MPa", "kN", "x in mm", "y in mm"),
+            ("elastic", "rigid", "kN at", "x in mm", "y in mm"),
+            (*zones, "Left contact"),
+            (*zones, "Right contact"),
             ("contact pressure in MPa", "in mm", "Hertz"),
+            ("stress in MPa", "depth in mm", "Hertz", "von Mises", "largest in-plane shear", "Rail: left"),
+            ("tension", "compression", "MPa", "mrad", "mm down", "x in mm", "times as large"),
         ),
         strict=True,
     ):
-        assert all(word in words for word in wanted)
+        assert all(word in words for word in wanted), words
 
 
-def test_the_left_side_is_at_the_left(runs):
-    """The first panel shows negative x, the last positive x, with x to the right in both."""
-    for figure in figures(runs["fem"])[:2]:
+def test_the_left_side_is_at_the_left(drawn):
+    """Pictures of both sides show negative x first, then positive x, with x to the right in both."""
+    whole, rigid, left, right, _, _, bending = drawn["fem"]
+    for figure in (whole, rigid, bending):
         panels = [axes for axes in figure.axes if axes.get_xlabel() == "x in mm"]
-        left, right = panels[0].get_xlim(), panels[-1].get_xlim()
-        assert left[0] < left[1] < 0.0 < right[0] < right[1]
+        first, last = panels[0].get_xlim(), panels[-1].get_xlim()
+        assert first[0] < first[1] < 0.0 < last[0] < last[1]
         assert panels[0].get_position().x1 < panels[-1].get_position().x0
+    for figure, sign in ((left, -1.0), (right, 1.0)):
+        limits = [axes.get_xlim() for axes in figure.axes if axes.get_xlabel() == "x in mm"]
+        assert len(limits) == 3
+        assert all(sign * low > 0.0 < sign * high for low, high in limits)
+
+
+def test_both_sides_have_the_same_colours(drawn):
+    """Bars of the left and the right zones of contact have the same levels, so that pictures can be compared."""
+    bars = [
+        [axes.get_xticks().tolist() for axes in figure.axes if "MPa" in axes.get_xlabel()]
+        for figure in drawn["vem"][2:4]
+    ]
+    assert len(bars[0]) == 3
+    assert bars[0] == bars[1]
+
+
+def test_a_side_without_contact_is_drawn(runs):
+    """A side that does not touch is shown whole and said to be without contact."""
+    run = runs["fem"]
+    right = tuple(patch for patch in run.result.patches if patch.side == "right")
+    lifted = replace(run, result=replace(run.result, patches=right))
+    said = [text.get_text() for text in texts(contact_figure(lifted, list(part_fields(run.result)), "left"))]
+    assert "the left wheel does not touch its rail" in said
+    nothing = replace(run, result=replace(run.result, patches=()))
+    assert any("no contact" in text.get_text() for text in texts(subsurface_figure(nothing)))
 
 
 def luminance(colours):

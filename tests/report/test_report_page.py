@@ -1,6 +1,7 @@
 """The HTML report, and all files of a run."""
 
 import base64
+import csv
 import re
 import shlex
 from dataclasses import replace
@@ -10,11 +11,12 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.report import check_folder, command_line, outputs, write_outputs
+from flangeway.report.compact import compact_png
 from flangeway.report.html import report_page
-from flangeway.report.outputs import NAMES
+from flangeway.report.outputs import NAMES, PICTURES
 from flangeway.study import WheelsetTangentCase
 
-VOID = {"meta", "img", "br", "link"}
+VOID = {"meta", "img", "br", "link", "input"}
 
 
 class Page(HTMLParser):
@@ -37,7 +39,7 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data):
-        if "style" not in self.open:
+        if not {"style", "script"} & set(self.open):
             self.words.append(data)
 
 
@@ -60,11 +62,12 @@ def test_a_run_leaves_its_files_and_no_others(folder):
 
 
 def test_the_page_needs_no_network(text):
-    """The page refers to no address and to no other file; its pictures are inside."""
+    """The page refers to no address and to no other file; its pictures and its program are inside."""
     bare = re.sub(r'base64,[^"]*"', '"', text)
-    assert not re.search(r"https?:|//|<script|<link|@import|url\(", bare)
+    bare = re.sub(r"(<script[^>]*>).*?</script>", r"\1", bare, flags=re.S)
+    assert not re.search(r"https?:|//|<script[^>]*src|<link|@import|url\(", bare)
     images = Page(text).images
-    assert len(images) == 3
+    assert len(images) == len(PICTURES)
     for image in images:
         kind, data = image["src"].split(",")
         assert kind == "data:image/png;base64"
@@ -73,11 +76,12 @@ def test_the_page_needs_no_network(text):
 
 
 def test_the_page_is_well_formed_and_in_order(text):
-    """All tags are closed, and the summary comes before pictures, tables and assumptions."""
+    """All tags are closed, and the summary comes first, the fields before pictures and tables."""
     page = Page(text)
     assert {"header", "main", "footer", "figure", "figcaption", "table", "caption", "th"} <= set(page.tags)
     places = [
-        text.index(f'id="{name}"') for name in ("summary", "pictures", "numbers", "assumptions", "inputs", "again")
+        text.index(f'id="{name}"')
+        for name in ("summary", "assumptions", "fields", "pictures", "numbers", "inputs", "again")
     ]
     assert places == sorted(places)
     assert "prefers-color-scheme: dark" in text
@@ -94,8 +98,35 @@ def test_the_page_says_what_was_computed(text, runs):
     for contact in summary["contacts"]:
         assert f"{contact['max_pressure_MPa']:.1f}" in words
     assert f"{summary['motion']['approach_mm']:.4f}" in words
+    for rail in summary["bending"]:
+        assert f"{rail['head_lateral_mm']:.3f}" in words
+    for row in summary["support"]["reactions"]:
+        assert f"{row['vertical_force_kN']:.3f}" in words
     assert f"numpy {summary['versions']['numpy']}" in words
     assert "Warnings" not in words
+
+
+def test_pictures_of_the_page_are_the_files(folder, text):
+    """Each picture inside the page is one of the files with fewer colours, in their order."""
+    inside = [base64.b64decode(image["src"].split(",")[1]) for image in Page(text).images]
+    assert inside == [compact_png((folder / name).read_bytes()) for name in PICTURES]
+
+
+def test_the_table_below_the_contacts_is_complete(folder, runs):
+    """The CSV has every contact in rail and wheel from the surface down, and Hertz's stresses beside."""
+    with (folder / "subsurface.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    summary = runs["vem"].summary
+    for contact in summary["contacts"]:
+        for body in ("rail", "wheel"):
+            mine = [row for row in rows if (row["side"], row["body"]) == (contact["side"], body)]
+            depths = [float(row["depth_mm"]) for row in mine]
+            assert depths[0] == 0.0
+            assert depths == sorted(depths)
+            assert depths[-1] == pytest.approx(4.0 * contact["half_width_mm"], rel=1e-5)
+            assert float(mine[0]["hertz_across_surface_MPa"]) == pytest.approx(-contact["hertz_pressure_MPa"], rel=1e-5)
+            largest = max(float(row["in_plane_shear_MPa"]) for row in mine)
+            assert largest == pytest.approx(contact[f"in_{body}"]["max_in_plane_shear_MPa"], rel=0.1)
 
 
 def test_text_is_escaped_and_warnings_are_shown(runs):

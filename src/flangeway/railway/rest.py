@@ -2,11 +2,13 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.railway.load import Load
 from flangeway.railway.problem import WheelsetProblem
 from flangeway.railway.rigid_contact import RigidWheelset, Settled, contact_locus, locus_of, settle
 from flangeway.railway.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
@@ -32,14 +34,24 @@ class RigidRest:
     starts
         Motions of the axle's middle in which the load is in balance, or might be for elastic wheels: the one that is
         reached first, then the others, and the middle of the track.
-    equilibrium
-        All balances of the load; None at a prescribed lateral motion.
+    load
+        The load; None at a prescribed lateral motion.
+    known
+        All balances of the load, if they were found already.
 
     """
 
     wheelset: RigidWheelset
     starts: tuple[WheelsetMotion, ...]
-    equilibrium: RigidEquilibrium | None
+    load: Load | None
+    known: RigidEquilibrium | None = None
+
+    @cached_property
+    def equilibrium(self) -> RigidEquilibrium | None:
+        """All balances of the load; None at a prescribed lateral motion."""
+        if self.load is None:
+            return None
+        return self.known or rigid_equilibrium(self.wheelset, self.load)
 
     @property
     def motion(self) -> WheelsetMotion:
@@ -112,13 +124,15 @@ def rigid_rest(problem: WheelsetProblem) -> RigidRest:
     if lateral is not None:
         return RigidRest(wheelset, (contact_locus(wheelset, [lateral]).motion(0),), None)
     equilibrium = rigid_equilibrium(wheelset, problem.load)
-    reached = equilibrium.reached().motion
     middle = contact_locus(wheelset, [0.0]).motion(0)
-    found = [reached, *(position.motion for position in equilibrium.positions), middle]
+    found = [*(position.motion for position in equilibrium.positions), middle]
     if problem.track.is_symmetric and problem.wheelset.is_symmetric and problem.load.in_track[0] == 0.0:
+        # the middle is in balance, though it need not be stable
         found.insert(0, middle)
+    else:
+        found.insert(0, equilibrium.reached().motion)
     starts: list[WheelsetMotion] = []
     for motion in found:
         if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
             starts.append(motion)
-    return RigidRest(wheelset, tuple(starts), equilibrium)
+    return RigidRest(wheelset, tuple(starts), problem.load, equilibrium)

@@ -240,8 +240,9 @@ def path_of_contact(wheelset: RigidWheelset, reach_mm: float, middle_mm: float =
     else:
         rail_level = rail_level[:0]
     if len(rail_level):
-        settled = settle(wheelset, rail_level)
-        inside = ~wheelset.right.at_edge(settled.right) & ~wheelset.left.at_edge(settled.left)
+        settled, lost = _settle(wheelset, rail_level, rail_level.copy(), np.zeros(len(rail_level)), at_axle=False)
+        inside = ~np.isin(np.arange(len(rail_level)), lost)
+        inside &= ~wheelset.right.at_edge(settled.right) & ~wheelset.left.at_edge(settled.left)
         middle = int(np.argmin(np.abs(rail_level)))
         if inside[middle]:
             kept = _run_about(inside, middle)
@@ -337,9 +338,23 @@ def settle(
         Whether `target` is the motion of the axle's middle.
 
     """
-    radius = wheelset.reference_height_mm
     eta = target.copy() if rail_level is None else rail_level.copy()
     phi = np.zeros(len(target)) if roll is None else roll.copy()
+    settled, lost = _settle(wheelset, target, eta, phi, at_axle=at_axle)
+    if len(lost):
+        raise InputError(
+            f"a lateral motion of {target[lost[0]]:g} mm, at which no roll lets both wheels touch",
+            "profiles on which the touch can be followed",
+            "smooth the profiles, or move a little aside",
+        )
+    return settled
+
+
+def _settle(
+    wheelset: RigidWheelset, target: Floats, eta: Floats, phi: Floats, *, at_axle: bool
+) -> tuple[Settled, NDArray[np.int64]]:
+    """Settle positions as far as a roll is found for them; the numbers of the others, as where a profile ends."""
+    radius = wheelset.reference_height_mm
     # with the motion at the rails' height given, the difference of the heights falls with the roll: a bracket is kept
     low, high = np.full(len(target), -np.inf), np.full(len(target), np.inf)
     active = np.arange(len(target))
@@ -373,12 +388,8 @@ def settle(
         phi[active] = new
         active = active[~done]
         if not len(active):
-            return Settled(eta, phi, Touches(*kept[6:]), Touches(*kept[:6]))
-    raise InputError(
-        f"a lateral motion of {target[active[0]]:g} mm, at which no roll lets both wheels touch",
-        "profiles on which the touch can be followed",
-        "smooth the profiles, or move a little aside",
-    )
+            break
+    return Settled(eta, phi, Touches(*(kept or [])[6:]), Touches(*(kept or [])[:6])), active
 
 
 def _levers(radius: float, rail_level: Floats, roll: Floats, left: Touches, right: Touches) -> tuple[Floats, Floats]:

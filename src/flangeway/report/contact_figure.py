@@ -1,68 +1,102 @@
-"""Picture of the contact zones: minimum principal stress and the forces of contact."""
+"""Picture of the contact zones of one side: stresses on the deformed mesh and the forces of contact."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from flangeway.post import Stresses
 from flangeway.railway.result import WheelRailPatch
-from flangeway.railway.track import SIDES
-from flangeway.report.drawing import (
-    HALO,
-    INK,
-    StressColours,
-    box,
-    draw_cells,
-    draw_contours,
-    draw_outline,
-    equal_axes,
-    new_figure,
-)
+from flangeway.railway.track import Side
+from flangeway.report.cell_patches import fill_cells
+from flangeway.report.drawing import HALO, INK, StressColours, box, draw_outline, equal_axes, new_figure
 from flangeway.report.fields import PartFields
 from flangeway.study import CaseRun
 
 Floats = NDArray[np.float64]
 
-WINDOW = 2.6  # in half widths of the contact
-MOST_ARROWS = 30
+WINDOW = 2.2  # in half widths of the contact
+MOST_ARROWS = 25
 ARROW = 0.9  # longest arrow, in half widths
+MESH_LINES = (1.0, 1.0, 1.0, 0.3)
+PANEL_IN = 4.3
+
+COLUMNS: tuple[tuple[str, Callable[[Stresses], Floats]], ...] = (
+    ("von Mises stress in MPa", lambda stresses: stresses.von_mises),
+    ("minimum principal stress in MPa", lambda stresses: stresses.principal[:, 2].clip(max=0.0)),
+    ("largest in-plane shear stress in MPa", lambda stresses: stresses.in_plane_shear),
+)
+"""What is shown, from left to right."""
 
 
-def contact_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
-    """Draw both contact zones in true shape and scale, forces on the wheels as arrows."""
-    figure = new_figure(13.0, 7.6)
-    both = figure.subplots(1, 2)
-    colours = StressColours(np.concatenate([part.stresses.principal[:, 2] for part in parts]).clip(max=0.0))
-    for axes, side in zip(both, SIDES, strict=True):
-        patches = [patch for patch in run.result.patches if patch.side == side]
-        mine = [part for part in parts if part.side == side]
-        _draw_zone(axes, mine, patches, colours)
-        if patches:
-            _draw_forces(axes, patches, _stride(run.result.patches))
-        axes.set_title(f"{side} contact: ".capitalize() + _force_text(patches), fontsize=10)
-    bar = figure.colorbar(colours.mappable(), ax=list(both), location="bottom", aspect=60, shrink=0.85)
+@dataclass(frozen=True, eq=False)
+class _Zone:
+    """Cells of one part inside of a window, shape (n_cells,), and their stresses."""
+
+    part: PartFields
+    inside: NDArray[np.bool_]
+    stresses: Stresses
+
+
+def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Figure:
+    """Draw each contact zone of a side in true shape and scale, in a row of its own, and the forces on the wheel.
+
+    Both sides have the same colours. A side without contact is shown whole.
+    """
+    patches = [patch for patch in run.result.patches if patch.side == side]
+    windows = [_window([patch]) for patch in patches] or [box([p.points() for p in parts if p.side == side], 6.0)]
+    zones = [_zones(parts, side, window) for window in windows]
+    shown = [*zones, *(_zones(parts, patch.side, _window([patch])) for patch in run.result.patches)]
+    figure = new_figure(3.0 * PANEL_IN, 1.1 + (PANEL_IN - 0.2) * len(windows))
+    rows = figure.subplots(len(windows), 3, squeeze=False)
+    for column, (label, values) in enumerate(COLUMNS):
+        colours = StressColours(np.concatenate([values(zone.stresses) for row in shown for zone in row]))
+        for number, (window, row) in enumerate(zip(windows, zones, strict=True)):
+            axes = rows[number, column]
+            equal_axes(axes, window)
+            for zone in row:
+                _draw(axes, zone, values, colours)
+            if column:
+                axes.set_ylabel("")
+        bar = figure.colorbar(colours.mappable(), ax=list(rows[:, column]), location="bottom", aspect=40, shrink=0.95)
+        bar.set_label(f"{label}, means of cells", fontsize=9)
+        bar.ax.tick_params(labelsize=8)
     stride = _stride(run.result.patches)
-    nodes = "each node" if stride == 1 else f"one node of {stride}"
-    bar.set_label(
-        "minimum principal stress in MPa, means of cells, compression negative; true shape; "
-        f"arrows: contact forces on the wheel at {nodes}"
-    )
+    for row, patch in zip(rows, patches, strict=False):
+        _draw_forces(row[1], patch, stride)
+        row[0].set_title(_name(patch, patches), fontsize=10)
+        row[1].set_title(_force_text(patch), fontsize=10)
+        row[2].set_title("arrows: contact forces on the wheel" + _at_nodes(stride), fontsize=9)
+    if not patches:
+        rows[0, 1].set_title(f"the {side} wheel does not touch its rail", fontsize=10)
     return figure
 
 
-def _draw_zone(axes: Axes, parts: list[PartFields], patches: list[WheelRailPatch], colours: StressColours) -> None:
-    if not patches:
-        equal_axes(axes, box([part.points() for part in parts], 6.0))
-    else:
-        reach = WINDOW * max(patch.pressure.half_width for patch in patches)
-        equal_axes(axes, box([patch.pressure.centre for patch in patches], reach))
+def _window(patches: Sequence[WheelRailPatch]) -> Floats:
+    reach = WINDOW * max(patch.pressure.half_width for patch in patches)
+    return box([np.atleast_2d(patch.pressure.centre) for patch in patches], reach)
+
+
+def _zones(parts: Sequence[PartFields], side: Side, window: Floats) -> list[_Zone]:
+    zones = []
     for part in parts:
-        points, values = part.points(), part.stresses.principal[:, 2]
-        draw_cells(axes, part, points, values, colours)
-        draw_contours(axes, part, points, values, colours)
-        draw_outline(axes, part.mesh, points)
+        if part.side != side:
+            continue
+        points, mesh = part.points(), part.mesh
+        # cells reach beyond the window by their size at most
+        in_window = ((points >= window[0]) & (points <= window[1])).all(axis=1)
+        inside = np.logical_or.reduceat(in_window[mesh.cell_points], mesh.cell_offsets[:-1])
+        zones.append(_Zone(part, inside, Stresses(part.stresses.components[inside])))
+    return zones
+
+
+def _draw(axes: Axes, zone: _Zone, values: Callable[[Stresses], Floats], colours: StressColours) -> None:
+    part, points = zone.part, zone.part.points()
+    fill_cells(axes, part.mesh, points, values(part.stresses), colours, chosen=zone.inside, lines=MESH_LINES)
+    draw_outline(axes, part.mesh, points)
 
 
 def _stride(patches: Sequence[WheelRailPatch]) -> int:
@@ -71,11 +105,10 @@ def _stride(patches: Sequence[WheelRailPatch]) -> int:
     return -(-most // MOST_ARROWS)
 
 
-def _draw_forces(axes: Axes, patches: list[WheelRailPatch], stride: int) -> None:
-    points = np.vstack([patch.pressure.points for patch in patches])
-    forces = np.vstack([_on_wheel(patch) for patch in patches]) / 1e3
+def _draw_forces(axes: Axes, patch: WheelRailPatch, stride: int) -> None:
+    points, forces = patch.pressure.points, _on_wheel(patch) / 1e3
     largest = float(np.linalg.norm(forces, axis=1).max())
-    scale = largest / (ARROW * max(patch.pressure.half_width for patch in patches))
+    scale = largest / (ARROW * patch.pressure.half_width)
     _arrows(axes, points[::stride], forces[::stride], scale)
     shown = float(f"{0.5 * largest:.1g}")
     (low, high), bottom = axes.get_xlim(), axes.get_ylim()[0]
@@ -91,16 +124,23 @@ def _arrows(axes: Axes, points: Floats, forces: Floats, scale: float) -> None:
     """Draw forces in kN as arrows of length force / scale in mm."""
     axes.quiver(
         points[:, 0], points[:, 1], forces[:, 0], forces[:, 1],
-        angles="xy", scale_units="xy", scale=scale, width=0.0028,
-        headwidth=3.5, headlength=4.5, facecolor="white", edgecolor=INK, linewidth=0.35, zorder=4,
+        angles="xy", scale_units="xy", scale=scale, width=0.004,
+        headwidth=3.5, headlength=4.5, facecolor="white", edgecolor=INK, linewidth=0.4, zorder=4,
     )  # fmt: skip
 
 
-def _force_text(patches: list[WheelRailPatch]) -> str:
-    if not patches:
-        return "none"
-    force = np.sum([patch.force_on_wheel_N for patch in patches], axis=0) / 1e3
-    return f"{np.hypot(*force):.2f} kN on the wheel ({force[0]:+.2f} lateral, {force[1]:+.2f} vertical)"
+def _name(patch: WheelRailPatch, patches: Sequence[WheelRailPatch]) -> str:
+    where = f", {patch.region}" if len(patches) > 1 else ""
+    return f"{patch.side} contact{where}; true shape".capitalize()
+
+
+def _force_text(patch: WheelRailPatch) -> str:
+    lateral, vertical = patch.force_on_wheel_N / 1e3
+    return f"{np.hypot(lateral, vertical):.2f} kN on the wheel ({lateral:+.2f} lateral, {vertical:+.2f} vertical)"
+
+
+def _at_nodes(stride: int) -> str:
+    return "" if stride == 1 else f", one node of {stride}"
 
 
 def _on_wheel(patch: WheelRailPatch) -> Floats:

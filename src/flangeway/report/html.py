@@ -2,7 +2,7 @@
 
 import base64
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 from importlib.resources import files
@@ -10,18 +10,28 @@ from string import Template
 from typing import Any
 
 from flangeway.railway.discretisation import Role
+from flangeway.report.case_text import case_text
 from flangeway.report.command import command_line
+from flangeway.report.compact import compact_png
+from flangeway.report.fields import PartFields
 from flangeway.report.tables import (
     Table,
+    bending_table,
     bodies_table,
     contact_name,
     contacts_table,
     motion_table,
     number,
+    rigid_table,
     stresses_table,
+    support_table,
     timings_table,
 )
+from flangeway.report.viewer import View, field_viewer
 from flangeway.study import CaseRun
+
+VIEW_WIDTHS = 8.0
+"""Width of the view of a contact over the half width of the contact."""
 
 
 @dataclass(frozen=True)
@@ -44,15 +54,28 @@ class Picture:
     caption: str
 
 
-def report_page(run: CaseRun, pictures: Iterable[Picture]) -> str:
-    """Return the page: summary first, then pictures, tables, assumptions, inputs and the command."""
+def report_page(run: CaseRun, pictures: Iterable[Picture], parts: Sequence[PartFields] = ()) -> str:
+    """Return the page: summary first, then assumptions, fields, pictures, tables, inputs and the command.
+
+    Parameters
+    ----------
+    run
+        The run.
+    pictures
+        Pictures, the most telling first.
+    parts
+        Fields of the parts, for the interactive picture; without any the page has none.
+
+    """
     summary = run.summary
     status = summary["status"]
     problem = run.result.model.problem
     contacts = (contacts_table,) if summary["contacts"] else ()
-    tables = (*contacts, motion_table, stresses_table, bodies_table, timings_table)
-    template = (files("flangeway.report") / "page.html").read_text(encoding="utf-8")
-    return Template(template).substitute(
+    tables = (
+        *(*contacts, motion_table, rigid_table, bending_table),
+        *(support_table, stresses_table, bodies_table, timings_table),
+    )
+    return Template(_text("page.html")).substitute(
         title=escape(run.case.title),
         subtitle=escape(
             f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; plane strain, "
@@ -64,14 +87,35 @@ def report_page(run: CaseRun, pictures: Iterable[Picture]) -> str:
         facts="\n".join(_facts(summary)),
         sentence=escape(_reference(summary)),
         warnings=_warnings(summary["warnings"]),
+        fields=_fields(summary, parts),
         figures="\n".join(_figure(picture) for picture in pictures),
         tables="\n".join(_table(table(summary)) for table in tables),
         axes="\n".join(f"<dt>{escape(name)}</dt><dd>{escape(text)}</dd>" for name, text in summary["axes"].items()),
         assumptions=_items(summary["assumptions"]),
         inputs=_table(_inputs(run)),
         command=escape(command_line(run.case)),
+        case_file=escape(case_text(run.case)),
+        program=_text("page.js"),
         versions=escape("Made with " + ", ".join(f"{name} {text}" for name, text in summary["versions"].items())),
     )
+
+
+def _text(name: str) -> str:
+    return (files("flangeway.report") / name).read_text(encoding="utf-8")
+
+
+def _fields(summary: dict[str, Any], parts: Sequence[PartFields]) -> str:
+    """Return the interactive picture, with a view of each contact."""
+    if not parts:
+        return ""
+    views = []
+    for contact in summary["contacts"]:
+        x, y = contact["space_position_mm"]
+        alone = contact_name(contact, summary["contacts"]) == contact["side"]
+        name = f"{contact['side']} {'contact' if alone else contact['region']}"
+        views.append(View(name, (x, y), VIEW_WIDTHS * contact["half_width_mm"]))
+    viewer = field_viewer(parts, views, "The pictures further down show the most important fields.")
+    return f'<section aria-labelledby="fields">\n<h2 id="fields">Fields</h2>\n{viewer}</section>'
 
 
 def _method(run: CaseRun) -> str:
@@ -120,9 +164,10 @@ def _warnings(sentences: list[str]) -> str:
 
 
 def _figure(picture: Picture) -> str:
-    data = base64.b64encode(picture.png).decode("ascii")
+    data = base64.b64encode(compact_png(picture.png)).decode("ascii")
     return (
-        f'<figure><img alt="{escape(picture.alternative)}" src="data:image/png;base64,{data}">\n'
+        f'<figure><div class="scroll">'
+        f'<img alt="{escape(picture.alternative)}" src="data:image/png;base64,{data}"></div>\n'
         f"<figcaption>{escape(picture.caption)}</figcaption></figure>"
     )
 
@@ -140,7 +185,7 @@ def _table(table: Table) -> str:
 
 
 def _cell(text: str) -> str:
-    is_number = re.fullmatch(r"–|[-(\d.,) e]+", text)
+    is_number = re.fullmatch(r"–|[-(\d.,) e/–]+", text)
     return f"<td>{escape(text)}</td>" if is_number else f'<td class="text">{escape(text)}</td>'
 
 
@@ -150,6 +195,8 @@ def _inputs(run: CaseRun) -> Table:
 
 
 def _plain(value: object) -> str:
+    if value is None:
+        return "–"
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 

@@ -4,20 +4,29 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from flangeway.railway.track import SIDES
+from flangeway.report.bending_figure import bending_figure
 from flangeway.report.contact_figure import contact_figure
+from flangeway.report.convergence_figure import convergence_figure
 from flangeway.report.drawing import png
 from flangeway.report.fields import PartFields, part_fields
 from flangeway.report.files import bytes_writer
 from flangeway.report.html import Picture, report_page
 from flangeway.report.paraview import write_part
 from flangeway.report.pressure_figure import pressure_figure
+from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.series import write_collection
+from flangeway.report.subsurface_figure import subsurface_figure, subsurface_table
 from flangeway.report.wheelset_figure import wheelset_figure
 from flangeway.study import CaseRun, refuse_unwritable, write_summary, write_together
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-SUMMARY, REPORT, PICTURE, COLLECTION = "summary.json", "report.html", "wheelset.png", "wheelset.pvd"
-NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, PICTURE, REPORT, SUMMARY)
+SUMMARY, REPORT, COLLECTION, SUBSURFACE = "summary.json", "report.html", "wheelset.pvd", "subsurface.csv"
+PICTURES = (
+    "wheelset.png", "rigid-and-elastic.png", "stresses-left.png", "stresses-right.png", "pressure.png",
+    "convergence.png", "subsurface.png", "bending.png",
+)  # fmt: skip
+NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, *PICTURES, SUBSURFACE, REPORT, SUMMARY)
 
 
 def check_folder(folder: Path) -> None:
@@ -51,15 +60,18 @@ def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = 
         f"{part.name}.vtu": partial(write_part, fields=part) for part in fields
     }
     vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
-    page = report_page(run, pictures)
+    page = report_page(run, pictures, fields)
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
-    writers[PICTURE] = bytes_writer(pictures[0].png)
+    writers |= {name: bytes_writer(picture.png) for name, picture in zip(PICTURES, pictures, strict=True)}
+    table = subsurface_table(run.result)
+    writers[SUBSURFACE] = lambda path: _write_text(path, table)
     writers[REPORT] = lambda path: _write_text(path, page)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     return write_together(folder, writers)
 
 
 def _pictures(run: CaseRun, fields: list[PartFields]) -> list[Picture]:
+    """Return all pictures in the order of `PICTURES`."""
     return [
         Picture(
             png(wheelset_figure(run, fields)),
@@ -69,16 +81,47 @@ def _pictures(run: CaseRun, fields: list[PartFields]) -> list[Picture]:
             "lines are MPa.",
         ),
         Picture(
-            png(contact_figure(run, fields)),
-            "The zones about both contacts, coloured by the minimum principal stress, with the contact forces on the "
-            "wheels as arrows.",
-            "The contact zones in true shape: minimum principal stress, and the contact forces on the wheels.",
+            png(rigid_elastic_figure(run, fields)),
+            "Outlines of the elastic wheels and rails in balance over those of the rigid ones, with points and forces "
+            "of contact of both, whole heads above and the zones of contact enlarged below.",
+            "Elastic over rigid, in true shape and scale: where the deformed wheelset is in balance, and where rigid "
+            "wheels on rigid rails would be.",
+        ),
+        *(
+            Picture(
+                png(contact_figure(run, fields, side)),
+                f"The zones of contact of the {side} side, deformed, with the mesh, coloured by von Mises stress, by "
+                "the minimum principal stress with the contact forces on the wheel as arrows, and by the largest "
+                "in-plane shear stress.",
+                f"The {side} side's zones of contact, deformed: von Mises stress, minimum principal stress and largest "
+                "in-plane shear stress of each cell. Both sides have the same colours.",
+            )
+            for side in SIDES
         ),
         Picture(
             png(pressure_figure(run)),
             "Contact pressure along the surface of both sides: nodes of the mesh and Hertz's ellipse.",
             "Contact pressure along the surface: the nodes' forces over their areas, and Hertz's theory for the same "
             "force and the profiles' radii at the contact.",
+        ),
+        Picture(
+            png(convergence_figure(run)),
+            "Relative errors of the balance of forces over the outer iterations, on a logarithmic axis.",
+            "Convergence: errors of the balance of forces and moment at each position of the wheelset that was tried.",
+        ),
+        Picture(
+            png(subsurface_figure(run)),
+            "Stresses in rail and wheel over the depth below each contact, solid, and those of Hertz's line contact, "
+            "dashed.",
+            "Stresses along the inward normal through each centre of pressure, and those of Hertz's theory in half "
+            "planes; in the head of a rail and in a rim the force spreads less, and the stresses fall more slowly.",
+        ),
+        Picture(
+            png(bending_figure(run, fields)),
+            "Sections of both rails with the stresses along their free surface as ordinates, and their deformed "
+            "outlines dashed.",
+            "Bending of the rails, held along their bases: stresses along the surface of web and fillets in MPa, and "
+            "the deformed outlines.",
         ),
     ]
 

@@ -34,6 +34,7 @@ def contacts_table(summary: Row) -> Table:
         ("force on the wheel, kN", lambda c: number(c["force_kN"], 3)),
         ("  lateral (to the right), kN", lambda c: number(c["lateral_force_kN"], 3)),
         ("  vertical (up), kN", lambda c: number(c["vertical_force_kN"], 3)),
+        ("contact angle, degrees", lambda c: number(c["contact_angle_deg"], 2)),
         ("place on the rail (x, y), mm", lambda c: _place(c["rail_position_mm"])),
         ("place on the wheel (x, y), mm", lambda c: _place(c["wheel_position_mm"])),
         ("largest pressure, MPa", lambda c: number(c["max_pressure_MPa"], 1)),
@@ -41,6 +42,11 @@ def contacts_table(summary: Row) -> Table:
         ("  scatter of the nodes, %", lambda c: number(100.0 * c["pressure_scatter"], 2)),
         ("half width, mm", lambda c: number(c["half_width_mm"], 3)),
         ("  Hertz, mm", lambda c: number(c["hertz_half_width_mm"], 3)),
+        ("in-plane shear in the rail, MPa (at mm)", lambda c: _at_depth(c["in_rail"], "max_in_plane_shear")),
+        ("  in the wheel", lambda c: _at_depth(c["in_wheel"], "max_in_plane_shear")),
+        ("  Hertz", lambda c: _at_depth(c, "hertz_in_plane_shear")),
+        ("von Mises in the rail, MPa (at mm)", lambda c: _at_depth(c["in_rail"], "max_von_mises")),
+        ("  in the wheel", lambda c: _at_depth(c["in_wheel"], "max_von_mises")),
         ("nodes in contact", lambda c: f"{c['n_nodes']}"),
     ]
     rows = [(name, *(text(contact) for contact in contacts)) for name, text in quantities]
@@ -73,13 +79,115 @@ def motion_table(summary: Row) -> Table:
         ]
     if any(side["lateral_over_vertical"] is not None for side in summary["sides"]):
         rows += [(f"L/V of the {s['side']} wheel", number(s["lateral_over_vertical"], 4)) for s in summary["sides"]]
+    rows.append(("resulting error of the balance", _small(balance["resulting_error"])))
+    free = {"vertical": "vertical_mm", "lateral": "lateral_mm", "moment": "roll_rad"}
     rows += [
-        ("resulting error of the balance", _small(balance["resulting_error"])),
-        ("  vertical", _small(balance["vertical_error"])),
-        ("  lateral", _small(balance["lateral_error"])),
-        ("  moment", _small(balance["moment_error"])),
+        (f"  {name}", _small(balance[f"{name}_error"]))
+        for name, motion_key in free.items()
+        if summary["case"][motion_key] is None
     ]
+    rows += _holding(summary)
     return Table("Position and balance", ("", "value"), tuple(rows))
+
+
+def _holding(summary: Row) -> list[tuple[str, str]]:
+    """What holds the wheelset where its motion is prescribed."""
+    holding = summary["support"]["holding"]
+    rows = (
+        ("lateral_mm", "held at the axle: lateral force, N", "lateral_N"),
+        ("vertical_mm", "held at the axle: vertical force, N", "vertical_N"),
+        ("roll_rad", "held at the axle: moment, N mm", "moment_N_mm"),
+    )
+    return [(name, number(holding[key], 1)) for motion, name, key in rows if summary["case"][motion] is not None]
+
+
+def rigid_table(summary: Row) -> Table:
+    """The elastic wheelset beside the rigid one: position, points of contact, forces, Hertz's estimates."""
+    columns = [(summary["motion"], summary["contacts"]), (summary["rigid"], summary["rigid"]["contacts"])]
+    rows = [
+        (name, *(_motion(motion[key]) for motion, _ in columns))
+        for name, key in (
+            ("lateral motion, mm", "lateral_mm"),
+            ("vertical motion, mm", "vertical_mm"),
+            ("roll, rad", "roll_rad"),
+        )
+    ]
+    quantities = (
+        ("force, kN", "force_kN", 2),
+        ("contact angle, degrees", "contact_angle_deg", 2),
+        ("x on the rail, mm", "rail_position_mm", 2),
+        ("x on the wheel, mm", "wheel_position_mm", 2),
+        ("Hertz: half width, mm", "hertz_half_width_mm", 3),
+        ("Hertz: pressure, MPa", "hertz_pressure_MPa", 0),
+    )
+    for side in ("left", "right"):
+        rows += [
+            (f"{side}: {name}", *(_of_side(contacts, side, key, digits) for _, contacts in columns))
+            for name, key, digits in quantities
+        ]
+    return Table("Elastic beside rigid, along the track's axis x", ("", "elastic", "rigid"), tuple(rows))
+
+
+def _of_side(contacts: list[Row], side: str, key: str, digits: int) -> str:
+    """Values of a side's contacts from left to right; of a place its x."""
+    mine = sorted((c for c in contacts if c["side"] == side), key=lambda c: float(c["space_position_mm"][0]))
+    values = [c[key][0] if key.endswith("position_mm") else c[key] for c in mine]
+    return " / ".join(number(value, digits) for value in values) or "–"
+
+
+def bending_table(summary: Row, *, short: bool = False) -> Table:
+    """Motion of the rails' heads and stresses in web and fillets, one column a rail; the fillets not if `short`."""
+    rails = summary["bending"]
+    quantities: list[tuple[str, Callable[[Row], str]]] = [
+        ("top of the head to the right, mm", lambda r: number(r["head_lateral_mm"], 3)),
+        ("  up, mm", lambda r: number(r["head_vertical_mm"], 3)),
+        ("  roll outwards, mrad", lambda r: number(1e3 * r["head_roll_outward_rad"], 2)),
+        ("gauge face outwards, mm", lambda r: number(r["gauge_outward_mm"], 3)),
+        ("web, gauge face, MPa", lambda r: number(r["web_gauge_face_MPa"], 0)),
+        ("  field face, MPa", lambda r: number(r["web_field_face_MPa"], 0)),
+    ]
+    if not short:
+        quantities += [
+            ("web: force along it, kN", lambda r: number(r["web_normal_force_kN"], 2)),
+            ("  across it, kN", lambda r: number(r["web_shear_force_kN"], 2)),
+            ("  moment, kN mm", lambda r: number(r["web_moment_kN_mm"], 1)),
+        ]
+    for towards in ("head", "foot"):
+        for word, sign in (("tension", 1.0), ("compression", -1.0)):
+            quantities.append((f"largest {word} towards the {towards}, MPa", _extreme(towards, word, sign, short)))
+    rows = [(name, *(text(rail) for rail in rails)) for name, text in quantities]
+    caption = "Bending of the rails, stresses along the surface of web and fillets"
+    return Table(caption, ("", *(rail["side"] for rail in rails)), tuple(rows))
+
+
+def _extreme(towards: str, word: str, sign: float, short: bool) -> Callable[[Row], str]:
+    def text(rail: Row) -> str:
+        mine = [f for f in rail["fillets"] if f["towards"] == towards and f[f"max_{word}_MPa"] is not None]
+        if not mine:
+            return "–"
+        worst = max(mine, key=lambda f: sign * float(f[f"max_{word}_MPa"]))
+        value = number(worst[f"max_{word}_MPa"], 0)
+        return value if short else f"{value} ({worst['face']}, {_place(worst[f'{word}_position_mm'], 1)})"
+
+    return text
+
+
+def support_table(summary: Row) -> Table:
+    """Reactions of bases and axle, and their balance with the contact forces."""
+    rows = [
+        (
+            row["part"],
+            number(row["lateral_force_kN"], 3),
+            number(row["vertical_force_kN"], 3),
+            number(row["moment_kN_mm"], 1),
+            number(row.get("eccentricity_mm"), 2),
+            _small(row["force_error"]),
+            _small(row["moment_error"]),
+        )
+        for row in summary["support"]["reactions"]
+    ]
+    header = ("", "lateral, kN", "vertical, kN", "moment, kN mm", "eccentricity, mm", "force error", "moment error")
+    return Table("Reactions of bases and axle on the parts", header, tuple(rows))
 
 
 def stresses_table(summary: Row) -> Table:
@@ -120,5 +228,11 @@ def _motion(value: float | None) -> str:
     return _small(value) if value is None or abs(value) < 5e-4 else f"{value:.4f}"
 
 
-def _place(point: list[float]) -> str:
-    return f"({point[0]:.3f}, {point[1]:.3f})"
+def _place(point: list[float], digits: int = 3) -> str:
+    return f"({point[0]:.{digits}f}, {point[1]:.{digits}f})"
+
+
+def _at_depth(row: Row, name: str) -> str:
+    """A stress with the depth at which it is."""
+    value, depth = row[f"{name}_MPa"], row[f"{name}_depth_mm"]
+    return "–" if value is None else f"{value:.0f} ({depth:.2f})"

@@ -11,6 +11,7 @@ from rich.table import Table as RichTable
 from flangeway.report.files import print_files
 from flangeway.report.tables import (
     Table,
+    bending_table,
     bodies_table,
     contacts_table,
     motion_table,
@@ -24,7 +25,10 @@ def print_summary(console: Console, summary: dict[str, Any], files: list[Path]) 
     """Print status, position, contacts, stresses, warnings, assumptions in short, and the files."""
     _print_status(console, summary)
     contacts = (contacts_table,) if summary["contacts"] else ()
-    for table in (motion_table, *contacts, stresses_table, bodies_table):
+    for table in (motion_table, *contacts):
+        _print_table(console, table(summary))
+    _print_table(console, bending_table(summary, short=True))
+    for table in (stresses_table, bodies_table):
         _print_table(console, table(summary))
     for warning in summary["warnings"]:
         console.print(f"Warning: {warning}", style="yellow", markup=False, soft_wrap=True)

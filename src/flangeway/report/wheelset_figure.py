@@ -5,10 +5,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.railway.track import SIDES
+from flangeway.report.cell_patches import fill_cells
 from flangeway.report.drawing import (
     StressColours,
     box,
-    draw_cells,
     draw_contours,
     draw_outline,
     equal_axes,
@@ -57,7 +57,7 @@ def _draw_side(axes: Axes, parts: list[PartFields], factor: float, colours: Stre
     equal_axes(axes, box([part.points(factor) for part in parts], 6.0))
     for part in parts:
         points, values = part.points(factor), part.stresses.von_mises
-        draw_cells(axes, part, points, values, colours)
+        fill_cells(axes, part.mesh, points, values, colours)
         draw_contours(axes, part, points, values, colours)
         draw_outline(axes, part.mesh, points)
         draw_outline(axes, part.mesh, part.touch_points, dashed=True)

@@ -6,9 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from flangeway.post import cell_stresses
-from flangeway.railway.equilibrium import Balance
-from flangeway.railway.result import WheelRailPatch, WheelsetResult
+from flangeway.railway.balance import Balance
+from flangeway.railway.result import WheelsetResult
 from flangeway.railway.track import SIDES, Side
+from flangeway.study.summary_rows import (
+    bending_rows,
+    contact_row,
+    motion_row,
+    other_rows,
+    rigid_rows,
+    support_rows,
+)
 from flangeway.study.versions import versions
 from flangeway.study.wheelset_case import WheelsetCase
 from flangeway.study.wheelset_curve import PUBLISHED_CM, WheelsetCurveCase
@@ -37,6 +45,14 @@ AXES = {
         "The right wheel's profile: x from the tape line away from the middle of the track, y up to the "
         "axle. The left wheel is its mirror image."
     ),
+    "bending": (
+        "Motions of a rail's head are those of its top against the fixed base, the track's axes; stresses along the "
+        "free surface between head and base, tension positive, places in the rail's profile."
+    ),
+    "support": (
+        "What base or axle do to rail or wheel, the track's axes; moments counter-clockwise about the middle of the "
+        "base or of the axle, in kN mm; the eccentricity of a base's force counts away from the track."
+    ),
     "forces": "Of the rail on the wheel, the track's axes: a positive lateral force pushes the wheel to the right.",
 }
 
@@ -64,29 +80,32 @@ def summarise(case: WheelsetCase, result: WheelsetResult, total_s: float) -> dic
     summary = {
         "status": {"converged": result.status.converged, "message": result.status.message},
         "motion": {
-            "vertical_mm": motion.vertical_mm,
-            "lateral_mm": motion.lateral_mm,
-            "roll_rad": motion.roll_rad,
+            **motion_row(motion),
             "approach_mm": result.approach_mm,
             "horizontal_in_space_mm": result.motion_in_space.lateral_mm,
             "vertical_in_space_mm": result.motion_in_space.vertical_mm,
+            "stable": result.equilibrium.stable,
             "reference": REFERENCE,
         },
+        "other_balances": other_rows(result),
         "load": _load(result),
         "balance": _balance(result.equilibrium.balance),
         "sides": [_side(result, side) for side in SIDES],
-        "contacts": [_contact(patch) for patch in result.patches],
+        "contacts": [contact_row(result, patch) for patch in result.patches],
+        "rigid": rigid_rows(result),
         "stresses": _stresses(result),
+        "bending": bending_rows(result),
+        "support": support_rows(result),
         "bodies": _bodies(result),
         "timings_s": timings | {"total": total_s},
         "case": {"name": case.name, **case.model_dump()},
         "axes": AXES,
         "assumptions": _assumptions(case, result),
-        "published": _published(case),
+        "published": published_position(case),
         "warnings": list(result.warnings),
         "versions": versions(),
     }
-    plain: dict[str, Any] = _plain(summary)
+    plain: dict[str, Any] = plain_numbers(summary)
     return plain
 
 
@@ -119,9 +138,9 @@ def _side(result: WheelsetResult, side: Side) -> dict[str, Any]:
     }
 
 
-def _published(case: WheelsetCase) -> dict[str, Any]:
-    """Published position of the curve, with why it differs; nothing for other cases."""
-    if not isinstance(case, WheelsetCurveCase):
+def published_position(case: WheelsetCase) -> dict[str, Any]:
+    """Published position of the curve, with why it differs; nothing for other cases or other inputs."""
+    if not isinstance(case, WheelsetCurveCase) or not _is_as_published(case):
         return {}
     vertical, horizontal, roll = PUBLISHED_CM[case.method, case.order]
     return {
@@ -132,32 +151,22 @@ def _published(case: WheelsetCase) -> dict[str, Any]:
     }
 
 
+def _is_as_published(case: WheelsetCase) -> bool:
+    """Whether all inputs but method and order are the defaults, which are those of the seed."""
+    fields = type(case).model_fields
+    return all(
+        getattr(case, key) == field.get_default(call_default_factory=True)
+        for key, field in fields.items()
+        if key not in ("method", "order")
+    )
+
+
 def _balance(balance: Balance) -> dict[str, float]:
     return {
         "vertical_error": balance.vertical_error,
         "lateral_error": balance.lateral_error,
         "moment_error": balance.moment_error,
         "resulting_error": balance.resulting_error,
-    }
-
-
-def _contact(patch: WheelRailPatch) -> dict[str, Any]:
-    lateral, vertical = patch.force_on_wheel_N / 1e3
-    return {
-        "side": patch.side,
-        "region": patch.region,
-        "force_kN": math.hypot(lateral, vertical),
-        "lateral_force_kN": lateral,
-        "vertical_force_kN": vertical,
-        "rail_position_mm": patch.rail_point_mm,
-        "wheel_position_mm": patch.wheel_point_mm,
-        "space_position_mm": patch.pressure.centre,
-        "half_width_mm": patch.pressure.half_width,
-        "max_pressure_MPa": patch.pressure.pressures.max(),
-        "pressure_scatter": patch.pressure.scatter,
-        "hertz_half_width_mm": patch.hertz.half_width if patch.hertz else None,
-        "hertz_pressure_MPa": patch.hertz.max_pressure if patch.hertz else None,
-        "n_nodes": len(patch.pressure.normal_forces),
     }
 
 
@@ -206,6 +215,8 @@ def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
         f"Thickness {case.thickness_mm:g} mm: this length of wheel and rail bears the whole load.",
         *(f"Wheel {wheel.title}. {wheel.certainty}" for wheel in wheels),
         *(f"Rail {rail.title}. {rail.certainty}" for rail in rails),
+        *(f"{notice} ({wheel.title})" for wheel in wheels for notice in wheel.notices),
+        *(f"{notice} ({rail.title})" for rail in rails for notice in rail.notices),
         *(
             f"Linear elastic, isotropic {name}: Young's modulus {each.young:g} MPa, Poisson's ratio "
             f"{each.poisson:g}; no yielding, however high the stress."
@@ -220,14 +231,14 @@ def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
     ]
 
 
-def _plain(value: Any) -> Any:
+def plain_numbers(value: Any) -> Any:
     """Turn arrays and numpy numbers into lists and Python's own; what is not finite into None."""
     if isinstance(value, dict):
-        return {key: _plain(entry) for key, entry in value.items()}
+        return {key: plain_numbers(entry) for key, entry in value.items()}
     if hasattr(value, "tolist"):
         value = value.tolist()
     if isinstance(value, list | tuple):
-        return [_plain(entry) for entry in value]
+        return [plain_numbers(entry) for entry in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

@@ -1,0 +1,54 @@
+// The value under the pointer, or at the cross in the middle for those who use keys; told to screen readers at rest.
+
+const REST_MS = 500;
+
+class Reading {
+  constructor(root) {
+    this.output = root.querySelector(".viewer-reading");
+    this.live = root.querySelector(".viewer-live");
+  }
+
+  // `found` is what cellAt gives.
+  show(found, field) {
+    this.output.replaceChildren();
+    if (!found) {
+      this.add("span", "viewer-what", "no part here");
+      return this.tell();
+    }
+    const { part, cell, point, at } = found;
+    const value = valuesOf(part, field)[field.onPoints ? point : cell];
+    const main = this.add("span", "viewer-value");
+    this.add("data", "reading-value", `${shown(value, 6)} ${field.unit}`, value, main);
+    const what = this.add("span", "viewer-what", `${field.name}, `);
+    this.add("data", "reading-part", part.name, part.name, what);
+    what.append(field.onPoints ? ", point " : ", cell ");
+    if (field.onPoints) this.add("data", "reading-point", String(point), point, what);
+    else this.add("data", "reading-cell", String(cell), cell, what);
+    what.append(" at x ");
+    this.add("data", "reading-x", fixed(at[0]), at[0], what);
+    what.append(" mm, y ");
+    this.add("data", "reading-y", fixed(at[1]), at[1], what);
+    what.append(" mm, undeformed");
+    if (field.onPoints) this.add("data", "reading-cell", ` (cell ${cell})`, cell, what);
+    this.tell();
+  }
+
+  add(tag, name, text = "", value = undefined, parent = this.output) {
+    const element = document.createElement(tag);
+    element.className = name;
+    element.textContent = text;
+    if (value !== undefined) element.value = value;
+    parent.append(element);
+    return element;
+  }
+
+  tell(text = undefined) {
+    clearTimeout(this.timer);
+    const words = text ?? Array.from(this.output.children, (child) => child.textContent).join(": ");
+    this.timer = setTimeout(() => (this.live.textContent = words), REST_MS);
+  }
+}
+
+function fixed(value) {
+  return value.toFixed(3).replace("-", "\u2212");
+}

@@ -1,0 +1,150 @@
+// The picture: parts as triangles whose places and values the graphics card looks up by point and cell.
+
+const TEXTURE_WIDTH = 2048;
+
+const COMMON_SHADER = `
+precision highp float;
+precision highp int;
+precision highp sampler2D;
+uniform mat4 modelViewMatrix;
+uniform mat4 projectionMatrix;
+uniform sampler2D motion;
+uniform float factor;
+in uint node;
+ivec2 place(uint number) { return ivec2(int(number) % ${TEXTURE_WIDTH}, int(number) / ${TEXTURE_WIDTH}); }
+vec4 drawnAt(uint number) {
+  vec4 moved = texelFetch(motion, place(number), 0);
+  return projectionMatrix * modelViewMatrix * vec4(moved.xy + factor * moved.zw, 0.0, 1.0);
+}`;
+
+const CELLS_VERTEX = `${COMMON_SHADER}
+uniform sampler2D values;
+uniform bool perCell;
+in uint cell;
+out float value;
+void main() {
+  gl_Position = drawnAt(node);
+  value = texelFetch(values, place(perCell ? cell : node), 0).r;
+}`;
+
+const CELLS_FRAGMENT = `
+precision highp float;
+uniform sampler2D table;
+uniform vec2 range;
+in float value;
+out vec4 colour;
+void main() {
+  float share = clamp((value - range.x) / max(range.y - range.x, 1e-30), 0.0, 1.0);
+  colour = texture(table, vec2((share * 255.0 + 0.5) / 256.0, 0.5));
+}`;
+
+const LINES_VERTEX = `${COMMON_SHADER}
+void main() { gl_Position = drawnAt(node); }`;
+
+const LINES_FRAGMENT = `
+precision highp float;
+uniform vec4 ink;
+out vec4 colour;
+void main() { colour = vec4(ink.rgb * ink.a, ink.a); }`;
+
+class Picture {
+  constructor(canvas, parts) {
+    const { Scene, OrthographicCamera, WebGLRenderer } = viewerLibraries;
+    // kept after drawing: the browser prints what is there
+    this.renderer = new WebGLRenderer({ canvas, alpha: true, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.setClearColor(0, 0);
+    this.renderer.sortObjects = true;
+    this.camera = new OrthographicCamera(-1, 1, 1, -1, 0.1, 100);
+    this.camera.position.z = 10;
+    this.scene = new Scene();
+    this.shared = { factor: { value: 1 }, range: { value: [0, 1] }, perCell: { value: true }, table: { value: null } };
+    this.inks = { mesh: { value: [0, 0, 0, 1] }, outline: { value: [0, 0, 0, 1] } };
+    this.items = parts.map((part) => this.added(part));
+    this.pending = false;
+  }
+
+  added(part) {
+    const { Group } = viewerLibraries;
+    const group = new Group();
+    const motion = { value: floatTexture(part.motion, 4) };
+    const uniforms = { ...this.shared, motion, values: { value: null } };
+    const cells = this.drawable("Mesh", part.corners, part.triangles, uniforms, CELLS_VERTEX, CELLS_FRAGMENT, 0);
+    cells.geometry.setAttribute("cell", new viewerLibraries.BufferAttribute(part.cellOfCorner, 1));
+    const points = Uint32Array.from({ length: part.points.length / 2 }, (_, i) => i);
+    const lines = (index, ink, order) =>
+      this.drawable("LineSegments", points, index, { ...this.shared, motion, ink }, LINES_VERTEX, LINES_FRAGMENT, order);
+    const mesh = lines(part.edges, this.inks.mesh, 1);
+    const outline = lines(part.boundary, this.inks.outline, 2);
+    mesh.visible = false;
+    group.add(cells, mesh, outline);
+    this.scene.add(group);
+    return { part, group, uniforms, mesh };
+  }
+
+  drawable(kind, nodes, index, uniforms, vertexShader, fragmentShader, order) {
+    const { BufferAttribute, BufferGeometry, GLSL3, RawShaderMaterial } = viewerLibraries;
+    const geometry = new BufferGeometry();
+    geometry.setAttribute("node", new BufferAttribute(nodes, 1));
+    geometry.setIndex(new BufferAttribute(index, 1));
+    const material = new RawShaderMaterial({ uniforms, vertexShader, fragmentShader, glslVersion: GLSL3 });
+    Object.assign(material, { depthTest: false, depthWrite: false, transparent: true, premultipliedAlpha: true, side: 2 });
+    const drawable = new viewerLibraries[kind](geometry, material);
+    drawable.frustumCulled = false;
+    drawable.renderOrder = order;
+    return drawable;
+  }
+
+  // Put the parts where they are drawn: at their origins, shifted sideways.
+  place() {
+    for (const { part, group } of this.items) group.position.set(part.origin[0] + part.shift, part.origin[1], 0);
+  }
+
+  // One array of values for each part: of its cells, or of its points.
+  setValues(arrays, perCell) {
+    this.shared.perCell.value = perCell;
+    this.items.forEach((item, i) => {
+      item.uniforms.values.value?.dispose();
+      item.uniforms.values.value = floatTexture(arrays[i], 1);
+    });
+  }
+
+  setTable(bytes) {
+    const { DataTexture, LinearFilter, RGBAFormat, UnsignedByteType } = viewerLibraries;
+    const table = new DataTexture(bytes, N_COLOURS, 1, RGBAFormat, UnsignedByteType);
+    table.minFilter = table.magFilter = LinearFilter;
+    table.needsUpdate = true;
+    this.shared.table.value?.dispose();
+    this.shared.table.value = table;
+  }
+
+  resize(width, height) {
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setSize(width, height, false);
+    Object.assign(this.camera, { left: -width / 2, right: width / 2, top: height / 2, bottom: -height / 2 });
+    this.camera.updateProjectionMatrix();
+  }
+
+  render() {
+    this.renderer.render(this.scene, this.camera);
+  }
+
+  renderSoon() {
+    if (this.pending) return;
+    this.pending = true;
+    requestAnimationFrame(() => {
+      this.pending = false;
+      this.render();
+    });
+  }
+}
+
+function floatTexture(numbers, components) {
+  const { DataTexture, FloatType, NearestFilter, RedFormat, RGBAFormat } = viewerLibraries;
+  const height = Math.max(1, Math.ceil(numbers.length / components / TEXTURE_WIDTH));
+  const padded = new Float32Array(TEXTURE_WIDTH * height * components);
+  padded.set(numbers);
+  const texture = new DataTexture(padded, TEXTURE_WIDTH, height, components === 1 ? RedFormat : RGBAFormat, FloatType);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return texture;
+}

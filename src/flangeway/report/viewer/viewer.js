@@ -1,0 +1,366 @@
+// The viewer itself: brings the picture, the controls of the page and the keys together.
+
+const PAN_SHARE = 0.1;
+const ZOOM_STEP = 1.3;
+const MARGIN = 0.04;
+const LINEAR_SHARE = 0.2;
+const LARGEST_FACTOR = 1000;
+const LONGEST_BAR = 160;
+const SIDES_APART = 0.2;
+
+class Viewer {
+  constructor(root, parts, views) {
+    this.root = root;
+    this.parts = parts;
+    this.canvas = this.find("#viewer-canvas");
+    this.cross = this.find(".viewer-cross");
+    this.field = FIELDS[0];
+    this.factor = 1;
+    this.found = null;
+    this.picture = new Picture(this.canvas, parts);
+    this.navigation = new Navigation(this.picture, this.canvas, () => this.moved());
+    this.reading = new Reading(root);
+    this.scale = new Scale(root, () => this.recolour());
+    const given = views.map((view) => givenView(view, parts));
+    this.views = [{ name: "whole", box: () => this.wholeBox() }, ...sidesOf(parts, this), ...given];
+    this.moveSides();
+    this.fillControls();
+    this.listen();
+    this.resized();
+    this.chooseField(this.field.key);
+    this.applyInks();
+    this.lookAtWhole();
+    this.picture.render();
+  }
+
+  find(selector) {
+    return this.root.querySelector(selector);
+  }
+
+  shownParts() {
+    return this.parts.filter((part) => !part.hidden);
+  }
+
+  wholeBox() {
+    return widened(boxOf(this.shownParts().length ? this.shownParts() : this.parts, this.factor));
+  }
+
+  lookAtWhole() {
+    const box = this.wholeBox();
+    const zoom = this.navigation.zoomOf(box);
+    this.navigation.limit(zoom);
+    this.navigation.look((box[0] + box[2]) / 2, (box[1] + box[3]) / 2, zoom);
+  }
+
+  // Draw the sides of the track closer together than they are, or as they are.
+  moveSides() {
+    const sides = sideGroups(this.parts);
+    const closer = sides.length > 1 && this.find("#viewer-closer").checked;
+    this.find("#viewer-closer").parentElement.hidden = sides.length < 2;
+    for (const part of this.parts) part.shift = 0;
+    let end = null;
+    for (const side of sides) {
+      const box = boxOf(side, 1);
+      const shift = closer && end !== null ? end + SIDES_APART * (box[2] - box[0]) - box[0] : 0;
+      for (const part of side) part.shift = Math.min(shift, 0);
+      end = box[2] + Math.min(shift, 0);
+    }
+    this.picture.place();
+  }
+
+  // controls
+
+  fillControls() {
+    const groups = new Map();
+    for (const field of FIELDS) {
+      if (!groups.has(field.group)) {
+        const group = document.createElement("optgroup");
+        group.label = field.group;
+        this.find("#viewer-field").append(group);
+        groups.set(field.group, group);
+      }
+      groups.get(field.group).append(new Option(`${field.name}, ${field.unit}`, field.key));
+    }
+    this.views.forEach((view, i) => {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = view.name;
+      button.title = `Key ${i}`;
+      button.addEventListener("click", () => this.fly(view));
+      this.find(".viewer-views").append(button);
+    });
+    for (const part of this.parts) {
+      const label = document.createElement("label");
+      const box = Object.assign(document.createElement("input"), { type: "checkbox", checked: true, value: part.name });
+      box.addEventListener("change", () => this.showPart(part, box.checked));
+      label.append(box, ` ${part.name}`);
+      this.find(".viewer-parts").append(label);
+    }
+    this.find("#viewer-slider").value = sliderOf(this.factor);
+  }
+
+  listen() {
+    const on = (selector, event, action) => this.find(selector).addEventListener(event, action);
+    on("#viewer-field", "change", (event) => this.chooseField(event.target.value));
+    on("#viewer-slider", "input", (event) => this.deform(factorOf(event.target.valueAsNumber)));
+    on("#viewer-factor", "input", (event) => {
+      const factor = event.target.valueAsNumber;
+      const sensible = factor >= 0 && factor <= LARGEST_FACTOR;
+      event.target.setAttribute("aria-invalid", String(!sensible));
+      if (sensible) this.deform(factor, event.target);
+    });
+    on("#viewer-true", "click", () => this.deform(1));
+    on("#viewer-lines", "change", () => this.showLines());
+    on("#viewer-smooth", "change", () => this.recolour());
+    on("#viewer-closer", "change", () => {
+      this.moveSides();
+      this.lookAtWhole();
+      this.read();
+    });
+    on("#viewer-in", "click", () => this.navigation.zoomBy(ZOOM_STEP));
+    on("#viewer-out", "click", () => this.navigation.zoomBy(1 / ZOOM_STEP));
+    this.canvas.addEventListener("pointermove", (event) => this.pointed(event));
+    this.canvas.addEventListener("pointerdown", (event) => this.pointed(event));
+    this.canvas.addEventListener("pointerleave", () => this.left());
+    this.canvas.addEventListener("keydown", (event) => this.pressed(event));
+    new ResizeObserver(() => this.resized()).observe(this.canvas);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rethemed());
+    new MutationObserver(() => this.rethemed()).observe(document.documentElement, { attributeFilter: ["data-theme"] });
+    window.addEventListener("beforeprint", () => this.rethemed("light"));
+    window.addEventListener("afterprint", () => this.rethemed());
+  }
+
+  pressed(event) {
+    if (event.ctrlKey || event.altKey || event.metaKey) return;
+    const actions = {
+      ArrowLeft: () => this.navigation.pan(-PAN_SHARE, 0),
+      ArrowRight: () => this.navigation.pan(PAN_SHARE, 0),
+      ArrowUp: () => this.navigation.pan(0, PAN_SHARE),
+      ArrowDown: () => this.navigation.pan(0, -PAN_SHARE),
+      "+": () => this.navigation.zoomBy(ZOOM_STEP),
+      "=": () => this.navigation.zoomBy(ZOOM_STEP),
+      "-": () => this.navigation.zoomBy(1 / ZOOM_STEP),
+      f: () => this.nextField(1),
+      F: () => this.nextField(-1),
+      m: () => this.find("#viewer-lines").click(),
+    };
+    const view = /^\d$/.test(event.key) ? this.views[Number(event.key)] : undefined;
+    const action = view ? () => this.fly(view) : (actions[event.key] ?? actions[event.key.toLowerCase()]);
+    if (!action) return;
+    event.preventDefault();
+    this.pointer = null;
+    this.cross.hidden = false;
+    action();
+    this.read();
+  }
+
+  // what is shown
+
+  chooseField(key) {
+    this.field = FIELDS.find((field) => field.key === key);
+    this.find("#viewer-field").value = key;
+    if (this.scale.mode.value === "own") this.scale.mode.value = "robust";
+    this.canvas.setAttribute("aria-label", `Picture of the parts, coloured by ${this.field.name} in ${this.field.unit}`);
+    this.recolour();
+  }
+
+  nextField(step) {
+    const next = FIELDS[(FIELDS.indexOf(this.field) + step + FIELDS.length) % FIELDS.length];
+    this.chooseField(next.key);
+  }
+
+  recolour() {
+    const smooth = this.find("#viewer-smooth").checked && !this.field.onPoints;
+    const values = this.parts.map((part) => valuesOf(part, this.field));
+    this.picture.setValues(
+      smooth ? this.parts.map((part, i) => smoothed(part, values[i])) : values,
+      !this.field.onPoints && !smooth
+    );
+    this.rerange();
+    this.read();
+  }
+
+  rerange() {
+    const arrays = this.shownParts().map((part) => valuesOf(part, this.field));
+    const range = this.scale.rangeFor(arrays);
+    const table = colourTable(this.theme ?? themeNow(), signOf(range));
+    this.picture.shared.range.value = [range.low, range.high];
+    this.picture.setTable(table);
+    this.scale.show(this.field, range, table);
+    this.picture.renderSoon();
+  }
+
+  deform(factor, source = null) {
+    this.factor = factor;
+    this.picture.shared.factor.value = factor;
+    const [slider, number] = [this.find("#viewer-slider"), this.find("#viewer-factor")];
+    slider.value = sliderOf(factor);
+    slider.setAttribute("aria-valuetext", `${shown(factor, 3)} times`);
+    if (source !== number) {
+      number.value = Number(factor.toPrecision(3));
+      number.removeAttribute("aria-invalid");
+    }
+    this.read();
+    this.picture.renderSoon();
+  }
+
+  showPart(part, visible) {
+    part.hidden = !visible;
+    this.picture.items.find((item) => item.part === part).group.visible = visible;
+    this.rerange();
+    this.read();
+  }
+
+  showLines() {
+    for (const item of this.picture.items) item.mesh.visible = this.find("#viewer-lines").checked;
+    this.picture.renderSoon();
+  }
+
+  fly(view) {
+    this.navigation.fly(view.box(), () => this.read());
+    this.reading.tell(`Flying to: ${view.name}`);
+  }
+
+  // themes
+
+  rethemed(theme = undefined) {
+    this.theme = theme;
+    this.applyInks();
+    this.rerange();
+    this.picture.render();
+  }
+
+  applyInks() {
+    const dark = (this.theme ?? themeNow()) === "dark";
+    const ink = dark ? [0.91, 0.92, 0.93] : [0.1, 0.11, 0.13];
+    this.picture.inks.mesh.value = [...ink, dark ? 0.22 : 0.35];
+    this.picture.inks.outline.value = [...ink, 0.9];
+  }
+
+  // pointer
+
+  pointed(event) {
+    const box = this.canvas.getBoundingClientRect();
+    this.pointer = [event.clientX - box.left, event.clientY - box.top];
+    this.cross.hidden = true;
+    this.read();
+  }
+
+  left() {
+    if (!this.pointer) return;
+    this.pointer = undefined;
+    this.found = null;
+    this.mark();
+  }
+
+  // Read at the pointer, or at the cross while keys are used.
+  read() {
+    if (this.pointer === undefined) return;
+    const pixel = this.pointer ?? [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2];
+    const place = this.navigation.placeAt(...pixel);
+    this.found = cellAt(this.parts, ...place, this.factor);
+    this.reading.show(this.found, this.field);
+    this.mark();
+  }
+
+  // Outline the cell that is read.
+  mark() {
+    const corners = this.found ? outlineOf(this.found.part, this.found.cell, this.factor) : [];
+    const pixels = corners.map((corner) => this.navigation.pixelOf(corner).map((at) => at.toFixed(1)).join());
+    this.find(".viewer-mark polygon").setAttribute("points", pixels.join(" "));
+  }
+
+  moved() {
+    const zoom = this.picture.camera.zoom;
+    const bar = this.find(".viewer-length");
+    const length = roundBelow(LONGEST_BAR / zoom);
+    // a share of the picture, which paper makes smaller
+    bar.style.width = `${(100 * length * zoom) / this.canvas.clientWidth}%`;
+    bar.firstElementChild.textContent = `${shown(length)} mm`;
+    this.mark();
+    this.picture.renderSoon();
+  }
+
+  resized() {
+    if (!this.canvas.clientWidth) return;
+    this.picture.resize(this.canvas.clientWidth, this.canvas.clientHeight);
+    this.moved();
+    this.picture.render();
+  }
+}
+
+function themeNow() {
+  return document.documentElement.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
+}
+
+function widened([x0, y0, x1, y1]) {
+  const margin = MARGIN * Math.max(x1 - x0, y1 - y0);
+  return [x0 - margin, y0 - margin, x1 + margin, y1 + margin];
+}
+
+// The parts of each side of the track, from the least x on.
+function sideGroups(parts) {
+  const sides = [...new Set(parts.map((part) => part.side))];
+  const groups = sides.map((side) => parts.filter((part) => part.side === side));
+  return groups.sort((a, b) => a[0].origin[0] - b[0].origin[0]);
+}
+
+// A view for each side of the track, if there are several.
+function sidesOf(parts, viewer) {
+  const groups = sideGroups(parts);
+  if (groups.length < 2) return [];
+  return groups.map((group) => ({ name: `${group[0].side} side`, box: () => widened(boxOf(group, viewer.factor)) }));
+}
+
+// A view about a place; it moves with the side whose part is nearest.
+function givenView({ name, centre, width }, parts) {
+  const away = (part) => Math.hypot(part.origin[0] - centre[0], part.origin[1] - centre[1]);
+  const nearest = parts.reduce((best, part) => (away(part) < away(best) ? part : best));
+  const half = width / 2;
+  const box = () => {
+    const x = centre[0] + nearest.shift;
+    return [x - half, centre[1] - half / 2, x + half, centre[1] + half / 2];
+  };
+  return { name, box };
+}
+
+// The slider: the first fifth is linear from 0 to 1, the rest goes by powers up to the largest factor.
+function factorOf(slider) {
+  const share = slider / 1000;
+  if (share <= LINEAR_SHARE) return share / LINEAR_SHARE;
+  return LARGEST_FACTOR ** ((share - LINEAR_SHARE) / (1 - LINEAR_SHARE));
+}
+
+function sliderOf(factor) {
+  if (factor <= 1) return Math.round(1000 * LINEAR_SHARE * factor);
+  return Math.round(1000 * (LINEAR_SHARE + ((1 - LINEAR_SHARE) * Math.log(factor)) / Math.log(LARGEST_FACTOR)));
+}
+
+async function startViewer() {
+  const root = document.getElementById("viewer");
+  const [message, body] = [root.querySelector(".viewer-message"), root.querySelector(".viewer-body")];
+  const instead = message.textContent.replace("The interactive picture is being made ready.", "").trim();
+  const fail = (reason) => {
+    message.textContent = `${reason} ${instead}`.trim();
+    root.dataset.state = "failed";
+    body.hidden = true;
+  };
+  if (!document.createElement("canvas").getContext("webgl2")) {
+    return fail("This browser shows no interactive picture: it has no WebGL 2, or it is switched off.");
+  }
+  if (typeof DecompressionStream === "undefined") {
+    return fail("This browser is too old for the interactive picture: it cannot inflate data.");
+  }
+  try {
+    const header = JSON.parse(document.getElementById("viewer-header").textContent);
+    const parts = await unpacked(header, document.getElementById("viewer-data").textContent);
+    parts.forEach(prepare);
+    body.hidden = false;
+    new Viewer(root, parts, header.views);
+    message.hidden = true;
+    root.dataset.state = "ready";
+  } catch (error) {
+    console.error(error);
+    fail(`The interactive picture could not be made: ${error.message}.`);
+  }
+}

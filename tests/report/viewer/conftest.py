@@ -1,0 +1,157 @@
+"""Pages with the viewer of fields in a browser without a window, and what is asked of them."""
+
+import io
+import os
+import shutil
+from functools import cache, partial
+
+import pytest
+from matplotlib.image import imread
+from playwright.sync_api import sync_playwright
+
+from flangeway.report import part_fields, write_outputs
+from flangeway.report.paraview import write_part
+from flangeway.report.viewer import View, field_viewer
+
+NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+REQUIRED = "FLANGEWAY_NEEDS_BROWSER"
+FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader",
+)  # fmt: skip
+DRIVER_NOTE = "GL Driver Message"
+"""Of Chromium's software drawing, when a picture of the page is taken."""
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Chromium; its driver gives each start a new folder for its own files."""
+    path = next((path for path in map(shutil.which, NAMES) if path), None)
+    if path is None:
+        assert not os.environ.get(REQUIRED), f"{REQUIRED} is set, but none of {', '.join(NAMES)} is installed"
+        pytest.skip(f"no Chromium, and {REQUIRED} does not demand one")
+    with sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=path, args=FLAGS)
+        yield opened
+        opened.close()
+
+
+class Opened:
+    """A page with the viewer, what the browser complained of, and what it asked for."""
+
+    def __init__(self, browser, path, theme="light", width=1280, script=None, **more):
+        self.context = browser.new_context(
+            viewport={"width": width, "height": 900}, color_scheme=theme, reduced_motion="reduce", **more
+        )
+        self.page = self.context.new_page()
+        self.complaints, self.requests = [], []
+        self.page.on("console", lambda message: self.complaints.append(message.text))
+        self.page.on("pageerror", lambda error: self.complaints.append(str(error)))
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        if script:
+            self.page.add_init_script(script)
+        self.page.goto(path.as_uri())
+        self.page.wait_for_selector("#viewer:not([data-state=loading])", state="attached")
+        self.canvas = self.page.locator("#viewer-canvas")
+        if self.canvas.is_visible():
+            self.canvas.scroll_into_view_if_needed()
+
+    def errors(self):
+        return [text for text in self.complaints if DRIVER_NOTE not in text]
+
+    def fields(self):
+        return self.page.locator("#viewer-field option").evaluate_all("all => all.map(o => o.value)")
+
+    def choose(self, key):
+        self.page.select_option("#viewer-field", key)
+
+    def fly(self, name):
+        self.page.get_by_role("button", name=name, exact=True).click()
+
+    def shot(self, selector="#viewer-canvas"):
+        """Colours of an element's pixels, (height, width, 3) from 0 to 1."""
+        self.page.mouse.move(1.0, 1.0)
+        return imread(io.BytesIO(self.page.locator(selector).screenshot()))[:, :, :3]
+
+    def point(self, x, y):
+        """Point at a pixel of the picture, and return what is read there by name, or nothing."""
+        self.canvas.hover(position={"x": x, "y": y})
+        return self.read()
+
+    def read(self):
+        script = "all => Object.fromEntries(all.map(e => [e.className.replace('reading-', ''), e.value]))"
+        found = self.page.locator(".viewer-reading data").evaluate_all(script)
+        return {name: value if name == "part" else float(value) for name, value in found.items()}
+
+    def mm_per_pixel(self):
+        bar = self.page.locator(".viewer-length")
+        return float(bar.inner_text().removesuffix("mm")) / bar.bounding_box()["width"]
+
+
+@pytest.fixture
+def open_page(browser):
+    """Opener of pages, which are closed after the test."""
+    pages = []
+
+    def opener(path, *given, **named):
+        pages.append(Opened(browser, path, *given, **named))
+        return pages[-1]
+
+    yield opener
+    for page in pages:
+        page.context.close()
+
+
+@pytest.fixture(scope="session")
+def folder(runs, tmp_path_factory):
+    """All files of the run with virtual elements, the report among them."""
+    out = tmp_path_factory.mktemp("viewer") / "vem"
+    write_outputs(runs["vem"], out)
+    return out
+
+
+@pytest.fixture(scope="session")
+def viewer_pages(runs, tmp_path_factory):
+    """Page with nothing but the viewer by method, sooner there than a report, and the VTU files beside it."""
+
+    @cache
+    def page_by(method):
+        folder, run = tmp_path_factory.mktemp(method), runs[method]
+        parts = list(part_fields(run.result))
+        for part in parts:
+            write_part(folder / f"{part.name}.vtu", part)
+        views = [
+            View(f"{contact['side']} contact", tuple(contact["space_position_mm"]), 8.0 * contact["half_width_mm"])
+            for contact in run.summary["contacts"]
+        ]
+        return write_page(folder / "page.html", parts, views)
+
+    return page_by
+
+
+@pytest.fixture(scope="session")
+def viewer_page(viewer_pages):
+    """Of the run with virtual elements."""
+    return viewer_pages("vem")
+
+
+@pytest.fixture
+def opened(open_page, viewer_page):
+    """That page, newly opened."""
+    return open_page(viewer_page)
+
+
+@pytest.fixture
+def page_of(tmp_path):
+    """Writer of such a page for other parts."""
+    return partial(write_page, tmp_path / "page.html")
+
+
+def write_page(path, parts, views=()):
+    path.write_text(
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>Fields</title>\n'
+        '<meta name="viewport" content="width=device-width, initial-scale=1"></head>\n'
+        f"<body>\n{field_viewer(parts, views)}</body></html>\n",
+        encoding="utf-8",
+    )
+    return path

@@ -1,0 +1,185 @@
+"""The controls of the viewer of fields: each does what it says, by mouse, fingers and keys."""
+
+import numpy as np
+import pytest
+
+from flangeway.mesh import PolyMesh
+from flangeway.post import Stresses
+from flangeway.report.fields import PartFields
+
+
+def changed(before, after):
+    """Share of the pixels that differ."""
+    return (np.abs(before - after).max(axis=2) > 0.02).mean()
+
+
+def test_fields_parts_lines_and_deformation_change_the_picture(opened):
+    """Each control changes the pixels, and back again gives the first picture."""
+    page, first = opened.page, opened.shot()
+    opened.choose("stress_xy_MPa")
+    assert changed(first, opened.shot()) > 0.05
+    opened.choose("von_mises_MPa")
+    assert changed(first, opened.shot()) == 0.0
+    page.fill("#viewer-factor", "150")
+    assert changed(first, opened.shot()) > 0.01
+    assert float(page.input_value("#viewer-slider")) > 600
+    page.locator("#viewer-slider").evaluate("s => { s.value = 0; s.dispatchEvent(new Event('input')); }")
+    assert float(page.input_value("#viewer-factor")) == 0.0
+    page.get_by_role("button", name="true", exact=True).click()
+    assert changed(first, opened.shot()) == 0.0
+    for control in ("#viewer-lines", "#viewer-smooth"):
+        page.check(control)
+        assert changed(first, opened.shot()) > 0.01
+        page.uncheck(control)
+    page.uncheck(".viewer-parts input[value=rail-left]")
+    assert changed(first, opened.shot()) > 0.03
+    page.check(".viewer-parts input[value=rail-left]")
+    page.uncheck("#viewer-closer")
+    assert changed(first, opened.shot()) > 0.1
+    page.check("#viewer-closer")
+    assert changed(first, opened.shot()) == 0.0
+
+
+def test_a_hidden_part_is_not_read(opened):
+    """Where a hidden part was, no value is read; shown again, it is."""
+    opened.fly("right contact")
+    box = opened.canvas.bounding_box()
+    place = (box["width"] / 2.0, 0.8 * box["height"])
+    assert opened.point(*place)["part"] == "rail-right"
+    opened.page.uncheck(".viewer-parts input[value=rail-right]")
+    assert opened.point(*place) == {}
+    assert "no part here" in opened.page.inner_text(".viewer-reading")
+    opened.page.check(".viewer-parts input[value=rail-right]")
+    assert opened.point(*place)["part"] == "rail-right"
+
+
+def test_the_range_of_colours_can_be_chosen(opened):
+    """The full range ends at the largest value, an own one is kept, and one that makes no sense is marked."""
+    page = opened.page
+    robust = float(page.input_value("#viewer-high"))
+    page.select_option("#viewer-range", "full")
+    assert float(page.input_value("#viewer-high")) > robust
+    first = opened.shot()
+    page.fill("#viewer-high", "123")
+    page.keyboard.press("Enter")
+    assert page.input_value("#viewer-range") == "own"
+    assert changed(first, opened.shot()) > 0.03
+    page.fill("#viewer-high", "-5")
+    page.keyboard.press("Enter")
+    assert page.get_attribute("#viewer-high", "aria-invalid") == "true"
+
+
+def test_mouse_moves_and_zooms(opened):
+    """Dragging takes the part along with the pointer; the wheel zooms and keeps what is under it."""
+    opened.fly("right contact")
+    box = opened.canvas.bounding_box()
+    place = np.array([0.5 * box["width"], 0.75 * box["height"]])
+    before, scale = opened.point(*place), opened.mm_per_pixel()
+    opened.page.mouse.wheel(0, -400)
+    opened.page.wait_for_timeout(100)
+    near = opened.point(*place)
+    assert opened.mm_per_pixel() < 0.9 * scale
+    assert np.allclose((near["x"], near["y"]), (before["x"], before["y"]), atol=scale)
+    opened.page.mouse.down()
+    opened.page.mouse.move(box["x"] + place[0] + 60, box["y"] + place[1] + 20, steps=4)
+    opened.page.mouse.up()
+    after = opened.point(*np.add(place, (60, 20)))
+    assert np.allclose((after["x"], after["y"]), (near["x"], near["y"]), atol=scale)
+    opened.fly("whole")
+    assert opened.mm_per_pixel() > 3.0 * scale
+
+
+def test_two_fingers_zoom(open_page, viewer_page):
+    """Fingers that move apart enlarge the picture; one finger moves it."""
+    opened = open_page(viewer_page, width=400, has_touch=True)
+    box = opened.canvas.bounding_box()
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    touch = opened.context.new_cdp_session(opened.page)
+
+    def send(kind, *places):
+        points = [{"x": x + right, "y": y, "id": number} for number, right in enumerate(places)]
+        touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+
+    scale = opened.mm_per_pixel()
+    for kind, apart in (("touchStart", 20.0), ("touchMove", 30.0), ("touchMove", 60.0)):
+        send(kind, -apart, apart)
+    send("touchEnd")
+    opened.page.wait_for_timeout(100)
+    assert opened.mm_per_pixel() < 0.6 * scale
+    opened.fly("right contact")
+    before = opened.shot()
+    for kind, right in (("touchStart", 0.0), ("touchMove", 20.0), ("touchMove", 80.0)):
+        send(kind, right)
+    send("touchEnd")
+    opened.page.wait_for_timeout(100)
+    assert changed(before, opened.shot()) > 0.2
+
+
+def test_keys_do_what_the_mouse_does(opened):
+    """Arrows move, plus and minus zoom, 0 shows all, F goes to the next field, and the value at the cross is told."""
+    page = opened.page
+    opened.fly("right contact")
+    opened.canvas.focus()
+    page.keyboard.press("ArrowDown")
+    page.keyboard.press("ArrowDown")
+    first, scale = opened.read(), opened.mm_per_pixel()
+    assert first["part"] == "rail-right"
+    page.keyboard.press("ArrowRight")
+    assert opened.read()["x"] > first["x"]
+    page.keyboard.press("ArrowLeft")
+    page.keyboard.press("+")
+    assert opened.mm_per_pixel() < scale
+    page.keyboard.press("-")
+    assert opened.read() == pytest.approx(first)
+    page.keyboard.press("f")
+    assert page.input_value("#viewer-field") == "principal_1_MPa"
+    assert opened.read()["value"] != first["value"]
+    page.keyboard.press("Shift+F")
+    assert page.input_value("#viewer-field") == "von_mises_MPa"
+    page.keyboard.press("m")
+    assert page.is_checked("#viewer-lines")
+    page.wait_for_function("document.querySelector('.viewer-live').textContent.includes('rail-right')")
+    page.keyboard.press("0")
+    assert opened.mm_per_pixel() > 3.0 * scale
+
+
+def test_controls_have_names(opened):
+    """Every control has a name for screen readers, and the picture says what it shows and which keys it takes."""
+    nameless = opened.page.locator("#viewer :is(button, select, input)").evaluate_all(
+        "all => all.filter(e => !(e.ariaLabel || e.textContent.trim() || e.closest('label')?.textContent.trim()))"
+        ".map(e => e.outerHTML)"
+    )
+    assert nameless == []
+    assert "von Mises" in opened.canvas.get_attribute("aria-label")
+    keys = opened.page.locator(f"#{opened.canvas.get_attribute('aria-describedby')}")
+    assert "arrows" in keys.text_content()
+
+
+def test_two_hundred_thousand_cells(open_page, page_of):
+    """A part of more than 200,000 cells changes its field within seconds where no graphics card helps."""
+    n = 320
+    x, y = np.meshgrid(np.linspace(0.0, 100.0, n), np.linspace(0.0, 100.0, n))
+    first = (np.arange(n - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    cells = np.column_stack([first, first + 1, first + n + 1, first, first + n + 1, first + n]).reshape(-1, 3)
+    points = np.column_stack([x.ravel(), y.ravel()])
+    mesh = PolyMesh(points, np.arange(0, cells.size + 1, 3), cells.ravel())
+    assert mesh.n_cells > 200_000
+    at = mesh.cell_centroids
+    stresses = Stresses(np.column_stack([100.0 * np.sin(at[:, 0] / 7.0), at[:, 1], at[:, 0] - at[:, 1], at[:, 0]]))
+    part = PartFields("plate", "left", mesh, points, 0.01 * np.sin(points / 20.0), stresses)
+    opened = open_page(page_of([part]))
+    before = opened.shot()
+    took = opened.page.evaluate("""() => {
+        const start = performance.now();
+        const select = document.querySelector("#viewer-field");
+        select.value = "stress_xx_MPa";
+        select.dispatchEvent(new Event("change"));
+        const frame = () => new Promise(requestAnimationFrame);
+        return frame().then(frame).then(() => performance.now() - start);
+    }""")
+    assert took < 10_000.0
+    assert changed(before, opened.shot()) > 0.2
+    box = opened.canvas.bounding_box()
+    found = opened.point(0.45 * box["width"], 0.4 * box["height"])
+    assert found["value"] == pytest.approx(stresses.components[int(found["cell"]), 0], rel=1e-6)
+    assert opened.errors() == []

@@ -1,0 +1,146 @@
+"""The report as a whole, in a browser."""
+
+import io
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from matplotlib.image import imread
+
+from flangeway.report.case_text import case_text
+from flangeway.report.compact import compact_png
+from flangeway.report.convergence_figure import convergence_figure
+from flangeway.report.drawing import png
+from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.study.case_file import read_case
+
+
+def test_it_loads_without_complaints_and_without_network(open_page, folder):
+    """The page becomes ready, the console stays empty, and nothing but the page itself is asked for."""
+    opened = open_page(folder / "report.html")
+    assert opened.page.locator("#viewer").get_attribute("data-state") == "ready"
+    for key in opened.fields():
+        opened.choose(key)
+    assert opened.errors() == []
+    asked = [url for url in opened.requests if not url.startswith(("data:", "blob:"))]
+    assert asked == [(folder / "report.html").as_uri()]
+
+
+def test_without_webgl_a_sentence_says_where_to_look(open_page, folder):
+    """A browser without WebGL shows no empty frame but the reason and where the pictures are, and no error."""
+    script = "HTMLCanvasElement.prototype.getContext = () => null"
+    opened = open_page(folder / "report.html", script=script)
+    message = opened.page.locator(".viewer-message")
+    assert message.is_visible()
+    assert "WebGL" in message.inner_text()
+    assert "pictures further down" in message.inner_text()
+    assert not opened.page.locator(".viewer-body").is_visible()
+    assert opened.page.locator("figure img").first.is_visible()
+    assert opened.errors() == []
+
+
+@pytest.mark.parametrize("theme", ["light", "dark"])
+@pytest.mark.parametrize("width", [1280, 400])
+def test_it_fits_the_window_in_both_themes(open_page, folder, theme, width):
+    """The page does not scroll sideways; its ground and the colours of what is not loaded follow the theme."""
+    opened = open_page(folder / "report.html", theme, width)
+    assert opened.page.evaluate("document.documentElement.scrollWidth") <= width
+    assert opened.canvas.bounding_box()["width"] > 0.8 * min(width, 1000)
+
+    def brightness():
+        return opened.shot(".viewer-colours")[5, 5].mean(), opened.shot("header")[2, 2].mean()
+
+    def is_right(theme):
+        return all(each > 0.6 if theme == "light" else each < 0.4 for each in brightness())
+
+    assert is_right(theme)
+    other = "dark" if theme == "light" else "light"
+    opened.page.get_by_role("button", name=f"Show {other}").click()
+    opened.page.wait_for_timeout(100)
+    assert is_right(other)
+    assert opened.errors() == []
+
+
+def test_it_prints(open_page, folder):
+    """A printed page has the picture and the colour bar, without controls and buttons, from a dark page too."""
+    opened = open_page(folder / "report.html")
+    page = opened.page
+    page.get_by_role("button", name="Show dark").click()
+    assert len(page.pdf()) > 20_000
+    page.emulate_media(media="print")
+    assert opened.canvas.is_visible()
+    assert page.locator(".viewer-colours").is_visible()
+    assert opened.shot("header")[2, 2].mean() > 0.99
+    for control in ("#viewer-field", "#theme", ".copy"):
+        assert not page.locator(control).first.is_visible()
+
+
+def test_tables_copy_as_text_with_tabs(open_page, folder):
+    """The button of each table copies its rows as lines and its cells between tabs; that of the command copies it."""
+    opened = open_page(folder / "report.html", permissions=["clipboard-read", "clipboard-write"])
+    page = opened.page
+    tables = page.locator("table")
+    assert page.locator("caption .copy").count() == tables.count() > 4
+    for i in range(tables.count()):
+        tables.nth(i).locator(".copy").click()
+        page.wait_for_function("i => document.querySelectorAll('.copy')[i].textContent === 'Copied'", arg=i)
+        copied = page.evaluate("navigator.clipboard.readText()").replace("\r\n", "\n")
+        rows = tables.nth(i).locator("tr")
+        assert copied.count("\n") == rows.count()
+        last = [text.strip().replace("–", "") for text in rows.last.locator("th, td").all_text_contents()]
+        assert copied.splitlines()[-1].split("\t") == last
+    for name, start in (("the command", "flangeway run wheelset-tangent"), ("the case file", "flangeway = 1\ncase = ")):
+        button = page.get_by_role("button", name=f"Copy: {name}")
+        button.click()
+        page.wait_for_function("name => document.querySelector('#told').textContent === `Copied: ${name}`", arg=name)
+        assert page.evaluate("navigator.clipboard.readText()").replace("\r\n", "\n").startswith(start)
+    assert opened.errors() == []
+
+
+def test_the_sections_come_in_order(open_page, folder):
+    """Summary, assumptions, fields, pictures, tables and how to run it again stand in this order, headed."""
+    opened = open_page(folder / "report.html")
+    headings = opened.page.locator("h2").all_text_contents()
+    wanted = ["Summary", "Assumptions", "Fields", "Pictures", "Numbers", "Inputs", "Run it again"]
+    assert [heading for heading in headings if heading in wanted] == wanted
+
+
+@pytest.mark.parametrize("case", [WheelsetTangentCase, WheelsetCurveCase])
+def test_the_case_file_of_the_page_is_the_case(case, tmp_path):
+    """The text of the case file is read as the case it was written of, to the last digit."""
+    wanted = case.from_values({"method": "vem", "size_scale": 0.1 + 0.2, "cant": 1 / 20})
+    path = tmp_path / "case.toml"
+    path.write_text(case_text(wanted), encoding="utf-8")
+    assert read_case(path) == wanted
+
+
+def test_the_search_is_kept_and_drawn(runs):
+    """The errors of the positions that were tried end with a balance; the picture has a line for each kind."""
+    for run in runs.values():
+        equilibrium = run.result.equilibrium
+        errors = [balance.resulting_error for balance in equilibrium.history]
+        assert len(errors) > 3
+        assert max(min(errors), equilibrium.balance.resulting_error) < 1e-10 < errors[-2] < errors[0]
+        axes = convergence_figure(run).axes[0]
+        drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
+        assert np.array_equal(drawn["resulting error"], np.maximum(errors, 1e-16))
+        assert {"vertical", "lateral", "moment"} <= set(drawn)
+
+
+def test_small_pictures_look_the_same(runs):
+    """A picture of the report has the size of its original, hardly other shades, and fewer bytes."""
+    original = png(convergence_figure(runs["vem"]))
+    small = compact_png(original)
+    before, after = (imread(io.BytesIO(data))[:, :, :3] for data in (original, small))
+    assert after.shape == before.shape
+    assert np.abs(after - before).mean() < 0.01
+    assert len(small) < 0.7 * len(original)
+
+
+def test_a_prescribed_position_has_no_search_to_draw(runs):
+    """Where nothing is free to move, the picture says so."""
+    run = runs["fem"]
+    held = replace(run.result.equilibrium.history[-1], free=(False, False, False))
+    result = replace(run.result, equilibrium=replace(run.result.equilibrium, history=(held,)))
+    axes = convergence_figure(replace(run, result=result)).axes[0]
+    assert "prescribed" in axes.texts[0].get_text()
