@@ -55,7 +55,10 @@ def test_the_main_job_end_to_end(tmp_path, method):
     assert summary["case"]["size_scale"] == 3.0
     names = {path.name for path in out.iterdir()}
     vtu = {f"{body}-{side}.vtu" for body in ("wheel", "rail") for side in ("left", "right")}
-    assert names == {"summary.json", "report.html", "wheelset.pvd", "wheelset.png"} | vtu
+    pictures = {"wheelset", "rigid-and-elastic", "stresses-left", "stresses-right"}
+    pictures |= {"pressure", "convergence", "subsurface", "bending"}
+    others = {"summary.json", "report.html", "wheelset.pvd", "subsurface.csv"}
+    assert names == others | vtu | {f"{name}.png" for name in pictures}
 
 
 def test_options_reach_the_case(monkeypatch, tmp_path):
@@ -70,12 +73,13 @@ def test_options_reach_the_case(monkeypatch, tmp_path):
     assert (inputs["axle_load_kN"], inputs["cant"]) == (200.0, 0.05)
 
 
+COMMANDS = "run, converge, cases, init, check, schema, campaign, geometry, section, profile, reproduce"
 WRONG = {
     "unknown case": (["run", "wheelset-tangnt"], "did you mean wheelset-tangent?"),
     "unknown method": (["run", "wheelset-tangent", "--method", "fvm"], "fem or vem"),
     "unknown option": (["run", "wheelset-tangent", "--metod", "fem"], "--method"),
-    "unknown command": (["walk"], "run, converge, cases, geometry, section, profile, reproduce"),
-    "no command": ([], "run, converge, cases, geometry, section, profile, reproduce"),
+    "unknown command": (["walk"], COMMANDS),
+    "no command": ([], COMMANDS),
     "no case": (["run"], "CASE"),
     "unknown key": (["run", "wheelset-tangent", "--set", "gage_mm=1600"], "did you mean gauge_mm?"),
     "no value": (["run", "wheelset-tangent", "--set", "gauge_mm"], "--set KEY=VALUE"),
@@ -86,7 +90,7 @@ WRONG = {
     "size huge": (["run", "wheelset-tangent", "--size-scale", "1e3"], "from 0.05 up to 20"),
     "size that makes no mesh": (["run", "wheelset-tangent", "--set", "body_size_mm=500"], "extent"),
     "too many triangles": (["run", "wheelset-tangent", "--set", "contact_size_mm=1e-5"], "triangles"),
-    "wheel beside the rail": (["run", "wheelset-tangent", "--set", "gauge_mm=3000"], "stands over its rail"),
+    "wheel beside the rail": (["run", "wheelset-tangent", "--set", "gauge_mm=3000"], "stand on the heads of the rails"),
     "load that lifts": (["run", "wheelset-tangent", "--set", "axle_load_kN=-300"], "above 0"),
     "unknown crown": (["run", "wheelset-tangent", "--crown-radius", "9"], "8, 10, 14"),
     "scale too small to halve": (["converge", "wheelset-tangent", "--size-scale", "0.06"], "from 0.05"),
@@ -190,7 +194,7 @@ def test_version_and_help(monkeypatch, capsys):
     assert capsys.readouterr().out.startswith("flangeway ")
     assert called(monkeypatch, "--help") == 0
     said = capsys.readouterr().out
-    assert all(command in said for command in ("run", "converge", "cases"))
+    assert all(command in said for command in ("run", "converge", "cases", "init", "check", "schema", "campaign"))
 
 
 def test_the_package_runs_as_a_module():

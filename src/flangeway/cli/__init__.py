@@ -11,7 +11,7 @@ import os
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # each adds its commands, in the order in which help lists them
-from flangeway.cli import cases, geometry, section, profile, reproduce
+from flangeway.cli import cases, campaign, geometry, section, profile, reproduce
 from flangeway.cli.app import app, main
 
-__all__ = ["app", "cases", "geometry", "main", "profile", "reproduce", "section"]
+__all__ = ["app", "campaign", "cases", "geometry", "main", "profile", "reproduce", "section"]

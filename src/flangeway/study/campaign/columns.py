@@ -1,0 +1,203 @@
+"""Columns of a campaign's results: the numbers of one run, with units in their names."""
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from typing import Any
+
+from flangeway.exact import LineContact
+from flangeway.railway.result import WheelsetResult
+from flangeway.railway.track import SIDES, Side
+
+Value = float | int | str | None
+
+POSITION_KEYS = (
+    *("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
+    *("speed_km_h", "curve_radius_m", "superelevation_mm", "cant_deficiency_mm", "superelevation_base_mm"),
+)
+"""Inputs of a wheelset that leave its bodies as they are."""
+
+_MOTION = ("lateral_mm", "vertical_mm", "roll_rad")
+_SIDE = (
+    *("n_patches", "normal_force_N", "lateral_force_N", "vertical_force_N", "lateral_over_vertical"),
+    *("max_pressure_MPa", "half_width_mm", "contact_angle_deg"),
+    *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
+)
+WHEELSET_COLUMNS = (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in _SIDE))
+"""Results of a wheelset: its motion; of each side the sums over its patches, and the most loaded patch."""
+
+PATCH_COLUMNS = (
+    *("row", "side", "number", "region", "normal_force_N", "lateral_force_N", "vertical_force_N", "max_pressure_MPa"),
+    *("half_width_mm", "hertz_pressure_MPa", "hertz_half_width_mm", "contact_angle_deg"),
+    *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
+)
+"""Columns of the table of patches; they are numbered on each side from the field to the gauge."""
+
+_SKIPPED = ("timings_s", "case", "versions", "published", "status")
+
+
+@dataclass(frozen=True)
+class PatchNumbers:
+    """One region of contact.
+
+    Parameters
+    ----------
+    side, region
+        Where it is.
+    force_on_wheel_N
+        Resultant on the wheel, axes of the track.
+    max_pressure_MPa, half_width_mm
+        Largest pressure, and half of the loaded length.
+    wheel_point_mm, rail_point_mm
+        Centre of pressure on the undeformed profiles, in their frames (both sides in the right-hand form).
+    hertz
+        Hertz's contact there, None where the profiles conform.
+
+    """
+
+    side: Side
+    region: str
+    force_on_wheel_N: tuple[float, float]  # noqa: N815 (the unit newton)
+    max_pressure_MPa: float  # noqa: N815 (the unit megapascal)
+    half_width_mm: float
+    wheel_point_mm: tuple[float, float]
+    rail_point_mm: tuple[float, float]
+    hertz: LineContact | None
+
+
+@dataclass(frozen=True)
+class RowResult:
+    """What one run gave.
+
+    Parameters
+    ----------
+    status
+        ``converged``, ``not converged`` or ``failed``.
+    message
+        How it ended, in a sentence.
+    warnings
+        What limits it.
+    values
+        Results by column, empty unless converged.
+    patches
+        Patches by column, without the number of the row.
+    seconds
+        Time that it took, its share of what is computed for several rows at once.
+
+    """
+
+    status: str
+    message: str
+    warnings: tuple[str, ...] = ()
+    values: Mapping[str, Value] = field(default_factory=dict)
+    patches: tuple[Mapping[str, Value], ...] = ()
+    seconds: float = 0.0
+
+
+def wheelset_row(result: WheelsetResult, seconds: float) -> RowResult:
+    """Return the numbers of a wheelset in balance."""
+    if not result.status.converged:
+        return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
+    patches = [
+        PatchNumbers(
+            patch.side,
+            patch.region,
+            (float(patch.force_on_wheel_N[0]), float(patch.force_on_wheel_N[1])),
+            float(patch.pressure.pressures.max()),
+            patch.pressure.half_width,
+            (float(patch.wheel_point_mm[0]), float(patch.wheel_point_mm[1])),
+            (float(patch.rail_point_mm[0]), float(patch.rail_point_mm[1])),
+            patch.hertz,
+        )
+        for patch in result.patches
+    ]
+    values, rows = numbers_of(result.equilibrium.motion.components, patches)
+    return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
+
+
+def numbers_of(
+    motion: tuple[float, float, float], patches: list[PatchNumbers]
+) -> tuple[dict[str, Value], tuple[dict[str, Value], ...]]:
+    """Return the columns of a row, and of its patches."""
+    values: dict[str, Value] = dict(zip(_MOTION, motion, strict=True))
+    rows: list[dict[str, Value]] = []
+    for side in SIDES:
+        mine = sorted((p for p in patches if p.side == side), key=lambda patch: -patch.rail_point_mm[0])
+        numbered = [_patch(patch, number) for number, patch in enumerate(mine, 1)]
+        values |= _side(side, numbered)
+        rows += numbered
+    return {name: _plain(value) for name, value in values.items()}, tuple(rows)
+
+
+def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
+    """Sums over the patches of a side, and the most loaded of them."""
+    sums = {
+        name: math.fsum(float(patch[name] or 0.0) for patch in patches)
+        for name in ("normal_force_N", "lateral_force_N", "vertical_force_N")
+    }
+    lateral, vertical = sums["lateral_force_N"], sums["vertical_force_N"]
+    ratio = (lateral if side == "left" else -lateral) / vertical if vertical > 0.0 else None
+    values: dict[str, Value] = {"n_patches": len(patches), **sums, "lateral_over_vertical": ratio}
+    if patches:
+        values["max_pressure_MPa"] = max(float(patch["max_pressure_MPa"] or 0.0) for patch in patches)
+        most = max(patches, key=lambda patch: float(patch["normal_force_N"] or 0.0))
+        values |= {name: most[name] for name in _SIDE if name not in values}
+    return {f"{side}_{name}": values.get(name) for name in _SIDE}
+
+
+def _patch(patch: PatchNumbers, number: int) -> dict[str, Value]:
+    lateral, vertical = patch.force_on_wheel_N
+    inward = -lateral if patch.side == "right" else lateral
+    hertz = patch.hertz
+    values: dict[str, Value] = {
+        "side": patch.side,
+        "number": number,
+        "region": patch.region,
+        "normal_force_N": math.hypot(lateral, vertical),
+        "lateral_force_N": lateral,
+        "vertical_force_N": vertical,
+        "max_pressure_MPa": patch.max_pressure_MPa,
+        "half_width_mm": patch.half_width_mm,
+        "hertz_pressure_MPa": hertz.max_pressure if hertz else None,
+        "hertz_half_width_mm": hertz.half_width if hertz else None,
+        "contact_angle_deg": math.degrees(math.atan2(inward, vertical)),
+    }
+    for name, (x, y) in (("wheel", patch.wheel_point_mm), ("rail", patch.rail_point_mm)):
+        values |= {f"{name}_x_mm": x, f"{name}_y_mm": y}
+    return {name: _plain(value) for name, value in values.items()}
+
+
+def summary_row(converged: bool, message: str, summary: Mapping[str, Any], seconds: float) -> RowResult:
+    """Return all single numbers of a summary, named by their paths with underscores."""
+    warnings = tuple(str(text) for text in summary.get("warnings", ()))
+    if not converged:
+        return RowResult("not converged", message, warnings, seconds=seconds)
+    values = {name: _plain(value) for name, value in _numbers(summary, "") if value is not None}
+    return RowResult("converged", message, warnings, values, seconds=seconds)
+
+
+def _numbers(value: Any, path: str) -> Iterable[tuple[str, Value]]:
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            if path or key not in _SKIPPED:
+                yield from _numbers(inner, f"{path}_{key}" if path else str(key))
+    elif isinstance(value, list | tuple):
+        for number, inner in enumerate(value, 1):
+            yield from _numbers(inner, f"{path}_{number}")
+    elif isinstance(value, float | int):
+        yield path, value
+
+
+def _plain(value: Value) -> Value:
+    """None for what is not finite; SQLite knows neither."""
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def as_cell(value: Any) -> Value:
+    """Return an input as it is stored: numbers and text as they are, tables and lists as JSON."""
+    if isinstance(value, bool):
+        return int(value)
+    if value is None or isinstance(value, float | int | str):
+        return value
+    return json.dumps(value, ensure_ascii=False)

@@ -1,0 +1,237 @@
+"""What a campaign leaves: tables that can be read back, pictures chosen by what varies, an animation."""
+
+import csv
+import io
+import re
+import sqlite3
+
+import numpy as np
+import pytest
+from PIL import Image
+
+from flangeway.errors import InputError, MissingLibraryError
+from flangeway.report.campaign_figures import campaign_figures
+from flangeway.report.campaign_outputs import print_campaign, write_campaign, write_export
+from flangeway.report.sweep_animation import is_sweep, sweep_frames
+from flangeway.study.campaign import Campaign, CampaignProgress, results, table
+from flangeway.study.campaign.campaign import Row
+from flangeway.study.campaign.chunk import Chunk, compute
+from flangeway.study.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS
+from flangeway.study.campaign.database import CampaignDatabase
+
+SWEEP = """
+case = "wheelset-tangent"
+[inputs]
+size_scale = 8
+[vary]
+lateral_mm = { from = -2, to = 2, n = 12 }
+"""
+
+
+def computed(folder, text):
+    """Compute a campaign in this process."""
+    file = folder / "c.toml"
+    file.write_text(text, encoding="utf-8")
+    campaign = Campaign.from_file(file)
+    with CampaignDatabase(folder / "c.sqlite") as store:
+        store.begin(campaign)
+        for first, rows in campaign.chunks:
+            store.store(rows, compute(Chunk(rows, first)).results)
+    return campaign, results(folder / "c.sqlite")
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory):
+    """One sweep over the lateral motion, shared by the tests of this file."""
+    return computed(tmp_path_factory.mktemp("sweep"), SWEEP)
+
+
+def test_a_row_is_in_balance_and_its_patches_add_up(sweep):
+    """Forces of both wheels bear the load; those of the patches of a side are those of the row; L/V is their ratio."""
+    _, found = sweep
+    assert set(found.rows["status"]) == {"converged"}
+    assert np.allclose(
+        found.numbers("left_vertical_force_N") + found.numbers("right_vertical_force_N"), 300e3, rtol=1e-6
+    )
+    sides, rows = np.array(found.patches["side"]), np.array(found.patches["row"])
+    for side, sign in (("left", 1.0), ("right", -1.0)):
+        for kind in ("normal_force_N", "lateral_force_N"):
+            forces = np.array(found.patches[kind], dtype=float)
+            sums = [forces[(sides == side) & (rows == row)].sum() for row in found.rows["row"]]
+            assert found.numbers(f"{side}_{kind}") == pytest.approx(sums)
+        ratio = sign * found.numbers(f"{side}_lateral_force_N") / found.numbers(f"{side}_vertical_force_N")
+        assert found.numbers(f"{side}_lateral_over_vertical") == pytest.approx(ratio)
+    # mirrored positions: what is left is right
+    left, right = found.numbers("left_max_pressure_MPa"), found.numbers("right_max_pressure_MPa")
+    assert left == pytest.approx(right[::-1], rel=0.02)
+
+
+def test_many_positions_together_are_each_as_computed_alone(sweep, tmp_path):
+    """A row computed with others differs little from one alone, whose mesh is fine near its own contact only."""
+    campaign, found = sweep
+    row = campaign.rows[7]
+    (alone,) = compute(Chunk((row,))).results
+    for name in ("vertical_mm", "left_max_pressure_MPa", "right_rail_x_mm", "right_half_width_mm"):
+        assert found.rows[name][7] == pytest.approx(alone.values[name], rel=0.08), name
+    for name in ("left_vertical_force_N", "right_vertical_force_N"):
+        assert found.rows[name][7] == pytest.approx(alone.values[name], rel=5e-3), name
+
+
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_tables_come_back_as_they_were_written(sweep, tmp_path, kind):
+    """Both tables are the same after a way through a file: names, order, every number exactly."""
+    _, found = sweep
+    files = write_export(found, tmp_path, kind)
+    assert [file.name for file in files] == [f"results.{kind}", f"patches.{kind}"]
+    for file, columns in zip(files, (found.rows, found.patches), strict=True):
+        if kind == "csv":
+            with file.open(newline="") as lines:
+                header, *read = csv.reader(lines)
+            assert header == list(columns)
+            expected = [
+                ["" if cell is None else str(cell) for cell in row] for row in zip(*columns.values(), strict=True)
+            ]
+            assert read == expected
+        else:
+            parquet = pytest.importorskip("pyarrow.parquet")
+            assert parquet.read_table(file).to_pydict() == columns
+    assert list(found.patches) == list(PATCH_COLUMNS)
+    assert set(WHEELSET_COLUMNS) | {"row", "status", "message", "warnings"} == set(found.rows)
+
+
+def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
+    """The key results.columns chooses what is exported, in its order."""
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\ncant = [0.025]\n'
+    columns = ["right_max_pressure_MPa", "vertical_mm"]
+    _, found = computed(tmp_path, text + f"[results]\ncolumns = {columns}\n")
+    assert list(found.rows) == ["row", "status", "cant", *columns, "message", "warnings"]
+    with sqlite3.connect(tmp_path / "c.sqlite") as connection:
+        assert connection.execute("SELECT left_rail_x_mm FROM rows").fetchone()[0] is not None
+
+
+def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
+    """A Hertz case varies like a wheelset; its columns are the numbers of its summary; there is no picture."""
+    _, found = computed(tmp_path, 'case = "torsion"\n[inputs]\nsection = "60E1"\n[vary]\norder = [1, 2]\n')
+    assert found.rows["status"] == ["converged", "converged"], found.rows["message"]
+    numbers = [name for name in found.rows if "torsion_constant" in name]
+    assert numbers
+    first, second = found.numbers(numbers[0])
+    assert first == pytest.approx(second, rel=0.05)
+    assert campaign_figures(found) == {}
+
+
+def test_pictures_and_animation_are_chosen_by_what_varies(sweep, tmp_path):
+    """One input gives curves, the locus and an animation with a frame for each row, whose contact moves."""
+    campaign, found = sweep
+    files = write_campaign(campaign, found, tmp_path)
+    names = {file.name for file in files}
+    pictures = {"contact-locus.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"}
+    assert names == pictures | {"results.csv", "patches.csv", "sweep.gif"}
+    with Image.open(tmp_path / "sweep.gif") as animation:
+        assert animation.n_frames == 12
+        shots = []
+        for frame in (0, 11):
+            animation.seek(frame)
+            shots.append(np.asarray(animation.convert("L"), dtype=float))
+    assert np.abs(shots[0] - shots[1]).max() > 100.0
+    frames = sweep_frames(campaign, found)
+    assert [frame.motion.lateral_mm for frame in frames] == list(found.rows["lateral_mm"])
+    (axes, *_), offsets = campaign_figures(found)["contact-locus.png"]().axes, found.patches
+    drawn = axes.collections[0].get_offsets()
+    left = [place for place, side in enumerate(offsets["side"]) if side == "left"]
+    assert np.asarray(drawn)[:, 1] == pytest.approx(np.array([offsets["wheel_x_mm"][place] for place in left]))
+
+
+def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):
+    """A grid of two inputs is drawn as a map whose cells are the rows' pressures; there is no animation."""
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\n'
+    text += "lateral_mm = { from = -1, to = 1, n = 4 }\naxle_load_kN = [100, 200, 300]\n"
+    campaign, found = computed(tmp_path, text)
+    figure = campaign_figures(found)["max-pressure-map.png"]()
+    drawn = figure.axes[0].collections[0].get_array()
+    pressures = found.numbers("left_max_pressure_MPa").reshape(4, 3)
+    assert np.asarray(drawn).reshape(3, 4) == pytest.approx(pressures.T)
+    assert not is_sweep(campaign, found)
+
+
+def test_failures_are_grouped_by_reason(tmp_path):
+    """A row that fails says why, has no numbers, and is told at the end with others of the same reason."""
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nvertical_mm = [-0.5, 30.0, 31.0]\n'
+    _, found = computed(tmp_path, text)
+    assert found.rows["status"][0] == "converged"
+    assert "converged" not in found.rows["status"][1:]
+    assert found.rows["left_max_pressure_MPa"][1:] == [None, None]
+    ((status, message), rows), *others = found.failures().items()
+    assert not others
+    assert rows == [2, 3]
+    from rich.console import Console  # noqa: PLC0415
+
+    said = io.StringIO()
+    counts = {"converged": 1, status: 2}
+    print_campaign(Console(file=said, width=200), CampaignProgress(3, counts, None), found, [])
+    assert f"2 {status}: {message}" in said.getvalue()
+    assert "rows 2, 3" in said.getvalue()
+
+
+def test_a_changed_campaign_is_refused_until_it_is_fresh(sweep, tmp_path):
+    """Results of another campaign are not mixed: the message says what differs; fresh drops them."""
+    for name, values in (("a", "[0, 1]"), ("b", "[0, 2]"), ("c", "[1, 0]")):
+        (tmp_path / f"{name}.toml").write_text(f'case = "wheelset-tangent"\n[vary]\nlateral_mm = {values}\n')
+    one, other, turned = (Campaign.from_file(tmp_path / f"{name}.toml") for name in "abc")
+    database = tmp_path / "x.sqlite"
+    with CampaignDatabase(database) as store:
+        store.begin(one)
+    with CampaignDatabase(database) as store:
+        with pytest.raises(InputError, match="1 of 2 rows are not in it, 1 of it are not wanted") as caught:
+            store.begin(other)
+        assert "--fresh" in caught.value.advice
+        with pytest.raises(InputError, match="another order"):
+            store.begin(turned)
+    with CampaignDatabase(database, fresh=True) as store:
+        store.begin(other)
+        assert store.waiting() == {1, 2}
+
+
+def test_another_database_is_neither_used_nor_dropped(tmp_path):
+    """A SQLite file that is no campaign, or no SQLite file, is refused, fresh or not, and stays as it is."""
+    other, text = tmp_path / "other.sqlite", tmp_path / "text.sqlite"
+    with sqlite3.connect(other) as connection:
+        connection.execute("CREATE TABLE mine (a)")
+    connection.close()
+    text.write_text("not a database" * 100)
+    for path in (other, text):
+        before = path.read_bytes()
+        for fresh in (False, True):
+            with pytest.raises(InputError, match=re.escape(str(path))):
+                CampaignDatabase(path, fresh=fresh)
+        with pytest.raises(InputError, match=re.escape(str(path))):
+            results(path)
+        assert path.read_bytes() == before
+
+
+def test_a_result_is_stored_once(sweep, tmp_path):
+    """A row that has a result keeps it, should a second one come."""
+    campaign, _ = sweep
+    row: Row = campaign.rows[0]
+    with CampaignDatabase(tmp_path / "x.sqlite") as store:
+        store.begin(campaign)
+        result = compute(Chunk((row,))).results
+        assert store.store([row], result) == ["converged"]
+        before = results(tmp_path / "x.sqlite")
+        assert store.store([row], result) == []
+    after = results(tmp_path / "x.sqlite")
+    assert (after.rows, after.patches) == (before.rows, before.patches)
+    assert not after.is_done
+
+
+def test_formats_are_checked_first(monkeypatch, sweep):
+    """A format that there is not, or whose library is missing, is told."""
+    with pytest.raises(InputError, match="xlsx"):
+        table.export_writers(sweep[1], "xlsx")
+    monkeypatch.setattr(table.importlib, "import_module", _missing)
+    with pytest.raises(MissingLibraryError, match=r"pip install 'flangeway\[campaign\]'"):
+        table.export_writers(sweep[1], "parquet")
+
+
+def _missing(name):
+    raise ImportError(name)

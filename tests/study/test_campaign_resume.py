@@ -1,0 +1,305 @@
+"""Campaigns that are killed, interrupted, or lose workers: nothing is lost, nothing is twice in the table."""
+
+import json
+import os
+import re
+import signal
+import sqlite3
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.study.campaign import Campaign, results, run_campaign
+from flangeway.study.campaign.chunk import Chunk, compute
+from flangeway.study.campaign.database import CampaignDatabase
+
+SYNTHETIC = '''
+"""A case that takes a moment, and one that kills its worker."""
+import os, pathlib, signal, time
+from dataclasses import dataclass
+from typing import Any, ClassVar
+from pydantic import Field
+from flangeway.solve import Status
+from flangeway.study.case import RunnableCase
+from flangeway.study.cases import CASES
+
+@dataclass
+class SumRun:
+    case: Any
+    status: Status
+    summary: dict
+
+class SumCase(RunnableCase):
+    name: ClassVar[str] = "sum"
+    title: ClassVar[str] = "A sum"
+    a: float = Field(0.0, le=1000.0)
+    b: float = 0.0
+    deadly: bool = False
+    folder: str = ""
+    def check(self): pass
+    def run(self, progress=lambda _: None):
+        if self.folder:
+            with open(pathlib.Path(self.folder, f"{self.a:g}"), "a") as file: file.write("x")
+        if self.deadly and self.a == 3: os.kill(os.getpid(), signal.SIGKILL)
+        if self.a == 7: raise ValueError("seven cannot be summed")
+        time.sleep(float(os.environ.get("SUM_SECONDS", "0")))
+        return SumRun(self, Status(self.a != 5, "five does not converge" if self.a == 5 else "done", 1),
+                      {"total": self.a + self.b / 3.0})
+
+CASES["sum"] = SumCase
+'''
+
+DRIVER = '''
+import os, random, signal, sys, time
+import sum_case
+from flangeway.study.campaign import Campaign, run_campaign
+
+def one(file, database, told=None):
+    def progress(now):
+        if told is not None: os.write(told, b"x" if now.n_done else b"0")
+    run_campaign(Campaign.from_file(file), database, workers=2, progress=progress)
+
+def killed(file, database, chance, after_rows):
+    """Start a coordinator and kill it at a random instant; whether it still ran."""
+    reader, writer = os.pipe()
+    before = len(os.sched_getaffinity(0))
+    child = os.fork()
+    if child == 0:
+        os.close(reader)
+        one(file, database, writer)
+        os._exit(0)
+    os.close(writer)
+    if after_rows:  # the report at the start tells of rows that were done before
+        os.read(reader, 1)
+        os.read(reader, 1)
+    time.sleep(chance.uniform(0.0, 0.2 if after_rows else 0.4))
+    os.kill(child, signal.SIGKILL)
+    _, status = os.waitpid(child, 0)
+    os.close(reader)
+    return os.WIFSIGNALED(status)
+
+if __name__ == "__main__":
+    file, database, n_kills = sys.argv[1], sys.argv[2], int(sys.argv[3])
+    chance = random.Random(5)
+    hits = sum(killed(file, database, chance, number % 5 == 4) for number in range(n_kills))
+    print(hits, flush=True)
+    one(file, database)
+'''
+
+
+def environment(folder, **others):
+    paths = [str(folder), *(str(Path(path).resolve()) for path in sys.path if path)]
+    return os.environ | {"PYTHONPATH": os.pathsep.join(paths), "COLUMNS": "100", "NO_COLOR": "1", **others}
+
+
+@pytest.fixture
+def synthetic(tmp_path):
+    """Write the synthetic case and its driver; return a function that runs the driver."""
+    (tmp_path / "sum_case.py").write_text(SYNTHETIC, encoding="utf-8")
+    (tmp_path / "drive.py").write_text(DRIVER, encoding="utf-8")
+
+    def run(file, database, n_kills=0, **others):
+        done = subprocess.run(
+            [sys.executable, "drive.py", file, database, str(n_kills)],
+            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=240, env=environment(tmp_path, **others),
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return done.stdout
+
+    return run
+
+
+def tables(database):
+    """Rows and patches of a database, all columns, without the times."""
+    with sqlite3.connect(database) as connection:
+        assert connection.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+        found = [
+            connection.execute(f"SELECT * FROM {name} ORDER BY 1, 2, 3").fetchall() for name in ("rows", "patches")
+        ]
+        timed = connection.execute("SELECT count(*) FROM timings").fetchone()[0]
+    assert timed == len(found[0])
+    return found
+
+
+def test_twenty_kills_at_random_instants_leave_the_table_of_an_undisturbed_run(synthetic, tmp_path):
+    """Twenty coordinators are killed, in their start and while they store rows; the table is the same, exactly.
+
+    Only those rows are computed again that were not stored yet.
+    """
+    (tmp_path / "calls").mkdir()
+    folder = json.dumps(str(tmp_path / "calls"))
+    (tmp_path / "c.toml").write_text(
+        f'case = "sum"\n[inputs]\nfolder = {folder}\n[vary]\na = {{ from = 1, to = 100, n = 100 }}\n'
+    )
+    hits = synthetic("c.toml", "killed.sqlite", 20, SUM_SECONDS="0.03")
+    assert int(hits) == 20
+    calls = [len(path.read_text()) for path in (tmp_path / "calls").iterdir()]
+    assert len(calls) == 100
+    # two workers had a row each, and each may have had the next before the last one was stored
+    assert 100 <= sum(calls) <= 100 + 20 * 4
+    synthetic("c.toml", "whole.sqlite")
+    assert tables(tmp_path / "killed.sqlite") == tables(tmp_path / "whole.sqlite")
+    rows, _ = tables(tmp_path / "whole.sqlite")
+    statuses = [row[2] for row in rows]
+    assert (len(rows), statuses.count("converged"), statuses.count("failed")) == (100, 98, 1)
+
+
+def test_a_row_that_kills_its_workers_fails_with_the_reason_and_the_rest_goes_on(synthetic, tmp_path):
+    """Three workers die of a row, it is marked failed and says so; errors and missing balances do not stop others."""
+    (tmp_path / "c.toml").write_text(
+        'case = "sum"\n[inputs]\ndeadly = true\n[vary]\na = [1, 2, 3, 4, 5, 6, 7, 8]\n', encoding="utf-8"
+    )
+    synthetic("c.toml", "c.sqlite")
+    rows, _ = tables(tmp_path / "c.sqlite")
+    told = {row[5]: (row[2], row[3]) for row in rows}
+    assert [told[a][0] for a in (1, 2, 4, 6, 8)] == ["converged"] * 5
+    assert told[3][0] == "failed"
+    assert told[3][1].startswith("3 workers died")
+    assert "SIGKILL" in told[3][1]
+    assert told[5] == ("not converged", "five does not converge")
+    assert told[7] == ("failed", "ValueError: seven cannot be summed")
+
+
+MAIN = """
+import signal
+signal.signal(signal.SIGINT, signal.default_int_handler)
+import sum_case
+from flangeway.cli import main
+main()
+"""
+
+
+def start(folder, *arguments):
+    """Start the command with the synthetic case known to it."""
+    return subprocess.Popen(
+        [sys.executable, "-c", MAIN, "campaign", *map(str, arguments)], cwd=folder, text=True,
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment(folder, SUM_SECONDS="0.1"),
+    )  # fmt: skip
+
+
+def wait_for_rows(database, n_rows, process):
+    """Wait until some rows are done."""
+    for _ in range(600):
+        time.sleep(0.05)
+        assert process.poll() is None, process.communicate()
+        if database.is_file():
+            with sqlite3.connect(database) as connection:
+                if connection.execute("SELECT 1 FROM sqlite_master WHERE name = 'timings'").fetchone():
+                    (done,) = connection.execute("SELECT count(*) FROM timings").fetchone()
+                    if done >= n_rows:
+                        return
+    raise AssertionError("no rows")
+
+
+def workers_of(process):
+    """Ids of the worker processes of a coordinator: children of the server that forks them."""
+    below = children(process.pid)
+    return [pid for child in below for pid in children(child)]
+
+
+def children(pid):
+    return [int(child) for child in Path(f"/proc/{pid}/task/{pid}/children").read_text().split()]
+
+
+def is_alive(pid):
+    stat = Path(f"/proc/{pid}/stat")
+    try:
+        return stat.read_text().rpartition(")")[2].split()[0] != "Z"
+    except OSError:
+        return False
+
+
+def n_done(database):
+    with sqlite3.connect(database) as connection:
+        return connection.execute("SELECT count(*) FROM rows WHERE status != 'waiting'").fetchone()[0]
+
+
+def test_the_command_is_killed_refused_interrupted_and_goes_on(synthetic, tmp_path):
+    """Workers die with a killed coordinator; a second one is refused; Ctrl-C keeps what is done; then all is done."""
+    file, database = tmp_path / "c.toml", tmp_path / "out" / "c" / "campaign.sqlite"
+    file.write_text('case = "sum"\n[vary]\na = { from = 11, to = 70, n = 60 }\n', encoding="utf-8")
+    first = start(tmp_path, file)
+    wait_for_rows(database, 1, first)
+    with pytest.raises(InputError, match="another process writes"):
+        CampaignDatabase(database)
+    workers = workers_of(first)
+    assert len(workers) == len(os.sched_getaffinity(0))
+    first.kill()
+    first.communicate(timeout=60)
+    deadline = time.monotonic() + 10.0
+    while any(map(is_alive, workers)):
+        assert time.monotonic() < deadline, "workers outlived the coordinator"
+        time.sleep(0.05)
+
+    before = n_done(database)
+    interrupted = start(tmp_path, file)
+    wait_for_rows(database, before + 1, interrupted)
+    interrupted.send_signal(signal.SIGINT)
+    out, err = interrupted.communicate(timeout=60)
+    assert interrupted.returncode == 130
+    assert "goes on from there" in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert before < n_done(database) < 60
+
+    last = start(tmp_path, file)
+    out, err = last.communicate(timeout=120)
+    assert last.returncode == 0, err
+    assert "60 rows of sum: 60 converged" in out
+    assert re.search(r"\d+ of 60 rows; (time left not known yet|\d+:\d\d:\d\d left|done)", err)
+
+
+WHEELSETS = """
+case = "wheelset-tangent"
+[inputs]
+size_scale = 8
+[vary]
+lateral_mm = { from = -1, to = 1, n = 12 }
+"""
+
+
+def test_wheelsets_in_a_campaign_with_a_killed_worker_are_those_of_a_calm_run(tmp_path):
+    """Positions computed together, their worker killed once: each number is that of a run in which none is."""
+    file = tmp_path / "c.toml"
+    file.write_text(WHEELSETS, encoding="utf-8")
+    campaign = Campaign.from_file(file)
+    database = tmp_path / "c.sqlite"
+    robbed = []
+
+    def rob(_):
+        """Kill the worker as soon as there is one with something to compute."""
+        if not robbed:
+            robbed.append(threading.Thread(target=kill_first_worker))
+            robbed[0].start()
+
+    end = run_campaign(campaign, database, workers=1, progress=rob)
+    robbed[0].join()
+    assert killed_workers
+    assert end.all_converged
+    ((first, rows),) = campaign.chunks
+    calm = compute(Chunk(rows, first)).results
+    found = results(database)
+    for name in ("vertical_mm", "left_max_pressure_MPa", "right_wheel_x_mm"):
+        assert found.rows[name] == [result.values[name] for result in calm]
+    assert len(found.patches["row"]) == sum(len(result.patches) for result in calm)
+
+
+killed_workers = []
+
+
+def kill_first_worker():
+    """Wait for a worker of this process, let it work a moment, and kill it."""
+    while True:
+        time.sleep(0.02)
+        servers = [pid for pid in children(os.getpid()) if "forkserver" in Path(f"/proc/{pid}/cmdline").read_text()]
+        workers = [pid for server in servers for pid in children(server)]
+        if workers:
+            time.sleep(0.5)
+            os.kill(workers[0], signal.SIGKILL)
+            killed_workers.append(workers[0])
+            return
