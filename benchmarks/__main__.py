@@ -1,34 +1,64 @@
-"""Run benchmarks by name: ``python -m benchmarks torsion-assembly``; ``elasticity --quick`` takes small meshes."""
+"""Run benchmarks: ``python -m benchmarks [--quick] [report] [NAME...]``, all of them without a name.
+
+``--quick`` takes small problems where there are some; ``report`` also writes ``docs/performance.md``, from these runs
+and the last recorded ones of the others. Peers are installed by ``sh benchmarks/peers/install.sh``.
+"""
 
 import sys
 from collections.abc import Callable, Iterator
 
-from benchmarks import elasticity, hertz, torsion_assembly
+from benchmarks import (
+    cache,
+    elasticity,
+    growth,
+    hertz,
+    hertz_block_times,
+    positions,
+    report,
+    torsion_assembly,
+    torsion_sections,
+)
 from benchmarks.measurement import Measurement
 
-BENCHMARKS: dict[str, Callable[[], Iterator[Measurement | elasticity.Row]]] = {
+BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.measurements,
+    "torsion-sections": torsion_sections.measurements,
     "hertz": hertz.measurements,
+    "hertz-block": hertz_block_times.measurements,
     "elasticity": elasticity.measurements,
+    "growth": growth.measurements,
+    "positions": positions.measurements,
+    "cache": cache.measurements,
+}
+
+QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
+    "torsion-assembly": torsion_assembly.quick,
+    "torsion-sections": torsion_sections.quick,
+    "hertz-block": hertz_block_times.quick,
+    "elasticity": elasticity.quick,
+    "growth": growth.quick,
 }
 
 
-def main(names: list[str]) -> int:
-    """Print a line a measurement, JSON or of a table; without a name, run all."""
-    if "--quick" in names:
-        if sorted(names) != ["--quick", "elasticity"]:
-            print("--quick is for elasticity alone: python -m benchmarks elasticity --quick", file=sys.stderr)
-            return 2
-        for row in elasticity.measurements(quick=True):
-            print(row.line(), flush=True)
-        return 0
-    unknown = [name for name in names if name not in BENCHMARKS]
-    if unknown:
-        print(f"unknown benchmark {', '.join(unknown)}; there are: {', '.join(BENCHMARKS)}", file=sys.stderr)
+def main(arguments: list[str]) -> int:
+    """Print a JSON line a measurement."""
+    small, page = "--quick" in arguments, "report" in arguments
+    names = [name for name in arguments if name not in ("--quick", "report")]
+    known = QUICK if small else BENCHMARKS
+    unknown = [name for name in names if name not in known]
+    if unknown or (small and page):
+        given = ", ".join(unknown) or "report with --quick, whose times mean nothing"
+        print(f"unknown: {given}; {'with --quick ' * small}there are: {', '.join(known)}", file=sys.stderr)
         return 2
-    for name in names or BENCHMARKS:
-        for measurement in BENCHMARKS[name]():
+    for name in names or known:
+        found = []
+        for measurement in known[name]():
             print(measurement.line(), flush=True)
+            found.append(measurement)
+        if page:
+            report.record(name, found)
+    if page:
+        print(report.write(tuple(BENCHMARKS)), file=sys.stderr)
     return 0
 
 

@@ -1,28 +1,29 @@
-"""Plane elasticity of 100,000 cells beside scikit-fem and SciPy: assembly, local matrices, factorisation, memory.
+"""Plane elasticity of 100,000 cells beside scikit-fem, SciPy and CHOLMOD: assembly, local matrices, factors.
 
 Every sample is a process of its own, so that its peak of resident memory is its own, and the samples of all programs
-take turns, so that a busy machine slows all of them; the table gives medians. BLAS has one thread. ``cpu s`` is the
-time of all processors, which other work on the machine disturbs less. Times of assembly are from a mesh to the sparse
-matrix, numbering and pattern included, after one run that is not counted. scikit-fem runs twice: as it is, with the
-quadrature that it chooses by itself, of degree 4, and with that of degree 2, exact here and cheaper; ratios are
-given to both. Times of factors hold no assembly.
+take turns, so that a busy machine slows all of them; the fastest counts. BLAS has one thread in flangeway; CHOLMOD is
+tried with one and with all. Times of assembly are from a mesh to the sparse matrix, numbering and pattern included,
+after one run that is not counted. scikit-fem runs with the quadrature that it chooses by itself, of degree 4, and with
+that of degree 2, exact here and cheaper. Times of factors hold the ordering, the factor and one solution, no assembly.
+
+Accuracy of a stiffness is the relative error of the energy of the displacement ``ux = x``, of a solution the largest
+residual over that of the product of all absolute values.
 """
 
 import json
-import os
-import subprocess
 import sys
 import tempfile
-import time
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
-from statistics import median
 from typing import Any
 
 import numpy as np
 import scipy.sparse as sp
 
+from benchmarks.measurement import Measurement, fastest_in_turns
+from benchmarks.peers import PeerMissingError, run_python, threads_tried
+from benchmarks.samples import load_mesh, resident_mb, sample, save_mesh, timed
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
@@ -32,210 +33,178 @@ from flangeway.solve.constraints import find_constraints
 from flangeway.space import Space, SymmetricMatrix
 
 TRIANGLE_SIZE, POLYGON_SIZE = 0.00512, 0.00363  # 100,000 triangles and 100,000 points in the unit square
-COARSER = 16.0  # by which --quick's meshes are
+COARSER = 16.0  # by which the quick meshes are
 MATERIAL = Elastic(210e3, 0.3)
-ROUNDS = {"assembly": 5, "factor": 3, "splu default": 1}
+ROUNDS = 5
+FACTOR_ROUNDS = {"factor": 3, "splu symmetric": 2, "splu default": 1}
 
-Times = tuple[float, float]
-"""Seconds on the clock, and of all processors."""
-
-Result = tuple[Times, dict[str, Any]]
-"""Times, and what else is told."""
+Run = dict[str, Any]
+"""What a sample tells: seconds, memory and accuracy at least."""
 
 
-@dataclass(frozen=True)
-class Row:
-    """A line of the table, printed as it stands."""
-
-    text: str
-
-    def line(self) -> str:
-        """The line."""
-        return self.text
-
-
-def measurements(*, quick: bool = False) -> Iterator[Row]:
-    """All parts, on coarse meshes if ``quick``."""
+def measurements(*, coarser: float = 1.0) -> Iterator[Measurement]:
+    """All parts, on meshes that many times coarser."""
     with tempfile.TemporaryDirectory() as name:
-        folder, factor = Path(name), COARSER if quick else 1.0
-        triangles = triangulate(square(1.0), size=TRIANGLE_SIZE * factor)
-        polygons = dual(triangulate(square(1.0), size=POLYGON_SIZE * factor))
-        _save(folder / "triangles.npz", triangles)
-        _save(folder / "polygons.npz", polygons)
-        yield Row(
-            f"{'work':<66} {'median s':>9} {'cpu s':>7} {'asked':>6} {'ratio':>6} {'to deg. 2':>9} "
-            f"{'MB peak':>8} {'before':>7}"
-        )
-        yield from _assembly(folder, triangles.n_cells, polygons.n_cells)
+        folder = Path(name)
+        save_mesh(folder / "triangles.npz", triangulate(square(1.0), size=TRIANGLE_SIZE * coarser))
+        save_mesh(folder / "polygons.npz", dual(triangulate(square(1.0), size=POLYGON_SIZE * coarser)))
+        yield from _assembly(folder)
         yield from _factors(folder)
 
 
-def _assembly(folder: Path, n_triangles: int, n_polygons: int) -> Iterator[Row]:
-    peers = {"scikit-fem": "scikit-fem as it is", "scikit-fem 2": "scikit-fem with degree 2"}
-    jobs = ("assemble", *peers, "local matrices 1", "local matrices 2")
-    taken = _samples(folder, jobs, dict.fromkeys(jobs, ROUNDS["assembly"]))
-    triangles = f"stiffness of {n_triangles} triangles of order 2"
-    for job, name in peers.items():
-        yield _row(f"{triangles}, {name}", taken[job])
-    polygons = f"local matrices of {n_polygons} polygons of order"
+def quick() -> Iterator[Measurement]:
+    """Coarse meshes."""
+    yield from measurements(coarser=COARSER)
+
+
+def _assembly(folder: Path) -> Iterator[Measurement]:
+    jobs: dict[str, Callable[[], Run]] = {
+        job: partial(_sample, job, folder) for job in ("assemble", "local matrices 1", "local matrices 2")
+    }
+    for degree in (0, 2):
+        jobs[f"degree {degree}"] = partial(_scikit_fem, folder, degree)
+    found = fastest_in_turns(jobs, dict.fromkeys(jobs, ROUNDS), _seconds)
     for job, work, asked in (
-        ("assemble", triangles, 4.0),
-        ("local matrices 1", f"{polygons} 1", 10.0),
-        ("local matrices 2", f"{polygons} 2", 3.0),
+        ("assemble", "stiffness of {n} triangles of order 2", 4.0),
+        ("local matrices 1", "local matrices of {n} polygons of order 1", 10.0),
+        ("local matrices 2", "local matrices of {n} polygons of order 2", 3.0),
     ):
-        ratios = [_seconds(taken[peer]) / _seconds(taken[job]) for peer in peers]
-        yield _row(f"{work}, flangeway", taken[job], asked, ratios)
-    apart = _sample(folder, "compare assembly")["difference"]
-    yield Row(f"  both stiffnesses of the triangles differ by {apart:.1e} of the largest entry")
+        for degree, name in ((0, "its own quadrature"), (2, "quadrature of degree 2")):
+            note = f"scikit-fem assembles the triangles' stiffness, with {name}"
+            ours = _taken(found[job])
+            yield _measurement(work.format(n=ours["cells"]), "scikit-fem", ours, found[f"degree {degree}"], note, asked)
+    peer = found["degree 2"]
+    if not isinstance(peer, PeerMissingError):
+        _scikit_fem(folder, 2, store=True)
+        apart = _sample("compare assembly", folder)["difference"]
+        yield Measurement(
+            "largest difference of both stiffnesses of the triangles over the largest entry", "scikit-fem",
+            _taken(found["assemble"])["seconds"], peer["seconds"], apart, apart, "quadrature of degree 2",
+            peer["version"],
+        )  # fmt: skip
 
 
-def _factors(folder: Path) -> Iterator[Row]:
-    _sample(folder, "store matrix")
-    jobs = ("factor", "splu symmetric", "splu default")
-    rounds = dict.fromkeys(jobs, ROUNDS["factor"]) | {"splu default": ROUNDS["splu default"]}
-    taken = _samples(folder, jobs, rounds)
-    unknowns = f"factor of {taken['factor'][0]['n']} unknowns"
-    ours = _seconds(taken["factor"])
-    yield _row(f"{unknowns}, flangeway", taken["factor"])
-    for job, name, asked in (
-        ("splu symmetric", "splu in symmetric mode", 4.0),
-        ("splu default", "splu as it is", None),
-    ):
-        yield _row(f"{unknowns}, {name}", taken[job], asked, [_seconds(taken[job]) / ours])
-    found = np.load(folder / "factor.npy")
-    for job in jobs[1:]:
-        other = np.load(folder / f"{job}.npy")
-        apart = np.abs(found - other).max() / np.abs(found).max()
-        yield Row(f"  displacements by flangeway and by {job} differ by {apart:.1e} of the largest")
-    entries = ", ".join(f"{job} {taken[job][0]['entries']:,}" for job in jobs)
-    yield Row(f"  entries of the factors (of L, and of L and U): {entries}")
+def _factors(folder: Path) -> Iterator[Measurement]:
+    _sample("store matrix", folder)
+    jobs: dict[str, Callable[[], Run]] = {job: partial(_sample, job, folder) for job in FACTOR_ROUNDS}
+    for threads in threads_tried():
+        jobs[f"cholmod {threads}"] = partial(_cholmod, folder, threads)
+    rounds = FACTOR_ROUNDS | {job: FACTOR_ROUNDS["factor"] for job in jobs if job.startswith("cholmod")}
+    found = fastest_in_turns(jobs, rounds, _seconds)
+    ours = _taken(found["factor"])
+    work = f"factor and solution of {ours['n']} unknowns"
+    for job, name, asked in (("splu symmetric", "in symmetric mode", 4.0), ("splu default", "as it is", None)):
+        yield _measurement(work, "scipy", ours, found[job], f"SuperLU {name}", asked)
+    runs = [found[job] for job in jobs if job.startswith("cholmod")]
+    missing = next((run for run in runs if isinstance(run, PeerMissingError)), None)
+    best = missing or min((_taken(run) for run in runs), key=_seconds)
+    yield _measurement(work, "cvxopt", ours, best, "CHOLMOD, supernodal, as in CVXOPT's wheel", 1.0)
 
 
-def _row(work: str, samples: list[dict[str, Any]], asked: float | None = None, ratios: Sequence[float] = ()) -> Row:
-    texts = ["" if asked is None else f"{asked:.0f}", *(f"{ratio:.1f}" for ratio in ratios), "", ""]
-    peak, before = (max(sample[name] for sample in samples) for name in ("peak_mb", "before_mb"))
-    processors = median(sample["processors"] for sample in samples)
-    return Row(
-        f"{work:<66} {_seconds(samples):>9.3f} {processors:>7.3f} {texts[0]:>6} {texts[1]:>6} {texts[2]:>9} "
-        f"{peak:>8.0f} {before:>7.0f}"
+def _measurement(
+    work: str, name: str, ours: Run, peer: Run | PeerMissingError, note: str, asked: float | None
+) -> Measurement:
+    more: dict[str, Any] = {"ours_peak_mb": round(ours["peak_mb"])}
+    if isinstance(peer, PeerMissingError):
+        return Measurement(work, name, ours["seconds"], None, ours["accuracy"], None, str(peer), None, asked, more)
+    more["peer_peak_mb"] = round(peer["peak_mb"])
+    return Measurement(
+        work, name, ours["seconds"], peer["seconds"], ours["accuracy"], peer["accuracy"], note, peer.get("version"),
+        asked, more,
+    )  # fmt: skip
+
+
+def _seconds(run: Run) -> float:
+    return float(run["seconds"])
+
+
+def _taken(run: Run | PeerMissingError) -> Run:
+    assert not isinstance(run, PeerMissingError)
+    return run
+
+
+def _sample(job: str, folder: Path) -> Run:
+    return sample("benchmarks.elasticity", job, str(folder))
+
+
+def _scikit_fem(folder: Path, degree: int, *, store: bool = False) -> Run:
+    out = [str(folder / "scikit-fem.npz")] if store else []
+    young, poisson = str(MATERIAL.young), str(MATERIAL.poisson)
+    run = run_python(
+        "scikit-fem", "scikit_fem.py", "elasticity", str(folder / "triangles.npz"), str(degree), young, poisson, *out
     )
+    return run | {"accuracy": _energy_error(run["energy"])}
 
 
-def _seconds(samples: list[dict[str, Any]]) -> float:
-    return median(sample["seconds"] for sample in samples)
+def _cholmod(folder: Path, threads: int) -> Run:
+    matrix, out = folder / "matrix.npz", folder / "cholmod.npy"
+    run = run_python("cvxopt", "cvxopt_cholmod.py", str(matrix), str(out), threads=threads)
+    return run | {"accuracy": _backward_error(matrix, np.load(out))}
 
 
-def _samples(folder: Path, jobs: tuple[str, ...], rounds: dict[str, int]) -> dict[str, list[dict[str, Any]]]:
-    taken: dict[str, list[dict[str, Any]]] = {job: [] for job in jobs}
-    for number in range(max(rounds.values())):
-        for job in jobs:
-            if number < rounds[job]:
-                taken[job].append(_sample(folder, job))
-    return taken
+def _energy_error(energy: float) -> float:
+    """Relative error of the energy of ``ux = x`` in the unit square."""
+    return abs(energy / float(MATERIAL.matrix[0, 0]) - 1.0)
 
 
-def _sample(folder: Path, job: str) -> dict[str, Any]:
-    """Run a job in a process of its own."""
-    done = subprocess.run(
-        [sys.executable, "-m", "benchmarks.elasticity", job, str(folder)],
-        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
-        cwd=Path(__file__).parents[1],
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-    )
-    sample: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
-    return sample
+def _backward_error(path: Path, solution: Any) -> float:
+    """Largest residual over the product of absolute values."""
+    with np.load(path) as stored:
+        n, load = len(stored["load"]), stored["load"]
+        full = SymmetricMatrix(n, stored["indptr"], stored["indices"], stored["values"]).full()
+    apart = np.abs(full @ solution - load)
+    return float(apart.max() / (abs(full) @ np.abs(solution)).max())
 
 
 # in the process of a sample
 
 
-def _save(path: Path, mesh: PolyMesh) -> None:
-    sets = {f"edges {name}": edges for name, edges in mesh.edge_sets.items()}
-    np.savez(path, points=mesh.points, offsets=mesh.cell_offsets, cells=mesh.cell_points, **sets)
+def _ours(folder: Path) -> Run:
+    triangles = load_mesh(folder / "triangles.npz")
+    _problem(triangles, Lagrange(2)).stiffness()
+    seconds, matrix = timed(lambda: _problem(triangles, Lagrange(2)).stiffness())
+    peak = resident_mb()
+    space = Space(triangles, Lagrange(2))
+    u = np.zeros(matrix.n)
+    u[0::2] = space.nodes[:, 0]
+    accuracy = _energy_error(float(u @ (matrix.full() @ u)))
+    return {"seconds": seconds, "cells": triangles.n_cells, "accuracy": accuracy, "peak_mb": peak}
 
 
-def _load(path: Path) -> PolyMesh:
-    with np.load(path) as stored:
-        sets = {name.removeprefix("edges "): stored[name] for name in stored if name.startswith("edges ")}
-        return PolyMesh(stored["points"], stored["offsets"], stored["cells"], edge_sets=sets)
-
-
-def _timed(work: Callable[[], Any]) -> tuple[Times, Any]:
-    """Seconds on the clock and of all processors, and the result."""
-    start, used = time.perf_counter(), time.process_time()
-    result = work()
-    return (time.perf_counter() - start, time.process_time() - used), result
-
-
-def _warm(work: Callable[[], Any]) -> tuple[Times, Any]:
-    """Times and result of the second run."""
-    work()
-    return _timed(work)
-
-
-def _ours(folder: Path) -> Result:
-    triangles = _load(folder / "triangles.npz")
-    seconds, matrix = _warm(lambda: _problem(triangles, Lagrange(2)).stiffness())
-    return seconds, {"n": matrix.n}
-
-
-def _theirs(folder: Path, degree: int | None) -> Result:
-    import skfem  # noqa: PLC0415
-
-    triangles = _load(folder / "triangles.npz")
-    mesh = skfem.MeshTri(
-        np.ascontiguousarray(triangles.points.T),
-        np.ascontiguousarray(triangles.cell_points.reshape(-1, 3).T.astype(np.int64)),
-    )
-    seconds, (_, matrix) = _warm(lambda: _by_scikit_fem(mesh, degree))
-    return seconds, {"n": matrix.shape[0]}
-
-
-def _by_scikit_fem(mesh: Any, degree: int | None) -> tuple[Any, Any]:
-    import skfem  # noqa: PLC0415
-    from skfem.models.elasticity import lame_parameters, linear_elasticity  # noqa: PLC0415
-
-    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementTriP2()), intorder=degree)
-    return basis, skfem.asm(linear_elasticity(*lame_parameters(MATERIAL.young, MATERIAL.poisson)), basis)
-
-
-def _local_matrices(folder: Path, order: int) -> Result:
-    polygons = _load(folder / "polygons.npz")
+def _local_matrices(folder: Path, order: int) -> Run:
+    polygons = load_mesh(folder / "polygons.npz")
     problem = _problem(polygons, Virtual(order))
 
     def all_cells() -> int:
         return sum(problem.cell_stiffness(batch).shape[-1] for batch in problem.space.batches())
 
-    seconds, n_cells = _warm(all_cells)
-    return seconds, {"n": n_cells}
+    all_cells()
+    seconds, n_cells = timed(all_cells)
+    return {"seconds": seconds, "cells": n_cells, "accuracy": None, "peak_mb": resident_mb()}
 
 
-def _compare(folder: Path) -> Result:
+def _compare(folder: Path) -> Run:
     """Largest difference of both stiffnesses, unknowns matched by place and component."""
-    import skfem  # noqa: PLC0415
     from scipy.spatial import cKDTree  # noqa: PLC0415
 
-    mesh = _load(folder / "triangles.npz")
-    problem = _problem(mesh, Lagrange(2))
+    problem = _problem(load_mesh(folder / "triangles.npz"), Lagrange(2))
     ours = problem.stiffness().full()
-    triangles = np.ascontiguousarray(mesh.cell_points.reshape(-1, 3).T.astype(np.int64))
-    basis, theirs = _by_scikit_fem(skfem.MeshTri(np.ascontiguousarray(mesh.points.T), triangles), 2)
-    first = np.arange(0, basis.N, 2)
-    nodes = cKDTree(problem.space.nodes).query(basis.doflocs[:, first].T)[1]
+    with np.load(folder / "scikit-fem.npz") as stored:
+        places = stored["places"]
+        theirs = sp.csr_array((stored["values"], stored["indices"], stored["indptr"]), shape=(ours.shape))
+    nodes = cKDTree(problem.space.nodes).query(places[:, 0::2].T)[1]
     ours_of = np.stack((2 * nodes, 2 * nodes + 1), axis=1).ravel()
-    apart = sp.csr_array(theirs) - ours[ours_of][:, ours_of]
-    return (0.0, 0.0), {"difference": float(np.abs(apart.data).max() / np.abs(ours.data).max())}
+    apart = theirs - ours[ours_of][:, ours_of]
+    return {"difference": float(np.abs(apart.data).max() / np.abs(ours.data).max())}
 
 
 def _problem(mesh: PolyMesh, element: Element) -> Elasticity:
     return Elasticity(Space(mesh, element), MATERIAL)
 
 
-def _store(folder: Path) -> Result:
+def _store(folder: Path) -> Run:
     """Stiffness of the triangles held on the left, its load on the right, and the nodes of the unknowns."""
-    space = Space(_load(folder / "triangles.npz"), Lagrange(2))
+    space = Space(load_mesh(folder / "triangles.npz"), Lagrange(2))
     problem = Elasticity(space, MATERIAL, loads=[Traction("right", (1.0, 2.0))], supports=[fixed("left")])
     constraints = find_constraints(problem)
     assert constraints.kept is not None
@@ -248,24 +217,23 @@ def _store(folder: Path) -> Result:
         groups=constraints.groups,
         load=constraints.transform.T @ problem.load_vector().ravel(),
     )
-    return (0.0, 0.0), {"n": matrix.n}
+    return {"n": matrix.n}
 
 
-def _factor(folder: Path) -> Result:
+def _factor(folder: Path) -> Run:
     from flangeway._core import Cholesky  # noqa: PLC0415
 
     with np.load(folder / "matrix.npz") as stored:
-        lower, groups, load = (
-            [stored[name] for name in ("indptr", "indices", "values")],
-            stored["groups"],
-            stored["load"],
-        )
-    seconds, factor = _timed(lambda: Cholesky(*lower, groups, np.empty(0, dtype=np.int32)))
-    np.save(folder / "factor.npy", factor.solve(load))
-    return seconds, {"n": factor.n, "entries": factor.factor_nonzeros}
+        lower = [stored[name] for name in ("indptr", "indices", "values")]
+        groups, load = stored["groups"], stored["load"]
+    none = np.empty(0, dtype=np.int32)
+    seconds, solution = timed(lambda: Cholesky(*lower, groups, none).solve(load))
+    peak = resident_mb()
+    accuracy = _backward_error(folder / "matrix.npz", solution)
+    return {"seconds": seconds, "n": len(load), "accuracy": accuracy, "peak_mb": peak}
 
 
-def _splu(folder: Path, *, symmetric: bool) -> Result:
+def _splu(folder: Path, *, symmetric: bool) -> Run:
     from scipy.sparse.linalg import splu  # noqa: PLC0415
 
     with np.load(folder / "matrix.npz") as stored:
@@ -274,15 +242,13 @@ def _splu(folder: Path, *, symmetric: bool) -> Result:
     options: dict[str, Any] = {}
     if symmetric:
         options = {"permc_spec": "MMD_AT_PLUS_A", "diag_pivot_thresh": 0.0, "options": {"SymmetricMode": True}}
-    seconds, factor = _timed(lambda: splu(matrix, **options))
-    np.save(folder / f"splu {'symmetric' if symmetric else 'default'}.npy", factor.solve(load))
-    return seconds, {"n": n, "entries": int(factor.nnz)}
+    seconds, solution = timed(lambda: splu(matrix, **options).solve(load))
+    peak = resident_mb()
+    return {"seconds": seconds, "accuracy": _backward_error(folder / "matrix.npz", solution), "peak_mb": peak}
 
 
-JOBS: dict[str, Callable[[Path], Result]] = {
+JOBS: dict[str, Callable[[Path], Run]] = {
     "assemble": _ours,
-    "scikit-fem": lambda folder: _theirs(folder, None),
-    "scikit-fem 2": lambda folder: _theirs(folder, 2),
     "local matrices 1": lambda folder: _local_matrices(folder, 1),
     "local matrices 2": lambda folder: _local_matrices(folder, 2),
     "compare assembly": _compare,
@@ -292,31 +258,5 @@ JOBS: dict[str, Callable[[Path], Result]] = {
     "splu default": lambda folder: _splu(folder, symmetric=False),
 }
 
-
-def _resident_mb(what: str) -> float:
-    """Resident memory now (``VmRSS``) or at its peak (``VmHWM``), never that of the parent as by getrusage."""
-    status = Path("/proc/self/status")
-    if not status.exists():
-        return float("nan")
-    found = next(line for line in status.read_text(encoding="utf-8").splitlines() if line.startswith(what))
-    return float(found.split()[1]) / 1024.0
-
-
-def _run(job: str, folder: Path) -> None:
-    before = _resident_mb("VmRSS")
-    (seconds, processors), told = JOBS[job](folder)
-    print(
-        json.dumps(
-            {
-                "seconds": seconds,
-                "processors": processors,
-                "before_mb": before,
-                "peak_mb": _resident_mb("VmHWM"),
-                **told,
-            }
-        )
-    )
-
-
 if __name__ == "__main__":
-    _run(sys.argv[1], Path(sys.argv[2]))
+    print(json.dumps(JOBS[sys.argv[1]](Path(sys.argv[2]))))

@@ -1,0 +1,213 @@
+"""A half cylinder pressed on a block: Hertz's line contact, on the same nodes for flangeway and its peers.
+
+The half cylinder (R = 100 mm) is moved as a whole along its cut, the block (100 mm by 100 mm) is held along its base.
+The gap is measured between the drawn circle and the drawn line. The approach that bears the load is found by Newton's
+method with the exact derivative of the force, while the contact is refined.
+"""
+
+import time
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Multiplier, SegmentToSegment, Surface
+from flangeway.elements import Lagrange
+from flangeway.exact import LineContact, contact_modulus
+from flangeway.geometry import Line, Outline, Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, Refinement, triangulate
+from flangeway.problems import Body, Part
+from flangeway.solve import CondensedBodies, ContactState, NewtonSettings, solve_contact
+from flangeway.solve.sensitivity import motion_derivatives
+from flangeway.study.half_disc import ARC, CUT, HalfDisc
+
+Floats = NDArray[np.float64]
+
+STEEL = Elastic(210e3, 0.3)
+RADIUS, HALF_SIZE, LOAD = 100.0, 50.0, 2000.0  # mm, mm, N/mm
+FINE, ZONE = 3.0, 2.0  # half widths of what is finely meshed and of what can touch; the contact's is 1.49
+TOP, BASE = "top", "base"
+FORCE_ERROR = 1e-9
+"""Relative error of the force at which the approach is found."""
+STEP_TOLERANCE = 1e-5
+"""Tolerance of Newton's method at load steps on the way, as the peers have it."""
+
+HERTZ = LineContact(LOAD, 1.0 / RADIUS, contact_modulus(STEEL.plane_modulus, STEEL.plane_modulus))
+
+
+@dataclass(frozen=True)
+class Block:
+    """Meshes of both bodies, for elements of order 2.
+
+    Parameters
+    ----------
+    cylinder
+        The half cylinder.
+    outline
+        Outline of the block, its upper side at y = 0.
+    upper, lower
+        Meshes of the cylinder and of the block.
+
+    """
+
+    cylinder: HalfDisc
+    outline: Outline
+    upper: PolyMesh
+    lower: PolyMesh
+
+    @property
+    def n_nodes(self) -> int:
+        """Nodes of both bodies at order 2."""
+        return sum(mesh.n_points + len(mesh.edges) for mesh in (self.upper, self.lower))
+
+    def zone(self, mesh: PolyMesh, name: str) -> NDArray[np.int32]:
+        """Edges of an edge set that can touch."""
+        edges = mesh.edge_sets[name]
+        return edges[(np.abs(mesh.points[edges][..., 0]) <= ZONE).all(axis=1)]
+
+
+def mesh_block(size: float, growth: float) -> Block:
+    """Mesh both bodies with triangles that have a size at the contact and grow with the distance from it."""
+    cylinder = HalfDisc(
+        size,
+        radius=RADIUS,
+        material=STEEL,
+        opening_rad=2.0 * float(np.arcsin(FINE / RADIUS)),
+        body_size=10.0,
+        growth=growth,
+    )
+    w, h = HALF_SIZE, 2.0 * HALF_SIZE
+    corners = [(-w, -h), (w, -h), (w, 0.0), (FINE, 0.0), (-FINE, 0.0), (-w, 0.0)]
+    lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    outline = Outline.from_segments(lines, [BASE, "side", "rest", TOP, "rest", "side"])
+    x = np.linspace(-FINE, FINE, int(np.ceil(FINE / (2.0 * size))) + 1)
+    fine = Refinement(np.column_stack((x, np.zeros_like(x))), size, growth)
+    return Block(cylinder, outline, cylinder.mesh("above"), triangulate(outline, size=10.0, refinements=(fine,)))
+
+
+@dataclass(frozen=True, eq=False)
+class Pressed:
+    """A contact found by any program.
+
+    Parameters
+    ----------
+    seconds
+        Time from meshes to displacements of all nodes and the pressure.
+    x, pressures
+        Places of the cylinder's nodes before the deformation, and their contact pressures, shape (n,).
+    force
+        Force per length that the pressure bears.
+    force_error
+        Relative error of the sum of the contact forces on either side from the load, None where the approach was given.
+    approach
+        How much nearer cut and base came.
+    note
+        What else is to be told.
+
+    """
+
+    seconds: float
+    x: Floats
+    pressures: Floats
+    force: float
+    force_error: float | None = None
+    approach: float = 0.0
+    note: str = ""
+
+    @property
+    def theory(self) -> LineContact:
+        """Hertz's contact under the force that was found."""
+        return LineContact(self.force, HERTZ.relative_curvature, HERTZ.modulus)
+
+    @property
+    def peak_error(self) -> float:
+        """Relative error of the largest pressure."""
+        return float(self.pressures.max()) / self.theory.max_pressure - 1.0
+
+    @property
+    def half_width_error(self) -> float:
+        """Relative error of the half width where the parabola through the squares of the pressures vanishes.
+
+        It takes the pressures above three tenths of the largest, as the last loaded nodes carry only what their
+        functions reach under the contact.
+        """
+        inside = self.pressures > 0.3 * self.pressures.max()
+        c, b, a = np.polynomial.polynomial.polyfit(self.x[inside], self.pressures[inside] ** 2, 2)
+        half_width = float(np.sqrt(b**2 - 4.0 * a * c) / (2.0 * abs(a)))
+        return half_width / self.theory.half_width - 1.0
+
+
+def press_block(block: Block, n_steps: int = 1) -> Pressed:
+    """Press with flangeway: elements of order 2, averaged gaps and multipliers, bodies condensed to their surfaces."""
+    start = time.perf_counter()
+    upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, CUT))
+    lower = Part("block", Body("block", block.lower, Lagrange(2), STEEL, BASE))
+    contact = Contact(
+        Surface(upper, block.zone(block.upper, ARC), block.cylinder.outline("above")),
+        Surface(lower, block.zone(block.lower, TOP), block.outline),
+        SegmentToSegment(weighting="dual"),
+        Multiplier(),
+    )
+    system = ContactSystem([contact])
+    response = CondensedBodies(system.surface_nodes)
+    state, approach = None, _first_approach()
+    for step in range(1, n_steps):
+        state = _touch(approach * step / n_steps, response, system, state)
+    state, approach = _bear(approach, response, system, state)
+    response.fields(response.rotations(state.placements), state.nodal_forces)
+    x, pressures = _pressures(contact, state)
+    seconds = time.perf_counter() - start
+    above, below = (state.nodal_forces[response.body_of_node == side, 1].sum() for side in (0, 1))
+    error = max(abs(above / LOAD - 1.0), abs(below / LOAD + 1.0))
+    return Pressed(seconds, x, pressures, float(above), float(error), approach)
+
+
+def _first_approach() -> float:
+    """Approach of a half cylinder and a block by Johnson (1985), equations 5.57 and 5.58, for a first guess."""
+    cylinder = 2.0 * np.log(4.0 * RADIUS / HERTZ.half_width) - 1.0
+    ratio = STEEL.poisson / (1.0 - STEEL.poisson)
+    block = 2.0 * np.log(4.0 * HALF_SIZE / HERTZ.half_width) - ratio
+    return float(LOAD * (cylinder + block) / (np.pi * STEEL.plane_modulus))
+
+
+def _touch(
+    approach: float,
+    response: CondensedBodies,
+    system: ContactSystem,
+    start: ContactState | None,
+    tolerance: float = STEP_TOLERANCE,
+) -> ContactState:
+    """Contact at an approach."""
+    placements = (Placement(0.0, (0.0, -approach)), Placement())
+    state = solve_contact(response, system, placements, start=start, settings=NewtonSettings(tolerance=tolerance))
+    if not state.status.converged:
+        raise RuntimeError(f"the block's contact: {state.status.message}")
+    return state
+
+
+def _bear(
+    approach: float, response: CondensedBodies, system: ContactSystem, start: ContactState | None
+) -> tuple[ContactState, float]:
+    """Find the approach whose contact force is the load; the contact is found no more exactly than the force is."""
+    state, error = start, 0.1
+    for _ in range(20):
+        state = _touch(approach, response, system, state, max(1e-11, 1e-3 * error**2))
+        force = float(state.nodal_forces[response.body_of_node == 0, 1].sum())
+        error = abs(force / LOAD - 1.0)
+        if error <= FORCE_ERROR:
+            return state, approach
+        derivatives = motion_derivatives(response, state, np.array([True, False]), np.zeros(2))
+        on_cylinder = response.body_of_node[state.linearisation.nodes] == 0
+        approach -= (LOAD - force) / float(derivatives.nodal_forces[on_cylinder, 1, 1].sum())
+    raise RuntimeError(f"the block's approach was not found: the force errs by {error:.1e}")
+
+
+def _pressures(contact: Contact, state: ContactState) -> tuple[Floats, Floats]:
+    """Places of the loaded nodes before the deformation, and their pressures."""
+    lin = state.linearisation
+    assert isinstance(lin, ContactLinearisation)
+    pairs, surface = lin.pairs[0], contact.secondary
+    loaded = state.forces > 0.0
+    x = surface.part.body.space.nodes[surface.nodes[pairs.nodes[loaded]], 0]
+    return x, state.forces[loaded] / pairs.areas[loaded]

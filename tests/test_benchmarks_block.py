@@ -1,0 +1,96 @@
+"""The block's benchmark, the growth and the page of all benchmarks, on small problems."""
+
+import re
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+sys.path.insert(0, str(Path(__file__).parents[1]))  # the benchmarks are not installed
+
+from benchmarks import growth, report
+from benchmarks.hertz_block import HERTZ, mesh_block, press_block
+from benchmarks.hertz_block_peers import bodies
+from benchmarks.measurement import Measurement
+from benchmarks.peers import PeerMissingError, run_python
+from benchmarks.peers.calculix_deck import deck
+
+
+def test_the_block_is_the_published_contact() -> None:
+    """A half cylinder of 100 mm under 2000 N/mm touches on 2 x 1.4856 mm with 857.07 MPa by Hertz."""
+    assert HERTZ.half_width == pytest.approx(1.4856, abs=5e-5)
+    assert HERTZ.max_pressure == pytest.approx(857.07, abs=5e-3)
+
+
+@pytest.mark.parametrize("n_steps", [1, 3])
+def test_the_block_finds_hertz_under_the_load(n_steps: int) -> None:
+    """On a coarse mesh, in one step or several, the load is borne to 1e-8 and the pressure is within 1 %."""
+    found = press_block(mesh_block(0.15, 0.3), n_steps)
+    assert found.force_error is not None
+    assert found.force_error < 1e-8
+    assert abs(found.peak_error) < 0.01
+    assert abs(found.half_width_error) < 0.01
+
+
+def test_the_peers_get_the_same_nodes() -> None:
+    """Triangles of order 2 and their quarters are counter-clockwise, of one area, and middles lie on the circle."""
+    block = mesh_block(0.3, 0.4)
+    upper, lower = bodies(block)
+    assert len(upper.points) + len(lower.points) == block.n_nodes
+    for body in (upper, lower):
+        areas = []
+        for corners in (body.triangles[:, :3], body.quarters):
+            a, b, c = (body.points[corners[:, i]] for i in range(3))
+            doubled = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+            assert (doubled > 0.0).all()
+            areas.append(float(doubled.sum()) / 2.0)
+        assert areas[0] == pytest.approx(areas[1], rel=1e-4)
+    middles = upper.points[upper.contact[:, 2]]
+    assert np.hypot(middles[:, 0], middles[:, 1] - 100.0) == pytest.approx(100.0, abs=1e-9)
+
+
+def test_calculix_gets_each_contact_edge_once() -> None:
+    """The deck names one face of a triangle for every contact edge of both bodies."""
+    upper, lower = bodies(mesh_block(0.3, 0.4))
+    first = len(upper.points)
+    text = deck(
+        np.vstack((upper.points, lower.points)),
+        (upper.triangles, lower.triangles + first),
+        (upper.contact[:, :2], lower.contact[:, :2] + first),
+        (upper.held, lower.held + first),
+        young=210e3,
+        poisson=0.3,
+        penalty=1e7,
+        approach=0.05,
+        n_steps=1,
+    )
+    assert len(re.findall(r"^\d+,S[123]$", text, re.MULTILINE)) == len(upper.contact) + len(lower.contact)
+
+
+def test_a_missing_peer_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A peer that is not installed raises an error with the command that installs it."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with pytest.raises(PeerMissingError, match=re.escape("sh benchmarks/peers/install.sh kratos")):
+        run_python("kratos", "kratos_block.py")
+
+
+def test_growth_tells_exponents() -> None:
+    """Small sizes solve to round-off, and an exponent is the slope of the logarithms."""
+    *sizes, last = growth.quick()
+    assert len(sizes) == len(growth.QUICK)
+    assert all(size.ours_accuracy is not None and size.ours_accuracy < 1e-9 for size in sizes)
+    assert all(size.more["peak_mb"] >= size.more["before_mb"] > 0 for size in sizes)
+    assert set(last.more["exponents"]) == {"assembly", "factor", "solve", "total", "peak_mb"}
+    squares = growth.Growth(tuple({"unknowns": n, "total": n**1.5} for n in (10, 100, 1000)))
+    assert squares.exponent("total") == pytest.approx(1.5)
+
+
+def test_the_page_holds_what_was_recorded(tmp_path: Path) -> None:
+    """The page has a row with the recorded times, ratio and accuracies, and the machine."""
+    measured = Measurement("some work", "peer", 0.5, 2.0, 1e-3, 2e-2, "a note", "1.2", 3.0, {"extra": 7})
+    report.record("name", [measured], tmp_path)
+    page = report.write(("other", "name"), tmp_path, tmp_path / "page.md").read_text(encoding="utf-8")
+    assert "| some work | peer 1.2 | 0.5 | 2 | 4 | 3 | 0.001 | 0.02 |" in page
+    assert "1. a note; extra 7" in page
+    assert "processors" in page
