@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 # before NumPy is imported: on a busy machine, threads that wait for each other take minutes for small matrices
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+# nothing of another run may make a test pass
+os.environ["FLANGEWAY_CACHE"] = "off"
 
 import numpy as np
 import pytest

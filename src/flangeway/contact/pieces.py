@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from flangeway.contact.jets import Jet
 from flangeway.contact.kinematics import closest_parameters
 from flangeway.contact.shape import shape_functions
+from flangeway.contact.straight import straight_integrals
 from flangeway.elements.quadrature import gauss
 
 Floats = NDArray[np.float64]
@@ -75,6 +76,8 @@ def find_pieces(
         Largest gap and largest penetration along the secondary's normal at the middle of a piece.
 
     """
+    if secondary.shape[1] == primary.shape[1] == 2:
+        return _straight_pieces(secondary, primary, candidates, (-depth, reach))
     edges, partners = candidates
     chords = [side[:, -1] - side[:, 0] for side in (secondary, primary)]
     units = [chord / np.linalg.norm(chord, axis=1)[:, None] for chord in chords]
@@ -92,6 +95,30 @@ def find_pieces(
     middle = (pieces.starts + pieces.ends) / 2.0
     distance = _distances(secondary[pieces.edges], primary[pieces.partners], middle)
     return pieces.take((distance < reach) & (distance > -depth))
+
+
+def _straight_pieces(
+    secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints], limits: tuple[float, float]
+) -> Pieces:
+    """`find_pieces` between straight edges, whose gaps along the secondary's normal are linear."""
+    edges, partners = candidates
+    chords, others = secondary[:, 1] - secondary[:, 0], primary[:, 1] - primary[:, 0]
+    (cx, cy), (dx, dy) = chords[edges].T, others[partners].T
+    squares = cx * cx + cy * cy
+    along = cx * dx + cy * dy
+    near = along < -LEAST_FACING * np.sqrt(squares * (dx * dx + dy * dy))
+    ax, ay = (primary[partners, 0] - secondary[edges, 0]).T
+    high = (ax * cx + ay * cy) / squares  # feet of the primary's start and end
+    low = high + along / squares
+    near &= (high > -FAR) & (low < 1.0 + FAR)
+    start_is_foot, end_is_foot = low > SNAP, high < 1.0 - SNAP
+    starts, ends = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
+    near &= ends - starts > SNAP
+    with np.errstate(divide="ignore", invalid="ignore"):  # of edges that do not face each other
+        part = ((starts + ends) / 2.0 - high) * squares / along
+        distance = (ax * cy - ay * cx + part * (dx * cy - dy * cx)) / np.sqrt(squares)
+        near &= (distance > limits[0]) & (distance < limits[1])
+    return Pieces(edges, partners, starts, ends, start_is_foot, end_is_foot).take(np.flatnonzero(near))
 
 
 @dataclass(frozen=True, eq=False)
@@ -132,6 +159,11 @@ def integrate(
         the primary's.
 
     """
+    if not second and secondary.shape[1] == primary.shape[1] == 2:
+        limits, feet = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot)
+        values, gradients, covered, shapes = straight_integrals(limits, feet, secondary, primary, edge_lengths)
+        jets = Jet(values[0], gradients[0], None), Jet(values[1], gradients[1], None)
+        return PieceIntegrals(jets, covered.T, shapes.swapaxes(0, 1))
     n, n_variables = len(pieces), 2 * (secondary.shape[1] + primary.shape[1])
     own, other = _Edge(secondary, 0), _Edge(primary, 2 * secondary.shape[1])
     points, weights = gauss(max(own.order, other.order) + 1)

@@ -1,7 +1,7 @@
 """From profiles to four elastic parts in contact: meshes, surfaces, penalty."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,25 +12,24 @@ from flangeway.contact import Contact, ContactSystem, Surface
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Contour, Outline, Placement
-from flangeway.mesh import Refinement, dual, triangulate
+from flangeway.mesh import Refinement
 from flangeway.problems import Body, Part
+from flangeway.railway.cached_mesh import meshed
 from flangeway.railway.discretisation import ROLES, Discretisation, Role
+from flangeway.railway.known_rest import known_rest
 from flangeway.railway.load import Load
 from flangeway.railway.problem import Prescribed, WheelsetProblem
-from flangeway.railway.rest import RigidRest, rigid_rest
+from flangeway.railway.rest import RigidRest
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 from flangeway.railway.zones import Zone
+from flangeway.solve import Cache
 
 __all__ = ["Discretisation", "Load", "Prescribed", "WheelsetModel", "WheelsetProblem", "build_model"]
 
+Floats = NDArray[np.float64]
+
 BENDING_MM = 10.0
 """How far the bending of the rail may shift a contact."""
-
-FLANGE_MM = 1.0
-"""How much farther than a rigid one an elastic wheelset may go sideways."""
-
-MARGIN_MM = 8.0
-"""Gap at the rigid rest within which a second place may come into contact: flanges may push the rails apart."""
 
 
 LEAST_CURVATURE_PER_MM = 1e-4
@@ -114,6 +113,7 @@ def build_model(
     progress: Callable[[str], None] = lambda _: None,
     *,
     whole: bool = False,
+    cache: Cache | None = None,
 ) -> WheelsetModel:
     """Mesh the bodies, fine where they can touch, and pair their surfaces.
 
@@ -128,6 +128,8 @@ def build_model(
         Called with a sentence at each stage.
     whole
         Zones over the whole running surfaces and heads, for contact anywhere.
+    cache
+        Where meshes are kept from one process to the next; None: nowhere.
 
     Raises
     ------
@@ -136,13 +138,13 @@ def build_model(
 
     """
     settings = problem.discretisation
-    rest = rigid_rest(problem)
+    known = known_rest(problem, cache)
     hertz = LineContact(
         problem.load.vertical_N / 2.0 / problem.thickness_mm,
-        max(rest.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
+        max(known.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
         contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
     )
-    zones = _zones(problem, rest, math.inf if whole else 2.0 * hertz.half_width + BENDING_MM)
+    zones = _zones(problem, known.places, math.inf if whole else 2.0 * hertz.half_width + BENDING_MM)
     wheelset, track = problem.wheelset, problem.track
     bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}
@@ -153,7 +155,7 @@ def build_model(
             name = f"{role}-{side}"
             if (role, id(profile)) not in bodies:
                 progress(f"meshing the {role}" if not bodies or len(bodies) < 2 else f"meshing the other {role}")
-                bodies[role, id(profile)] = _body(problem, role, side, zones[name])
+                bodies[role, id(profile)] = _body(problem, role, side, zones[name], cache)
             body, edges[name], curves[name] = bodies[role, id(profile)]
             parts[name] = Part(name, body, placement)
     contacts = []
@@ -163,17 +165,12 @@ def build_model(
             primary, secondary = secondary, primary
         second, first = (Surface(parts[name], edges[name], curves[name]) for name in (secondary, primary))
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
-    return WheelsetModel(problem, rest, hertz, ContactSystem(contacts), parts, zones)
+    return WheelsetModel(problem, known.rest, hertz, ContactSystem(contacts), parts, zones)
 
 
-def _zones(problem: WheelsetProblem, rest: RigidRest, reach: float) -> dict[str, Zone]:
+def _zones(problem: WheelsetProblem, near: Mapping[str, Floats], reach: float) -> dict[str, Zone]:
     """Zone of each part; equal profiles of both sides share one zone."""
-    aside = math.copysign(FLANGE_MM, rest.motion.lateral_mm) if abs(rest.motion.lateral_mm) > FLANGE_MM else 0.0
-    near = rest.near_places((0.0, 0.5 * aside, aside) if aside else (0.0,), MARGIN_MM)
-    places = {}
-    for side, (on_wheel, on_rail) in near.items():
-        places[f"wheel-{side}"] = [(float(x), float(y)) for x, y in on_wheel]
-        places[f"rail-{side}"] = [(float(x), float(y)) for x, y in on_rail]
+    places = {name: [(float(x), float(y)) for x, y in points] for name, points in near.items()}
     if problem.track.is_symmetric:
         places["rail-left"] = places["rail-right"] = places["rail-left"] + places["rail-right"]
     if problem.wheelset.left_wheel is None:
@@ -181,7 +178,9 @@ def _zones(problem: WheelsetProblem, rest: RigidRest, reach: float) -> dict[str,
     return {name: Zone(tuple(at), reach) for name, at in places.items()}
 
 
-def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple[Body, NDArray[np.int32], Contour]:
+def _body(
+    problem: WheelsetProblem, role: Role, side: Side, zone: Zone, cache: Cache | None
+) -> tuple[Body, NDArray[np.int32], Contour]:
     """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
     settings = problem.discretisation
     held: tuple[str, ...]
@@ -196,7 +195,8 @@ def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple
     body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
     try:
         refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
-        mesh = triangulate(outline, size=body_size, refinements=(refinement,))
+        polygons = settings.method_of(role) == "vem"
+        mesh = meshed(outline, body_size, refinement, polygons=polygons, cache=cache)
     except InputError as error:
         raise InputError(
             f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
@@ -204,8 +204,6 @@ def _body(problem: WheelsetProblem, role: Role, side: Side, zone: Zone) -> tuple
             error.allowed,
             "change size_scale, contact_size_mm or body_size_mm",
         ) from error
-    if settings.method_of(role) == "vem":
-        mesh = dual(mesh)
     edges = zone.edges(mesh, names, role)
     held_name = held[0]
     if len(held) > 1:

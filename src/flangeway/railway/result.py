@@ -4,6 +4,7 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,10 +14,11 @@ from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, pressure_patches
 from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.known import KnownEquilibria
 from flangeway.railway.missed import missed_contact
 from flangeway.railway.model import WheelsetModel, WheelsetProblem, build_model
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
-from flangeway.solve import CondensedBodies, Status
+from flangeway.solve import Cache, CondensedBodies, Status
 
 Floats = NDArray[np.float64]
 
@@ -127,7 +129,9 @@ class WheelsetResult:
         return float(lateral / vertical) * (-1.0 if side == "right" else 1.0)
 
 
-def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None) -> WheelsetResult:
+def solve_wheelset(
+    problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None, *, cold: bool = False
+) -> WheelsetResult:
     """Mesh, condense, and bring the wheelset into balance.
 
     Parameters
@@ -136,20 +140,25 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
         What stands where.
     progress
         Called with a sentence at each stage.
+    cold
+        Compute everything anew, without what earlier runs left in the user's cache.
 
     """
     timings: dict[str, float] = {}
+    cache = None if cold else Cache.of_user()
     for whole in (False, True):
         with _timed(timings, "meshing"):
-            model = build_model(problem, progress, whole=whole)
+            model = build_model(problem, progress, whole=whole, cache=cache)
         with _timed(timings, "assembly"):
             progress("assembling the stiffness")
-            n_unknowns = sum(body.stiffness.n for body in model.bodies)
+            n_unknowns = sum(int(body.free.sum()) for body in model.bodies)
         with _timed(timings, "factorisation"):
             progress(f"condensing {n_unknowns} unknowns to the surfaces")
-            response = CondensedBodies(model.system.surface_nodes)
+            response = CondensedBodies(model.system.surface_nodes, cache)
         with _timed(timings, "contact"):
-            equilibrium, *others = _equilibria(model, response, progress, model.rest.starts if whole else ())
+            starts = model.rest.starts if whole else (model.start_motion,)
+            known = KnownEquilibria(cache, model, response, starts)
+            equilibrium, *others = known.get(partial(_equilibria, model, response, progress, starts))
             state = equilibrium.state
             patches = tuple(_wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
             missed = missed_contact(model, response, state)
@@ -160,7 +169,8 @@ def solve_wheelset(problem: WheelsetProblem, progress: Callable[[str], None] = l
             progress("once more with contact anywhere on the running surfaces")
     with _timed(timings, "post-processing"):
         progress("recovering the fields")
-        fields = response.fields(response.rotations(state.placements), state.nodal_forces)
+        turned = response.rotations(state.placements)
+        fields = known.fields(state, partial(response.fields, turned, state.nodal_forces))
     names = [part.name for part in model.system.parts]
     status, warnings = _judged(model, equilibrium, patches, missed)
     return WheelsetResult(
@@ -182,9 +192,9 @@ def _equilibria(
     progress: Callable[[str], None],
     starts: tuple[WheelsetMotion, ...],
 ) -> list[Equilibrium]:
-    """Balances from some starts, those that are stable first; without starts that from the model's own."""
+    """Balances from some starts, those that are stable first."""
     found: list[Equilibrium] = []
-    for start in starts or (model.start_motion,):
+    for start in starts:
         new = find_equilibrium(model, response, progress, start)
         if not any(_is_same(new, other) for other in found):
             found.append(new)

@@ -1,6 +1,7 @@
 """Linear solvers, condensation, Newton's method for contact, and adaptive steps."""
 
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes
+from flangeway.solve.cache import Cache, CacheWarning
 from flangeway.solve.condensed import CondensedBodies
 from flangeway.solve.elasticity import ElasticitySolution, solve_elasticity
 from flangeway.solve.linearisation import Constraints, Linearisation
@@ -12,6 +13,8 @@ from flangeway.solve.torsion import TorsionSolution, solve_torsion
 
 __all__ = [
     "BodyResponse",
+    "Cache",
+    "CacheWarning",
     "CondensedBodies",
     "Constraints",
     "ContactState",

@@ -1,14 +1,17 @@
 """Linear bodies condensed once to the flexibility of their surfaces."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
+from flangeway._core import Cholesky
 from flangeway.problems import Body
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
+from flangeway.solve.cache import Cache, content_key
 from flangeway.solve.linear import factorise
 
 Floats = NDArray[np.float64]
@@ -26,24 +29,64 @@ class CondensedBody:
     ----------
     surface
         The body and its surface nodes.
+    cache
+        Where flexibilities are kept from one process to the next. With one that is known, the body is factorised only
+        when a field is asked for.
 
     """
 
-    def __init__(self, surface: SurfaceNodes) -> None:
+    def __init__(self, surface: SurfaceNodes, cache: Cache | None = None) -> None:
         body = surface.body
         self.body = body
-        numbers = body.free_numbers(surface.nodes)
-        self._loose = np.flatnonzero(numbers >= 0)
-        self._factor = factorise(body, numbers[self._loose])
+        self._numbers = body.free_numbers(surface.nodes)
+        self._loose = np.flatnonzero(self._numbers >= 0)
+        key = body_key("flexibility", body, surface.nodes) if cache is not None else None
+        if cache is None or key is None:
+            flexibility: NDArray[np.float64] = self._computed()["flexibility"]
+        else:
+            flexibility = cache.get(key, self._computed)["flexibility"]
+        self.flexibility = np.asarray(flexibility, dtype=np.float64)
+        self.flexibility.setflags(write=False)
+
+    @cached_property
+    def _factor(self) -> Cholesky:
+        return factorise(self.body, self._numbers[self._loose])
+
+    def _computed(self) -> dict[str, Floats]:
         factor = cho_factor(self._factor.schur(), lower=True)
         inverse = cho_solve(factor, np.eye(len(self._loose)))
-        self.flexibility: Floats = np.zeros((len(numbers), len(numbers)))
-        self.flexibility[np.ix_(self._loose, self._loose)] = (inverse + inverse.T) / 2.0
+        flexibility: Floats = np.zeros((len(self._numbers), len(self._numbers)))
+        flexibility[np.ix_(self._loose, self._loose)] = (inverse + inverse.T) / 2.0
+        return {"flexibility": flexibility}
 
     def field(self, forces: Floats) -> Floats:
         """Displacements (n_dofs, 2) of all nodes under forces (n, 2) on the surface nodes, body's axes."""
         at_surface = (self.flexibility @ forces.ravel())[self._loose]
         return self.body.field(self._factor.recover(at_surface, np.zeros(self._factor.n)))
+
+    def fields(self, forces: Floats) -> Floats:
+        """Displacements (m, n_dofs, 2) of all nodes under m loads (m, n, 2) on the surface nodes, body's axes."""
+        at_surface = (self.flexibility @ forces.reshape(len(forces), -1).T)[self._loose]
+        free = self._factor.recover(at_surface, np.zeros((self._factor.n, len(forces))))
+        return np.stack([self.body.field(values) for values in free.T])
+
+
+def body_key(kind: str, body: Body, *parts: object) -> str | None:
+    """Key of what a body's mesh, elements, material, thickness and held edges determine, and some parts."""
+    mesh = body.mesh
+    return content_key(
+        kind,
+        mesh.points,
+        mesh.cell_offsets,
+        mesh.cell_points,
+        {name: mesh.edge_sets[name] for name in body.supports if isinstance(name, str)},
+        dict(mesh.cell_sets),
+        body.element,
+        body.material,
+        dict(body.supports),
+        body.thickness,
+        *parts,
+    )
 
 
 class CondensedBodies(BodyResponse):
@@ -54,18 +97,28 @@ class CondensedBodies(BodyResponse):
     surfaces
         Bodies with their surface nodes. A body that appears several times with the same nodes (as a twin placed
         elsewhere) is condensed once.
+    cache
+        See `CondensedBody`.
 
     """
 
-    def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
+    def __init__(self, surfaces: Sequence[SurfaceNodes], cache: Cache | None = None) -> None:
         super().__init__(surfaces)
         unique: dict[tuple[Body, bytes], CondensedBody] = {}
         self._condensed: list[CondensedBody] = []
         for surface in self.surfaces:
             key = (surface.body, surface.nodes.tobytes())
             if key not in unique:
-                unique[key] = CondensedBody(surface)
+                unique[key] = CondensedBody(surface, cache)
             self._condensed.append(unique[key])
+
+    def flexibility(self, number: int) -> Floats:
+        """Displacements of a placed body's surface nodes by forces on them, body's axes, shape (2 n, 2 n)."""
+        return self._condensed[number].flexibility
+
+    def body_fields(self, number: int, forces: Floats) -> Floats:
+        """Displacements (m, n_dofs, 2) of a placed body under m loads (m, n, 2) on its surface nodes, body's axes."""
+        return self._condensed[number].fields(forces)
 
     @property
     def n_unknowns(self) -> int:

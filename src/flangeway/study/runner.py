@@ -38,7 +38,7 @@ class CaseRun:
         return self.result.status
 
 
-def run_case(case: WheelsetCase, progress: Progress = lambda _: None) -> CaseRun:
+def run_case(case: WheelsetCase, progress: Progress = lambda _: None, *, cold: bool = False) -> CaseRun:
     """Solve a case.
 
     Parameters
@@ -47,6 +47,8 @@ def run_case(case: WheelsetCase, progress: Progress = lambda _: None) -> CaseRun
         The inputs.
     progress
         Called with a sentence at each stage.
+    cold
+        See `flangeway.railway.result.solve_wheelset`.
 
     Raises
     ------
@@ -57,5 +59,5 @@ def run_case(case: WheelsetCase, progress: Progress = lambda _: None) -> CaseRun
 
     """
     start = time.perf_counter()
-    result = solve_wheelset(case.problem(), progress)
+    result = solve_wheelset(case.problem(), progress, cold=cold)
     return CaseRun(case, result, summarise(case, result, time.perf_counter() - start))

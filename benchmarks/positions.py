@@ -1,0 +1,145 @@
+"""Ten thousand positions of a wheelset, lateral motion by load, on two processes; 20 by the full search as well.
+
+Accuracy is the largest difference of a patch's force from that of the full search, over the weight. The peer is the
+full search of the same program: its time is that of as many positions at the mean of those that were searched.
+"""
+
+import os
+import time
+from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from multiprocessing.synchronize import Barrier
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.measurement import Measurement
+from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
+from flangeway.railway.lane_patches import patches_of
+from flangeway.railway.load import Load
+from flangeway.railway.positions import Positions, PositionTable, solve_positions
+from flangeway.railway.prepared import PreparedWheelset, prepare
+from flangeway.railway.problem import Prescribed, WheelsetProblem
+from flangeway.railway.rigid_contact import contact_locus
+from flangeway.railway.track import WheelsetMotion
+from flangeway.solve import Cache
+from flangeway.study import WheelsetTangentCase
+
+Floats = NDArray[np.float64]
+
+FULL_SEARCH = "flangeway"
+"""The peer is the other path of the same program."""
+
+PAIRS = {"S1002 on 60E1": ({"wheel": "S1002", "rail": "60E1"}, 11.5), "AAR-1B on 136RE": ({}, 9.6)}
+"""Inputs of the case, and lateral motion in mm up to which positions are solved: the flange touches."""
+
+N_LATERAL, N_LOADS = 100, 100
+LOADS_N = (50e3, 300e3)
+N_CHECKED = 20
+N_PROCESSES = 2
+N_SHEAR = 40
+BUDGET_S = 100.0
+
+_prepared: dict[str, PreparedWheelset] = {}
+
+
+def measurements() -> Iterator[Measurement]:
+    """Both pairs of profiles."""
+    for name in PAIRS:
+        yield from _pair(name)
+
+
+def _problem(name: str) -> WheelsetProblem:
+    return WheelsetTangentCase.from_values(PAIRS[name][0]).problem()
+
+
+def _pair(name: str) -> Iterator[Measurement]:
+    lateral = np.linspace(-PAIRS[name][1], PAIRS[name][1], N_LATERAL)
+    loads = np.linspace(*LOADS_N, N_LOADS)
+    shares = [Positions.grid(part, loads) for part in np.array_split(lateral, N_PROCESSES)]
+    with TemporaryDirectory() as folder:
+        start = time.perf_counter()
+        prepared = prepare(_problem(name), cache=Cache(Path(folder), 10**9))
+        condensing = time.perf_counter() - start
+        context = get_context("spawn")
+        ready = (name, folder, context.Barrier(N_PROCESSES))
+        with ProcessPoolExecutor(N_PROCESSES, context, _make_ready, ready) as pool:
+            list(pool.map(_is_ready, [name] * N_PROCESSES))
+            start = time.perf_counter()
+            found = list(pool.map(_solve, [name] * N_PROCESSES, shares))
+            seconds = time.perf_counter() - start
+    tables = [table for table, _ in found]
+    n_positions = sum(len(table.positions) for table in tables)
+    processor = sum(each for _, each in found) / n_positions
+    slow = sum(int(table.by_full_search.sum()) for table in tables)
+    missing = sum(int((~table.converged).sum()) for table in tables)
+    rounds = np.concatenate([table.rounds[~table.by_full_search] for table in tables]).mean()
+    worst, pressure, full_s = _checked(prepared, tables)
+    shear = _shear_cost(prepared, lateral, loads)
+    yield Measurement(
+        f"{n_positions} positions of {name}, lateral motion by load, after condensation, {N_PROCESSES} processes",
+        FULL_SEARCH,
+        seconds,
+        full_s * n_positions / N_PROCESSES,
+        worst,
+        None,
+        f"budget {BUDGET_S:g} s; {1e3 * seconds * N_PROCESSES / n_positions:.1f} ms a position and process, "
+        f"{1e3 * processor:.1f} ms of processor time; {rounds:.1f} iterations a position, {slow} by the full search, "
+        f"{missing} not found; {N_CHECKED} drawn at random: pressures differ by {pressure:.1e}; "
+        f"largest shear stresses, if asked for, {1e3 * shear:.1f} ms more; "
+        f"meshing and condensing {condensing:.2f} s, load average {os.getloadavg()[0]:.1f}",
+    )
+
+
+def _make_ready(name: str, folder: str, barrier: Barrier) -> None:
+    """Prepare the wheelset in a worker, from the cache, and wait for the other workers."""
+    _prepared[name] = prepare(_problem(name), cache=Cache(Path(folder), 10**9))
+    barrier.wait()
+
+
+def _is_ready(name: str) -> int:
+    return len(_prepared[name].stands)
+
+
+def _solve(name: str, positions: Positions) -> tuple[PositionTable, float]:
+    start = time.process_time()
+    return solve_positions(_prepared[name], positions), time.process_time() - start
+
+
+def _shear_cost(prepared: PreparedWheelset, lateral: Floats, loads: Floats) -> float:
+    """Seconds of processor time that the largest shear stresses of a position cost."""
+    positions = Positions.grid(lateral[:2], loads[:N_SHEAR])
+    times = []
+    for shear in (True, False, True):  # the first time the bodies are factorised
+        start = time.process_time()
+        solve_positions(prepared, positions, shear=shear)
+        times.append(time.process_time() - start)
+    return (times[2] - times[1]) / len(positions)
+
+
+def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[float, float, float]:
+    """Largest differences of forces over the weight and of pressures from the full search, and its mean time."""
+    rng = np.random.default_rng(20)
+    worst, pressure, times = 0.0, 0.0, []
+    for _ in range(N_CHECKED):
+        table = tables[rng.integers(len(tables))]
+        number = int(rng.integers(len(table.positions)))
+        lateral, weight = float(table.positions.lateral_mm[number]), float(table.positions.vertical_N[number])
+        start = time.perf_counter()
+        where = contact_locus(prepared.model.rest.wheelset, [lateral]).motion(0)
+        found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), where)
+        times.append(time.perf_counter() - start)
+        if not found.status.converged:  # once more, from the motion that is to be checked
+            motion = WheelsetMotion(*table.motion[number]).moved(WheelsetMotion(vertical_mm=FIRST_PENETRATION_MM))
+            found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), motion)
+        expected, got = patches_of(prepared, found), table.patches[number]
+        if len(expected) != len(got) or not found.status.converged:
+            return np.inf, np.inf, float(np.mean(times))
+        for mine, theirs in zip(got, expected, strict=True):
+            apart = np.subtract(mine.force_on_wheel_N, theirs.force_on_wheel_N)
+            worst = max(worst, float(np.abs(apart).max()) / weight)
+            pressure = max(pressure, abs(mine.max_pressure_MPa / theirs.max_pressure_MPa - 1.0))
+    return worst, pressure, float(np.mean(times))

@@ -1,0 +1,82 @@
+"""Where the rigid wheelset rests and nearly touches, kept from one process to the next."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.railway.problem import WheelsetProblem
+from flangeway.railway.rest import RigidRest, rigid_rest
+from flangeway.railway.rigid_contact import RigidWheelset
+from flangeway.railway.track import SIDES, WheelsetMotion
+from flangeway.solve.cache import Arrays, Cache, content_key
+
+Floats = NDArray[np.float64]
+
+FLANGE_MM = 1.0
+"""How much farther than a rigid one an elastic wheelset may go sideways."""
+
+MARGIN_MM = 8.0
+"""Gap at the rigid rest within which a second place may come into contact: flanges may push the rails apart."""
+
+
+@dataclass(frozen=True, eq=False)
+class KnownRest:
+    """What a model takes from the rigid wheelset.
+
+    Parameters
+    ----------
+    rest
+        Where it rests.
+    relative_curvature_per_mm
+        See `RigidRest`.
+    places
+        Points that touch or nearly touch by the part's name, in its profile's frame, each (n, 2).
+
+    """
+
+    rest: RigidRest
+    relative_curvature_per_mm: float
+    places: Mapping[str, Floats]
+
+
+def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
+    """Find them, or take what was found before for the same profiles, track, load and prescribed motion.
+
+    Raises
+    ------
+    InputError
+        As `rigid_rest`.
+
+    """
+    key = content_key("rest", problem.track, problem.wheelset, problem.load, problem.prescribed, FLANGE_MM, MARGIN_MM)
+    if cache is None or key is None:
+        return _found(problem)
+    arrays = cache.load(key)
+    if arrays is not None:
+        return _unpacked(problem, arrays)
+    found = _found(problem)
+    arrays = {f"at {name}": places for name, places in found.places.items()}
+    arrays["starts"] = np.array([motion.components for motion in found.rest.starts])
+    arrays["curvature"] = np.array(found.relative_curvature_per_mm)
+    cache.store(key, arrays)
+    return found
+
+
+def _found(problem: WheelsetProblem) -> KnownRest:
+    rest = rigid_rest(problem)
+    lateral = rest.motion.lateral_mm
+    aside = math.copysign(FLANGE_MM, lateral) if abs(lateral) > FLANGE_MM else 0.0
+    near = rest.near_places((0.0, 0.5 * aside, aside) if aside else (0.0,), MARGIN_MM)
+    places = {f"{role}-{side}": near[side][number] for side in SIDES for number, role in enumerate(("wheel", "rail"))}
+    return KnownRest(rest, rest.relative_curvature_per_mm, places)
+
+
+def _unpacked(problem: WheelsetProblem, arrays: Arrays) -> KnownRest:
+    starts = tuple(WheelsetMotion(*(float(each) for each in row)) for row in arrays["starts"])
+    load = problem.load if problem.prescribed.lateral_mm is None else None
+    rest = RigidRest(RigidWheelset.of(problem.track, problem.wheelset), starts, load)
+    places = {name.removeprefix("at "): array for name, array in arrays.items() if name.startswith("at ")}
+    return KnownRest(rest, float(arrays["curvature"]), places)

@@ -1,0 +1,145 @@
+"""Regions of contact of positions that were solved side by side."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.post import pressure_patches
+from flangeway.post.pressure import CONSTRAINTS_APART
+from flangeway.railway.discretisation import Role
+from flangeway.railway.equilibrium import Equilibrium
+from flangeway.railway.lane_newton import LaneSide
+from flangeway.railway.lanes import resultants
+from flangeway.railway.prepared import PreparedWheelset
+from flangeway.railway.result import GAUGE_SIDE
+from flangeway.railway.subsurface import SubsurfaceExtreme
+from flangeway.railway.track import SIDES, Side
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class LanePatch:
+    """One region of contact; see `flangeway.railway.result.WheelRailPatch`.
+
+    Parameters
+    ----------
+    side, region
+        Where it is.
+    force_on_wheel_N
+        Resultant on the wheel, axes of the track.
+    max_pressure_MPa, half_width_mm
+        Largest pressure, and half of the loaded length.
+    wheel_point_mm, rail_point_mm
+        Centre of pressure on the undeformed profiles, in their frames.
+    at_edge
+        Whether it reaches an end of either surface.
+    shear
+        Largest shear stress below it in the wheel and in the rail, where that was asked for.
+
+    """
+
+    side: Side
+    region: str
+    force_on_wheel_N: tuple[float, float]  # noqa: N815 (the unit newton)
+    max_pressure_MPa: float  # noqa: N815 (the unit megapascal)
+    half_width_mm: float
+    wheel_point_mm: tuple[float, float]
+    rail_point_mm: tuple[float, float]
+    at_edge: bool
+    shear: Mapping[Role, SubsurfaceExtreme] | None = None
+
+
+def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
+    """Regions of contact of one side of some lanes, along the secondary surface as it stands."""
+    pair, gaps, forces = side.pair, side.gaps, side.loads.forces
+    n_hats = forces.shape[1]
+    unit = resultants(side.stand, gaps, side.around)
+    secondary, primary = pair.secondary, pair.primary
+    of_piece = gaps.rows[:, 0] // n_hats
+    chosen = np.isin(of_piece, lanes)
+    rows = gaps.rows[chosen].ravel()
+    edges = gaps.pieces.partners[chosen] % len(primary.edges)
+    moments = np.einsum("pra,pai->pri", gaps.shapes[chosen], primary.mesh_points[primary.edges[edges]])
+    sums = [np.bincount(rows, moments[..., x].ravel(), minlength=forces.size) for x in range(2)]
+    covered = np.bincount(rows, gaps.covered[chosen].ravel(), minlength=forces.size)
+    widths = _node_lengths(side)
+    found: list[list[LanePatch]] = []
+    for lane in lanes:
+        loaded = np.flatnonzero(forces[lane] > 0.0)
+        groups = np.split(loaded, np.flatnonzero(np.diff(loaded) > CONSTRAINTS_APART) + 1)
+        patches = []
+        for group in groups:
+            if len(group) == 0:
+                continue
+            force = forces[lane, group]
+            share = force / force.sum()
+            x, y, _ = force @ unit[lane, group]
+            nodes = pair.hats.nodes[group]
+            there = np.stack([each[lane * n_hats + group] for each in sums], axis=1)
+            points = share @ secondary.mesh_points[nodes], share @ (there / covered[lane * n_hats + group][:, None])
+            on_wheel, on_rail = points if pair.wheel_is_secondary else points[::-1]
+            mine = (of_piece == lane) & np.isin(gaps.rows - lane * n_hats, group).any(axis=1)
+            touched = gaps.pieces.partners[mine] % len(primary.edges)
+            at_edge = (
+                nodes.min() == 0
+                or nodes.max() == len(secondary.points) - 1
+                or touched.min() == 0
+                or touched.max() == len(primary.edges) - 1
+            )
+            patches.append(
+                LanePatch(
+                    side.stand.side,
+                    region_of(side.stand.side, x, y),
+                    (float(x), float(y)),
+                    float((force / gaps.areas[lane, group]).max()),
+                    float(widths[nodes[0] : nodes[-1] + 1].sum()) / 2.0,
+                    (float(on_wheel[0]), float(on_wheel[1])),
+                    (float(on_rail[0]), float(on_rail[1])),
+                    bool(at_edge),
+                )
+            )
+        # the left side mirrors the right-hand form, and its chain runs the other way
+        found.append(patches[::-1] if side.stand.side == "left" else patches)
+    return found
+
+
+def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[LanePatch, ...]:
+    """Regions of contact of a position that was found by the full search, left side first."""
+    found = []
+    for patch in pressure_patches(prepared.model.system, equilibrium.state):
+        wheel_is_secondary = prepared.model.system.contacts[patch.contact].secondary.part.name.startswith("wheel")
+        points = (patch.secondary_point, patch.primary_point)[:: 1 if wheel_is_secondary else -1]
+        x, y = patch.force if wheel_is_secondary else -patch.force
+        side = SIDES[patch.contact]
+        found.append(
+            LanePatch(
+                side,
+                region_of(side, x, y),
+                (float(x), float(y)),
+                float(patch.pressures.max()),
+                patch.half_width,
+                (float(points[0][0]), float(points[0][1])),
+                (float(points[1][0]), float(points[1][1])),
+                patch.at_edge,
+            )
+        )
+    return tuple(found)
+
+
+def region_of(side: Side, lateral: float, vertical: float) -> str:
+    """Part of the rail that is touched, by the force on the wheel; see `WheelRailPatch.region`."""
+    inward = -lateral if side == "right" else lateral
+    if abs(inward) < GAUGE_SIDE * vertical:
+        return "crown"
+    return "gauge corner" if inward > 0.0 else "field corner"
+
+
+def _node_lengths(side: LaneSide) -> Floats:
+    """Lengths that belong to the secondary's nodes, shape (n,)."""
+    lengths = np.zeros(len(side.pair.secondary.points))
+    np.add.at(lengths, side.pair.hats.nodes, side.pair.hats.areas / side.pair.thickness)
+    return lengths

@@ -1,0 +1,485 @@
+"""Thousands of positions of one wheelset: lateral motion by load, each in balance.
+
+Positions are ordered into chains of neighbours, and a number of chains advances side by side (`Lanes`). What does not
+converge there is solved by the full search.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.errors import InputError
+from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
+from flangeway.railway.lane_newton import Lanes
+from flangeway.railway.lane_patches import LanePatch, lane_patches, patches_of
+from flangeway.railway.lane_shear import LoadedPatch, largest_shears
+from flangeway.railway.lanes import Demands
+from flangeway.railway.load import Load
+from flangeway.railway.prepared import PreparedWheelset
+from flangeway.railway.problem import Prescribed
+from flangeway.railway.rest import rigid_rest
+from flangeway.railway.rigid_contact import contact_locus
+from flangeway.railway.track import SIDES, WheelsetMotion
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+
+AT_ONCE = 32
+"""Positions that are solved side by side."""
+
+CHAIN = 48
+"""Longest chain of positions that follow each other."""
+
+NEAR = np.array([0.1, 0.02, 0.02])
+"""What counts as one step: lateral motion in mm, relative load, lateral over vertical force."""
+
+FARTHEST = 8.0
+"""Steps from a position to the next beyond which that is begun anew."""
+
+
+MOST_WAITING = 64
+"""Regions of contact whose fields are recovered together."""
+
+SHARES = (0.2, 0.6, 1.0)
+SMALL_SHARES = (0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
+"""Parts of its load under which a position is come to from rigid wheels, at first and when that failed."""
+
+
+@dataclass(frozen=True, eq=False)
+class Positions:
+    """What each position is asked for.
+
+    Parameters
+    ----------
+    lateral_mm
+        Lateral motion of the axle's middle, not-a-number where it is found by balance, shape (n,).
+    vertical_N, lateral_N
+        Weight and lateral force as in `Load`, shape (n,).
+
+    Raises
+    ------
+    InputError
+        If lengths differ, there is no position, or a load is not positive.
+
+    """
+
+    lateral_mm: Floats
+    vertical_N: Floats  # noqa: N815 (the unit newton)
+    lateral_N: Floats  # noqa: N815
+
+    def __post_init__(self) -> None:
+        names = ("lateral_mm", "vertical_N", "lateral_N")
+        given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(getattr(self, name), dtype=float)) for name in names))
+        if given[0].ndim != 1 or len(given[0]) == 0:
+            raise InputError(f"positions of shape {given[0].shape}", "one or more, shape (n,)", "give flat arrays")
+        lateral, vertical, force = given
+        wrong = ~(np.isfinite(vertical) & (vertical > 0.0) & np.isfinite(force)) | np.isinf(lateral)
+        if wrong.any():
+            place = int(wrong.argmax())
+            raise InputError(
+                f"position {place} with lateral_mm={lateral[place]}, vertical_N={vertical[place]}, "
+                f"lateral_N={force[place]}",
+                "finite numbers, a positive weight; lateral_mm may be nan",
+                "correct it",
+            )
+        for name, value in zip(names, given, strict=True):
+            stored = value.copy()
+            stored.setflags(write=False)
+            object.__setattr__(self, name, stored)
+
+    @classmethod
+    def grid(cls, lateral_mm: ArrayLike, vertical_N: ArrayLike, lateral_N: float = 0.0) -> Self:
+        """All lateral motions (n,) with all weights (m,), lateral motion by lateral motion: n m positions."""
+        lateral, vertical = (
+            each.ravel() for each in np.meshgrid(np.asarray(lateral_mm), np.asarray(vertical_N), indexing="ij")
+        )
+        return cls(lateral, vertical, np.full(len(lateral), lateral_N))
+
+    def __len__(self) -> int:
+        """Return the number of positions."""
+        return len(self.lateral_mm)
+
+    def take(self, chosen: ArrayLike) -> "Positions":
+        """Some of them."""
+        places = np.asarray(chosen)
+        return Positions(self.lateral_mm[places], self.vertical_N[places], self.lateral_N[places])
+
+
+@dataclass(frozen=True, eq=False)
+class PositionTable:
+    """What was found for each position.
+
+    Parameters
+    ----------
+    positions
+        What was asked for.
+    converged
+        Whether it was found, shape (n,).
+    by_full_search
+        Whether the full search was needed, shape (n,).
+    rounds
+        Newton iterations of the fast path, shape (n,).
+    motion
+        Lateral and vertical motion in mm and roll in rad; nan where it was not found, shape (n, 3).
+    patches
+        Regions of contact of each position, left side first.
+    messages
+        Why positions were not found, by number.
+
+    """
+
+    positions: Positions
+    converged: Bools
+    by_full_search: Bools
+    rounds: Ints
+    motion: Floats
+    patches: tuple[tuple[LanePatch, ...], ...]
+    messages: dict[int, str]
+
+    @property
+    def max_pressures_MPa(self) -> Floats:  # noqa: N802 (the unit megapascal)
+        """Largest pressure on left and right, zero without contact, shape (n, 2)."""
+        result = np.zeros((len(self.patches), 2))
+        for number, patches in enumerate(self.patches):
+            for patch in patches:
+                side = SIDES.index(patch.side)
+                result[number, side] = max(result[number, side], patch.max_pressure_MPa)
+        return result
+
+    @property
+    def forces_on_wheels_N(self) -> Floats:  # noqa: N802 (the unit newton)
+        """Forces on the left and the right wheel, axes of the track, shape (n, 2, 2)."""
+        result = np.zeros((len(self.patches), 2, 2))
+        for number, patches in enumerate(self.patches):
+            for patch in patches:
+                result[number, SIDES.index(patch.side)] += patch.force_on_wheel_N
+        return result
+
+    @property
+    def lateral_over_vertical(self) -> Floats:
+        """L/V of left and right wheel, positive where it pushes the rail outwards; nan without contact: (n, 2)."""
+        forces = self.forces_on_wheels_N
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(forces[..., 1] > 0.0, forces[..., 0] / forces[..., 1], np.nan)
+        return ratio * [1.0, -1.0]
+
+
+def solve_positions(
+    prepared: PreparedWheelset,
+    positions: Positions,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+    *,
+    shear: bool = False,
+) -> PositionTable:
+    """Bring the wheelset into balance in each of many positions.
+
+    Vertical motion and roll are found, or as the prepared problem prescribes them; the track's tilt is that of its
+    load. Where a lateral motion is to be found and several positions are in balance, it is the one that is reached
+    from a neighbouring load.
+
+    Parameters
+    ----------
+    prepared
+        The wheelset.
+    positions
+        What is asked for.
+    progress
+        Called with the number of positions that are done and that of all.
+    shear
+        Whether the largest shear stress below each contact is wanted: it needs the fields of all bodies.
+
+    Raises
+    ------
+    InputError
+        If the contact is not segment-to-segment with a penalty or multipliers.
+
+    """
+    run = _Run(prepared, positions, progress, shear)
+    run.go()
+    return run.table()
+
+
+@dataclass(frozen=True)
+class _Task:
+    """A position, or a step on the way to it under a share of its load; ``anew``: without what was found before."""
+
+    number: int
+    share: float
+    anew: bool
+
+
+def _begun(number: int, shares: tuple[float, ...]) -> list[_Task]:
+    """Tasks that lead to a position from rigid wheels."""
+    return [_Task(number, share, anew=share == shares[0]) for share in shares]
+
+
+def _begun_first(tasks: list[_Task]) -> list[_Task]:
+    """Tasks of which the first is led to from rigid wheels."""
+    return _begun(tasks[0].number, SHARES) + tasks[1:] if tasks else []
+
+
+@dataclass(eq=False)
+class _Run:
+    """One call of `solve_positions`."""
+
+    prepared: PreparedWheelset
+    positions: Positions
+    progress: Callable[[int, int], None]
+    shear: bool
+    waiting: list[tuple[int, LoadedPatch]] = field(default_factory=list)
+    patches: dict[int, tuple[LanePatch, ...]] = field(default_factory=dict)
+    messages: dict[int, str] = field(default_factory=dict)
+    rests: dict[int, WheelsetMotion] = field(default_factory=dict)
+    tried: set[int] = field(default_factory=set)
+    slow: list[int] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        n = len(self.positions)
+        self.stands = self.prepared.stands
+        self.converged, self.by_full_search = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
+        self.rounds, self.motion = np.zeros(n, dtype=np.int64), np.full((n, 3), np.nan)
+        problem = self.prepared.model.problem
+        loads = [self._load(number).in_track for number in range(n)]
+        along, onto = np.array(loads).T
+        given = np.full((n, 3), np.nan)
+        for component, value in enumerate(problem.prescribed.components):
+            if value is not None and component > 0:
+                given[:, component] = value
+        given[:, 0] = self.positions.lateral_mm
+        self.demands = Demands(along, onto, self.positions.vertical_N, given, problem.wheelset.barycentre_height_mm)
+        self.guesses = self._guesses()
+
+    def _load(self, number: int) -> Load:
+        tilt = self.prepared.model.problem.load.tilt_rad
+        return Load(float(self.positions.vertical_N[number]), float(self.positions.lateral_N[number]), tilt)
+
+    def _prescribed(self, number: int) -> Prescribed:
+        lateral = float(self.positions.lateral_mm[number])
+        given = self.prepared.model.problem.prescribed
+        return Prescribed(None if np.isnan(lateral) else lateral, given.vertical_mm, given.roll_rad)
+
+    def _guesses(self) -> dict[float, WheelsetMotion]:
+        """Where rigid wheels stand at each lateral motion that is asked for; without those that cannot be reached."""
+        wanted = np.unique(self.positions.lateral_mm[~np.isnan(self.positions.lateral_mm)])
+        wheelset = self.prepared.model.rest.wheelset
+        try:
+            locus = contact_locus(wheelset, wanted) if len(wanted) else None
+            return {} if locus is None else {float(each): locus.motion(i) for i, each in enumerate(wanted)}
+        except InputError:
+            return _reachable(self.prepared, wanted)
+
+    def _start(self, number: int) -> WheelsetMotion | None:
+        """Where rigid wheels stand; None and a message if they do not."""
+        lateral = float(self.positions.lateral_mm[number])
+        if not np.isnan(lateral):
+            found = self.guesses.get(lateral)
+            if found is None:
+                self.messages[number] = f"the wheels do not stand on both rails at a lateral motion of {lateral:g} mm"
+            return found
+        if number in self.rests or number in self.messages:
+            return self.rests.get(number)
+        try:
+            problem = self.prepared.problem_with(self._load(number), self._prescribed(number))
+            self.rests[number] = rigid_rest(problem).motion
+            return self.rests[number]
+        except InputError as error:
+            self.messages[number] = str(error)
+            return None
+
+    def go(self) -> None:
+        """Solve all."""
+        queue = _chains(self.demands)[::-1]
+        chains = [chain for chain in (self._next_chain(queue) for _ in range(AT_ONCE)) if chain]
+        at = [chain[0] for chain in chains]
+        follow = [chain[1:] for chain in chains]
+        if at:
+            lanes = Lanes(self.stands, self.demands.take(np.array([each.number for each in at])), self._pressed(at))
+            for lane, task in enumerate(at):
+                lanes.ask(lane, self.demands, task.number, task.share)
+            self._advance(lanes, at, follow, queue)
+        for number in self.slow:
+            self._solve_slowly(number)
+        self._find_shear()
+
+    def _advance(self, lanes: Lanes, at: list["_Task"], follow: list[list["_Task"]], queue: list[list[int]]) -> None:
+        """Solve in lanes what can be solved there."""
+        while True:
+            done, lost = lanes.evaluate()
+            lost &= ~done
+            self._collect(lanes, np.flatnonzero(done), at)
+            whole = np.array([task.share == 1.0 for task in at])
+            lanes.remember(np.flatnonzero(done & whole))
+            back: list[int] = []
+            restarts: list[int] = []
+            ends = np.zeros(len(at), dtype=np.bool_)
+            for lane in np.flatnonzero(done | lost):
+                before, chain = at[lane], follow[lane]
+                if lost[lane]:
+                    chain = self._after_loss(before, chain, begun=bool(np.isfinite(lanes.good_motion[lane]).all()))
+                chain = chain or self._next_chain(queue)
+                if not chain:
+                    ends[lane] = True
+                    continue
+                at[lane], follow[lane] = chain[0], chain[1:]
+                lanes.ask(int(lane), self.demands, chain[0].number, chain[0].share)
+                if chain[0].anew:
+                    restarts.append(int(lane))
+                elif lost[lane]:
+                    back.append(int(lane))
+            if ends.all():
+                break
+            lanes.step()
+            if restarts:
+                lanes.restart(np.array(restarts), self._pressed([at[lane] for lane in restarts]))
+            for number in back:
+                lanes.go_back(number)
+            if ends.any():
+                at[:] = [each for each, end in zip(at, ends, strict=True) if not end]
+                follow[:] = [each for each, end in zip(follow, ends, strict=True) if not end]
+                lanes.keep(~ends)
+
+    def _after_loss(self, lost: "_Task", chain: list["_Task"], *, begun: bool) -> list["_Task"]:
+        """What a lane does next that has lost its position: come to it by smaller steps, or leave it.
+
+        A lane that has ``begun``, that has found a position before, goes on from that to the next.
+        """
+        rest = [task for task in chain if task.number != lost.number]
+        if lost.number not in self.tried:
+            self.tried.add(lost.number)
+            return _begun(lost.number, SMALL_SHARES) + rest
+        self.slow.append(lost.number)
+        return rest if begun else _begun_first(rest)
+
+    def _next_chain(self, queue: list[list[int]]) -> list["_Task"]:
+        """Tasks of the next chain; empty if there is none."""
+        while queue:
+            numbers = [number for number in queue.pop() if self._start(number) is not None]
+            tasks: list[_Task] = []
+            for before, number in zip([None, *numbers], numbers, strict=False):
+                near = before is not None and _steps(self.demands, before, number) <= FARTHEST
+                tasks += [_Task(number, 1.0, anew=False)] if near else _begun(number, SHARES)
+            if tasks:
+                return tasks
+        return []
+
+    def _pressed(self, tasks: list["_Task"]) -> Floats:
+        """Where the searches for positions begin: rigid wheels a little pressed on the rails, shape (n, 3)."""
+        motions = [self._start(task.number) for task in tasks]
+        rest = np.array([motion.components for motion in motions if motion is not None])
+        given = self.demands.given[[task.number for task in tasks]]
+        return np.where(np.isnan(given), rest - [0.0, FIRST_PENETRATION_MM, 0.0], given)
+
+    def _collect(self, lanes: Lanes, found: Ints, at: list["_Task"]) -> None:
+        found = np.array([lane for lane in found if at[lane].share == 1.0], dtype=np.int64)
+        if len(found) == 0:
+            return
+        sides = [lane_patches(side, found) for side in lanes.sides]
+        for place, lane in enumerate(found):
+            number = at[lane].number
+            self.patches[number] = tuple(patch for side in sides for patch in side[place])
+            if self.shear:
+                for side, patches in zip(lanes.sides, sides, strict=True):
+                    wheel = side.pair.wheel.in_own_order(side.loads.wheel[lane])
+                    rail = side.pair.rail.in_own_order(side.loads.rail[lane])
+                    self.waiting += [(number, LoadedPatch(patch, wheel, rail)) for patch in patches[place]]
+            self.motion[number], self.converged[number] = lanes.motion[lane], True
+            self.rounds[number] = lanes.age[lane]
+        self.progress(int(self.converged.sum()), len(self.positions))
+        if len(self.waiting) > MOST_WAITING:
+            self._find_shear()
+
+    def _find_shear(self) -> None:
+        """Give the patches that wait for it their largest shear stress."""
+        waiting, self.waiting = self.waiting, []
+        found = largest_shears(self.prepared, [each for _, each in waiting])
+        for number in {number for number, _ in waiting}:
+            self.patches[number] = tuple(
+                replace(each.patch, shear=shear)
+                for (mine, each), shear in zip(waiting, found, strict=True)
+                if mine == number
+            )
+
+    def _solve_slowly(self, number: int) -> None:
+        start = self._start(number)
+        found = self.prepared.solve(self._load(number), self._prescribed(number), start)
+        self.by_full_search[number] = True
+        self.converged[number] = found.status.converged
+        if not found.status.converged:
+            self.messages[number] = found.status.message
+            return
+        self.motion[number] = found.motion.components
+        self.patches[number] = patches_of(self.prepared, found)
+        if self.shear:
+            response, state = self.prepared.response, found.state
+            local = np.einsum("nji,nj->ni", response.rotations(state.placements), state.nodal_forces)
+            names = [part.name for part in self.prepared.model.system.parts]
+            of_part = dict(zip(names, np.split(local, response.offsets[1:-1]), strict=True))
+            self.waiting += [
+                (number, LoadedPatch(patch, of_part[f"wheel-{patch.side}"], of_part[f"rail-{patch.side}"]))
+                for patch in self.patches[number]
+            ]
+
+    def table(self) -> PositionTable:
+        """Return what was found."""
+        for values in (self.converged, self.by_full_search, self.rounds, self.motion):
+            values.setflags(write=False)
+        return PositionTable(
+            self.positions,
+            self.converged,
+            self.by_full_search,
+            self.rounds,
+            self.motion,
+            tuple(self.patches.get(number, ()) for number in range(len(self.positions))),
+            self.messages,
+        )
+
+
+def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, WheelsetMotion]:
+    """Where rigid wheels stand at those lateral motions that they reach."""
+    found = {}
+    for lateral in wanted:
+        try:
+            found[float(lateral)] = contact_locus(prepared.model.rest.wheelset, [lateral]).motion(0)
+        except InputError:
+            continue
+    return found
+
+
+def _features(demands: Demands) -> Floats:
+    """Positions in a space where neighbours are about one apart, shape (n, 3)."""
+    lateral = np.where(np.isnan(demands.given[:, 0]), 1e3, demands.given[:, 0])
+    ratio = np.where(np.isnan(demands.given[:, 0]), demands.along / demands.onto, 0.0)
+    return np.stack((lateral, np.log(demands.onto), ratio), axis=1) / NEAR
+
+
+def _steps(demands: Demands, one: int, other: int) -> float:
+    features = _features(demands.take(np.array([one, other])))
+    return float(np.abs(features[1] - features[0]).max())
+
+
+def _chains(demands: Demands) -> list[list[int]]:
+    """Chains of neighbours that hold all positions together."""
+    features = _features(demands)
+    order = np.lexsort((features[:, 1], features[:, 2], features[:, 0]))
+    chains = []
+    for first in range(0, len(order), 4 * CHAIN):
+        block = order[first : first + 4 * CHAIN]
+        tour = _tour(features[block])
+        chains += [block[tour[start : start + CHAIN]].tolist() for start in range(0, len(tour), CHAIN)]
+    return chains
+
+
+def _tour(points: Floats) -> Ints:
+    """Order of points (n, 3) in which each is followed by the nearest one that is left."""
+    left = np.ones(len(points), dtype=np.bool_)
+    tour = [0]
+    left[0] = False
+    for _ in range(len(points) - 1):
+        distances = np.where(left, np.abs(points - points[tour[-1]]).sum(axis=1), np.inf)
+        tour.append(int(np.argmin(distances)))
+        left[tour[-1]] = False
+    return np.array(tour)

@@ -1,0 +1,218 @@
+"""Arrays kept on disk by the content that they were computed from.
+
+``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in ``$XDG_CACHE_HOME`` or in
+``~/.cache``. ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file
+holds a checksum, is written under a name of its own and then renamed, so that no process sees half of it; a damaged one
+is noticed, removed and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
+"""
+
+import contextlib
+import hashlib
+import io
+import os
+import tempfile
+import warnings
+import zipfile
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+
+Arrays = Mapping[str, NDArray[Any]]
+
+FORMAT = 1
+"""Rises when what is stored, or how it is computed, changes within one version of the package."""
+
+MAGIC = b"flangeway cache\n"
+DIGEST = 32
+SUFFIX = ".arrays"
+DEFAULT_MB = 2000.0
+PARTIAL = ".partial"
+
+
+class CacheWarning(UserWarning):
+    """A cached file is damaged, or the cache cannot be used."""
+
+
+@dataclass(frozen=True)
+class Cache:
+    """A folder of cached arrays.
+
+    Parameters
+    ----------
+    folder
+        Where the files are; it is made when the first one is stored.
+    limit_bytes
+        Size of all files above which the oldest are removed.
+
+    """
+
+    folder: Path
+    limit_bytes: int
+
+    @classmethod
+    def of_user(cls) -> "Cache | None":
+        """Cache that the environment names; None if it is off.
+
+        Raises
+        ------
+        InputError
+            If ``FLANGEWAY_CACHE_MB`` is not a positive number.
+
+        """
+        where = os.environ.get("FLANGEWAY_CACHE", "")
+        if where.lower() == "off":
+            return None
+        limit = os.environ.get("FLANGEWAY_CACHE_MB", str(DEFAULT_MB))
+        try:
+            megabytes = float(limit)
+        except ValueError:
+            megabytes = -1.0
+        if not (np.isfinite(megabytes) and megabytes > 0.0):
+            raise InputError(
+                f"FLANGEWAY_CACHE_MB={limit}", "a positive number of megabytes", "correct it, or FLANGEWAY_CACHE=off"
+            )
+        if where:
+            folder = Path(where).expanduser()
+        else:
+            base = os.environ.get("XDG_CACHE_HOME", "")
+            folder = (Path(base) if base else Path("~/.cache").expanduser()) / "flangeway"
+        return cls(folder, int(1e6 * megabytes))
+
+    def get(self, key: str, make: Callable[[], Arrays]) -> Arrays:
+        """Arrays of a key; made and stored if there are none."""
+        found = self.load(key)
+        if found is None:
+            found = make()
+            self.store(key, found)
+        return found
+
+    def load(self, key: str) -> Arrays | None:
+        """Arrays of a key; None if there are none. A damaged file is removed with a `CacheWarning`."""
+        path = self._path(key)
+        try:
+            content = path.read_bytes()
+        except FileNotFoundError:
+            return None
+        except OSError as error:
+            _warn(f"cannot read {path}: {error}")
+            return None
+        arrays = _unpacked(content)
+        if arrays is None:
+            _warn(f"{path} is damaged; it is computed anew")
+            with contextlib.suppress(OSError):
+                path.unlink()
+            return None
+        with contextlib.suppress(OSError):
+            os.utime(path)
+        return arrays
+
+    def store(self, key: str, arrays: Arrays) -> None:
+        """Store arrays under a key; another process may do the same at the same time."""
+        content = _packed(arrays)
+        if len(content) > self.limit_bytes:
+            return
+        try:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            handle, name = tempfile.mkstemp(dir=self.folder, suffix=PARTIAL)
+            try:
+                with os.fdopen(handle, "wb") as file:
+                    file.write(content)
+                Path(name).replace(self._path(key))
+            except BaseException:
+                Path(name).unlink(missing_ok=True)
+                raise
+            self._shrink()
+        except OSError as error:
+            _warn(f"cannot write to {self.folder}: {error}")
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}{SUFFIX}"
+
+    def _shrink(self) -> None:
+        """Remove what was used longest ago, and what a process that was killed left half written."""
+        files = []
+        for path in self.folder.iterdir():
+            if path.suffix not in (SUFFIX, PARTIAL):
+                continue
+            with contextlib.suppress(FileNotFoundError):  # another process removes as well
+                status = path.stat()
+                files.append((status.st_mtime, status.st_size, path))
+        total = sum(size for _, size, _ in files)
+        for _, size, path in sorted(files):
+            if total <= self.limit_bytes:
+                break
+            with contextlib.suppress(OSError):
+                path.unlink()
+            total -= size
+
+
+def content_key(kind: str, *parts: object) -> str | None:
+    """Key of what some content determines, with the package's version; None where content cannot be told.
+
+    Parameters
+    ----------
+    kind
+        What is stored.
+    parts
+        Arrays, text, numbers, tuples, mappings, and objects whose ``repr`` shows all that they hold.
+
+    """
+    digest = hashlib.sha256(f"{kind} {FORMAT} {_version()}".encode())
+    if not all(_add(digest, part) for part in parts):
+        return None
+    return f"{kind}-{digest.hexdigest()}"
+
+
+def _add(digest: "hashlib._Hash", part: object) -> bool:
+    if isinstance(part, np.ndarray):
+        digest.update(f"<{part.dtype.str}{part.shape}>".encode())
+        digest.update(np.ascontiguousarray(part).tobytes())
+        return part.dtype.kind != "O"
+    if isinstance(part, Mapping):
+        digest.update(f"<{len(part)} items>".encode())
+        return all(_add(digest, each) for item in part.items() for each in item)
+    if isinstance(part, tuple | list):
+        digest.update(f"<{len(part)} parts>".encode())
+        return all(_add(digest, each) for each in part)
+    text = repr(part)
+    digest.update(f"<{len(text)}>{text}".encode())
+    return " at 0x" not in text and "..." not in text
+
+
+def _version() -> str:
+    try:
+        return version("flangeway")
+    except PackageNotFoundError:
+        return "not installed"
+
+
+def _packed(arrays: Arrays) -> bytes:
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **{name: np.asarray(value) for name, value in arrays.items()})
+    payload = buffer.getvalue()
+    return MAGIC + hashlib.blake2b(payload, digest_size=DIGEST).digest() + payload
+
+
+def _unpacked(content: bytes) -> dict[str, NDArray[Any]] | None:
+    start = len(MAGIC) + DIGEST
+    payload = memoryview(content)[start:]
+    if content[: len(MAGIC)] != MAGIC:
+        return None
+    if hashlib.blake2b(payload, digest_size=DIGEST).digest() != content[len(MAGIC) : start]:
+        return None
+    try:
+        with np.load(io.BytesIO(payload), allow_pickle=False) as file:
+            return {name: file[name] for name in file.files}
+    except (ValueError, KeyError, OSError, zipfile.BadZipFile):
+        return None
+
+
+def _warn(message: str) -> None:
+    warnings.warn(f"cache: {message}", CacheWarning, stacklevel=4)

@@ -1,0 +1,76 @@
+"""What was computed before is taken from the cache, checked, and never trusted blindly."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flangeway.materials import Elastic
+from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.load import Load
+from flangeway.railway.problem import WheelsetProblem
+from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.result import WheelsetResult, solve_wheelset
+from flangeway.railway.track import Track, Wheelset
+from flangeway.solve import Cache
+
+
+def problem(load_n: float = 200e3) -> WheelsetProblem:
+    settings = Discretisation(size_scale=4.0)
+    return WheelsetProblem(Track(rail()), Wheelset(wheel()), Load(load_n), Elastic(210e3, 0.3), discretisation=settings)
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path))
+    return tmp_path
+
+
+def forces(result: WheelsetResult) -> np.ndarray:
+    return np.array([patch.force_on_wheel_N for patch in result.patches])
+
+
+def test_a_second_run_computes_nothing_anew(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """It neither looks for the rigid rest, meshes, factorises nor searches, and agrees to 1e-9 in forces and fields."""
+    first = solve_wheelset(problem())
+
+    def refuse(*_: object, **__: object) -> None:
+        raise AssertionError("computed again")
+
+    for name in (
+        "flangeway.railway.known_rest.rigid_rest",
+        "flangeway.railway.cached_mesh.triangulate",
+        "flangeway.solve.condensed.factorise",
+        "flangeway.railway.result.find_equilibrium",
+    ):
+        monkeypatch.setattr(name, refuse)
+    second = solve_wheelset(problem())
+    assert second.status == first.status
+    np.testing.assert_allclose(forces(second), forces(first), rtol=1e-9)
+    for name, field in first.displacements.items():
+        np.testing.assert_allclose(second.displacements[name], field, rtol=0.0, atol=1e-9 * np.abs(field).max())
+    assert second.equilibrium.stable == first.equilibrium.stable
+
+
+def test_another_load_is_another_case(folder: Path) -> None:
+    """A load that differs by a newton is computed, and bears that load."""
+    solve_wheelset(problem())
+    other = solve_wheelset(problem(200e3 + 1.0))
+    assert forces(other)[:, 1].sum() == pytest.approx(200e3 + 1.0, rel=1e-9)
+
+
+def test_a_wrong_equilibrium_is_found_out(folder: Path) -> None:
+    """An undamaged file with another motion and other forces is not taken for an equilibrium."""
+    first = solve_wheelset(problem())
+    cache = Cache.of_user()
+    assert cache is not None
+    paths = list(folder.glob("equilibrium-*"))
+    assert paths
+    for path in paths:
+        arrays = dict(cache.load(path.stem) or {})
+        arrays["motions"] = arrays["motions"] - np.array([0.0, 0.05, 0.0])
+        arrays["forces_0"] = 0.9 * arrays["forces_0"]
+        cache.store(path.stem, arrays)
+    again = solve_wheelset(problem())
+    np.testing.assert_allclose(forces(again), forces(first), rtol=1e-9)
+    np.testing.assert_allclose(again.equilibrium.motion.components, first.equilibrium.motion.components, atol=1e-9)

@@ -1,0 +1,164 @@
+"""Many positions of a wheelset at once: the same answers as the full search."""
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+from flangeway.post import stresses_along
+from flangeway.problems import ElasticField
+from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
+from flangeway.railway.lane_patches import patches_of
+from flangeway.railway.lane_shear import line_below
+from flangeway.railway.load import Load
+from flangeway.railway.positions import Positions, PositionTable, solve_positions
+from flangeway.railway.prepared import PreparedWheelset, prepare
+from flangeway.railway.problem import Prescribed, WheelsetProblem
+from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.subsurface import largest_on
+from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+
+STEEL = Elastic(210e3, 0.3)
+PAIRS = {"S1002 on 60E1": ("60E1", "S1002"), "AAR-1B on 136RE": ("136RE", "AAR-1B")}
+
+
+def problem(names: tuple[str, str], **settings) -> WheelsetProblem:
+    settings.setdefault("size_scale", 4.0)
+    return WheelsetProblem(
+        Track(rail(names[0])), Wheelset(wheel(names[1])), Load(200e3), STEEL, discretisation=Discretisation(**settings)
+    )
+
+
+@pytest.fixture(scope="module", params=PAIRS)
+def prepared(request) -> PreparedWheelset:
+    return prepare(problem(PAIRS[request.param]))
+
+
+@pytest.fixture(scope="module")
+def table(prepared: PreparedWheelset) -> PositionTable:
+    farthest = 11.9 if prepared.model.problem.wheelset.wheel.title.startswith("S1002") else 9.8
+    lateral = np.concatenate((np.linspace(-6.0, 6.0, 7), farthest - np.array([2.0, 0.8, 0.3, 0.0])))
+    return solve_positions(prepared, Positions.grid(lateral, [100e3, 200e3, 210e3]))
+
+
+def agree(prepared: PreparedWheelset, table: PositionTable, number: int) -> None:
+    """Compare one position with the full search, which starts without contact forces from the motion that was found."""
+    positions = table.positions
+    lateral = float(positions.lateral_mm[number])
+    where = WheelsetMotion(*table.motion[number]).moved(WheelsetMotion(vertical_mm=FIRST_PENETRATION_MM))
+    load = Load(float(positions.vertical_N[number]), float(positions.lateral_N[number]))
+    found = prepared.solve(load, Prescribed(lateral_mm=None if np.isnan(lateral) else lateral), where)
+    assert found.status.converged, found.status.message
+    expected = patches_of(prepared, found)
+    got = table.patches[number]
+    assert [(patch.side, patch.region) for patch in got] == [(patch.side, patch.region) for patch in expected]
+    np.testing.assert_allclose(table.motion[number], found.motion.components, rtol=0.0, atol=1e-7)
+    weight = load.vertical_N
+    for mine, theirs in zip(got, expected, strict=True):
+        np.testing.assert_allclose(mine.force_on_wheel_N, theirs.force_on_wheel_N, rtol=0.0, atol=1e-6 * weight)
+        assert mine.max_pressure_MPa == pytest.approx(theirs.max_pressure_MPa, rel=1e-6)
+        assert mine.half_width_mm == pytest.approx(theirs.half_width_mm, rel=1e-9)
+        np.testing.assert_allclose(mine.wheel_point_mm, theirs.wheel_point_mm, atol=1e-4)
+        np.testing.assert_allclose(mine.rail_point_mm, theirs.rail_point_mm, atol=1e-4)
+        assert mine.at_edge == theirs.at_edge
+
+
+def test_positions_agree_with_the_full_search(prepared: PreparedWheelset, table: PositionTable) -> None:
+    """Five positions drawn at random from centre to flange agree to 1e-6 of the weight in the forces of all patches."""
+    assert table.converged.all(), table.messages
+    for number in np.random.default_rng(1).choice(len(table.positions), 5, replace=False):
+        agree(prepared, table, int(number))
+
+
+def test_the_full_search_is_seldom_needed(table: PositionTable) -> None:
+    """At most one position in twenty does not converge on the fast path."""
+    assert table.by_full_search.mean() <= 0.05
+
+
+def test_the_weight_is_borne(table: PositionTable) -> None:
+    """Vertical forces of both wheels sum to the weight to 1e-8 in every position."""
+    total = table.forces_on_wheels_N[:, :, 1].sum(axis=1)
+    np.testing.assert_allclose(total, table.positions.vertical_N, rtol=1e-8)
+
+
+def test_the_flange_is_reached(table: PositionTable) -> None:
+    """Far aside one wheel bears on the gauge corner, and pushes its rail outwards the harder, the farther it goes."""
+    heavy = table.positions.vertical_N == 200e3
+    ratio = table.lateral_over_vertical[heavy, 1]
+    assert ratio[-1] > 2.0 * ratio[3]
+    regions = {patch.region for patch in table.patches[-1] if patch.side == "right"}
+    assert "gauge corner" in regions
+
+
+def test_left_mirrors_right(prepared: PreparedWheelset, table: PositionTable) -> None:
+    """A motion to the left gives the mirror image of one to the right: forces to 1e-6."""
+    lateral, vertical = table.positions.lateral_mm, table.positions.vertical_N
+    forces = table.forces_on_wheels_N
+    for number in range(9):
+        (mirror,) = np.flatnonzero((lateral == -lateral[number]) & (vertical == vertical[number]))
+        flipped = forces[mirror, ::-1] * [-1.0, 1.0]
+        np.testing.assert_allclose(forces[number], flipped, rtol=0.0, atol=1e-6 * vertical[number])
+        np.testing.assert_allclose(table.motion[number] * [-1.0, 1.0, -1.0], table.motion[mirror], atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [{"order": 2}, {"method": "vem"}, {"enforcement": "multiplier"}, {"primary": "wheel"}],
+    ids=lambda settings: "-".join(str(value) for pair in settings.items() for value in pair),
+)
+def test_other_discretisations_agree(settings: dict[str, object]) -> None:
+    """Elements of order 2, polygons, multipliers and wheels that give the segments agree with the full search."""
+    made = prepare(problem(PAIRS["AAR-1B on 136RE"], **settings))
+    table = solve_positions(made, Positions.grid([1.5], [100e3, 120e3]))
+    assert table.converged.all(), table.messages
+    assert not table.by_full_search.any()
+    agree(made, table, 1)
+
+
+def test_a_lateral_motion_is_found() -> None:
+    """With a lateral force the wheelset finds its lateral motion, as in the full search."""
+    made = prepare(problem(PAIRS["AAR-1B on 136RE"]))
+    forces = np.array([4e3, 8e3])
+    table = solve_positions(made, Positions(np.full(2, np.nan), np.full(2, 200e3), forces))
+    assert table.converged.all(), table.messages
+    np.testing.assert_allclose(table.forces_on_wheels_N[:, :, 0].sum(axis=1), -forces, rtol=1e-6)
+    agree(made, table, 1)
+
+
+def test_the_largest_shear_is_that_of_the_fields() -> None:
+    """The largest shear stress below each contact is that on the same line of the field of the full search: 1e-6."""
+    made = prepare(problem(PAIRS["AAR-1B on 136RE"]))
+    table = solve_positions(made, Positions.grid([1.0], [150e3, 200e3]), shear=True)
+    found = made.solve(Load(200e3), Prescribed(lateral_mm=1.0))
+    fields = made.response.fields(made.response.rotations(found.state.placements), found.state.nodal_forces)
+    parts = {part.name: (part.body, field) for part, field in zip(made.model.system.parts, fields, strict=True)}
+    assert len(table.patches[1]) >= 2
+    for patch in table.patches[1]:
+        for role in ("wheel", "rail"):
+            body, field = parts[f"{role}-{patch.side}"]
+            points, depths = line_below(made, role, patch)
+            line = stresses_along(ElasticField(body.elasticity, field), points[0], points[-1], len(points))
+            expected = largest_on(depths, line.stresses.in_plane_shear)
+            assert patch.shear[role].value_MPa == pytest.approx(expected.value_MPa, rel=1e-6)
+            assert 0.2 < patch.shear[role].value_MPa / patch.max_pressure_MPa < 0.5
+            assert 0.3 < patch.shear[role].depth_mm / patch.half_width_mm < 1.5
+
+
+def test_positions_out_of_reach_are_told() -> None:
+    """A lateral motion that rigid wheels do not reach is not found, and the message says so; others are found."""
+    made = prepare(problem(PAIRS["AAR-1B on 136RE"]))
+    table = solve_positions(made, Positions.grid([0.0, 400.0], 100e3))
+    assert table.converged.tolist() == [True, False]
+    assert "400" in table.messages[1]
+    assert np.isnan(table.motion[1]).all()
+    assert table.patches[1] == ()
+
+
+def test_nonsense_is_refused() -> None:
+    """No weight, or node-to-segment contact, is refused with what is allowed."""
+    with pytest.raises(InputError, match="positive weight"):
+        Positions.grid([0.0], [0.0])
+    made = prepare(problem(PAIRS["AAR-1B on 136RE"], pairing="node-to-segment"))
+    with pytest.raises(InputError, match="segment-to-segment"):
+        solve_positions(made, Positions.grid([0.0], [1e5]))
