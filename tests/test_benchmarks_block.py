@@ -1,13 +1,10 @@
 """The block's benchmark, the growth and the page of all benchmarks, on small problems."""
 
 import re
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).parents[1]))  # the benchmarks are not installed
 
 from benchmarks import growth, report
 from benchmarks.hertz_block import HERTZ, mesh_block, press_block

@@ -1,11 +1,12 @@
 """What ``flangeway reproduce`` can compute, write and print, by name."""
 
-from flangeway.report.reproductions import contact_patch, elasticity, hertz, torsion
+from flangeway.report.reproductions import contact_patch, elasticity, hertz, torsion, wheel_rail
 from flangeway.report.reproductions.reproduction import Reproduction, find_reproductions
 from flangeway.study.reproductions.contact_patch import reproduce_contact_patch
 from flangeway.study.reproductions.elasticity import reproduce_elasticity
 from flangeway.study.reproductions.hertz import reproduce_hertz
 from flangeway.study.reproductions.torsion import reproduce_torsion
+from flangeway.study.reproductions.wheel_rail import reproduce_wheel_rail
 
 REPRODUCTIONS: dict[str, Reproduction] = {
     "torsion": Reproduction(reproduce_torsion, torsion.write, torsion.print_summary, torsion.FILES),
@@ -14,6 +15,7 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "contact-patch": Reproduction(
         reproduce_contact_patch, contact_patch.write, contact_patch.print_summary, contact_patch.FILES
     ),
+    "wheel-rail": Reproduction(reproduce_wheel_rail, wheel_rail.write, wheel_rail.print_summary, wheel_rail.FILES),
 }
 """One line for each: how it is computed, written and printed, and the names of its files."""
 

@@ -1,0 +1,142 @@
+"""A wheel of one arc on a rail of one arc, through the whole wheelset machinery, against Hertz's line contact.
+
+In two dimensions the approach of two bodies has no limit for half planes: ``delta = P (C - ln P) / (pi E*)`` with a
+number C that the bodies' shapes give (Johnson, 1985, 5.6). Its derivative between two loads changes by
+``-ln(P2 / P1) / (pi E*)`` whatever the shapes, and that is compared.
+"""
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from flangeway.exact import LineContact
+from flangeway.geometry import Arc, Line, Outline
+from flangeway.materials import Elastic
+from flangeway.post import PressurePatch
+from flangeway.railway.balance import jacobian_of
+from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.load import Load
+from flangeway.railway.problem import WheelsetProblem
+from flangeway.railway.profiles import RailProfile, WheelProfile
+from flangeway.railway.result import WheelsetResult, solve_wheelset
+from flangeway.railway.track import Track, Wheelset
+from flangeway.solve import CondensedBodies
+
+WHEEL_RADIUS_MM, RAIL_RADIUS_MM = 330.0, 254.0
+WIDTH_MM, HEIGHT_MM = 140.0, 120.0
+LOADS_N = (60e3, 120e3)
+"""Loads of the wheelset, half of them on each side."""
+
+THICKNESS_MM = 10.0
+SOURCE = "one arc between straight lines, to compare with Hertz's theory"
+
+
+@dataclass(frozen=True, eq=False)
+class OneArcContact:
+    """One side of the wheelset under a load.
+
+    Parameters
+    ----------
+    load_N
+        Force on the side.
+    result
+        Solution of the wheelset.
+    pressure_MPa, half_width_mm
+        Largest pressure and half width of the ellipse that fits the pressures of the nodes best.
+    compliance_mm_N
+        Derivative of the approach by the force, per thickness of 1 mm.
+    theory
+        Hertz's contact of the two arcs under that force.
+
+    """
+
+    load_N: float  # noqa: N815 (the unit newton)
+    result: WheelsetResult
+    pressure_MPa: float  # noqa: N815
+    half_width_mm: float
+    compliance_mm_N: float  # noqa: N815
+    theory: LineContact
+
+
+def one_arc_rail(radius_mm: float = RAIL_RADIUS_MM) -> RailProfile:
+    """Return a block with a round top, the middle of its base at the origin."""
+    half = 0.5 * WIDTH_MM
+    low = HEIGHT_MM - _sagitta(radius_mm, half)
+    outline = Outline.from_segments(
+        [
+            Line((-half, 0.0), (half, 0.0)),
+            Line((half, 0.0), (half, low)),
+            Arc((half, low), (-half, low), (0.0, HEIGHT_MM - radius_mm), counter_clockwise=True),
+            Line((-half, low), (-half, 0.0)),
+        ],
+        ["base", "field", "head", "gauge"],
+    )
+    return RailProfile("block with a round top", outline, ("head",), ("base",), "exact", SOURCE)
+
+
+def one_arc_wheel(radius_mm: float = WHEEL_RADIUS_MM) -> WheelProfile:
+    """Return a block with a round bottom, the lowest point on the tape line."""
+    half = 0.5 * WIDTH_MM
+    low = _sagitta(radius_mm, half)
+    outline = Outline.from_segments(
+        [
+            Arc((-half, low), (half, low), (0.0, radius_mm), counter_clockwise=True),
+            Line((half, low), (half, HEIGHT_MM)),
+            Line((half, HEIGHT_MM), (-half, HEIGHT_MM)),
+            Line((-half, HEIGHT_MM), (-half, low)),
+        ],
+        ["tread", "rim", "cut", "back"],
+    )
+    return WheelProfile("block with a round bottom", outline, ("tread",), 0.0, half, "exact", SOURCE)
+
+
+def one_arc_contacts(discretisation: Discretisation, material: Elastic) -> tuple[OneArcContact, ...]:
+    """Solve both loads.
+
+    Parameters
+    ----------
+    discretisation
+        Elements and sizes.
+    material
+        Of both bodies.
+
+    """
+    track = Track(one_arc_rail(), gauge_mm=1500.0, cant=0.0)
+    # the wheels stand over the middles of their rails
+    wheelset = Wheelset(one_arc_wheel(), back_to_back_mm=1500.0, radius_mm=500.0, barycentre_height_mm=0.0)
+    problem = WheelsetProblem(track, wheelset, Load(LOADS_N[0]), material, THICKNESS_MM, discretisation)
+    return tuple(_contact(solve_wheelset(replace(problem, load=Load(load)), cold=True)) for load in LOADS_N)
+
+
+def _contact(result: WheelsetResult) -> OneArcContact:
+    model, load = result.model, result.model.problem.load.vertical_N
+    response = CondensedBodies(model.system.surface_nodes)
+    stiffness = -jacobian_of(model, response, result.equilibrium.motion, result.equilibrium.state)[1, 1]
+    patch = next(patch for patch in result.patches if patch.side == "right")
+    theory = LineContact(0.5 * load / THICKNESS_MM, 1.0 / WHEEL_RADIUS_MM + 1.0 / RAIL_RADIUS_MM, model.hertz.modulus)
+    return OneArcContact(
+        0.5 * load,
+        result,
+        *_ellipse(patch.pressure),
+        2.0 * THICKNESS_MM / float(stiffness),
+        theory,
+    )
+
+
+def compliance_change(contacts: tuple[OneArcContact, ...]) -> tuple[float, float]:
+    """Change of the compliance from the first load to the last, and Hertz's, in mm^2/N."""
+    first, last = contacts[0], contacts[-1]
+    exact = -math.log(last.load_N / first.load_N) / (math.pi * first.theory.modulus)
+    return last.compliance_mm_N - first.compliance_mm_N, exact
+
+
+def _ellipse(patch: PressurePatch) -> tuple[float, float]:
+    """Height and half width of ``p^2 = p0^2 (1 - x^2 / a^2)`` by least squares; nodes jump by elements."""
+    bent, slope, level = np.polyfit(patch.along, patch.pressures**2, 2)
+    top = level - slope**2 / (4.0 * bent)
+    return math.sqrt(top), math.sqrt(-top / bent)
+
+
+def _sagitta(radius: float, half: float) -> float:
+    return radius - float(np.sqrt(radius**2 - half**2))

@@ -1,0 +1,350 @@
+"""The published wheelset (chapter 7, Tables 15 and 16) on tangent track and in a curve, computed again from cold.
+
+Positions stand beside the published ones without a bound. What must hold is the balance, the agreement of the methods,
+where the rails are touched, the rigid limit, and that a finer mesh in contact changes little.
+"""
+
+import itertools
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.materials import Elastic
+from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.result import WheelsetResult
+from flangeway.railway.subsurface import largest_shear
+from flangeway.study.contact_refinement import DIVISORS, RefinedContact, refine_contact
+from flangeway.study.one_arc import OneArcContact, compliance_change, one_arc_contacts
+from flangeway.study.reproductions.common import Progress, ReproducedNumber, published_rows
+from flangeway.study.rigid_limit import FACTORS, StiffenedWheelset, extrapolated_differences_mm, rigid_limit
+from flangeway.study.runner import CaseRun, run_case
+from flangeway.study.wheelset_curve import WheelsetCurveCase
+from flangeway.study.wheelset_tangent import WheelsetTangentCase
+
+CASES = {"tangent": WheelsetTangentCase, "curve": WheelsetCurveCase}
+TABLES = {"tangent": 15, "curve": 16}
+METHODS = {"F": "fem", "V": "vem"}
+
+BALANCED = 1e-9
+"""Largest resulting error of the balance."""
+CODES = ("FO1", "VO1", "FO2", "VO2")
+AGREEMENT = {"VO2": (0.01, 0.05), "FO1": (0.04, 0.5), "VO1": (0.04, 0.5)}
+"""Largest relative difference of a patch's force, and of the lateral motion in mm, from FO2."""
+REGIONS = ("left crown", "right crown", "right gauge corner")
+"""Contacts of the curve: one on the inner rail, crown and gauge corner on the outer one."""
+RIGID_MM, RIGID_POINT_MM = 0.01, 0.5
+"""Largest distance of the position, extrapolated to rigid bodies, and of the contact points from the rigid ones."""
+REQUIRED_FACTOR = 100.0
+"""Factor on Young's modulus from which the contact points must be the rigid ones."""
+ONE_ARC = 0.01
+"""Largest relative difference of one arc on one arc from Hertz's theory."""
+ONE_ARC_MESH = Discretisation(contact_size_mm=0.1, body_size_mm=3.0)
+REFINED = {
+    "force": 0.005,
+    "largest pressure": 0.03,
+    "largest shear in the rail": 0.03,
+    "largest shear in the wheel": 0.03,
+}
+"""Largest relative change by one more halving of the elements in contact."""
+
+SHOWN = "shown without a bound"
+"""Begins the notes of numbers that do not count for the verdict."""
+
+POSITION_NOTES = {
+    "vertical": "shown without a bound: the published reference position, about 2.6 mm above first touch, is not given",
+    "lateral": "shown without a bound: throat radii of the AAR-1B are assumed, which decide the lateral motion; "
+    "motions are along horizontal and vertical in space",
+    "rotation": "shown without a bound: it follows the lateral motion, which the assumed throat decides",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class WheelRailRow:
+    """One row of Tables 15 and 16.
+
+    Parameters
+    ----------
+    situation
+        ``"tangent"`` or ``"curve"``.
+    code
+        ``"FO1"``, ``"VO1"``, ``"FO2"`` or ``"VO2"``.
+    run
+        The case and its result.
+
+    """
+
+    situation: str
+    code: str
+    run: CaseRun
+
+    @property
+    def result(self) -> WheelsetResult:
+        """The solution."""
+        return self.run.result
+
+    @property
+    def seconds(self) -> float:
+        """Wall-clock time, meshing included."""
+        return sum(self.result.timings_s.values())
+
+
+@dataclass(frozen=True, eq=False)
+class WheelRailReproduction:
+    """Tables 15 and 16 computed again.
+
+    Parameters
+    ----------
+    rows
+        The eight rows.
+    limit
+        The curve with raised Young's modulus.
+    refined
+        The curve with finer meshes in contact.
+    one_arc
+        A wheel of one arc on a rail of one arc under two loads.
+    numbers
+        Published, or required, and computed numbers side by side.
+    seconds
+        Wall-clock time.
+
+    """
+
+    rows: tuple[WheelRailRow, ...]
+    limit: tuple[StiffenedWheelset, ...]
+    refined: tuple[RefinedContact, ...]
+    one_arc: tuple[OneArcContact, ...]
+    numbers: tuple[ReproducedNumber, ...]
+    seconds: float
+
+    @property
+    def passed(self) -> bool:
+        """Whether all converged and all that has a limit is within."""
+        results = [row.result for row in self.rows] + [each.result for each in self.limit]
+        results += [each.result for each in self.refined] + [each.result for each in self.one_arc]
+        return all(result.status.converged for result in results) and all(
+            number.within for number in self.numbers if is_required(number)
+        )
+
+
+def is_required(number: ReproducedNumber) -> bool:
+    """Whether a number counts for `WheelRailReproduction.passed`: all but positions and single published errors."""
+    if number.table in TABLES.values():
+        return number.quantity == "resulting error"
+    return not number.note.startswith(SHOWN)
+
+
+def patch_forces(result: WheelsetResult) -> dict[str, float]:
+    """Force on the wheel in N by side and region."""
+    forces: dict[str, float] = {}
+    for patch in result.patches:
+        name = f"{patch.side} {patch.region}"
+        forces[name] = forces.get(name, 0.0) + float(np.hypot(*patch.force_on_wheel_N))
+    return forces
+
+
+def reproduce_wheel_rail(*, quick: bool = False, progress: Progress = lambda _: None) -> WheelRailReproduction:
+    """Compute Tables 15 and 16 from a cold start, other crowns, the rigid limit, refinement, and one arc on one arc.
+
+    Parameters
+    ----------
+    quick
+        Three rows, two values of Young's modulus, one refinement, no other crowns.
+    progress
+        Called with a sentence at each stage.
+
+    """
+    start = time.perf_counter()
+    wanted = {"tangent": ("FO1",), "curve": ("FO1", "FO2")} if quick else dict.fromkeys(CASES, CODES)
+    rows = []
+    for situation, codes in wanted.items():
+        for code in codes:
+            progress(f"{situation}, {code}")
+            case = CASES[situation].from_values({"method": METHODS[code[0]], "order": int(code[2])})
+            rows.append(WheelRailRow(situation, code, run_case(case, cold=True)))
+    crowns = {10.0: next(row.result for row in rows if (row.situation, row.code) == ("curve", "FO2"))}
+    for crown in () if quick else (8.0, 14.0):
+        progress(f"crown radius {crown:g} in")
+        case = WheelsetCurveCase.from_values({"crown_radius_in": crown, "order": 2})
+        crowns[crown] = run_case(case, cold=True).result
+    curve = WheelsetCurveCase.from_values({})
+    limit = tuple(rigid_limit(curve, (10.0, 100.0) if quick else FACTORS, progress))
+    refined = tuple(refine_contact(curve, (1, 2) if quick else DIVISORS, progress))
+    progress("one arc on one arc")
+    one_arc = one_arc_contacts(ONE_ARC_MESH, Elastic(curve.young_MPa, curve.poisson))
+    numbers = (
+        *_published(rows),
+        *_agreement(rows),
+        *_regions(crowns),
+        *_limit(limit),
+        *_refined(refined),
+        *_one_arc(one_arc),
+    )
+    return WheelRailReproduction(tuple(rows), limit, refined, one_arc, numbers, time.perf_counter() - start)
+
+
+def _published(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
+    printed = {(row["situation"], row["config"]): row for row in published_rows("wheel_rail_tables_15_16.csv")}
+    for row in rows:
+        motion, balance = row.result.motion_in_space, row.result.equilibrium.balance
+        computed = {
+            "vertical_translation_cm": ("vertical translation", "cm", motion.vertical_mm / 10.0, "vertical"),
+            "horizontal_translation_cm": ("horizontal translation", "cm", motion.lateral_mm / 10.0, "lateral"),
+            "rotation_rad": ("rotation", "rad", motion.roll_rad, "rotation"),
+            "vertical_force_error": ("vertical force error", "", balance.vertical_error, ""),
+            "horizontal_force_error": ("horizontal force error", "", balance.lateral_error, ""),
+            "moment_error": ("moment error", "", balance.moment_error, ""),
+            "resulting_error": ("resulting error", "", balance.resulting_error, ""),
+        }
+        for column, (quantity, unit, value, kind) in computed.items():
+            published = float(printed[row.situation, row.code][column])
+            difference = value / published - 1.0 if published else value
+            within = abs(difference) <= 0.01 if kind else abs(value) < BALANCED
+            note = POSITION_NOTES.get(kind, f"limit {BALANCED:g}; published was balanced by hand")
+            table, code = TABLES[row.situation], f"{row.situation} {row.code}"
+            yield ReproducedNumber(table, code, quantity, unit, published, value, difference, bool(within), note)
+
+
+def _agreement(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
+    """Each row against FO2 of its situation."""
+    for row in rows:
+        if row.code not in AGREEMENT or not any((each.situation, each.code) == (row.situation, "FO2") for each in rows):
+            continue
+        reference = next(each.result for each in rows if each.situation == row.situation and each.code == "FO2")
+        expected, forces = patch_forces(reference), patch_forces(row.result)
+        limit, aside = AGREEMENT[row.code]
+        code = f"{row.situation} {row.code}"
+        for name in sorted(expected.keys() | forces.keys()):
+            one, other = expected.get(name, 0.0) / 1e3, forces.get(name, 0.0) / 1e3
+            difference = other / one - 1.0 if one else float("inf")
+            within, note = abs(difference) <= limit, f"computed with FO2 in place of published; limit {limit:g}"
+            yield ReproducedNumber("agreement", code, f"force, {name}", "kN", one, other, difference, within, note)
+        lateral, moved = reference.motion_in_space.lateral_mm, row.result.motion_in_space.lateral_mm
+        within, note = abs(moved - lateral) <= aside, f"computed with FO2 in place of published; limit {aside:g} mm"
+        difference = moved / lateral - 1.0 if lateral else moved
+        yield ReproducedNumber("agreement", code, "lateral motion", "mm", lateral, moved, difference, within, note)
+
+
+def _limit(limit: tuple[StiffenedWheelset, ...]) -> Iterator[ReproducedNumber]:
+    names = ("lateral motion", "vertical motion", "roll x 750 mm")
+    for each in limit:
+        code = f"curve FO1, E x {each.factor:g}"
+        for name, value in zip(names, each.position_differences_mm.tolist(), strict=True):
+            note = f"{SHOWN}: elastic less rigid, of which the elastic motion is left, which falls as 1/E"
+            within = abs(value) <= RIGID_MM
+            yield ReproducedNumber("rigid limit", code, name, "mm", 0.0, value, value, within, note)
+        value = float(each.point_distances_mm.max())
+        note = f"largest distance on the rail; limit {RIGID_POINT_MM:g} mm"
+        if each.factor < REQUIRED_FACTOR:
+            note = f"{SHOWN}: {note}"
+        within = value <= RIGID_POINT_MM
+        yield ReproducedNumber("rigid limit", code, "contact points", "mm", 0.0, value, value, within, note)
+    for name, value in zip(names, extrapolated_differences_mm(limit).tolist(), strict=True):
+        note = f"elastic less rigid, extrapolated from the last two as 1/E; limit {RIGID_MM:g} mm"
+        within = abs(value) <= RIGID_MM
+        yield ReproducedNumber("rigid limit", "curve FO1, E to infinity", name, "mm", 0.0, value, value, within, note)
+
+
+def _refined(refined: tuple[RefinedContact, ...]) -> Iterator[ReproducedNumber]:
+    for coarse, fine in itertools.pairwise(refined):
+        before, after = coarse.quantities, fine.quantities
+        for (name, quantity), value in after.items():
+            old = before.get((name, quantity), float("nan"))
+            change = value / old - 1.0
+            unit, note = (
+                "N" if quantity == "force" else "MPa",
+                f"coarser mesh in place of published; limit {REFINED[quantity]:g}",
+            )
+            code = f"curve, size over {fine.divisor}"
+            within = bool(abs(change) <= REFINED[quantity])
+            yield ReproducedNumber("refinement", code, f"{quantity}, {name}", unit, old, value, change, within, note)
+
+
+def _regions(results: dict[float, WheelsetResult]) -> Iterator[ReproducedNumber]:
+    for crown, result in results.items():
+        regions = sorted(f"{patch.side} {patch.region}" for patch in result.patches)
+        order = result.model.problem.discretisation.order
+        n_found, code = float(len(regions)), f"curve FO{order}, crown {crown:g} in"
+        within = regions == sorted(REGIONS) and result.status.converged
+        note = ", ".join(regions) + "; inner rail one contact, outer crown and gauge corner"
+        yield ReproducedNumber("regions", code, "contacts", "", 3.0, n_found, n_found / 3.0 - 1.0, within, note)
+
+
+def _one_arc(contacts: tuple[OneArcContact, ...]) -> Iterator[ReproducedNumber]:
+    """Pressure, half width and change of the compliance against Hertz."""
+    last = contacts[-1]
+    change, exact = compliance_change(contacts)
+    quantities = (
+        ("largest pressure", "MPa", last.theory.max_pressure, last.pressure_MPa),
+        ("half width", "mm", last.theory.half_width, last.half_width_mm),
+        ("change of the approach's derivative", "mm2/N", exact, change),
+    )
+    for quantity, unit, theory, computed in quantities:
+        difference = computed / theory - 1.0
+        note = f"Hertz's line contact in place of published; limit {ONE_ARC:g}"
+        within = abs(difference) <= ONE_ARC
+        yield ReproducedNumber(
+            "Hertz", "one arc on one arc", quantity, unit, theory, computed, difference, within, note
+        )
+
+
+@dataclass(frozen=True)
+class WheelRailPatchRow:
+    """A row of ``patches.csv``: one contact of one row of the tables.
+
+    Parameters
+    ----------
+    situation, code
+        As `WheelRailRow`.
+    side, region
+        Where it is.
+    force_kN, max_pressure_MPa, half_width_mm
+        Its force, largest pressure and half width.
+    rail_x_mm, rail_y_mm, wheel_x_mm, wheel_y_mm
+        Centre of pressure in the frames of the profiles.
+    max_shear_rail_MPa, shear_depth_mm
+        Largest in-plane shear stress in the rail below it, and its depth.
+
+    """
+
+    situation: str
+    code: str
+    side: str
+    region: str
+    force_kN: float  # noqa: N815 (units)
+    max_pressure_MPa: float  # noqa: N815
+    half_width_mm: float
+    rail_x_mm: float
+    rail_y_mm: float
+    wheel_x_mm: float
+    wheel_y_mm: float
+    max_shear_rail_MPa: float  # noqa: N815
+    shear_depth_mm: float
+
+
+def patch_rows(rows: tuple[WheelRailRow, ...]) -> list[WheelRailPatchRow]:
+    """Contacts of all rows."""
+    found = []
+    for row in rows:
+        for patch in row.result.patches:
+            shear = largest_shear(row.result, patch, "rail")
+            (rail_x, rail_y), (wheel_x, wheel_y) = patch.rail_point_mm.tolist(), patch.wheel_point_mm.tolist()
+            found.append(
+                WheelRailPatchRow(
+                    row.situation,
+                    row.code,
+                    patch.side,
+                    patch.region,
+                    float(np.hypot(*patch.force_on_wheel_N)) / 1e3,
+                    float(patch.pressure.pressures.max()),
+                    patch.pressure.half_width,
+                    rail_x,
+                    rail_y,
+                    wheel_x,
+                    wheel_y,
+                    shear.value_MPa,
+                    shear.depth_mm,
+                )
+            )
+    return found

@@ -1,0 +1,87 @@
+"""The published wheelset on its rails computed again, as `flangeway reproduce wheel-rail --quick` does."""
+
+import csv
+import io
+import itertools
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rich.console import Console
+
+from flangeway.report.reproductions import REPRODUCTIONS
+from flangeway.study.reproductions.wheel_rail import WheelRailReproduction, is_required, reproduce_wheel_rail
+from flangeway.study.rigid_limit import extrapolated_differences_mm
+
+
+@pytest.fixture(scope="module")
+def found() -> WheelRailReproduction:
+    """Three rows, two values of Young's modulus, one refinement."""
+    return reproduce_wheel_rail(quick=True)
+
+
+def test_rows_are_in_balance_from_a_cold_start(found: WheelRailReproduction) -> None:
+    """The resulting error of every row is below 1e-9; the curve has contact on crown and gauge corner outside."""
+    for row in found.rows:
+        assert row.result.equilibrium.balance.resulting_error < 1e-9
+        regions = sorted(f"{patch.side} {patch.region}" for patch in row.result.patches)
+        outer = ["right gauge corner"] if row.situation == "curve" else []
+        assert regions == ["left crown", "right crown", *outer]
+
+
+def test_what_has_a_limit_is_within(found: WheelRailReproduction) -> None:
+    """Agreement of orders, regions, rigid limit, refinement in contact and Hertz are within; positions are shown."""
+    assert found.passed
+    required = [number for number in found.numbers if is_required(number)]
+    assert {number.table for number in required} == {
+        15,
+        16,
+        "agreement",
+        "regions",
+        "rigid limit",
+        "refinement",
+        "Hertz",
+    }
+    shown = [number for number in found.numbers if not is_required(number) and number.quantity.endswith("translation")]
+    assert len(shown) == 2 * len(found.rows)
+    assert all("given" in number.note or "assumed" in number.note for number in shown)
+
+
+def test_stiff_wheelsets_tend_to_the_rigid_one(found: WheelRailReproduction) -> None:
+    """From E x 10 to E x 100 the distance from the rigid position falls by 8 to 12 times; the rest is below 10 um."""
+    soft, stiff = (np.linalg.norm(each.position_differences_mm) for each in found.limit)
+    assert 8.0 < soft / stiff < 12.0
+    assert np.abs(extrapolated_differences_mm(found.limit)).max() < 0.01
+    assert found.limit[-1].point_distances_mm.max() < 0.5
+
+
+def test_a_finer_contact_changes_little(found: WheelRailReproduction) -> None:
+    """With half the element size forces change by less than 0.5 %, pressures and shear stresses by less than 3 %."""
+    for coarse, fine in itertools.pairwise(found.refined):
+        assert coarse.quantities.keys() == fine.quantities.keys()
+        for (name, quantity), value in fine.quantities.items():
+            limit = 0.005 if quantity == "force" else 0.03
+            assert value == pytest.approx(coarse.quantities[name, quantity], rel=limit), (name, quantity)
+
+
+def test_one_arc_on_one_arc_is_hertz(found: WheelRailReproduction) -> None:
+    """Pressure, half width and the change of the approach's derivative agree with Hertz within 1 %."""
+    numbers = {number.quantity: number for number in found.numbers if number.table == "Hertz"}
+    assert numbers.keys() == {"largest pressure", "half width", "change of the approach's derivative"}
+    assert all(abs(number.relative_difference) < 0.01 for number in numbers.values())
+
+
+def test_files_and_summary(found: WheelRailReproduction, tmp_path: Path) -> None:
+    """All files are written; the table has a row for each number, and the summary names rows and verdict."""
+    reproduction = REPRODUCTIONS["wheel-rail"]
+    files = reproduction.write(found, tmp_path / "out", lambda _: None)
+    assert {file.name for file in files} == set(reproduction.files)
+    with (tmp_path / "out" / "table.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["quantity"] for row in rows] == [number.quantity for number in found.numbers]
+    with (tmp_path / "out" / "patches.csv").open(encoding="utf-8") as stream:
+        assert len(list(csv.DictReader(stream))) == sum(len(row.result.patches) for row in found.rows)
+    text = io.StringIO()
+    reproduction.print_summary(Console(file=text, width=120), found, files)
+    assert "curve FO2" in text.getvalue()
+    assert "numbers with a limit are within" in text.getvalue()
