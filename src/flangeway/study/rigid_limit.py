@@ -7,9 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.railway.problem import WheelsetProblem
 from flangeway.railway.result import WheelsetResult
-from flangeway.railway.rigid_contact import RigidWheelset
 from flangeway.railway.rigid_equilibrium import RigidPosition, rigid_equilibrium
 from flangeway.study.runner import run_case
 from flangeway.study.wheelset_case import WheelsetCase
@@ -33,14 +31,16 @@ class StiffenedWheelset:
         Factor on Young's modulus.
     result
         Elastic solution.
-    rigid
-        Rigid balance of the same inputs.
 
     """
 
     factor: float
     result: WheelsetResult
-    rigid: RigidPosition
+
+    @cached_property
+    def rigid(self) -> RigidPosition:
+        """Rigid balance of the same inputs, from which the elastic search started."""
+        return rigid_equilibrium(self.result.model.rest.wheelset, self.result.model.problem.load).reached()
 
     @cached_property
     def position_differences_mm(self) -> Floats:
@@ -72,18 +72,6 @@ def extrapolated_differences_mm(stiffened: Sequence[StiffenedWheelset]) -> Float
     return share * other.position_differences_mm + (1.0 - share) * one.position_differences_mm
 
 
-def rigid_position(problem: WheelsetProblem) -> RigidPosition:
-    """Return the rigid balance of a problem's wheelset, track and load.
-
-    Raises
-    ------
-    InputError
-        If there is none.
-
-    """
-    return rigid_equilibrium(RigidWheelset.of(problem.track, problem.wheelset), problem.load).reached()
-
-
 def rigid_limit(
     case: WheelsetCase, factors: Sequence[float] = FACTORS, progress: Callable[[str], None] = lambda _: None
 ) -> Iterator[StiffenedWheelset]:
@@ -99,9 +87,8 @@ def rigid_limit(
         Called with a sentence at each stage.
 
     """
-    rigid = rigid_position(case.problem())
     values = case.model_dump(exclude_unset=True)
     for factor in factors:
         progress(f"Young's modulus times {factor:g}")
         raised = type(case).from_values({**values, "young_MPa": factor * case.young_MPa})
-        yield StiffenedWheelset(factor, run_case(raised, cold=True).result, rigid)
+        yield StiffenedWheelset(factor, run_case(raised, cold=True).result)
