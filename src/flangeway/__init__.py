@@ -1,8 +1,19 @@
 """Elastic contact in two dimensions with finite and virtual elements, up to a wheelset on two rails.
 
-The packages follow the flow of data: `geometry`, `mesh`, `elements`, `space`, `materials`, `problems`, `solve`,
-`contact`, `post`, `railway`, `study`, `report`. What most scripts need stands here; it is loaded when it is first used,
-so that importing this package takes no time.
+What most scripts need stands here, in the order in which a script uses it:
+
+- a shape and its mesh: `Outline`, `triangulate`, `dual` (polygons), `read_mesh`, `PolyMesh`, `write_vtu`;
+- elements on it: `Lagrange`, `Virtual`, `Space`;
+- a problem: `Elastic`, `Elasticity` with `Traction` and `fixed`, or `Torsion`;
+- its solution: `solve_elasticity`, `solve_torsion`; `recovered_stresses`, `stresses_at`, `plot_mesh`, `plot_stress`;
+- bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment` or
+  `SegmentToSegment`, with `Penalty` or `Multiplier`; `press` brings them together, `pressure_patches` says how hard
+  they touch;
+- whole cases, a wheelset among them: `load_case` reads a case file, `run_case` computes it.
+
+Wrong input is an `InputError`, every error of the package a `FlangewayError`. The packages have the rest, and follow
+the flow of data: `exact`, `geometry`, `mesh`, `elements`, `space`, `materials`, `problems`, `solve`, `contact`, `post`,
+`railway`, `study`, `report`. All is loaded when it is first used, so that importing this package takes no time.
 """
 
 from importlib import import_module
@@ -10,12 +21,13 @@ from importlib.metadata import version
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from flangeway import elements, exact, geometry, mesh, post
+    from flangeway import elements as elements
+    from flangeway import exact as exact
+    from flangeway import geometry as geometry
+    from flangeway import mesh as mesh
+    from flangeway import post as post
     from flangeway.contact import (
-        AugmentedLagrange,
         Contact,
-        ContactSolution,
-        ContactSystem,
         Multiplier,
         NodeToSegment,
         Penalty,
@@ -26,63 +38,19 @@ if TYPE_CHECKING:
     from flangeway.elements import Lagrange, Virtual
     from flangeway.errors import FlangewayError, InputError
     from flangeway.geometry import Outline, Placement
-    from flangeway.materials import Elastic, Orthotropic
-    from flangeway.mesh import PolyMesh, dual, read_mesh, refined, triangulate, write_vtu
-    from flangeway.post import (
-        displacements_at,
-        force_through_cut,
-        nodal_stresses,
-        pressure_patches,
-        reactions,
-        recovered_stresses,
-        stresses_along,
-        stresses_at,
-    )
-    from flangeway.problems import (
-        Body,
-        BodyForce,
-        Elasticity,
-        Gravity,
-        Part,
-        PointForce,
-        PrescribedDisplacement,
-        Pressure,
-        RigidHandle,
-        Spring,
-        TemperatureChange,
-        Torsion,
-        Traction,
-        fixed,
-    )
-    from flangeway.report import (
-        plot_deformed,
-        plot_displacement,
-        plot_function,
-        plot_mesh,
-        plot_stress,
-        solution_frame,
-        write_series,
-    )
-    from flangeway.solve import (
-        CondensedBodies,
-        ContactState,
-        ElasticitySolution,
-        SparseBodies,
-        Status,
-        solve_contact,
-        solve_elasticity,
-        solve_torsion,
-    )
+    from flangeway.materials import Elastic
+    from flangeway.mesh import PolyMesh, dual, read_mesh, triangulate, write_vtu
+    from flangeway.post import pressure_patches, recovered_stresses, stresses_at
+    from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
+    from flangeway.report import plot_mesh, plot_stress
+    from flangeway.solve import solve_elasticity, solve_torsion
     from flangeway.space import Space
-    from flangeway.study import adapt
+    from flangeway.study import load_case, run_case
 
 _PACKAGES = ("elements", "exact", "geometry", "mesh", "post")
 _HOMES = {
     "contact": (
-        "AugmentedLagrange",
         "Contact",
-        "ContactSolution",
-        "ContactSystem",
         "Multiplier",
         "NodeToSegment",
         "Penalty",
@@ -93,128 +61,54 @@ _HOMES = {
     "elements": ("Lagrange", "Virtual"),
     "errors": ("FlangewayError", "InputError"),
     "geometry": ("Outline", "Placement"),
-    "materials": ("Elastic", "Orthotropic"),
-    "mesh": ("PolyMesh", "dual", "read_mesh", "refined", "triangulate", "write_vtu"),
-    "post": (
-        "displacements_at",
-        "force_through_cut",
-        "nodal_stresses",
-        "pressure_patches",
-        "reactions",
-        "recovered_stresses",
-        "stresses_along",
-        "stresses_at",
-    ),
-    "problems": (
-        "Body",
-        "BodyForce",
-        "Elasticity",
-        "Gravity",
-        "Part",
-        "PointForce",
-        "PrescribedDisplacement",
-        "Pressure",
-        "RigidHandle",
-        "Spring",
-        "TemperatureChange",
-        "Torsion",
-        "Traction",
-        "fixed",
-    ),
-    "report": (
-        "plot_deformed",
-        "plot_displacement",
-        "plot_function",
-        "plot_mesh",
-        "plot_stress",
-        "solution_frame",
-        "write_series",
-    ),
-    "solve": (
-        "CondensedBodies",
-        "ContactState",
-        "ElasticitySolution",
-        "SparseBodies",
-        "Status",
-        "solve_contact",
-        "solve_elasticity",
-        "solve_torsion",
-    ),
+    "materials": ("Elastic",),
+    "mesh": ("PolyMesh", "dual", "read_mesh", "triangulate", "write_vtu"),
+    "post": ("pressure_patches", "recovered_stresses", "stresses_at"),
+    "problems": ("Body", "Elasticity", "Part", "Torsion", "Traction", "fixed"),
+    "report": ("plot_mesh", "plot_stress"),
+    "solve": ("solve_elasticity", "solve_torsion"),
     "space": ("Space",),
-    "study": ("adapt",),
+    "study": ("load_case", "run_case"),
 }
 _PACKAGE_OF = {name: package for package, names in _HOMES.items() for name in names}
 
 __version__ = version("flangeway")
 
 __all__ = [
-    "AugmentedLagrange",
     "Body",
-    "BodyForce",
-    "CondensedBodies",
     "Contact",
-    "ContactSolution",
-    "ContactState",
-    "ContactSystem",
     "Elastic",
     "Elasticity",
-    "ElasticitySolution",
     "FlangewayError",
-    "Gravity",
     "InputError",
     "Lagrange",
     "Multiplier",
     "NodeToSegment",
-    "Orthotropic",
     "Outline",
     "Part",
     "Penalty",
     "Placement",
-    "PointForce",
     "PolyMesh",
-    "PrescribedDisplacement",
-    "Pressure",
-    "RigidHandle",
     "SegmentToSegment",
     "Space",
-    "SparseBodies",
-    "Spring",
-    "Status",
     "Surface",
-    "TemperatureChange",
     "Torsion",
     "Traction",
     "Virtual",
-    "adapt",
-    "displacements_at",
     "dual",
-    "elements",
-    "exact",
     "fixed",
-    "force_through_cut",
-    "geometry",
-    "mesh",
-    "nodal_stresses",
-    "plot_deformed",
-    "plot_displacement",
-    "plot_function",
+    "load_case",
     "plot_mesh",
     "plot_stress",
-    "post",
     "press",
     "pressure_patches",
-    "reactions",
     "read_mesh",
     "recovered_stresses",
-    "refined",
-    "solution_frame",
-    "solve_contact",
+    "run_case",
     "solve_elasticity",
     "solve_torsion",
-    "stresses_along",
     "stresses_at",
     "triangulate",
-    "write_series",
     "write_vtu",
 ]
 
