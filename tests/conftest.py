@@ -12,6 +12,7 @@ os.environ["FLANGEWAY_CACHE"] = "off"
 
 import numpy as np
 import pytest
+from hypothesis import settings
 
 from flangeway import cli
 from flangeway.contact import Contact, ContactSystem, NodeToSegment, Penalty, Surface
@@ -20,6 +21,11 @@ from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.problems import Body, Part
+
+# HYPOTHESIS_PROFILE=ci: 1,000 examples wherever a test does not set its own number
+settings.register_profile("default", settings.get_profile("default"), max_examples=100)
+settings.register_profile("ci", settings.get_profile("default"), max_examples=1000, deadline=None)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 RADIUS = 50.0
 STEEL = Elastic(210e3, 0.3)

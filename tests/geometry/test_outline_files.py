@@ -348,7 +348,7 @@ def test_unknown_endings_and_missing_files_are_refused(tmp_path):
         read_section(tmp_path / "a.toml", mirrored=True)
 
 
-@settings(max_examples=150, deadline=None)
+@settings(deadline=None)
 @given(ending=st.sampled_from([".toml", ".csv", ".dxf"]), content=st.binary(max_size=200))
 def test_no_content_breaks_the_reader(tmp_path_factory, ending, content):
     """Whatever bytes a file holds, reading it gives a section or an InputError."""

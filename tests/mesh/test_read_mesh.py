@@ -302,7 +302,7 @@ def test_broken_files_are_refused(tmp_path, capfd, name, content, word):
     assert capfd.readouterr() == ("", "")
 
 
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     ending=st.sampled_from(["msh", "inp", "vtu", "vtk", "su2", "off", "bdf"]),
     start=st.sampled_from([b"", b"$MeshFormat\n4.1 1 8\n", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=CPE3\n"]),

@@ -206,7 +206,7 @@ WORDS = st.sampled_from(
 CHANGES = st.tuples(st.integers(0, 200), st.integers(0, 8), WORDS, st.sampled_from(["word", "drop", "double"]))
 
 
-@settings(max_examples=120, deadline=timedelta(seconds=10), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=timedelta(seconds=10), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(changes=st.lists(CHANGES, min_size=1, max_size=3))
 def test_a_broken_deck_gives_a_case_or_an_input_error(tmp_path, changes):
     """Lines dropped, doubled, or with other words: the deck is read or refused by an error that names the file."""

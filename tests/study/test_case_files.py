@@ -248,7 +248,7 @@ VALUES = st.recursive(PLAIN | TABLES, lambda inner: st.lists(inner, max_size=3),
 KEYS = st.sampled_from(sorted({key for case in CASES.values() for key in case.model_fields})) | st.text(max_size=6)
 
 
-@settings(max_examples=150, deadline=timedelta(seconds=5), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=timedelta(seconds=5), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(name=st.sampled_from(sorted(CASES)), values=st.dictionaries(KEYS, VALUES, max_size=4))
 def test_any_values_give_a_case_or_an_input_error(name, values):
     """Whatever stands in a file, the checker ends with a case or with an error for the user."""
@@ -260,7 +260,7 @@ def test_any_values_give_a_case_or_an_input_error(name, values):
     assert refused.advice if case is None else case.name == name
 
 
-@settings(max_examples=150, deadline=timedelta(seconds=5), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=timedelta(seconds=5), suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(text=st.text(alphabet=st.characters(codec="utf-8"), max_size=60), name=st.sampled_from(sorted(CASES)))
 def test_any_text_gives_a_case_or_an_input_error(tmp_path, text, name):
     """Any text below the name of a case is read or refused with an error for the user."""

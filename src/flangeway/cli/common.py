@@ -17,6 +17,11 @@ Progress = Callable[[str], None]
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
+LESS_MEMORY = (
+    "  allowed: a computation for which this machine has memory\n"
+    "  what to do: make the elements larger (size_scale, size_mm) or take order 1; close other programs"
+)
+
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False),
@@ -45,6 +50,9 @@ def errors_as_exit_status() -> Iterator[None]:
         raise typer.Exit(WRONG_INPUT) from None
     except MissingLibraryError as error:
         complain(str(error))
+        raise typer.Exit(FAILED) from None
+    except MemoryError as error:
+        complain(f"out of memory{f': {error}' if str(error) else ''}; nothing was written\n{LESS_MEMORY}")
         raise typer.Exit(FAILED) from None
     except KeyboardInterrupt:
         complain("interrupted; nothing was written")

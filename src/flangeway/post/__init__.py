@@ -1,5 +1,6 @@
 """What is computed from a solution: stresses, contact pressure, section constants, error norms."""
 
+from flangeway.post.contact_doubts import ContactDoubts, contact_doubts, cut_zones
 from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
 from flangeway.post.location import locate
 from flangeway.post.norms import ErrorNorms, error_norms
@@ -11,6 +12,7 @@ from flangeway.post.stress import Stresses, cell_stresses, corner_stresses, noda
 from flangeway.post.torsion import corner_shear_stresses, shear_stresses
 
 __all__ = [
+    "ContactDoubts",
     "CutForce",
     "ErrorNorms",
     "PressurePatch",
@@ -20,8 +22,10 @@ __all__ = [
     "StressLine",
     "Stresses",
     "cell_stresses",
+    "contact_doubts",
     "corner_shear_stresses",
     "corner_stresses",
+    "cut_zones",
     "displacements_at",
     "error_norms",
     "force_through_cut",

@@ -14,15 +14,14 @@ from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, pressure_patches
 from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.judgement import judged
 from flangeway.railway.known import KnownEquilibria
 from flangeway.railway.missed import missed_contact
 from flangeway.railway.model import WheelsetModel, WheelsetProblem, build_model
-from flangeway.railway.track import SIDES, Side, WheelsetMotion
+from flangeway.railway.track import Side, WheelsetMotion
 from flangeway.solve import Cache, CondensedBodies, Status
 
 Floats = NDArray[np.float64]
-
-FEWEST_NODES = 8
 
 SAME_MM = 1e-3
 """Distance of two balances, in mm and rad, below which they are one."""
@@ -172,14 +171,15 @@ def solve_wheelset(
         turned = response.rotations(state.placements)
         fields = known.fields(state, partial(response.fields, turned, state.nodal_forces))
     names = [part.name for part in model.system.parts]
-    status, warnings = _judged(model, equilibrium, patches, missed)
+    displacements = dict(zip(names, fields, strict=True))
+    status, warnings = judged(model, equilibrium, patches, missed, displacements)
     return WheelsetResult(
         status,
         model,
         equilibrium,
         patches,
         dict(zip(names, state.placements, strict=True)),
-        dict(zip(names, fields, strict=True)),
+        displacements,
         timings,
         warnings,
         tuple(others),
@@ -232,36 +232,3 @@ def _wheel_rail_patch(model: WheelsetModel, patch: PressurePatch) -> WheelRailPa
         per_length = force / model.problem.thickness_mm
         hertz = LineContact(per_length, curvature, model.hertz.modulus)
     return WheelRailPatch(side, patch, patch.force if wheel_is_secondary else -patch.force, on_wheel, on_rail, hertz)
-
-
-def _judged(
-    model: WheelsetModel, equilibrium: Equilibrium, patches: tuple[WheelRailPatch, ...], missed: tuple[Side, ...]
-) -> tuple[Status, tuple[str, ...]]:
-    """Final status, and warnings about what a converged iteration does not show."""
-    status = equilibrium.status
-    warnings = []
-    for patch in patches:
-        n_nodes = len(patch.pressure.normal_forces)
-        if n_nodes < FEWEST_NODES:
-            warnings.append(
-                f"the {patch.side} contact has only {n_nodes} nodes; lower size_scale for a pressure to trust"
-            )
-        if patch.pressure.at_edge and status.converged:
-            message = (
-                f"the {patch.side} contact reaches the edge of the candidate zone, so contact outside of it "
-                "is missing; check the profiles and the load"
-            )
-            status = Status(False, message, status.iterations)
-    if missed and status.converged:
-        message = f"wheel and rail overlap outside of the candidate zone on the {' and '.join(missed)} side"
-        status = Status(False, message + "; check the profiles, the gauge and the load", status.iterations)
-    if equilibrium.stable is False:
-        warnings.append("the balance is unstable: a small push carries the wheelset away from it")
-    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
-    if lost and status.converged:
-        warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
-    depth = -float(equilibrium.state.linearisation.gaps.min(initial=0.0))
-    approach = model.start_motion.vertical_mm - equilibrium.motion.vertical_mm
-    if depth > 0.05 * abs(approach):
-        warnings.append(f"the penetration of {depth:.1e} mm is more than 5 % of the approach; raise penalty_factor")
-    return status, tuple(warnings)

@@ -10,6 +10,7 @@ from pydantic import Field
 
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError
+from flangeway.post import contact_doubts, cut_zones, pressure_patches
 from flangeway.problems import Part
 from flangeway.solve import Status, solve_elasticity
 from flangeway.study.bodies_model import BodiesModel, BodyModel, build_bodies
@@ -94,17 +95,18 @@ class TwoBodiesCase(RunnableCase):
         meshed = time.perf_counter()
         results = {name: _alone(body, progress) for name, body in model.bodies.items() if body.part is None}
         status = Status(True, "the forces balance", 0)
-        pressed = None
+        pressed: Pressed | None = None
+        doubts: tuple[str, ...] = ()
         if model.contacts:
             pressed = self._pressed(model, progress)
-            status = _checked(pressed, model)
+            status, doubts = _checked(pressed, model)
             for name, body in model.bodies.items():
                 if body.part is not None:
                     results[name] = BodyResult(pressed.contact.field(body.part), pressed.placement(body.part))
         in_order = {name: results[name] for name in model.bodies}
         contact = None if pressed is None else pressed.contact
         timings = {"meshing": meshed - start, "total": time.perf_counter() - start}
-        notices = [*model.notices, *_notices(contact)]
+        notices = [*model.notices, *_notices(contact), *doubts]
         found = {} if pressed is None else _found(pressed, model)
         summary = summarise_bodies(self, status, in_order, contact, found, timings, notices)
         return BodiesRun(self, status, summary, in_order, contact)
@@ -141,12 +143,26 @@ def _alone(body: BodyModel, progress: Progress) -> BodyResult:
     return BodyResult(solve_elasticity(body.problem))
 
 
-def _checked(pressed: Pressed, model: BodiesModel) -> Status:
-    """Status, which says as well if nothing touches."""
-    status = pressed.status
-    if status.converged and not pressed.contact.forces.any() and model.push is None:
-        return Status(True, f"{status.message}; nothing touches", status.iterations)
-    return status
+def _checked(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
+    """Status, which says as well if nothing touches or what was found is no answer, and what makes it less exact."""
+    status, contact = pressed.status, pressed.contact
+    if not status.converged:
+        return status, ()
+    if not contact.forces.any() and model.push is None:
+        return Status(True, f"{status.message}; nothing touches", status.iterations), ()
+    patches = pressure_patches(contact.system, contact.state)
+    names = [
+        f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
+    ]
+    doubts = contact_doubts(contact.system, contact.state, patches, names)
+    if doubts.errors:
+        status = Status(False, "; ".join(doubts.errors), status.iterations)
+    missing = (
+        f"{surface.part.name}: there is contact at the end of the edges that were given for it, and its boundary goes "
+        "on there: contact beyond is missing; give more edges, unless they were left out on purpose"
+        for surface in cut_zones(contact.system, contact.state)
+    )
+    return status, (*doubts.warnings, *missing)
 
 
 def _notices(contact: ContactSolution | None) -> list[str]:

@@ -1,0 +1,140 @@
+"""Every result is checked on its way out: what is wrong is not called converged, what is rough is said."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.railway.judgement import judged
+from flangeway.railway.missed import missed_contact
+from flangeway.railway.result import solve_wheelset
+from flangeway.solve import CondensedBodies
+from flangeway.study import WheelsetTangentCase
+
+COARSE = {"size_scale": 3.0}
+
+
+def solved(**values):
+    return solve_wheelset(WheelsetTangentCase.from_values(COARSE | values).problem())
+
+
+@pytest.fixture(scope="module")
+def coarse():
+    return solved()
+
+
+def judge(result, *, state=None, patches=None, missed=(), displacements=None, **changed):
+    """Judge a result of which something was changed."""
+    if state is not None:
+        changed["state"] = replace(result.equilibrium.state, **state)
+    return judged(
+        result.model,
+        replace(result.equilibrium, **changed),
+        result.patches if patches is None else patches,
+        missed,
+        result.displacements if displacements is None else displacements,
+    )
+
+
+def test_a_good_result_stays_converged(coarse):
+    """A default load on a mesh that is fine enough has one warning: that the steel would yield, as it would."""
+    status, warnings = judge(coarse)
+    assert status == coarse.status
+    assert status.converged
+    assert coarse.warnings == warnings
+    assert len(warnings) == 1
+    assert "510 MPa" in warnings[0]
+    assert "2.2 times in the rail" in warnings[0]
+
+
+def test_no_overlap_is_missed(coarse):
+    """The check outside of the zones finds nothing in a good result."""
+    response = CondensedBodies(coarse.model.system.surface_nodes)
+    assert missed_contact(coarse.model, response, coarse.equilibrium.state) == ()
+
+
+def test_forces_that_do_not_balance_are_an_error(coarse):
+    """Contact forces that miss the load by a millionth are not converged, whatever the iteration said."""
+    first = coarse.patches[0]
+    for share, converged in ((1e-5, False), (1e-9, True)):
+        wrong = replace(first, force_on_wheel_N=first.force_on_wheel_N * (1.0 + share))
+        status, _ = judge(coarse, patches=(wrong, *coarse.patches[1:]))
+        assert status.converged == converged
+    status, _ = judge(coarse, patches=coarse.patches[1:])
+    assert "vertical contact forces and load differ by 1.5e+05 N" in status.message
+
+
+@pytest.mark.parametrize("value", [np.nan, np.inf])
+def test_what_is_not_a_number_is_an_error(coarse, value):
+    """A force, a displacement or a resultant that is not finite is not converged."""
+    forces = coarse.equilibrium.state.forces.copy()
+    forces[0] = value
+    assert "not finite" in judge(coarse, state={"forces": forces})[0].message
+    field = next(iter(coarse.displacements.values())).copy()
+    field[3, 0] = value
+    name = next(iter(coarse.displacements))
+    assert "not finite" in judge(coarse, displacements=coarse.displacements | {name: field})[0].message
+    lost = replace(coarse.patches[0], force_on_wheel_N=np.array([value, 0.0]))
+    assert not judge(coarse, patches=(lost, coarse.patches[1]))[0].converged
+
+
+def test_contact_that_pulls_is_an_error(coarse):
+    """One node in tension, small against the others, is not converged; rounding is no tension."""
+    forces = coarse.equilibrium.state.forces.copy()
+    open_node = int(np.flatnonzero(forces == 0.0)[0])
+    forces[open_node] = -1e-3 * forces.max()
+    assert "pulls with" in judge(coarse, state={"forces": forces})[0].message
+    forces[open_node] = -1e-12 * forces.max()
+    assert judge(coarse, state={"forces": forces})[0].converged
+
+
+def test_contact_at_the_edge_or_outside_of_the_zone_is_an_error(coarse):
+    """Contact at the end of the candidate zone and overlap outside of it are not converged, and both are told."""
+    left = coarse.patches[0]
+    cut = replace(left, pressure=replace(left.pressure, at_edge=True))
+    status, _ = judge(coarse, patches=(cut, coarse.patches[1]), missed=("right",))
+    assert not status.converged
+    assert "the left contact reaches the edge of the candidate zone" in status.message
+    assert "overlap outside of the candidate zone on the right side" in status.message
+
+
+def test_penetration_is_held_against_the_sinking():
+    """A soft penalty is warned of, and one softer than the bodies is not converged."""
+    soft = solved(penalty_factor=0.8)
+    assert soft.status.converged
+    assert any("raise penalty_factor" in warning for warning in soft.warnings)
+    softest = solved(penalty_factor=0.02)
+    assert not softest.status.converged
+    assert "raise penalty_factor" in softest.status.message
+
+
+def test_a_contact_of_few_segments_is_warned_of():
+    """A load whose contact is narrower than 8 segments is told with their number; no yield where stresses are low."""
+    light = solved(axle_load_kN=1.0)
+    assert light.status.converged
+    assert any("only 2 segments wide, fewer than 8; lower size_scale" in warning for warning in light.warnings)
+    assert not any("yield" in warning for warning in light.warnings)
+
+
+def test_a_rough_pressure_is_told_with_its_scatter(coarse):
+    """A pressure that jumps from node to node is warned of, with the scatter in percent."""
+    left = coarse.patches[0]
+    factors = 1.0 + 0.2 * (-1.0) ** np.arange(len(left.pressure.pressures))
+    rough = replace(left, pressure=replace(left.pressure, pressures=left.pressure.pressures * factors))
+    _, warnings = judge(coarse, patches=(rough, coarse.patches[1]))
+    percent = f"{100.0 * rough.pressure.scatter:.0f} %"
+    assert any(f"the left contact scatters by {percent}" in warning for warning in warnings)
+
+
+def test_a_balance_that_cannot_last_is_warned_of(coarse):
+    """An unstable balance is told; so is a failure kept as it is, without further words about yield."""
+    assert any("unstable" in warning for warning in judge(coarse, stable=False)[1])
+    failed = replace(coarse.status, converged=False, message="no balance")
+    status, warnings = judge(coarse, status=failed)
+    assert status == failed
+    assert warnings == ()
+
+
+def test_other_materials_are_not_compared_with_steel():
+    """The yield strength of rail steel is not held against bodies that are not of steel."""
+    assert not any("yield" in warning for warning in solved(young_MPa=70e3).warnings)

@@ -1,0 +1,64 @@
+"""Contacts of any bodies are checked as those of wheelsets are."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.post import contact_doubts, cut_zones, pressure_patches
+from flangeway.study import CASES
+
+NAMES = ["the contact"]
+
+
+def found(motions=None, **changes):
+    """Run of the disc on the block with other inputs of its contact, and another motion."""
+    case = CASES["two-bodies"]
+    values = {**case.example, "contacts": [{**case.example["contacts"][0], **changes}]}
+    values["motions"] = motions or values["motions"]
+    return case.from_values(values).run()
+
+
+@pytest.fixture(scope="module")
+def good():
+    return found()
+
+
+def test_a_good_contact_has_no_doubts(good):
+    """The disc on the block of the case's example is converged, without errors and cut zones."""
+    contact = good.contact
+    doubts = contact_doubts(contact.system, contact.state, good.patches, NAMES)
+    assert good.status.converged
+    assert doubts.errors == ()
+    assert cut_zones(contact.system, contact.state) == ()
+
+
+@pytest.mark.parametrize(("body", "box"), [("cylinder", "secondary_box_mm"), ("block", "primary_box_mm")])
+def test_a_zone_that_cuts_the_contact_is_told(body, box):
+    """If the edges that may touch end within the contact, the note says that contact beyond is missing."""
+    down = [{"body": "cylinder", "shift_mm": [0.0, -0.02]}]
+    run = found(down, **{box: [-8.0, -1.0, 0.2, 2.0]})
+    assert not any("end of the edges" in note for note in found(down).summary["notices"])
+    assert any(note.startswith(f"{body}: there is contact at the end") for note in run.summary["notices"])
+
+
+def test_a_tension_is_an_error(good):
+    """A node that pulls is an error, although the iteration converged."""
+    state = good.contact.state
+    forces = state.forces.copy()
+    forces[forces == 0.0] = -0.01 * forces.max()
+    wrong = replace(state, forces=forces)
+    doubts = contact_doubts(good.contact.system, wrong, pressure_patches(good.contact.system, wrong), NAMES)
+    assert len(doubts.errors) == 1
+    assert "pulls with" in doubts.errors[0]
+
+
+def test_segments_are_counted_by_order(good):
+    """A patch of 7 nodes of first order is 7 segments, which is told as too few; 8 on a smooth ellipse are enough."""
+    patch = good.patches[0]
+    short = replace(patch, normal_forces=patch.normal_forces[:7])
+    doubts = contact_doubts(good.contact.system, good.contact.state, [short], NAMES)
+    assert any("only 7 segments wide, fewer than 8" in warning for warning in doubts.warnings)
+    places = np.linspace(-1.0, 1.0, 10)[1:-1]
+    smooth = replace(patch, normal_forces=patch.normal_forces[:8], pressures=100.0 * np.sqrt(1.0 - places**2))
+    assert contact_doubts(good.contact.system, good.contact.state, [smooth], NAMES).warnings == ()

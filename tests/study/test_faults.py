@@ -1,0 +1,187 @@
+"""What the machine does to a run: folders that cannot be written, full disks, no memory, interruption, kill."""
+
+import errno
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.study import write_together
+
+MAIN = "from flangeway.cli import main; main()"
+RUN = ("run", "hertz", "--set", "size_mm=0.5")
+
+
+def everything(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def environment():
+    return {**os.environ, "OPENBLAS_NUM_THREADS": "1", "FLANGEWAY_CACHE": "off"}
+
+
+def started(folder, *arguments, code=MAIN):
+    return subprocess.Popen(
+        [sys.executable, "-c", code, *arguments],
+        cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment(),
+    )  # fmt: skip
+
+
+def full_disk(after):
+    """Return a replacement of ``Path.write_text`` and others that has room for a number of files."""
+    left = [after]
+
+    def write(path, data, *_, **__):
+        left[0] -= 1
+        half = data[: len(data) // 2]
+        with path.open("wb" if isinstance(data, bytes) else "w") as file:
+            file.write(data if left[0] >= 0 else half)
+        if left[0] < 0:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    return write
+
+
+@pytest.mark.parametrize("after", [0, 1, 3])
+def test_a_full_disk_leaves_no_half_file(call, monkeypatch, tmp_path, after):
+    """If the disk is full after some files, status 2 and the system's reason are told, and no file stays."""
+    write = full_disk(after)
+    monkeypatch.setattr(Path, "write_text", write)
+    monkeypatch.setattr(Path, "write_bytes", write)
+    status, out, err = call(*RUN, "--out", "results")
+    assert status == 2
+    assert "results, which cannot be written: No space left on device" in err
+    assert "what to do: choose another folder with --out" in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert everything(tmp_path) == []
+
+
+def test_a_device_without_room_is_told(tmp_path):
+    """A writer that meets a device without room leaves the former files as they were."""
+    if not Path("/dev/full").exists():
+        pytest.skip("this system has no /dev/full")
+    (tmp_path / "x").write_text("before")
+
+    def write(path):
+        path.symlink_to("/dev/full")
+        path.write_text("after")
+
+    with pytest.raises(InputError, match="No space left on device"):
+        write_together(tmp_path, {"x": lambda path: path.write_text("after"), "y": write})
+    assert everything(tmp_path) == ["x"]
+    assert (tmp_path / "x").read_text() == "before"
+
+
+def test_a_small_file_system_is_left_empty(call, tmp_path):
+    """On a real file system that is too small for the results, the run ends with status 2 and leaves no file."""
+    small = tmp_path / "small"
+    small.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", small], capture_output=True, check=False
+    ) if os.geteuid() == 0 and sys.platform == "linux" else None  # fmt: skip
+    if mounted is None or mounted.returncode:
+        pytest.skip("mounting a file system is not allowed here")
+    try:
+        status, _, err = call(*RUN, "--out", small / "results")
+        left = everything(small)
+    finally:
+        subprocess.run(["umount", small], check=True)
+    assert status == 2
+    assert "No space left on device" in err
+    assert left == []
+
+
+@pytest.mark.parametrize("arguments", [RUN, ("init", "hertz"), ("schema", "--to", "schema.json")])
+def test_a_read_only_folder_is_refused(tmp_path, arguments):
+    """In a folder without permission to write, status 2 and the reason; a run says so before it computes."""
+    # root may write anywhere, unless it gives up its capabilities
+    run = ["setpriv", "--bounding-set=-all", "--inh-caps=-all"] if os.geteuid() == 0 else []
+    if run and (shutil.which("setpriv") is None or subprocess.run([*run, "true"], check=False).returncode):
+        pytest.skip("root cannot give up its capabilities here")
+    locked = tmp_path / "locked"
+    locked.mkdir()
+    locked.chmod(0o555)
+    done = subprocess.run(
+        [*run, sys.executable, "-c", MAIN, *arguments],
+        cwd=locked, capture_output=True, text=True, env=environment(), check=False,
+    )  # fmt: skip
+    assert done.returncode == 2, done.stderr
+    assert "Permission denied" in done.stderr
+    assert "what to do: " in done.stderr
+    assert "Traceback" not in done.stderr
+    assert "meshing" not in done.stderr
+    assert everything(locked) == []
+
+
+@pytest.mark.parametrize("text", ["", "Unable to allocate 74.5 GiB for an array"])
+def test_no_memory_is_told(call, monkeypatch, tmp_path, text):
+    """If memory ends in a run, status 1, a sentence with what to do, and nothing written."""
+
+    def fail(*_, **__):
+        raise MemoryError(text)
+
+    monkeypatch.setattr("flangeway.study.two_bodies.press_loaded", fail)
+    status, out, err = call(*RUN)
+    assert status == 1
+    assert "flangeway: out of memory" in err
+    assert text in err
+    assert "nothing was written" in err
+    assert "make the elements larger" in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert everything(tmp_path) == []
+
+
+def test_a_real_limit_of_memory_is_told(tmp_path):
+    """Under a limit of the address space that the run needs more than, status 1 and no traceback."""
+    if sys.platform != "linux":
+        pytest.skip("limits of the address space are those of Linux")
+    # what is loaded already, and little more
+    code = (
+        "import re, resource, flangeway.report.case_outputs, flangeway.study, gmsh\n"
+        "used = int(re.search(r'VmSize:\\s+(\\d+)', open('/proc/self/status').read())[1]) * 1024\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (used + 40 * 2**20,) * 2)\n" + MAIN
+    )
+    process = started(tmp_path, "run", "cook", "--order", "1", "--set", "level=6", code=code)
+    out, err = process.communicate(timeout=120)
+    assert process.returncode == 1, err
+    assert "flangeway: out of memory" in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert everything(tmp_path) == []
+
+
+@pytest.mark.parametrize("arguments", [RUN, ("geometry", "wheelset-tangent"), ("init", "hertz")])
+def test_interruption_while_files_are_moved(call, monkeypatch, tmp_path, arguments):
+    """Ctrl-C before the first file is at its place: status 130, a sentence, no file and no temporary folder."""
+
+    def stop(*_):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("flangeway.study.output.os.replace", stop)
+    status, out, err = call(*arguments)
+    assert status == 130
+    assert "interrupted; nothing was written" in err
+    assert "Traceback" not in err
+    assert out == ""
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+    assert list(tmp_path.glob(".flangeway-*")) == []
+
+
+def test_a_killed_run_leaves_no_half_result(tmp_path):
+    """A run that is killed while it works leaves no file of results at its place."""
+    process = started(tmp_path, *RUN)
+    first = process.stderr.readline()
+    time.sleep(0.05)
+    process.send_signal(signal.SIGKILL)
+    process.communicate(timeout=60)
+    assert first.startswith("meshing")
+    assert process.returncode == -signal.SIGKILL
+    assert everything(tmp_path) == []
