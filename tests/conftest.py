@@ -23,7 +23,7 @@ from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.problems import Body, Part
 
 # HYPOTHESIS_PROFILE=ci: 1,000 examples wherever a test does not set its own number
-settings.register_profile("default", settings.get_profile("default"), max_examples=100)
+settings.register_profile("default", settings.get_profile("default"), max_examples=50)
 settings.register_profile("ci", settings.get_profile("default"), max_examples=1000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
