@@ -13,7 +13,7 @@ from flangeway.railway.equilibrium import Equilibrium
 from flangeway.railway.lane_newton import LaneSide
 from flangeway.railway.lanes import resultants
 from flangeway.railway.prepared import PreparedWheelset
-from flangeway.railway.result import GAUGE_SIDE
+from flangeway.railway.result import region_of
 from flangeway.railway.subsurface import SubsurfaceExtreme
 from flangeway.railway.track import SIDES, Side
 
@@ -128,14 +128,6 @@ def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[La
             )
         )
     return tuple(found)
-
-
-def region_of(side: Side, lateral: float, vertical: float) -> str:
-    """Part of the rail that is touched, by the force on the wheel; see `WheelRailPatch.region`."""
-    inward = -lateral if side == "right" else lateral
-    if abs(inward) < GAUGE_SIDE * vertical:
-        return "crown"
-    return "gauge corner" if inward > 0.0 else "field corner"
 
 
 def _node_lengths(side: LaneSide) -> Floats:

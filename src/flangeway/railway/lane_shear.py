@@ -14,7 +14,7 @@ from flangeway.problems import Body
 from flangeway.railway.discretisation import ROLES, Role
 from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.prepared import PreparedWheelset
-from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, _on_mesh, largest_on
+from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, closest_on_boundary, largest_on
 from flangeway.railway.track import SIDES
 from flangeway.space import CellBatch
 
@@ -82,7 +82,7 @@ def line_below(prepared: PreparedWheelset, role: Role, patch: LanePatch) -> tupl
     point = np.array(patch.wheel_point_mm if role == "wheel" else patch.rail_point_mm)
     number, parameter, _ = profile.running_surface.closest([point])
     inward = -profile.running_surface.segments[int(number[0])].normal(parameter)[0]
-    start = _on_mesh(prepared.model.parts[f"{role}-{side}"].body.mesh, point)
+    start = closest_on_boundary(prepared.model.parts[f"{role}-{side}"].body.mesh, point)
     depths = np.linspace(0.0, DEPTH * patch.half_width_mm, N_POINTS)
     return start + depths[:, None] * inward, depths
 

@@ -60,10 +60,15 @@ class WheelRailPatch:
     def region(self) -> str:
         """Part of the rail that is touched: ``crown``, ``gauge corner`` or ``field corner``."""
         lateral, vertical = self.force_on_wheel_N
-        inward = -lateral if self.side == "right" else lateral
-        if abs(inward) < GAUGE_SIDE * vertical:
-            return "crown"
-        return "gauge corner" if inward > 0.0 else "field corner"
+        return region_of(self.side, float(lateral), float(vertical))
+
+
+def region_of(side: Side, lateral: float, vertical: float) -> str:
+    """Part of the rail that is touched by the force on a wheel in the track's axes; see `WheelRailPatch.region`."""
+    inward = -lateral if side == "right" else lateral
+    if abs(inward) < GAUGE_SIDE * vertical:
+        return "crown"
+    return "gauge corner" if inward > 0.0 else "field corner"
 
 
 @dataclass(frozen=True, eq=False)

@@ -81,7 +81,7 @@ def stresses_below(
     number, parameter, _ = surface.closest([point])
     inward = -surface.segments[int(number[0])].normal(parameter)[0]
     part = result.model.parts[f"{body}-{patch.side}"]
-    start = _on_mesh(part.body.mesh, point)
+    start = closest_on_boundary(part.body.mesh, point)
     end = start + depth * inward
     field = ElasticField(part.body.elasticity, result.displacements[part.name])
     return stresses_along(field, (start[0], start[1]), (end[0], end[1]), n_points)
@@ -166,7 +166,7 @@ def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[C
     raise InputError(f"stresses_below(body={body!r})", "'wheel' or 'rail'", "name one of the two bodies in contact")
 
 
-def _on_mesh(mesh: PolyMesh, point: Floats) -> Floats:
+def closest_on_boundary(mesh: PolyMesh, point: Floats) -> Floats:
     """Closest point of the mesh's boundary: chords of the profile, which the profile itself may leave."""
     first, second = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
     along = second - first

@@ -8,7 +8,6 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
-from matplotlib.collections import PolyCollection
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
@@ -72,14 +71,6 @@ class StressColours:
         """Levels worth a contour line: every second one, without zero."""
         levels = self.levels[::-1] if self.compressive else self.levels
         return np.sort(levels[2:-1:2])
-
-
-def draw_cells(axes: Axes, part: PartFields, points: Floats, values: Floats, colours: StressColours) -> None:
-    """Fill the cells of a part, drawn at `points`, by their values."""
-    collection = PolyCollection(cell_corners(part.mesh, points), cmap=colours.map, norm=colours.norm, linewidths=0.2)
-    collection.set_array(values)
-    collection.set_edgecolor("face")
-    axes.add_collection(collection)
 
 
 def draw_contours(axes: Axes, part: PartFields, points: Floats, values: Floats, colours: StressColours) -> None:
