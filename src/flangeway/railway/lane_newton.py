@@ -281,7 +281,7 @@ class Window:
 
     Parameters
     ----------
-    stand, gaps, around, borne, tangents
+    stand, gaps, around, tangents
         Where the side is.
     rows
         Hat functions, shape (L, m).

@@ -141,16 +141,6 @@ class PositionTable:
     messages: dict[int, str]
 
     @property
-    def max_pressures_MPa(self) -> Floats:  # noqa: N802 (the unit megapascal)
-        """Largest pressure on left and right, zero without contact, shape (n, 2)."""
-        result = np.zeros((len(self.patches), 2))
-        for number, patches in enumerate(self.patches):
-            for patch in patches:
-                side = SIDES.index(patch.side)
-                result[number, side] = max(result[number, side], patch.max_pressure_MPa)
-        return result
-
-    @property
     def forces_on_wheels_N(self) -> Floats:  # noqa: N802 (the unit newton)
         """Forces on the left and the right wheel, axes of the track, shape (n, 2, 2)."""
         result = np.zeros((len(self.patches), 2, 2))

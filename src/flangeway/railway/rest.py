@@ -124,7 +124,8 @@ def rigid_rest(problem: WheelsetProblem) -> RigidRest:
     if lateral is not None:
         return RigidRest(wheelset, (contact_locus(wheelset, [lateral]).motion(0),), None)
     equilibrium = rigid_equilibrium(wheelset, problem.load)
-    middle = contact_locus(wheelset, [0.0]).motion(0)
+    # the path of contact, which the balance has followed, need not be followed again for its middle
+    middle = locus_of(wheelset, settle(wheelset, np.array([0.0]), at_axle=True)).motion(0)
     found = [*(position.motion for position in equilibrium.positions), middle]
     if problem.track.is_symmetric and problem.wheelset.is_symmetric and problem.load.in_track[0] == 0.0:
         # the middle is in balance, though it need not be stable

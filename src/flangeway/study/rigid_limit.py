@@ -7,8 +7,9 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.errors import InputError
 from flangeway.railway.result import WheelsetResult
-from flangeway.railway.rigid_equilibrium import RigidPosition, rigid_equilibrium
+from flangeway.railway.rigid_equilibrium import RigidPosition
 from flangeway.study.runner import run_case
 from flangeway.study.wheelset_case import WheelsetCase
 
@@ -40,7 +41,10 @@ class StiffenedWheelset:
     @cached_property
     def rigid(self) -> RigidPosition:
         """Rigid balance of the same inputs, from which the elastic search started."""
-        return rigid_equilibrium(self.result.model.rest.wheelset, self.result.model.problem.load).reached()
+        equilibrium = self.result.model.rest.equilibrium
+        if equilibrium is None:
+            raise InputError("a prescribed lateral motion", "a wheelset in balance", "leave lateral_mm out")
+        return equilibrium.reached()
 
     @cached_property
     def position_differences_mm(self) -> Floats:
