@@ -136,5 +136,15 @@ def test_a_balance_that_cannot_last_is_warned_of(coarse):
 
 
 def test_other_materials_are_not_compared_with_steel():
-    """The yield strength of rail steel is not held against bodies that are not of steel."""
+    """The yield strength of rail steel is not held against bodies that are not of steel; a given one is."""
     assert not any("yield" in warning for warning in solved(young_MPa=70e3).warnings)
+    (told,) = (warning for warning in solved(young_MPa=70e3, yield_MPa=100.0).warnings if "yield" in warning)
+    assert "exceed 100 MPa, the yield strength" in told
+
+
+def test_a_stronger_steel_is_compared_with_its_own_strength(coarse):
+    """Stresses are over the given strength where there is one; nothing is told where it is above all of them."""
+    for strength, factor in ((1020.0, "1.1 times in the rail"), (2000.0, None)):
+        model = replace(coarse.model, problem=replace(coarse.model.problem, yield_MPa=strength))
+        _, warnings = judge(replace(coarse, model=model))
+        assert (factor is None and warnings == ()) or factor in warnings[0]

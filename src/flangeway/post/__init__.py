@@ -3,6 +3,7 @@
 from flangeway.post.contact_doubts import ContactDoubts, contact_doubts, cut_zones
 from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
 from flangeway.post.location import locate
+from flangeway.post.nodal_balance import nodal_imbalance
 from flangeway.post.norms import ErrorNorms, error_norms
 from flangeway.post.pressure import PressurePatch, pressure_patches
 from flangeway.post.reactions import Reaction, reactions
@@ -30,6 +31,7 @@ __all__ = [
     "error_norms",
     "force_through_cut",
     "locate",
+    "nodal_imbalance",
     "nodal_stresses",
     "pressure_patches",
     "reactions",

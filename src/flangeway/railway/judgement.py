@@ -26,7 +26,7 @@ YIELD_MPa = 510.0
 """Least yield strength of standard rail steel, 74 ksi (AREMA Manual for Railway Engineering, chapter 4)."""
 
 STEEL_MPa = (190e3, 220e3)
-"""Young's moduli that are taken for those of steel."""
+"""Young's moduli that are taken for those of steel, whose yield strength is assumed where none is given."""
 
 
 def judged(
@@ -107,21 +107,25 @@ def _outside(patches: Iterable["WheelRailPatch"], missed: Sequence[Side]) -> lis
 
 
 def _beyond_yield(model: WheelsetModel, displacements: Mapping[str, Floats]) -> list[str]:
-    """Compare the cells' largest von Mises stress in bodies of steel with the yield strength."""
+    """Compare the cells' largest von Mises stress with the yield strength."""
+    given = model.problem.yield_MPa
+    strength = YIELD_MPa if given is None else given
     beyond = []
     for role in ROLES:
-        if not STEEL_MPa[0] <= model.problem.material_of(role).young <= STEEL_MPa[1]:
+        if given is None and not STEEL_MPa[0] <= model.problem.material_of(role).young <= STEEL_MPa[1]:
             continue
         largest = max(
             float(cell_stresses(model.parts[name].body.elasticity, displacement).von_mises.max())
             for name, displacement in displacements.items()
             if name.startswith(role)
         )
-        if largest > YIELD_MPa:
-            beyond.append(f"{largest / YIELD_MPa:.1f} times in the {role}")
+        if largest > strength:
+            beyond.append(f"{largest / strength:.1f} times in the {role}")
     if not beyond:
         return []
+    assumed = "the least yield strength of standard rail steel (AREMA Manual, chapter 4)"
+    source = assumed if given is None else "the yield strength"
     return [
-        f"elastic von Mises stresses exceed {YIELD_MPa:g} MPa, the least yield strength of standard rail steel (AREMA "
-        f"Manual, chapter 4): up to {' and '.join(beyond)}; the steel would yield, with less pressure on wider contact"
+        f"elastic von Mises stresses exceed {strength:g} MPa, {source}: up to "
+        f"{' and '.join(beyond)}; the material would yield, with less pressure on wider contact"
     ]

@@ -59,6 +59,8 @@ class WheelsetProblem:
         Components of the motion that are given instead of found.
     all_equilibria
         Whether further balances are looked for, from every position in which rigid wheels are in balance.
+    yield_MPa
+        Yield strength above which a warning tells that the bodies would yield; None: that of rail steel, for steel.
 
     """
 
@@ -72,6 +74,7 @@ class WheelsetProblem:
     rail_material: Elastic | None = None
     prescribed: Prescribed = field(default_factory=Prescribed)
     all_equilibria: bool = False
+    yield_MPa: float | None = None  # noqa: N815 (the unit megapascal)
 
     def material_of(self, body: Role) -> Elastic:
         """Material of a kind of body."""

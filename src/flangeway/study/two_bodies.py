@@ -1,7 +1,7 @@
 """The general case: bodies of any shape with supports, loads, motions and contacts."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -10,9 +10,9 @@ from pydantic import Field
 
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError
-from flangeway.post import contact_doubts, cut_zones, pressure_patches
-from flangeway.problems import Part
-from flangeway.solve import Status, solve_elasticity
+from flangeway.post import contact_doubts, cut_zones, nodal_imbalance, pressure_patches
+from flangeway.problems import ElasticField, Part
+from flangeway.solve import ElasticitySolution, Status, solve_elasticity
 from flangeway.study.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.study.bodies_run import BodiesRun, BodyResult, summarise_bodies
 from flangeway.study.bodies_tables import (
@@ -29,6 +29,9 @@ from flangeway.study.pressing import Pressed, press_loaded
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+
+LARGEST_IMBALANCE = 1e-6
+"""See `nodal_imbalance`; what is found without fault has round-off, below 1e-9."""
 
 
 class TwoBodiesCase(RunnableCase):
@@ -93,13 +96,15 @@ class TwoBodiesCase(RunnableCase):
         progress("meshing the bodies")
         model = build_bodies(self)
         meshed = time.perf_counter()
-        results = {name: _alone(body, progress) for name, body in model.bodies.items() if body.part is None}
-        status = Status(True, "the forces balance", 0)
+        alone = {name: _alone(body, progress) for name, body in model.bodies.items() if body.part is None}
+        results = {name: BodyResult(solution) for name, solution in alone.items()}
+        status = _worst([solution.status for solution in alone.values()])
         pressed: Pressed | None = None
         doubts: tuple[str, ...] = ()
         if model.contacts:
             pressed = self._pressed(model, progress)
-            status, doubts = _checked(pressed, model)
+            in_contact, doubts = _checked(pressed, model)
+            status = _worst([in_contact, status])
             for name, body in model.bodies.items():
                 if body.part is not None:
                     results[name] = BodyResult(pressed.contact.field(body.part), pressed.placement(body.part))
@@ -117,6 +122,7 @@ class TwoBodiesCase(RunnableCase):
         for body in model.bodies.values():
             if body.part is not None and body.moved_before_contact:
                 progress(f"solving for {body.name} under its loads")
+                # how well it balances is judged on the way out, together with the contact forces
                 fields[body.part] = solve_elasticity(body.problem).displacements
                 loads[body.part] = body.load_N
         progress("condensing the bodies to their surfaces")
@@ -131,7 +137,13 @@ class TwoBodiesCase(RunnableCase):
         )
 
 
-def _alone(body: BodyModel, progress: Progress) -> BodyResult:
+def _worst(statuses: Sequence[Status]) -> Status:
+    """The first that is of a failure; otherwise the first."""
+    failed = [status for status in statuses if not status.converged]
+    return [*failed, *statuses, Status(True, "the forces balance", 0)][0]
+
+
+def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
     """A body without contact."""
     if not body.problem.loads and not any(support.x or support.y for support in body.problem.prescribed):
         raise InputError(
@@ -140,7 +152,7 @@ def _alone(body: BodyModel, progress: Progress) -> BodyResult:
             "add [[loads]], a displacement in [[supports]], or a contact",
         )
     progress(f"solving for {body.name}")
-    return BodyResult(solve_elasticity(body.problem))
+    return solve_elasticity(body.problem)
 
 
 def _checked(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
@@ -155,14 +167,33 @@ def _checked(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, .
         f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
     ]
     doubts = contact_doubts(contact.system, contact.state, patches, names)
-    if doubts.errors:
-        status = Status(False, "; ".join(doubts.errors), status.iterations)
+    errors = [*doubts.errors, *_unbalanced(pressed, model)]
+    if errors:
+        status = Status(False, "; ".join(errors), status.iterations)
     missing = (
         f"{surface.part.name}: there is contact at the end of the edges that were given for it, and its boundary goes "
         "on there: contact beyond is missing; give more edges, unless they were left out on purpose"
         for surface in cut_zones(contact.system, contact.state)
     )
     return status, (*doubts.warnings, *missing)
+
+
+def _unbalanced(pressed: Pressed, model: BodiesModel) -> list[str]:
+    """Bodies in contact whose nodes are not in balance."""
+    errors = []
+    for body in model.bodies.values():
+        if body.part is not None:
+            back = pressed.placement(body.part).inverse()
+            forces = back.vectors(pressed.contact.nodal_forces(body.part))
+            field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
+            left = nodal_imbalance(field, forces, ~body.part.body.free.reshape(-1, 2))
+            if not left <= LARGEST_IMBALANCE:
+                errors.append(
+                    f"{body.name}: {left:.1e} of the largest nodal force is not in balance; raise this with the case "
+                    "file as a fault, unless its cells are of very different sizes or its materials of very different "
+                    "moduli"
+                )
+    return errors
 
 
 def _notices(contact: ContactSolution | None) -> list[str]:

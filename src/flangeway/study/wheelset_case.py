@@ -31,6 +31,9 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     wheel_poisson: float | None = Field(None, gt=-1.0, lt=0.5, description="poisson of the wheels, if unlike")
     rail_young_MPa: float | None = Field(None, gt=0.0, description="young_MPa of the rails, if unlike")  # noqa: N815
     rail_poisson: float | None = Field(None, gt=-1.0, lt=0.5, description="poisson of the rails, if unlike")
+    yield_MPa: float | None = Field(  # noqa: N815
+        None, gt=0.0, description="yield strength, for a warning; 510 MPa, that of rail steel, if left out"
+    )
     method: Method = Field(Discretisation.method, description="fem is triangles, vem is polygons with virtual elements")
     order: int = Field(Discretisation.order, ge=1, le=2, description="order of the elements: FO2 is fem of order 2")
     wheel_method: Method | None = Field(None, description="method of the wheels, if unlike")
@@ -95,6 +98,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
             self._material(self.rail_young_MPa, self.rail_poisson),
             Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad),
             self.equilibria == "all",
+            self.yield_MPa,
         )
 
     def _material(self, young: float | None, poisson: float | None) -> Elastic | None:
