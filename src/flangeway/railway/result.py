@@ -90,7 +90,7 @@ class WheelsetResult:
     displacements
         Of all nodes of each part in its own frame, by name, each (n_dofs, 2).
     timings_s
-        Seconds for meshing, assembly, factorisation, contact, and post-processing.
+        Seconds for meshing, condensation (assembly and factorisation), contact, and post-processing.
     warnings
         Sentences about what limits the result.
     others
@@ -153,10 +153,8 @@ def solve_wheelset(
     for whole in (False, True):
         with _timed(timings, "meshing"):
             model = build_model(problem, progress, whole=whole, cache=cache)
-        with _timed(timings, "assembly"):
-            progress("assembling the stiffness")
-            n_unknowns = sum(int(body.free.sum()) for body in model.bodies)
-        with _timed(timings, "factorisation"):
+        n_unknowns = sum(int(body.free.sum()) for body in model.bodies)
+        with _timed(timings, "condensation"):
             progress(f"condensing {n_unknowns} unknowns to the surfaces")
             response = CondensedBodies(model.system.surface_nodes, cache)
         with _timed(timings, "contact"):
