@@ -1,0 +1,51 @@
+"""Makes anew the pictures of docs/images/ that one command of flangeway writes: ``python .ci/pictures.py``.
+
+The other pictures there are written by the code of the page that shows them.
+"""
+
+import io
+import subprocess
+import sys
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from PIL import Image
+
+ROOT = Path(__file__).parents[1]
+IMAGES = ROOT / "docs" / "images"
+PICTURES = {
+    "run wheelset-tangent": {"wheelset.png": ("wheelset", 1400)},
+    "run wheelset-curve --size-scale 3": {
+        "wheelset.png": ("gallery-curve", 900),
+        "stresses-right.png": ("gallery-contact-stresses", 760),
+        "bending.png": ("gallery-bending", 900),
+    },
+    "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
+    "section 136RE": {"prandtl.png": ("gallery-prandtl", 700)},
+    "reproduce elasticity": {"nearly-incompressible.png": ("elasticity-nearly-incompressible", 900)},
+}
+"""Files of each command: the name that they get here, and their width."""
+
+
+def small(picture: Path, width: int) -> bytes:
+    """Return a picture of a width in 256 colours, as PNG."""
+    with Image.open(picture) as full:
+        size = (width, round(full.height * width / full.width))
+        scaled = full.convert("RGB").resize(size, Image.Resampling.LANCZOS)
+    packed = io.BytesIO()
+    scaled.quantize(256, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
+    return packed.getvalue()
+
+
+def main() -> None:
+    """Run the commands and write the pictures."""
+    with TemporaryDirectory() as folder:
+        for number, (line, pictures) in enumerate(PICTURES.items()):
+            out = Path(folder) / str(number)
+            subprocess.run([sys.executable, "-m", "flangeway", *line.split(), "--out", str(out)], check=True)
+            for file, (name, width) in pictures.items():
+                (IMAGES / f"{name}.png").write_bytes(small(out / file, width))
+
+
+if __name__ == "__main__":
+    main()
