@@ -17,7 +17,7 @@ from flangeway.study.campaign import columns, results
 from flangeway.study.campaign.campaign import ROWS_OF_A_CHUNK
 from flangeway.study.campaign.run import MOST_LOSSES
 
-TEXT = (Path(__file__).parents[1] / "docs" / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text|toml|csv)\n(.*?)```", TEXT, flags=re.DOTALL)
 FILES = iter(("shift.toml", "positions.csv", "measured.toml"))
 

@@ -1,16 +1,14 @@
 """The tutorial on sections, followed to the letter: its files are saved and read, its outputs compared."""
 
 import re
-import sys
 from pathlib import Path
 
 import pytest
 
-from flangeway import cli
 from flangeway.geometry import read_section
 from flangeway.study.section import run_section
 
-TEXT = (Path(__file__).parents[1] / "docs" / "tutorials" / "section.md").read_text(encoding="utf-8")
+TEXT = (Path(__file__).parents[2] / "docs" / "tutorials" / "section.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"`(\w+\.toml)`:\n\n```toml\n(.*?)```", TEXT, flags=re.DOTALL))
 OUTPUTS = re.findall(r"```text\n(.*?)```", TEXT, flags=re.DOTALL)
 
@@ -20,21 +18,11 @@ def numbers(line):
 
 
 @pytest.fixture
-def command(tmp_path, monkeypatch, capsys):
-    """Save all files of the page in a folder, and run the command line there."""
+def saved(tmp_path):
+    """Folder with all files of the page."""
     for name, text in FILES.items():
         (tmp_path / name).write_text(text, encoding="utf-8")
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setenv("NO_COLOR", "1")
-
-    def run(*arguments):
-        monkeypatch.setattr(sys, "argv", ["flangeway", *arguments])
-        with pytest.raises(SystemExit) as caught:
-            cli.main()
-        return caught.value.code, *capsys.readouterr()
-
-    return run
+    return tmp_path
 
 
 def test_the_page_has_its_files():
@@ -42,9 +30,9 @@ def test_the_page_has_its_files():
     assert set(FILES) == {"girder.toml", "slit.toml", "wrong.toml", "concrete.toml", "half.toml"}
 
 
-def test_the_girder_prints_what_the_page_says(command, tmp_path):
+def test_the_girder_prints_what_the_page_says(call, saved):
     """Each line of the page is printed, with the same constants to 1e-4; the mesh may differ a little."""
-    status, out, _ = command("section", "girder.toml")
+    status, out, _ = call("section", "girder.toml")
     assert status == 0
     printed = [" ".join(line.split()) for line in out.splitlines()]
     for line in OUTPUTS[0].splitlines()[1:-1]:
@@ -53,27 +41,28 @@ def test_the_girder_prints_what_the_page_says(command, tmp_path):
         found = next(other for other in printed if other.startswith(label))
         if "gap" not in label:
             assert numbers(found) == pytest.approx(numbers(words), rel=1e-3 if "stress" in label else 1e-4), label
-    assert {path.name for path in (tmp_path / "out" / "section-girder").iterdir()} >= {"mesh.png", "section.json"}
+    assert {path.name for path in (saved / "out" / "section-girder").iterdir()} >= {"mesh.png", "section.json"}
 
 
-def test_the_slit_girder_is_as_the_page_says(command, tmp_path):
+def test_the_slit_girder_is_as_the_page_says(saved):
     """Cut open, the girder has about a two-hundredth of its torsion constant, and its shear centre above the top."""
-    closed, cut = (run_section(read_section(tmp_path / name)).constants for name in ("girder.toml", "slit.toml"))
+    closed, cut = (run_section(read_section(saved / name)).constants for name in ("girder.toml", "slit.toml"))
     assert 150.0 < closed.torsion_constant / cut.torsion_constant < 250.0
     assert cut.shear_centre[1] > 180.0
 
 
-def test_the_mistake_gives_the_message_of_the_page(command):
+@pytest.mark.usefixtures("saved")
+def test_the_mistake_gives_the_message_of_the_page(call):
     """The hole that sticks out ends with status 2 and the very message."""
-    status, _, err = command("section", "wrong.toml")
+    status, _, err = call("section", "wrong.toml")
     assert status == 2
     assert err == OUTPUTS[1]
 
 
-def test_two_materials_and_the_path_are_read(command, tmp_path):
+def test_two_materials_and_the_path_are_read(call, saved):
     """The composite section is weighted and says so; the half disc has its area."""
-    status, out, _ = command("section", "concrete.toml", "--size", "10")
+    status, out, _ = call("section", "concrete.toml", "--size", "10")
     assert status == 0
     assert "several Poisson's ratios" in out
     assert "References: E =" in out
-    assert read_section(tmp_path / "half.toml").section.area == pytest.approx(3926.99, rel=1e-6)
+    assert read_section(saved / "half.toml").section.area == pytest.approx(3926.99, rel=1e-6)

@@ -17,7 +17,7 @@ from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space
 
-PAGE = Path(__file__).parents[1] / "docs" / "how-to" / "add-an-element.md"
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "add-an-element.md"
 TRAPEZOID = np.array([[0.0, 0.0], [3.0, 0.2], [2.5, 2.0], [-0.5, 1.0]])[:, :, None]
 
 

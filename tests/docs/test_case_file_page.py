@@ -1,0 +1,82 @@
+"""The how-to on case files, followed to the letter: files saved, commands and scripts run, outputs compared."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from flangeway.study import CASES, load_case
+from flangeway.study.case_file import FORMAT
+
+PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "write-a-case-file.md"
+TEXT = PAGE.read_text(encoding="utf-8")
+
+
+def block(kind, start):
+    """The block of a kind that begins with some words."""
+    blocks = re.findall(rf"```{kind}\n(.*?)```", TEXT, flags=re.DOTALL)
+    (found,) = (text for text in blocks if text.startswith(start))
+    return found
+
+
+def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
+    """Every file is saved, every command ends with status 0, every script runs, and what is shown is printed."""
+    rest = block("text", "*SOLID SECTION")
+    (tmp_path / "blocks_with_steps.inp").write_text(block("inp", "*NODE") + rest, encoding="utf-8")
+    done = follow("how-to/write-a-case-file.md", tolerance=0.01, skip=[rest, "flangeway: cylinders.toml"])
+    assert done == {"toml": 3, "inp": 1, "sh": 5, "text": 2, "python": 2}
+    assert (tmp_path / "out" / "mine" / "summary.json").is_file()
+    forces = [
+        json.loads((tmp_path / "out" / name / "summary.json").read_text()) for name in ("blocks", "blocks_with_steps")
+    ]
+    first, second = (summary["contacts"][0]["force_on_secondary_N"] for summary in forces)
+    assert first == pytest.approx(second)
+    assert load_case(tmp_path / "steps.toml").bodies[0].cells == "LOWER"
+    assert load_case(tmp_path / "curve.toml").rail == "60E1"
+    shortest = re.search(r"Save as `curve.toml`.*?```toml\n(.*?)```", TEXT, flags=re.DOTALL)[1]
+    assert len(shortest.splitlines()) < 10
+
+
+def test_the_mistake_of_the_page_is_told_as_shown(call, tmp_path):
+    """The shown message is that of a misspelt key in line 3, but for the rest of the keys."""
+    (tmp_path / "cylinders.toml").write_text('flangeway = 1\ncase = "hertz"\nradus_mm = 3.0\n', encoding="utf-8")
+    status, out, err = call("run", "cylinders.toml")
+    shown = block("text", "flangeway: ")
+    assert (status, out) == (2, "")
+    for line, told in zip(shown.splitlines(), err.splitlines(), strict=True):
+        assert told.startswith(line.removesuffix("...")), line
+
+
+def test_the_page_names_all_cases_and_the_format():
+    """Each case is in the table, and the number of the format is the program's."""
+    for name in CASES:
+        assert f"`{name}`" in TEXT
+    assert f"`flangeway = {FORMAT}`" in TEXT
+
+
+def test_commands_on_case_files(call, tmp_path):
+    """`init` does not write over files, `schema` writes or prints JSON, `cases` explains one case or all."""
+    assert call("init", "cook")[0] == 0
+    status, out, err = call("init", "cook")
+    assert (status, out) == (2, "")
+    assert "cook.toml, which is there already" in err
+    assert call("init", "cok")[2].endswith("did you mean cook?\n")
+    assert call("check", "cook.toml")[1].startswith("cook.toml: a case cook")
+    assert call("check", "none.toml")[0] == 2
+    assert call("run", "cook.toml", "--set", "level=1", "--set", "levl=2")[0] == 2
+    status, out, err = call("schema")
+    assert status == 0
+    assert out.startswith("{")
+    assert call("schema", "--to", "s.json")[0] == 0
+    assert (tmp_path / "s.json").read_text(encoding="utf-8") == out
+    (tmp_path / "elsewhere").mkdir()
+    assert call("profile", "S1002", "--to", "elsewhere/mine.whl")[0] == 0
+    own = 'case = "wheelset-tangent"\nwheel = "mine.whl"\nwheel_body = "S1002"\n'
+    (tmp_path / "elsewhere" / "own.toml").write_text(own, encoding="utf-8")
+    assert call("check", "elsewhere/own.toml")[0] == 0
+    assert "level" in call("cases", "cook")[1]
+    assert all(name in call("cases")[1] for name in CASES)
+    assert "wheelset-tangent" in call("converge", "cook")[2]
+    assert call("run", "torsion", "--set", "size=30", "--out", "t")[0] == 0
+    assert {"summary.json", "section.vtu", "warping.png"} <= {file.name for file in (tmp_path / "t").iterdir()}

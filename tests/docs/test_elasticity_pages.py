@@ -1,0 +1,63 @@
+"""The pages on elasticity, followed to the letter: followed to the letter."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid
+from flangeway.problems import Elasticity, PrescribedDisplacement
+from flangeway.solve import solve_elasticity
+from flangeway.space import Space
+from flangeway.study.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_row
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGES = {
+    "how-to/read-a-mesh.md": {"python": 3, "text": 2},
+    "how-to/refine-adaptively.md": {"python": 2, "text": 2},
+    "how-to/nearly-incompressible.md": {"python": 2, "text": 2},
+}
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_the_page_prints_what_it_says(page, follow):
+    """The scripts print what the page shows, to 5 % (meshes differ a little between machines)."""
+    assert follow(page, tolerance=0.05) == PAGES[page]
+
+
+def test_the_readme_prints_what_it_says(follow):
+    """The README's script prints the energy and the error that are shown, to 5 %."""
+    assert follow("../README.md", tolerance=0.05, skip=[".venv/bin"]) == {"python": 1, "text": 1}
+
+
+def test_a_support_left_out_is_named_as_the_tutorial_says() -> None:
+    """The sentence that the tutorial quotes is the message of a plate held in x only."""
+    space = Space(rectangle_grid(2.0, 1.0, 2, 1), Virtual(1))
+    held = [PrescribedDisplacement("left", x=0.0)]
+    with pytest.raises(InputError, match="body `plate` can slide in y"):
+        solve_elasticity(Elasticity(space, Elastic(1.0, 0.3), supports=held, name="plate"))
+
+
+def test_the_table_of_nearly_incompressible_numbers_is_computed() -> None:
+    """The rows of the page's table for the two coarser meshes are those of the program, to their last digit."""
+    text = (DOCS / "how-to" / "nearly-incompressible.md").read_text(encoding="utf-8")
+    names = {("F", 1): "triangles, order 1", ("V", 1): "dual polygons, order 1"}
+    names |= {("F", 2): "triangles, order 2", ("V", 2): "dual polygons, order 2"}
+    for (method, order), name in names.items():
+        (row,) = re.findall(rf"^\| {name} \|(.*)\|$", text, flags=re.MULTILINE)
+        for level, given in enumerate(re.findall(r"-[\d.]+", row)[:2], start=1):
+            work = cook_row(CookCode(method, level, order), poisson=0.4999).solution.load_work
+            last_digit = 10.0 ** -len(given.partition(".")[2])
+            assert 100.0 * (work / NEARLY_INCOMPRESSIBLE_WORK - 1.0) == pytest.approx(
+                float(given), abs=1.5 * last_digit
+            )
+
+
+def test_pictures_are_small() -> None:
+    """Every picture of elasticity is stored with less than 150 kB."""
+    pictures = list((DOCS / "images").glob("elasticity-*.png"))
+    assert len(pictures) == 3
+    assert all(picture.stat().st_size < 150_000 for picture in pictures)
