@@ -4,16 +4,18 @@ import csv
 import io
 import re
 import sqlite3
+from collections import OrderedDict
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from flangeway.errors import InputError, MissingLibraryError
+from flangeway.railway import cached_mesh
 from flangeway.report.campaign_figures import campaign_figures
 from flangeway.report.campaign_outputs import print_campaign, write_campaign, write_export
 from flangeway.report.sweep_animation import is_sweep, sweep_frames
-from flangeway.study.campaign import Campaign, CampaignProgress, results, table
+from flangeway.study.campaign import Campaign, CampaignProgress, position_rows, results, table
 from flangeway.study.campaign.campaign import Row
 from flangeway.study.campaign.chunk import Chunk, compute
 from flangeway.study.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS
@@ -75,6 +77,20 @@ def test_many_positions_together_are_each_as_computed_alone(sweep, tmp_path):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=0.08), name
     for name in ("left_vertical_force_N", "right_vertical_force_N"):
         assert found.rows[name][7] == pytest.approx(alone.values[name], rel=5e-3), name
+
+
+def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
+    """What one worker meshed and condensed the next one reads: it computes the same numbers without a mesher."""
+    monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path / "cache"))
+    file = tmp_path / "c.toml"
+    file.write_text(SWEEP, encoding="utf-8")
+    ((first, rows),) = Campaign.from_file(file).chunks
+    monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
+    before = compute(Chunk(rows[:2], first)).results
+    monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
+    monkeypatch.setattr(cached_mesh, "triangulate", None)
+    after = compute(Chunk(rows[:2], first)).results
+    assert [result.values for result in after] == [result.values for result in before]
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])

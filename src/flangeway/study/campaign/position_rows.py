@@ -15,6 +15,7 @@ from flangeway.railway.positions import Positions, PositionTable, solve_position
 from flangeway.railway.prepared import PreparedWheelset, prepare
 from flangeway.railway.problem import Prescribed, WheelsetProblem
 from flangeway.railway.track import SIDES
+from flangeway.solve import Cache
 from flangeway.study.campaign.campaign import Row
 from flangeway.study.campaign.columns import PatchNumbers, RowResult, numbers_of
 from flangeway.study.wheelset_case import WheelsetCase
@@ -64,7 +65,8 @@ def _of(row: Row) -> PreparedWheelset:
     if row.identity not in _prepared:
         problem = _problem(row)
         # in the middle of level track, which rigid wheels can always reach
-        _prepared[row.identity] = prepare(replace(problem, load=Load(problem.load.vertical_N), prescribed=Prescribed()))
+        in_the_middle = replace(problem, load=Load(problem.load.vertical_N), prescribed=Prescribed())
+        _prepared[row.identity] = prepare(in_the_middle, cache=Cache.of_user())
         while len(_prepared) > KEPT:
             _prepared.popitem(last=False)
     _prepared.move_to_end(row.identity)
