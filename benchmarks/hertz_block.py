@@ -152,8 +152,13 @@ def press_block(block: Block, n_steps: int = 1) -> Pressed:
     system = ContactSystem([contact])
     response = CondensedBodies(system.surface_nodes)
     state, approach = None, _first_approach()
+    taken: list[tuple[float, float]] = []
     for step in range(1, n_steps):
         state = _touch(approach * step / n_steps, response, system, state)
+        taken.append((approach * step / n_steps, _force(response, state)))
+    if len(taken) > 1:  # the force is nearly a power of the approach
+        (first, less), (last, more) = np.log(taken[-2:])
+        approach = float(np.exp(last + (np.log(LOAD) - more) * (last - first) / (more - less)))
     state, approach = _bear(approach, response, system, state)
     response.fields(response.rotations(state.placements), state.nodal_forces)
     x, pressures = _pressures(contact, state)
@@ -186,20 +191,27 @@ def _touch(
     return state
 
 
+def _force(response: CondensedBodies, state: ContactState) -> float:
+    """Force on the cylinder."""
+    return float(state.nodal_forces[response.body_of_node == 0, 1].sum())
+
+
 def _bear(
     approach: float, response: CondensedBodies, system: ContactSystem, start: ContactState | None
 ) -> tuple[ContactState, float]:
     """Find the approach whose contact force is the load; the contact is found no more exactly than the force is."""
     state, error = start, 0.1
     for _ in range(20):
-        state = _touch(approach, response, system, state, max(1e-11, 1e-3 * error**2))
-        force = float(state.nodal_forces[response.body_of_node == 0, 1].sum())
+        state = _touch(approach, response, system, state, max(1e-11, 1e-2 * error**2))
+        force = _force(response, state)
         error = abs(force / LOAD - 1.0)
         if error <= FORCE_ERROR:
             return state, approach
         derivatives = motion_derivatives(response, state, np.array([True, False]), np.zeros(2))
         on_cylinder = response.body_of_node[state.linearisation.nodes] == 0
-        approach -= (LOAD - force) / float(derivatives.nodal_forces[on_cylinder, 1, 1].sum())
+        slope = -float(derivatives.nodal_forces[on_cylinder, 1, 1].sum())
+        # Newton's method for the logarithms: the force is nearly a power of the approach
+        approach *= (LOAD / force) ** (force / (slope * approach))
     raise RuntimeError(f"the block's approach was not found: the force errs by {error:.1e}")
 
 

@@ -10,9 +10,12 @@
 //! interior columns of the factor are used for solving; `S` is factorised when first asked to.
 
 use crate::error::FactorError;
+use crate::memory::ask;
 use crate::ordering::{Lower, Permuted, inverted, minimum_degree, postordered};
-use crate::symbolic::{CHUNK, analysed, gathered, permuted_values, scratch, zeros};
-use faer::dyn_stack::MemStack;
+use crate::symbolic::{
+    CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values, scratch, zeros,
+};
+use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor as dense;
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
@@ -44,22 +47,28 @@ pub struct Cholesky {
     symbolic: SymbolicSupernodalCholesky<u32>,
     factor: Vec<f64>,
     schur: Mat<f64>,
+    peak_bytes: u64,
     trailing_diagonal: Vec<f64>,
     schur_factor: OnceLock<Result<Mat<f64>, usize>>,
 }
 
 impl Cholesky {
-    /// Factorises the matrix; `groups` and `trailing` have been checked by the caller.
+    /// Factorises the matrix in at most so many bytes beyond it; `groups` and `trailing` have been
+    /// checked by the caller.
     pub fn new(
         lower: Lower,
         values: &[f64],
         groups: &[i32],
         trailing: &[i32],
+        most_bytes: u64,
     ) -> Result<Self, FactorError> {
         let n = lower.n();
         if trailing.len() > MOST_TRAILING {
             return Err(FactorError::TooLarge);
         }
+        // two dense matrices of the trailing unknowns exist at a time
+        let dense_bytes = 16 * (trailing.len() as u64).pow(2);
+        ask(analysis_bytes(lower) + dense_bytes, most_bytes)?;
         let mut kept = vec![true; n];
         for &unknown in trailing {
             kept[unknown as usize] = false;
@@ -76,6 +85,9 @@ impl Cholesky {
             return Err(not_positive(&forward, k));
         }
         let symbolic = analysed(lower, &inverse)?;
+        let need = numeric_scratch(&symbolic);
+        let numeric_bytes = numeric_bytes(lower, &symbolic, need) + dense_bytes;
+        ask(numeric_bytes, most_bytes)?;
         let (matrix, moved) = permuted_values(lower, values, &inverse);
         let mut numeric = Numeric {
             matrix,
@@ -90,6 +102,7 @@ impl Cholesky {
             symbolic,
             factor,
             schur,
+            peak_bytes: numeric_bytes.max(analysis_bytes(lower) + dense_bytes),
             trailing_diagonal: numeric.diagonal.split_off(n_interior),
             schur_factor: OnceLock::new(),
         })
@@ -106,6 +119,11 @@ impl Cholesky {
     /// Entries stored for the factor, the padding of the supernodes included.
     pub fn factor_nonzeros(&self) -> usize {
         self.factor.len()
+    }
+
+    /// Bytes that the factorisation was expected to take at its peak, and for which it asked.
+    pub fn peak_bytes(&self) -> u64 {
+        self.peak_bytes
     }
 
     /// Unknowns kept last, as numbered by the caller.
@@ -322,11 +340,7 @@ impl Numeric {
             &self.matrix.row_idx,
         );
         let params = Default::default();
-        let mut buffer = scratch(factorize_supernodal_numeric_llt_scratch::<u32, f64>(
-            symbolic,
-            Par::Seq,
-            params,
-        ))?;
+        let mut buffer = scratch(numeric_scratch(symbolic))?;
         let outcome = factorize_supernodal_numeric_llt(
             factor,
             SparseColMatRef::new(pattern, self.values.as_slice()),
@@ -410,6 +424,10 @@ impl Numeric {
         }
         schur
     }
+}
+
+fn numeric_scratch(symbolic: &SymbolicSupernodalCholesky<u32>) -> StackReq {
+    factorize_supernodal_numeric_llt_scratch::<u32, f64>(symbolic, Par::Seq, Default::default())
 }
 
 /// A pivot below this part of the diagonal entry that it began as counts as zero.

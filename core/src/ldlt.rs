@@ -7,8 +7,11 @@
 //! multipliers and displacements in any units compare.
 
 use crate::error::FactorError;
+use crate::memory::ask;
 use crate::ordering::{Lower, inverted, minimum_degree, postordered, zero_diagonals_last};
-use crate::symbolic::{CHUNK, analysed, gathered, permuted_values, scratch, zeros};
+use crate::symbolic::{
+    CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values, scratch, zeros,
+};
 use faer::dyn_stack::MemStack;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::supernodal::{
@@ -51,15 +54,31 @@ pub struct Ldlt {
 }
 
 impl Ldlt {
-    /// Factorises the matrix; `groups` has been checked by the caller.
-    pub fn new(lower: Lower, values: &[f64], groups: &[i32]) -> Result<Self, FactorError> {
+    /// Factorises the matrix in at most so many bytes beyond it; `groups` has been checked by the
+    /// caller.
+    pub fn new(
+        lower: Lower,
+        values: &[f64],
+        groups: &[i32],
+        most_bytes: u64,
+    ) -> Result<Self, FactorError> {
         let n = lower.n();
+        // the scaled values, and at the end a copy of the matrix to refine solutions with
+        let copies = 12 * lower.indices.len() as u64 + 40 * n as u64;
+        ask(analysis_bytes(lower) + copies, most_bytes)?;
         let (scale, values) = equilibrated(lower, values);
         let (row_sums, is_zero) = row_facts(lower, &values);
         let order = minimum_degree(lower, groups, &vec![true; n])?;
         let order = postordered(lower, &zero_diagonals_last(lower, &is_zero, &order));
         let inverse = inverted(&order, n);
         let symbolic = analysed(lower, &inverse)?;
+        let params = Default::default();
+        let need = factorize_supernodal_numeric_intranode_lblt_scratch::<u32, f64>(
+            &symbolic,
+            Par::Seq,
+            params,
+        );
+        ask(numeric_bytes(lower, &symbolic, need) + copies, most_bytes)?;
         let (matrix, moved) = permuted_values(lower, &values, &inverse);
         let pattern = SymbolicSparseColMatRef::new_unsorted_checked(
             n,
@@ -71,11 +90,7 @@ impl Ldlt {
         let mut factor = zeros(symbolic.len_val())?;
         let mut subdiagonal = vec![0.0; n];
         let mut pivots = (vec![0u32; n], vec![0u32; n]);
-        let params = Default::default();
-        let mut buffer = scratch(factorize_supernodal_numeric_intranode_lblt_scratch::<
-            u32,
-            f64,
-        >(&symbolic, Par::Seq, params))?;
+        let mut buffer = scratch(need)?;
         factorize_supernodal_numeric_intranode_lblt(
             &mut factor,
             &mut subdiagonal,

@@ -3,6 +3,7 @@
 pub mod cholesky;
 pub mod error;
 pub mod ldlt;
+pub mod memory;
 pub mod ordering;
 pub mod pattern;
 pub mod symbolic;
@@ -34,7 +35,7 @@ pyo3::create_exception!(
     flangeway._core,
     FactorTooLargeError,
     PyMemoryError,
-    "The factor has more than 2^31 - 1 entries or does not fit into memory."
+    "Too many entries or too little memory; the arguments are the message and the bytes needed, or None."
 );
 
 impl From<FactorError> for PyErr {
@@ -46,9 +47,14 @@ impl From<FactorError> for PyErr {
                 ),
                 unknown,
             )),
-            FactorError::TooLarge => FactorTooLargeError::new_err(
-                "the factor has more than 2^31 - 1 entries or does not fit into memory",
-            ),
+            FactorError::TooLarge => FactorTooLargeError::new_err((
+                "the factor has more than 2^31 - 1 entries",
+                None::<u64>,
+            )),
+            FactorError::NoMemory { needed } => FactorTooLargeError::new_err((
+                format!("{needed} bytes are needed, more than there are or may be used"),
+                Some(needed),
+            )),
             FactorError::Singular => SingularMatrixError::new_err(
                 "the matrix is singular to working precision: the solution misses its equation",
             ),
@@ -136,6 +142,18 @@ fn finite_columns(matrix: &Mat<f64>, name: &str) -> PyResult<()> {
     (0..matrix.ncols()).try_for_each(|j| finite(matrix.col(j).iter(), name))
 }
 
+/// Asks for the memory of a solution, of whose size four matrices exist at a time, and for threads.
+fn ask_for_columns(object: &Bound<PyAny>) -> PyResult<()> {
+    let array = object.cast::<PyUntypedArray>();
+    let shape = array.map_or(&[][..], |array| array.shape());
+    let n_entries: usize = shape.iter().product();
+    let n_tasks = shape.get(1).copied().unwrap_or(1).div_ceil(symbolic::CHUNK);
+    memory::start_threads()?;
+    let n_threads = rayon::current_num_threads().min(n_tasks) as u64;
+    memory::ask_for_threads(32 * n_entries as u64, u64::MAX, n_threads)?;
+    Ok(())
+}
+
 /// The result in the shape of the right-hand side.
 fn given_back<'py>(py: Python<'py>, matrix: &Mat<f64>, is_column: bool) -> Bound<'py, PyAny> {
     if is_column {
@@ -221,6 +239,13 @@ fn check_trailing(trailing: &[i32], n: usize) -> PyResult<()> {
     Ok(())
 }
 
+/// Number of threads that share the work.
+#[pyfunction]
+fn n_threads() -> PyResult<usize> {
+    memory::start_threads()?;
+    Ok(rayon::current_num_threads())
+}
+
 /// Sparsity pattern of ragged cells, found once; their matrices are summed into it many times.
 #[pyclass(frozen, module = "flangeway._core")]
 struct Pattern {
@@ -253,6 +278,8 @@ impl Pattern {
                 })
             })
             .collect::<PyResult<Vec<_>>>()?;
+        memory::start_threads()?;
+        memory::ask(pattern::pattern_bytes(n_dofs, &cells), u64::MAX)?;
         let inner = py
             .detach(|| pattern::Pattern::new(n_dofs, &cells))
             .map_err(PyValueError::new_err)?;
@@ -309,6 +336,8 @@ impl Pattern {
             .enumerate()
             .map(|(b, array)| contiguous(array, &format!("matrices[{b}]")))
             .collect::<PyResult<Vec<_>>>()?;
+        memory::start_threads()?;
+        memory::ask(self.inner.scatter_bytes(), u64::MAX)?;
         let values = py.detach(|| self.inner.scatter(&slices));
         // the sums are fewer than the terms, and not finite where a term is not
         finite(values.iter(), "the sum of the matrices")?;
@@ -325,6 +354,7 @@ struct Cholesky {
 #[pymethods]
 impl Cholesky {
     #[new]
+    #[pyo3(signature = (indptr, indices, values, groups, trailing, most_bytes = u64::MAX))]
     fn new(
         py: Python<'_>,
         indptr: &Bound<'_, PyAny>,
@@ -332,13 +362,15 @@ impl Cholesky {
         values: &Bound<'_, PyAny>,
         groups: &Bound<'_, PyAny>,
         trailing: &Bound<'_, PyAny>,
+        most_bytes: u64,
     ) -> PyResult<Self> {
         let matrix = Matrix::new(indptr, indices, values, groups)?;
         let trailing = typed::<i32, Ix1>(trailing, "trailing", "int32 of shape (n_trailing,)")?;
         let trailing = contiguous(&trailing, "trailing")?;
         let (lower, values, groups) = matrix.parts()?;
         check_trailing(trailing, lower.n())?;
-        let inner = py.detach(|| cholesky::Cholesky::new(lower, values, groups, trailing))?;
+        let inner =
+            py.detach(|| cholesky::Cholesky::new(lower, values, groups, trailing, most_bytes))?;
         Ok(Self { inner })
     }
 
@@ -357,11 +389,18 @@ impl Cholesky {
         self.inner.factor_nonzeros()
     }
 
-    fn schur<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray2<f64>> {
-        as_array(py, self.inner.schur())
+    #[getter]
+    fn peak_bytes(&self) -> u64 {
+        self.inner.peak_bytes()
+    }
+
+    fn schur<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        memory::ask(8 * (self.inner.n_trailing() as u64).pow(2), u64::MAX)?;
+        Ok(as_array(py, self.inner.schur()))
     }
 
     fn solve<'py>(&self, py: Python<'py>, rhs: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        ask_for_columns(rhs)?;
         let (rhs, is_column) = dense(rhs, "rhs", self.inner.n())?;
         finite_columns(&rhs, "rhs")?;
         let solution = py.detach(|| self.inner.solve(rhs.as_ref()))?;
@@ -373,6 +412,7 @@ impl Cholesky {
         py: Python<'py>,
         rhs: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        ask_for_columns(rhs)?;
         let (rhs, is_column) = dense(rhs, "rhs", self.inner.n())?;
         finite_columns(&rhs, "rhs")?;
         let condensed = py.detach(|| self.inner.condense(rhs.as_ref()));
@@ -385,6 +425,7 @@ impl Cholesky {
         trailing_values: &Bound<'py, PyAny>,
         rhs: &Bound<'py, PyAny>,
     ) -> PyResult<Bound<'py, PyAny>> {
+        ask_for_columns(rhs)?;
         let (given, given_is_column) =
             dense(trailing_values, "trailing_values", self.inner.n_trailing())?;
         let (mut rhs, is_column) = dense(rhs, "rhs", self.inner.n())?;
@@ -414,16 +455,18 @@ struct Ldlt {
 #[pymethods]
 impl Ldlt {
     #[new]
+    #[pyo3(signature = (indptr, indices, values, groups, most_bytes = u64::MAX))]
     fn new(
         py: Python<'_>,
         indptr: &Bound<'_, PyAny>,
         indices: &Bound<'_, PyAny>,
         values: &Bound<'_, PyAny>,
         groups: &Bound<'_, PyAny>,
+        most_bytes: u64,
     ) -> PyResult<Self> {
         let matrix = Matrix::new(indptr, indices, values, groups)?;
         let (lower, values, groups) = matrix.parts()?;
-        let inner = py.detach(|| ldlt::Ldlt::new(lower, values, groups))?;
+        let inner = py.detach(|| ldlt::Ldlt::new(lower, values, groups, most_bytes))?;
         Ok(Self { inner })
     }
 
@@ -433,6 +476,7 @@ impl Ldlt {
     }
 
     fn solve<'py>(&self, py: Python<'py>, rhs: &Bound<'py, PyAny>) -> PyResult<Bound<'py, PyAny>> {
+        ask_for_columns(rhs)?;
         let (rhs, is_column) = dense(rhs, "rhs", self.inner.n())?;
         finite_columns(&rhs, "rhs")?;
         let solution = py.detach(|| self.inner.solve(rhs.as_ref()))?;
@@ -444,6 +488,7 @@ impl Ldlt {
 mod _core {
     #[pymodule_export]
     use super::{
-        Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError, Pattern, SingularMatrixError,
+        Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError, Pattern,
+        SingularMatrixError, n_threads,
     };
 }

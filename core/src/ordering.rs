@@ -5,7 +5,7 @@
 //! and keeps the unknowns of a node together, which makes the supernodes wide.
 
 use crate::error::FactorError;
-use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::dyn_stack::MemStack;
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::amd;
 
@@ -227,7 +227,7 @@ pub fn minimum_degree(
         &graph.row_idx,
     );
     let scratch = amd::order_maybe_unsorted_scratch::<u32>(n_nodes, graph.row_idx.len());
-    let mut buffer = MemBuffer::try_new(scratch).map_err(|_| FactorError::TooLarge)?;
+    let mut buffer = crate::symbolic::scratch(scratch)?;
     let (mut forward, mut inverse) = (vec![0u32; n_nodes], vec![0u32; n_nodes]);
     amd::order_maybe_unsorted(
         &mut forward,

@@ -65,7 +65,14 @@ fn chain(n: usize, ground: f64) -> Sample {
 #[test]
 fn springs_in_series_condense_to_one_spring() {
     let sample = chain(11, 0.0);
-    let factor = Cholesky::new(sample.lower(), &sample.values, &singles(11), &[10, 0]).unwrap();
+    let factor = Cholesky::new(
+        sample.lower(),
+        &sample.values,
+        &singles(11),
+        &[10, 0],
+        u64::MAX,
+    )
+    .unwrap();
     let schur = factor.schur();
     for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
         let expected = if i == j { 0.1 } else { -0.1 };
@@ -77,7 +84,14 @@ fn springs_in_series_condense_to_one_spring() {
 fn solving_meets_the_equation_for_many_columns() {
     let sample = chain(50, 1.0);
     let rhs = Mat::from_fn(50, 70, |i, j| ((i * 31 + j * 17) as f64).sin());
-    let factor = Cholesky::new(sample.lower(), &sample.values, &singles(50), &[3, 40, 7]).unwrap();
+    let factor = Cholesky::new(
+        sample.lower(),
+        &sample.values,
+        &singles(50),
+        &[3, 40, 7],
+        u64::MAX,
+    )
+    .unwrap();
     assert!(sample.misses(&factor.solve(rhs.as_ref()).unwrap(), &rhs) < 1e-12);
 }
 
@@ -85,7 +99,7 @@ fn solving_meets_the_equation_for_many_columns() {
 fn an_indefinite_schur_complement_is_exact() {
     // K_ii = 1, K_bi = 1000, K_bb = 1: S = 1 - 1e6
     let sample = Sample::new(2, |i, j| if i == j { 1.0 } else { 1000.0 });
-    let factor = Cholesky::new(sample.lower(), &sample.values, &[0, 1], &[1]).unwrap();
+    let factor = Cholesky::new(sample.lower(), &sample.values, &[0, 1], &[1], u64::MAX).unwrap();
     assert!((factor.schur()[(0, 0)] - (1.0 - 1e6)).abs() < 1e-8);
     let error = factor.solve(Mat::<f64>::zeros(2, 1).as_ref()).unwrap_err();
     assert_eq!(error, FactorError::NotPositiveDefinite { unknown: 1 });
@@ -94,7 +108,8 @@ fn an_indefinite_schur_complement_is_exact() {
 #[test]
 fn a_floating_chain_is_refused() {
     let sample = chain(30, 0.0);
-    let error = Cholesky::new(sample.lower(), &sample.values, &singles(30), &[]).unwrap_err();
+    let error =
+        Cholesky::new(sample.lower(), &sample.values, &singles(30), &[], u64::MAX).unwrap_err();
     assert!(matches!(error, FactorError::NotPositiveDefinite { .. }));
 }
 
@@ -108,14 +123,14 @@ fn a_multiplier_holds_a_floating_chain() {
         _ => free.dense[(i, j)],
     });
     let rhs = Mat::from_fn(21, 40, |i, j| ((i + 3 * j) as f64).cos());
-    let factor = Ldlt::new(sample.lower(), &sample.values, &singles(21)).unwrap();
+    let factor = Ldlt::new(sample.lower(), &sample.values, &singles(21), u64::MAX).unwrap();
     assert!(sample.misses(&factor.solve(rhs.as_ref()).unwrap(), &rhs) < 1e-11);
 }
 
 #[test]
 fn a_singular_matrix_gives_no_solution() {
     let sample = chain(20, 0.0);
-    let factor = Ldlt::new(sample.lower(), &sample.values, &singles(20)).unwrap();
+    let factor = Ldlt::new(sample.lower(), &sample.values, &singles(20), u64::MAX).unwrap();
     let rhs = Mat::from_fn(20, 1, |i, _| (i as f64).cos());
     assert_eq!(
         factor.solve(rhs.as_ref()).unwrap_err(),

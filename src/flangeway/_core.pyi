@@ -28,7 +28,22 @@ class SingularMatrixError(ArithmeticError):
     """The matrix is singular, or so close to it that no digit of the solution is certain."""
 
 class FactorTooLargeError(MemoryError):
-    """The factor has more than 2^31 - 1 entries or does not fit into memory."""
+    """Work that has too many entries or needs too much memory; refused before the memory is taken.
+
+    The arguments are the message and the bytes that the work needs at its peak, or None if the
+    factor has more than 2^31 - 1 entries.
+    """
+
+    args: tuple[str, int | None]
+
+def n_threads() -> int:
+    """Number of threads that share the work: ``RAYON_NUM_THREADS``, or the cores given to the process.
+
+    Raises
+    ------
+    FactorTooLargeError
+        If there is no memory for the threads, which start at the first call or the first work.
+    """
 
 @final
 class Pattern:
@@ -46,6 +61,8 @@ class Pattern:
     ------
     ValueError
         If a dtype, a dimension or the memory order is wrong, or a number is not below ``n_dofs``.
+    FactorTooLargeError
+        If there is no memory for it.
     """
 
     def __init__(self, n_dofs: int, batches: Sequence[NDArray[np.int32]]) -> None: ...
@@ -79,6 +96,8 @@ class Pattern:
         ------
         ValueError
             If a dtype, a shape or the memory order is wrong, or a sum is not finite.
+        FactorTooLargeError
+            If there is no memory for it.
         """
 
 @final
@@ -99,13 +118,15 @@ class Cholesky:
         Number of the node of each unknown, (n,) int32; unknowns of one node are ordered together.
     trailing
         Unknowns kept last in the order given, (n_trailing,) int32, each once; may be empty.
+    most_bytes
+        Memory that the factorisation may take beside its arguments; left out: as much as there is.
 
     Raises
     ------
     NotPositiveDefiniteError
         If ``K_ii`` is not positive definite.
     FactorTooLargeError
-        If the factor has more than 2^31 - 1 entries or does not fit into memory.
+        If the factor has more than 2^31 - 1 entries, or needs more memory than allowed or than there is.
     ValueError
         If a dtype, a shape, the memory order, the structure or a number is wrong, or a value is not
         finite.
@@ -118,6 +139,7 @@ class Cholesky:
         values: NDArray[np.float64],
         groups: NDArray[np.int32],
         trailing: NDArray[np.int32],
+        most_bytes: int = ...,
     ) -> None: ...
     @property
     def n(self) -> int:
@@ -130,6 +152,10 @@ class Cholesky:
     @property
     def factor_nonzeros(self) -> int:
         """Entries stored for the factor, eight bytes each, padding of its dense blocks included."""
+
+    @property
+    def peak_bytes(self) -> int:
+        """Memory that the factorisation was expected to take at its peak, beside its arguments."""
 
     def schur(self) -> NDArray[np.float64]:
         """Return the Schur complement ``S``, (n_trailing, n_trailing), both triangles."""
@@ -208,11 +234,13 @@ class Ldlt:
         Lower triangle in compressed columns; a diagonal entry may be zero but must be present.
     groups
         Number of the node of each unknown, (n,) int32; unknowns of one node are ordered together.
+    most_bytes
+        Memory that the factorisation may take beside its arguments; left out: as much as there is.
 
     Raises
     ------
     FactorTooLargeError
-        If the factor has more than 2^31 - 1 entries or does not fit into memory.
+        If the factor has more than 2^31 - 1 entries, or needs more memory than allowed or than there is.
     ValueError
         If a dtype, a shape, the memory order or the structure is wrong, or a value is not finite.
     """
@@ -223,6 +251,7 @@ class Ldlt:
         indices: NDArray[np.int32],
         values: NDArray[np.float64],
         groups: NDArray[np.int32],
+        most_bytes: int = ...,
     ) -> None: ...
     @property
     def n(self) -> int:

@@ -1,13 +1,14 @@
 """The spatial index gives exactly what comparing everything with everything gives."""
 
 import tracemalloc
+from unittest.mock import patch
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from flangeway.contact.search import candidate_pairs, nearest_edges
+from flangeway.contact.search import FEW_PAIRS, candidate_pairs, nearest_edges
 
 NUMBERS = st.integers(0, 2**32 - 1)
 
@@ -55,13 +56,24 @@ def nearest_of_all(points: np.ndarray, directions: np.ndarray, edges: np.ndarray
     return np.array(found)
 
 
-@given(NUMBERS, st.integers(1, 40), st.integers(1, 40), st.sampled_from([0.0, 0.01, 0.3]), st.integers(2, 3))
+@pytest.mark.parametrize("few", [0, FEW_PAIRS])
+@given(
+    seed=NUMBERS,
+    n=st.integers(1, 40),
+    m=st.integers(1, 40),
+    reach=st.sampled_from([0.0, 0.01, 0.3]),
+    width=st.integers(2, 3),
+)
 @settings(max_examples=100, deadline=None)
-def test_candidates_are_all_overlapping_boxes(seed: int, n: int, m: int, reach: float, width: int) -> None:
-    """The pairs of edges are those whose enlarged boxes overlap, none more and none less, in order."""
+def test_candidates_are_all_overlapping_boxes(few: int, seed: int, n: int, m: int, reach: float, width: int) -> None:
+    """The pairs of edges are those whose enlarged boxes overlap, none more and none less, in order.
+
+    Few pairs are measured all, more are found by the index.
+    """
     rng = np.random.default_rng(seed)
     secondary, primary = random_edges(rng, n, width), random_edges(rng, m, 2)
-    i, j = candidate_pairs(secondary, primary, reach)
+    with patch("flangeway.contact.search.FEW_PAIRS", few):
+        i, j = candidate_pairs(secondary, primary, reach)
     tight = set(all_pairs(secondary, primary, reach - 1e-12))
     loose = set(all_pairs(secondary, primary, reach + 1e-12))
     found = list(zip(i.tolist(), j.tolist(), strict=True))

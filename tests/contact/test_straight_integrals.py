@@ -1,4 +1,4 @@
-"""The closed form for straight edges beside forward differentiation, which serves edges of any order."""
+"""The closed form for straight edges beside quadrature, which serves edges of any order."""
 
 import numpy as np
 import pytest
@@ -22,21 +22,20 @@ def found(edges: tuple[np.ndarray, np.ndarray]) -> Pieces:
     return find_pieces(*edges, (numbers, numbers), 0.05, 0.03)
 
 
-def test_integrals_and_derivatives_are_those_of_jets(edges: tuple[np.ndarray, np.ndarray]) -> None:
-    """Values, first derivatives, covered lengths and primary shapes agree to 1e-14 with those from jets."""
+def test_integrals_and_derivatives_are_those_of_quadrature(edges: tuple[np.ndarray, np.ndarray]) -> None:
+    """Values, first derivatives, covered lengths and primary shapes agree to 1e-14 with those of quadrature."""
     pieces = found(edges)
     assert len(pieces) > 100
     assert 0.1 < pieces.start_is_foot.mean() < 0.9
     secondary, primary = edges[0][pieces.edges], edges[1][pieces.partners]
     lengths = np.linspace(0.2, 0.3, len(pieces))
     closed = integrate(pieces, secondary, primary, lengths, second=False)
-    jets = integrate(pieces, secondary, primary, lengths, second=True)
-    for mine, theirs in zip(closed.gaps, jets.gaps, strict=True):
-        assert mine.hessian is None
+    points = integrate(pieces, secondary, primary, lengths, second=True)
+    for mine, theirs in zip(closed.gaps, points.gaps, strict=True):
         np.testing.assert_allclose(mine.value, theirs.value, rtol=0.0, atol=1e-15)
         np.testing.assert_allclose(mine.gradient, theirs.gradient, rtol=0.0, atol=1e-14)
-    np.testing.assert_allclose(closed.lengths, jets.lengths, rtol=0.0, atol=1e-15)
-    np.testing.assert_allclose(closed.primary_shapes, jets.primary_shapes, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(closed.lengths, points.lengths, rtol=0.0, atol=1e-15)
+    np.testing.assert_allclose(closed.primary_shapes, points.primary_shapes, rtol=0.0, atol=1e-15)
 
 
 def test_pieces_within_reach_are_found(edges: tuple[np.ndarray, np.ndarray]) -> None:

@@ -4,6 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Placement
@@ -178,3 +179,48 @@ def test_motion_derivatives(press, way) -> None:
         difference = (results[0].nodal_forces - results[1].nodal_forces)[nodes] / (2.0 * step)
         expected = exact.nodal_forces[:, :, column] * (1.0 / RADIUS if column == 2 else 1.0)
         assert np.abs(difference - expected).max() < 1e-6 * np.abs(expected).max()
+
+
+class Counted:
+    """Constraints that count how often they are linearised."""
+
+    def __init__(self, system) -> None:
+        self.system, self.count = system, 0
+
+    def linearise(self, *arguments, **options):
+        self.count += 1
+        return self.system.linearise(*arguments, **options)
+
+    def describe(self, key, positions):
+        return self.system.describe(key, positions)
+
+
+@pytest.mark.parametrize(("before", "own"), [(0.9 * DEPTH, 0), (0.1 * DEPTH, 1)])
+def test_a_start_serves_near_and_far(press, before: float, own: int) -> None:
+    """From a near solution gaps are linearised once an iteration, from a far one once more; the forces are the same."""
+    problem = press("vem")
+    response, direct = solved(problem)
+    start = solve_contact(response, problem.system, problem.placements(before))
+    counted = Counted(problem.system)
+    state = solve_contact(response, counted, problem.placements(DEPTH), start=start)
+    assert state.status.converged
+    assert counted.count == len(state.history) + own
+    assert np.abs(state.nodal_forces - direct.nodal_forces).max() < 1e-9 * direct.forces.max()
+
+
+def test_bodies_serve_many_places(press) -> None:
+    """Condensed bodies that answered at one place answer at another as fresh ones do, with few nodes touched or all."""
+    problem = press("fem")
+    used, state = solved(problem)
+    lin = state.linearisation
+    rng = np.random.default_rng(5)
+    for turn, nodes in ((0.3, lin.nodes), (0.3, lin.nodes[::3]), (-1.2, np.arange(used.n_nodes))):
+        rotations = used.rotations([Placement(turn), Placement(2.0 * turn)])
+        loads = sp.csr_array(rng.normal(size=(2 * len(nodes), 2)))
+        root = sp.csr_array(rng.normal(size=(2 * len(nodes), 3)))
+        tangent = sp.csr_array(root @ root.T)
+        fresh = CondensedBodies(problem.system.surface_nodes)
+        expected = fresh.respond(rotations, nodes, tangent, loads)
+        np.testing.assert_array_equal(used.respond(rotations, nodes, tangent, loads), expected)
+        sparse = SparseBodies(problem.system.surface_nodes).respond(rotations, nodes, tangent, loads)
+        np.testing.assert_allclose(expected, sparse, atol=1e-9 * np.abs(sparse).max())

@@ -11,22 +11,16 @@ from typing import Annotated, Any
 
 import typer
 
-from flangeway.errors import InputError, MissingLibraryError
+from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
 
 Progress = Callable[[str], None]
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 
-LESS_MEMORY = (
-    "  allowed: a computation for which this machine has memory\n"
-    "  what to do: make the elements larger (size_scale, size_mm) or take order 1; close other programs"
-)
-
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False),
 ]
-Quick = Annotated[bool, typer.Option("--quick", help="Compute the coarser half of the meshes only.")]
 
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
@@ -52,7 +46,9 @@ def errors_as_exit_status() -> Iterator[None]:
         complain(str(error))
         raise typer.Exit(FAILED) from None
     except MemoryError as error:
-        complain(f"out of memory{f': {error}' if str(error) else ''}; nothing was written\n{LESS_MEMORY}")
+        if not isinstance(error, OutOfMemoryError):
+            error = OutOfMemoryError(str(error.args[0]) if error.args else "a computation")
+        complain(f"out of memory, nothing was written: {error}")
         raise typer.Exit(FAILED) from None
     except KeyboardInterrupt:
         complain("interrupted; nothing was written")

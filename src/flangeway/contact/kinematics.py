@@ -9,9 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact.shape import shape_functions
+from flangeway.contact.shape import as_complex, derivative, edge_series, horner, shape_functions
 
 Floats = NDArray[np.float64]
+
+ENOUGH = 1e-9
+"""Change of a parameter after which another of Newton's, of the size of its square, is round-off."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,18 +57,17 @@ def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
         Nodes of the edges in direction, shape (n, order + 1, 2).
 
     """
-    order = edges.shape[1] - 1
-    chord = edges[:, -1] - edges[:, 0]
-    xi = np.einsum("ni,ni->n", nodes - edges[:, 0], chord) / np.einsum("ni,ni->n", chord, chord)
-    for _ in range(20 if order > 1 else 0):
-        value, first, second = shape_functions(order, xi)
-        apart = nodes - np.einsum("na,nai->ni", value, edges)
-        tangent = np.einsum("na,nai->ni", first, edges)
-        bend = np.einsum("na,nai->ni", second, edges)
-        slope = np.einsum("ni,ni->n", apart, bend) - np.einsum("ni,ni->n", tangent, tangent)
-        change = -np.einsum("ni,ni->n", apart, tangent) / slope
-        xi = xi + np.clip(change, -0.5, 0.5)
-        if np.abs(change).max(initial=0.0) < 1e-14:
+    series, points = edge_series(edges), as_complex(nodes)
+    chord = series[1:].sum(axis=0)
+    xi: Floats = (np.conj(chord) * (points - series[0])).real / (chord * np.conj(chord)).real
+    slopes = derivative(series)
+    bends = derivative(slopes)
+    for _ in range(20 if len(series) > 2 else 0):
+        apart, tangent = points - horner(series, xi), horner(slopes, xi)
+        slope = (np.conj(apart) * horner(bends, xi)).real - (tangent * np.conj(tangent)).real
+        change = np.clip((np.conj(apart) * tangent).real / slope, -0.5, 0.5)
+        xi = xi - change
+        if np.abs(change).max(initial=0.0) < ENOUGH:
             break
     return xi
 

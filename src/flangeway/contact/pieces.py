@@ -7,18 +7,18 @@ those of the pieces' ends included: the sum over the pieces is invariant to rigi
 round-off.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact.jets import Jet
 from flangeway.contact.kinematics import closest_parameters
-from flangeway.contact.shape import shape_functions
+from flangeway.contact.points import PiecePoints, ray_parameters
+from flangeway.contact.shape import as_complex, derivative, edge_series, horner
 from flangeway.contact.straight import straight_integrals
-from flangeway.elements.quadrature import gauss
 
 Floats = NDArray[np.float64]
+Complex = NDArray[np.complex128]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
@@ -76,49 +76,61 @@ def find_pieces(
         Largest gap and largest penetration along the secondary's normal at the middle of a piece.
 
     """
-    if secondary.shape[1] == primary.shape[1] == 2:
-        return _straight_pieces(secondary, primary, candidates, (-depth, reach))
-    edges, partners = candidates
-    chords = [side[:, -1] - side[:, 0] for side in (secondary, primary)]
-    units = [chord / np.linalg.norm(chord, axis=1)[:, None] for chord in chords]
-    facing = np.einsum("ci,ci->c", units[0][edges], units[1][partners]) < -LEAST_FACING
-    edges, partners = edges[facing], partners[facing]
-    # the two sides run against each other; curved edges are near enough to their chords to leave out what is far
-    low, high = (closest_parameters(primary[partners, end], secondary[edges][:, [0, -1]]) for end in (-1, 0))
-    over = (high > -FAR) & (low < 1.0 + FAR)
-    edges, partners = edges[over], partners[over]
-    low = closest_parameters(primary[partners, -1], secondary[edges])
-    high = closest_parameters(primary[partners, 0], secondary[edges])
+    edges, partners, feet = _over_chords(secondary, primary, candidates)
+    straight = secondary.shape[1] == primary.shape[1] == 2
+    if straight:
+        high, low = feet.real
+    else:
+        ends = np.concatenate((primary[partners, 0], primary[partners, -1]))
+        high, low = closest_parameters(ends, secondary[np.tile(edges, 2)]).reshape(2, -1)
     start_is_foot, end_is_foot = low > SNAP, high < 1.0 - SNAP
-    starts, ends = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
-    pieces = Pieces(edges, partners, starts, ends, start_is_foot, end_is_foot).take(ends - starts > SNAP)
-    middle = (pieces.starts + pieces.ends) / 2.0
-    distance = _distances(secondary[pieces.edges], primary[pieces.partners], middle)
-    return pieces.take((distance < reach) & (distance > -depth))
+    starts, stops = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
+    pieces = Pieces(edges, partners, starts, stops, start_is_foot, end_is_foot)
+    middle = (starts + stops) / 2.0
+    if straight:
+        across = feet[0] + (middle - high) / (low - high) * (feet[1] - feet[0])
+        chords = secondary[:, 1] - secondary[:, 0]
+        distance = -across.imag * np.hypot(chords[:, 0], chords[:, 1])[edges]
+    else:
+        distance = _distances(secondary[edges], primary[partners], middle)
+    return pieces.take(np.flatnonzero((stops - starts > SNAP) & (distance < reach) & (distance > -depth)))
 
 
-def _straight_pieces(
-    secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints], limits: tuple[float, float]
-) -> Pieces:
-    """`find_pieces` between straight edges, whose gaps along the secondary's normal are linear."""
+def _over_chords(secondary: Floats, primary: Floats, candidates: tuple[Ints, Ints]) -> tuple[Ints, Ints, Complex]:
+    """Candidates that face each other, the primary over the secondary's chord or near it.
+
+    The third array (2, c) has the primary edge's start and end as numbers: the real part along the chord, 0 at its
+    start and 1 at its end, the imaginary part to its left. Curved edges are near enough to their chords to leave out
+    what is far.
+    """
     edges, partners = candidates
-    chords, others = secondary[:, 1] - secondary[:, 0], primary[:, 1] - primary[:, 0]
-    (cx, cy), (dx, dy) = chords[edges].T, others[partners].T
-    squares = cx * cx + cy * cy
-    along = cx * dx + cy * dy
-    near = along < -LEAST_FACING * np.sqrt(squares * (dx * dx + dy * dy))
-    ax, ay = (primary[partners, 0] - secondary[edges, 0]).T
-    high = (ax * cx + ay * cy) / squares  # feet of the primary's start and end
-    low = high + along / squares
-    near &= (high > -FAR) & (low < 1.0 + FAR)
-    start_is_foot, end_is_foot = low > SNAP, high < 1.0 - SNAP
-    starts, ends = np.where(start_is_foot, low, 0.0), np.where(end_is_foot, high, 1.0)
-    near &= ends - starts > SNAP
-    with np.errstate(divide="ignore", invalid="ignore"):  # of edges that do not face each other
-        part = ((starts + ends) / 2.0 - high) * squares / along
-        distance = (ax * cy - ay * cx + part * (dx * cy - dy * cx)) / np.sqrt(squares)
-        near &= (distance > limits[0]) & (distance < limits[1])
-    return Pieces(edges, partners, starts, ends, start_is_foot, end_is_foot).take(np.flatnonzero(near))
+    start, other_start = as_complex(secondary[:, 0]), as_complex(primary[:, 0])
+    chord, other = as_complex(secondary[:, -1]) - start, as_complex(primary[:, -1]) - other_start
+    scale = (1.0 / chord)[edges]
+    high, along = (other_start[partners] - start[edges]) * scale, other[partners] * scale
+    # the two sides run against each other
+    over = np.flatnonzero((along.real < 0.0) & (high.real > -FAR) & (high.real + along.real < 1.0 + FAR))
+    high, along = high[over], along[over]
+    facing = along.real < -LEAST_FACING * np.abs(along)
+    over = over[facing]
+    return edges[over], partners[over], np.stack((high, high + along))[:, facing]
+
+
+@dataclass(frozen=True, eq=False)
+class GapIntegral:
+    """Integrals of the gap over pieces with one of the two hat functions of each piece's edge.
+
+    Parameters
+    ----------
+    value
+        ``int phi_r g ds`` over the undeformed length, shape (p,).
+    gradient
+        First derivatives by the components of the secondary edge's nodes, then of the primary's, shape (p, d).
+
+    """
+
+    value: Floats
+    gradient: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,17 +140,20 @@ class PieceIntegrals:
     Parameters
     ----------
     gaps
-        ``int phi_r g ds``, a jet of shape (p,) for r = 0 and 1, over the undeformed length.
+        Integrals of the gap for r = 0 and 1.
     lengths
         ``int phi_r ds``, shape (p, 2).
     primary_shapes
         ``int phi_r N_a ds`` with the primary edge's functions at the opposite point, shape (p, 2, order + 1).
+    points
+        The points of quadrature, for second derivatives; None where these are not wanted.
 
     """
 
-    gaps: tuple[Jet, Jet]
+    gaps: tuple[GapIntegral, GapIntegral]
     lengths: Floats
     primary_shapes: Floats
+    points: PiecePoints | None
 
 
 def integrate(
@@ -155,134 +170,25 @@ def integrate(
     edge_lengths
         Undeformed length of each piece's secondary edge, shape (p,).
     second
-        Whether second derivatives are wanted. The variables are the components of the secondary edge's nodes, then of
-        the primary's.
+        Whether second derivatives will be wanted; without them straight edges have a closed form.
 
     """
+    given = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot), secondary, primary, edge_lengths
     if not second and secondary.shape[1] == primary.shape[1] == 2:
-        limits, feet = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot)
-        values, gradients, covered, shapes = straight_integrals(limits, feet, secondary, primary, edge_lengths)
-        jets = Jet(values[0], gradients[0], None), Jet(values[1], gradients[1], None)
-        return PieceIntegrals(jets, covered.T, shapes.swapaxes(0, 1))
-    n, n_variables = len(pieces), 2 * (secondary.shape[1] + primary.shape[1])
-    own, other = _Edge(secondary, 0), _Edge(primary, 2 * secondary.shape[1])
-    points, weights = gauss(max(own.order, other.order) + 1)
-
-    rest = Jet.constant(pieces.starts, n_variables, second=second)
-    start = _foot(own, rest, other, -1).masked(pieces.start_is_foot)
-    end = _foot(own, replace(rest, value=pieces.ends), other, 0).masked(pieces.end_is_foot)
-    width = end - start
-    xi = start.along_points() + width.along_points() * np.broadcast_to(points, (n, len(points)))
-    at = _point(own, xi)
-    tangent = _point(own, xi, derivative=1)
-    eta = _opposite(other, at, tangent)
-    apart = [there - here for there, here in zip(_point(other, eta), at, strict=True)]
-    stretch = (tangent[0] * tangent[0] + tangent[1] * tangent[1]).sqrt()
-    gap = (apart[0] * tangent[1] - apart[1] * tangent[0]) / stretch
-
-    hats = (1.0 - xi, xi)
-    measure = width.along_points() * np.broadcast_to(weights, (n, len(weights))) * edge_lengths[:, None]
-    weighted = gap * measure
-    gaps = tuple((hat * weighted).sum() for hat in hats)
-    shares = np.stack([hat.value for hat in hats], axis=1)
-    there = shape_functions(other.order, eta.value, 0)[0]
-    return PieceIntegrals(
-        (gaps[0], gaps[1]),
-        np.einsum("nrq,nq->nr", shares, measure.value),
-        np.einsum("nrq,nq,nqa->nra", shares, measure.value, there),
-    )
-
-
-@dataclass(frozen=True, eq=False)
-class _Edge:
-    """Positions of edges' nodes, shape (n, order + 1, 2), that are variables from number ``first`` on."""
-
-    nodes: Floats
-    first: int
-
-    @property
-    def order(self) -> int:
-        return self.nodes.shape[1] - 1
-
-
-def _foot(own: _Edge, start: Jet, other: _Edge, place: int) -> Jet:
-    """Parameter of the foot of a primary node on the secondary edge, whose value is that of ``start``."""
-    node = other.nodes[:, place]
-    at, tangent, bend = (_values(own.nodes, start.value, derivative) for derivative in range(3))
-    slope = ((node - at) * bend).sum(-1) - (tangent**2).sum(-1)
-    columns = [other.first + 2 * (place % (other.order + 1)) + component for component in range(2)]
-    xi = start
-    for _ in range(2):  # each round makes the derivatives of one more order exact
-        residual = start * 0.0
-        for component, (x, t) in enumerate(zip(_point(own, xi), _point(own, xi, derivative=1), strict=True)):
-            apart = start.variable(node[:, component], columns[component]) - x
-            residual = residual + apart * t
-        xi = xi - residual * (1.0 / slope)
-    return replace(xi, value=start.value)
-
-
-def _opposite(other: _Edge, at: list[Jet], tangent: list[Jet]) -> Jet:
-    """Parameter where the secondary's normal meets the primary edge (extended beyond its ends)."""
-    here = np.stack([x.value for x in at], axis=-1)
-    along = np.stack([t.value for t in tangent], axis=-1)
-    value = _ray_parameters(other.nodes[:, None], here, along)
-    slope = (_values(other.nodes[:, None], value, 1) * along).sum(-1)
-    start = replace(at[0] * 0.0, value=value)
-    eta = start
-    for _ in range(2):
-        there = _point(other, eta)
-        residual = (there[0] - at[0]) * tangent[0] + (there[1] - at[1]) * tangent[1]
-        eta = eta - residual * (1.0 / slope)
-    return replace(eta, value=value)
-
-
-def _ray_parameters(edges: Floats, points: Floats, tangents: Floats) -> Floats:
-    """Parameters of edges (..., order + 1, 2) where normals to ``tangents`` through ``points`` (..., 2) meet them."""
-    order = edges.shape[-2] - 1
-    chord = edges[..., -1, :] - edges[..., 0, :]
-    eta: Floats = ((points - edges[..., 0, :]) * tangents).sum(-1) / (chord * tangents).sum(-1)
-    for _ in range(20 if order > 1 else 0):
-        residual = ((_values(edges, eta) - points) * tangents).sum(-1)
-        slope = (_values(edges, eta, 1) * tangents).sum(-1)
-        change = np.clip(residual / slope, -0.5, 0.5)
-        eta = eta - change
-        if np.abs(change).max(initial=0.0) < 1e-14:
-            break
-    return eta
+        values, gradients, covered, shapes = straight_integrals(*given)
+        gaps = GapIntegral(values[0], gradients[0]), GapIntegral(values[1], gradients[1])
+        return PieceIntegrals(gaps, covered.T, shapes.swapaxes(0, 1), None)
+    points = PiecePoints(*given)
+    values, gradients = points.gaps()
+    gaps = GapIntegral(values[:, 0], gradients[:, 0]), GapIntegral(values[:, 1], gradients[:, 1])
+    hats = points.hats
+    return PieceIntegrals(gaps, hats.sum(axis=-1), hats @ points.other_values, points if second else None)
 
 
 def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
     """Distances along the secondary's normal from its points at parameters ``xi`` (p,) to the primary edges."""
-    at, tangent = _values(secondary, xi), _values(secondary, xi, 1)
-    apart = _values(primary, _ray_parameters(primary, at, tangent)) - at
-    distance: Floats = (apart[:, 0] * tangent[:, 1] - apart[:, 1] * tangent[:, 0]) / np.linalg.norm(tangent, axis=1)
+    own, other = edge_series(secondary), edge_series(primary)
+    at, tangent = horner(own, xi), horner(derivative(own), xi)
+    apart = horner(other, ray_parameters(other, at, tangent)) - at
+    distance: Floats = -(np.conj(tangent) * apart).imag / np.abs(tangent)
     return distance
-
-
-def _values(edges: Floats, xi: Floats, derivative: int = 0) -> Floats:
-    """Points of edges (..., order + 1, 2) at parameters (...), or derivatives by the parameter, shape (..., 2)."""
-    shapes = shape_functions(edges.shape[-2] - 1, xi, derivative)[derivative]
-    points: Floats = (shapes[..., None] * edges).sum(-2)
-    return points
-
-
-def _point(edge: _Edge, xi: Jet, derivative: int = 0) -> list[Jet]:
-    """Components x and y of points of edges, or of their derivatives by the parameter.
-
-    The product of jets ``sum N_a(xi) X_a`` is written out, because the gradients of the nodes are unit vectors.
-    """
-    shapes = shape_functions(edge.order, xi.value, derivative + 2)[derivative:]
-    nodes = edge.nodes if xi.value.ndim == 1 else edge.nodes[:, None]
-    result = []
-    for component in range(2):
-        value, first, second = ((shape * nodes[..., component]).sum(-1) for shape in shapes)
-        jet = xi.through(value, first, second)
-        for number in range(edge.order + 1):
-            column = edge.first + 2 * number + component
-            jet.gradient[..., column] += shapes[0][..., number]
-            if jet.hessian is not None:
-                mixed = shapes[1][..., number, None] * xi.gradient
-                jet.hessian[..., column, :] += mixed
-                jet.hessian[..., :, column] += mixed
-        result.append(jet)
-    return result

@@ -10,6 +10,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 PAIRS_PER_CHUNK = 2_000_000
+FEW_PAIRS = 50_000  # to measure as many is faster than an index
 FIRST_NEIGHBOURS = 8  # edges measured for each point at first; four times as many in each further round
 LAST_NEIGHBOURS = 512  # beyond, all edges are measured
 CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
@@ -34,8 +35,12 @@ def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float
 
     """
     sides = [_boxes(edges) for edges in (secondary_edges, primary_edges)]
-    if not np.isfinite(reach):
-        i, j = np.indices((len(secondary_edges), len(primary_edges))).reshape(2, -1).astype(np.int64)
+    if not np.isfinite(reach) or len(secondary_edges) * len(primary_edges) <= FEW_PAIRS:
+        near = np.ones((len(secondary_edges), len(primary_edges)), dtype=np.bool_)
+        for axis in range(2):
+            (middles, halves), (others, other_halves) = ((side[0][:, axis], side[1][:, axis]) for side in sides)
+            near &= np.abs(middles[:, None] - others) <= (halves + reach)[:, None] + other_halves
+        i, j = np.nonzero(near)
         return i, j
     classes = [_size_classes(half.max(axis=1), reach) for _, half in sides]
     found: list[tuple[Ints, Ints]] = [(np.empty(0, dtype=np.int64), np.empty(0, dtype=np.int64))]
@@ -44,12 +49,12 @@ def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float
         tree = cKDTree(sides[0][0][mine])
         for theirs, other in zip(classes[1], trees, strict=True):
             radius = float(sides[0][1][mine].max() + sides[1][1][theirs].max()) + reach
-            near = tree.sparse_distance_matrix(other, radius * (1.0 + 1e-12), p=np.inf, output_type="ndarray")
-            found.append((mine[near["i"]], theirs[near["j"]]))
+            close = tree.sparse_distance_matrix(other, radius * (1.0 + 1e-12), p=np.inf, output_type="ndarray")
+            found.append((mine[close["i"]], theirs[close["j"]]))
     i, j = (np.concatenate([pair[side] for pair in found]) for side in range(2))
     apart = np.abs(sides[0][0][i] - sides[1][0][j]) - sides[0][1][i] - sides[1][1][j]
-    near = (apart <= reach).all(axis=1)
-    i, j = i[near], j[near]
+    close = (apart <= reach).all(axis=1)
+    i, j = i[close], j[close]
     order = np.lexsort((j, i))
     return i[order], j[order]
 

@@ -37,12 +37,8 @@ class SegmentPairs:
     ----------
     pieces
         Pieces of the secondary surface.
-    positions
-        Current positions of the nodes of each piece's secondary and primary edge.
-    lengths
-        Undeformed lengths of the pieces' secondary edges, shape (p,).
     integrals
-        Integrals over the pieces, with first derivatives.
+        Integrals over the pieces, with first derivatives and what second ones are made of.
     keys, nodes, gaps, areas, whole_areas, secondary_members, rows
         See `flangeway.contact.pairs.Pairs`.
     weights
@@ -51,8 +47,6 @@ class SegmentPairs:
     """
 
     pieces: Pieces
-    positions: tuple[Floats, Floats]
-    lengths: Floats
     integrals: PieceIntegrals
     keys: Ints
     nodes: Ints
@@ -84,11 +78,9 @@ class SegmentPairs:
         """See `flangeway.contact.pairs.Pairs.curvatures`."""
         on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
         loaded = np.flatnonzero(on_hats.any(axis=1))
-        secondary, primary = (side[loaded] for side in self.positions)
-        found = integrate(self.pieces.take(loaded), secondary, primary, self.lengths[loaded], second=True)
-        total = found.gaps[0] * on_hats[loaded, 0] + found.gaps[1] * on_hats[loaded, 1]
-        assert total.hessian is not None
-        return loaded, total.hessian
+        points = self.integrals.points
+        assert points is not None
+        return loaded, points.take(loaded).hessians(on_hats[loaded])
 
     def opposite_points(self, edges: Floats) -> Floats:
         """See `flangeway.contact.pairs.Pairs.opposite_points`."""
@@ -167,7 +159,7 @@ class SegmentToSegment:
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         on_secondary, on_primary = edges[pieces.edges], primary_edges[pieces.partners]
         lengths = secondary.edge_lengths[pieces.edges]
-        found = integrate(pieces, on_secondary, on_primary, lengths, second=False)
+        found = integrate(pieces, on_secondary, on_primary, lengths, second=True)
 
         of_piece = hats.of_edge[pieces.edges]
         covered = np.zeros(len(hats.nodes))
@@ -185,8 +177,7 @@ class SegmentToSegment:
         gaps = np.zeros(len(keys))
         np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals))
         return SegmentPairs(
-            pieces, (on_secondary, on_primary), lengths, found,
-            keys, hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
+            pieces, found, keys, hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
             secondary.edge_places[pieces.edges], rows, weights,
         )  # fmt: skip
 

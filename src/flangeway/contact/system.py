@@ -46,18 +46,23 @@ class ContactLinearisation:
     tolerances: Floats
     term_nodes: tuple[Ints, ...]
 
-    def curvature(self, forces: Floats) -> Floats:
+    def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap`` over the constraints."""
-        n = 2 * len(self.nodes)
-        total = np.zeros((n, n))
+        rows, columns, values = [], [], []
         for number, pairs in enumerate(self.pairs):
             mine = forces[self.starts[number] : self.starts[number + 1]]
             if not mine.any():
                 continue
-            loaded, values = pairs.curvatures(mine)
+            loaded, found = pairs.curvatures(mine)
             dofs = _components(self.term_nodes[number][loaded]).reshape(len(loaded), -1)
-            np.add.at(total, (dofs[:, :, None], dofs[:, None, :]), values)
-        return total
+            rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
+            columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())
+            values.append(found.ravel())
+        shape = (2 * len(self.nodes), 2 * len(self.nodes))
+        if not values:
+            return sp.csr_array(shape)
+        entries = np.concatenate(rows), np.concatenate(columns)
+        return sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
 
 
 class ContactSystem:

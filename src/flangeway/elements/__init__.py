@@ -1,6 +1,7 @@
 """The mathematics of one cell, for whole batches of cells, element index last."""
 
 from flangeway.elements.cell_matrices import CellMatrices, cell_matrices
+from flangeway.elements.energy_stiffness import energy_stiffness
 from flangeway.elements.lagrange import Lagrange
 from flangeway.elements.polygon_quadrature import polygon_quadrature
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
@@ -26,5 +27,6 @@ __all__ = [
     "TraceStabilisation",
     "Virtual",
     "cell_matrices",
+    "energy_stiffness",
     "polygon_quadrature",
 ]

@@ -59,15 +59,36 @@ class IdentityStabilisation(Stabilisation):
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
-        dofs, value = reconstruction.monomial_dofs, reconstruction.value
         scale = self.factor * _mean_modulus(reconstruction, consistency)
-        gram = batched.symmetric_product(dofs, dofs)
-        # (I - D Pi)^T (I - D Pi) = I + Pi^T W + W^T Pi with W = (D^T D Pi) / 2 - D^T
-        half = np.einsum("abe,bme->ame", (0.5 * scale) * gram, value) - dofs.swapaxes(0, 1) * scale
-        result = batched.symmetrised_product(value, half)
-        diagonal = np.arange(reconstruction.n_local)
-        result[diagonal, diagonal] += scale
-        return result
+        return _identity_plus(reconstruction, _half_of_missed(reconstruction, scale), scale)
+
+    def energy_stiffness(self, reconstruction: Reconstruction, energy_moments: Floats, moduli: Floats) -> Floats:
+        """Consistency and stabilisation of one field in one product, faster than their sum.
+
+        The consistency is ``Pi^T B = (Pi^T B + B^T Pi) / 2``; B is given for a modulus of one, see
+        `Reconstruction.energy_moments`, and the moduli (n_cells,) beside it.
+        """
+        scale = self.factor * moduli
+        half = _half_of_missed(reconstruction, scale)
+        half[1:] += energy_moments * (0.5 * moduli)
+        return _identity_plus(reconstruction, half, scale)
+
+
+def _half_of_missed(reconstruction: Reconstruction, scale: Floats) -> Floats:
+    """W, times a scale (n_cells,), of ``(I - D Pi)^T (I - D Pi) = I + Pi^T W + W^T Pi``: ``(D^T D Pi) / 2 - D^T``."""
+    dofs = reconstruction.monomial_dofs
+    gram = batched.symmetric_product(dofs, dofs)
+    half: Floats = np.einsum("abe,bme->ame", (0.5 * scale) * gram, reconstruction.value)
+    half -= dofs.swapaxes(0, 1) * scale
+    return half
+
+
+def _identity_plus(reconstruction: Reconstruction, half: Floats, scale: Floats) -> Floats:
+    """``scale I + Pi^T half + half^T Pi``."""
+    result = batched.symmetrised_product(reconstruction.value, half)
+    diagonal = np.arange(reconstruction.n_local)
+    result[diagonal, diagonal] += scale
+    return result
 
 
 @dataclass(frozen=True)

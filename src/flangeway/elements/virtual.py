@@ -88,10 +88,13 @@ class Virtual(Element):
 
     def stabilise(self, reconstruction: Reconstruction, consistency: Floats) -> Floats | None:
         """Stiffness of what the projection misses; see `Element.stabilise`."""
-        chosen = self.stabilisation
-        if chosen is None:
-            if len(consistency) == 1:
-                chosen = IdentityStabilisation()
-            else:  # the moments' stiffness makes the trace, and its round-off, too large at higher orders
-                chosen = TraceStabilisation() if self.order <= 2 else DiagonalStabilisation()
-        return chosen.matrices(reconstruction, consistency)
+        return self.chosen_stabilisation(len(consistency)).matrices(reconstruction, consistency)
+
+    def chosen_stabilisation(self, n_components: int) -> Stabilisation:
+        """Stabilisation of a field with so many components."""
+        if self.stabilisation is not None:
+            return self.stabilisation
+        if n_components == 1:
+            return IdentityStabilisation()
+        # the moments' stiffness makes the trace, and its round-off, too large at higher orders
+        return TraceStabilisation() if self.order <= 2 else DiagonalStabilisation()

@@ -12,7 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.elements import Reconstruction, monomials
+from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
@@ -137,9 +137,8 @@ class Torsion:
         if self.formulation == "prandtl":
             moduli = 1.0 / moduli
         if self.gradient == "energy":
-            matrices = reconstruction.value_energy(moduli)
-        else:
-            matrices = reconstruction.gradient_energy(reconstruction.gradient, moduli)
+            return energy_stiffness(batch.element, reconstruction, moduli)
+        matrices = reconstruction.gradient_energy(reconstruction.gradient, moduli)
         stabilisation = batch.element.stabilise(reconstruction, matrices[None, None])
         if stabilisation is not None:
             matrices += stabilisation

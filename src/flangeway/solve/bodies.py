@@ -78,7 +78,7 @@ class BodyResponse(ABC):
         rotations
             From `rotations`.
         touched
-            Surface nodes that bear the forces, shape (n_touched,).
+            Surface nodes that bear the forces, rising, shape (n_touched,).
         forces
             Shape (n_touched, 2).
 
@@ -90,7 +90,7 @@ class BodyResponse(ABC):
         """
 
     @abstractmethod
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
         """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
 
         Parameters
@@ -98,7 +98,7 @@ class BodyResponse(ABC):
         rotations, touched
             As in `displacements`.
         geometric
-            Stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
+            Symmetric stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
         loads
             Right-hand sides, shape (2 n_touched, m).
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 import scipy.sparse as sp
@@ -10,12 +11,16 @@ from scipy.linalg import cho_factor, cho_solve
 
 from flangeway._core import Cholesky
 from flangeway.problems import Body
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
+from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components
 from flangeway.solve.cache import Cache, content_key
 from flangeway.solve.linear import factorise
+from flangeway.space import refuse_beyond_memory
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+DENSE_COPIES = 6
+"""Dense matrices of the surface's unknowns that exist at a time while the flexibility is made."""
 
 
 class CondensedBody:
@@ -53,6 +58,8 @@ class CondensedBody:
         return factorise(self.body, self._numbers[self._loose])
 
     def _computed(self) -> dict[str, Floats]:
+        n = len(self._loose)
+        refuse_beyond_memory(f"the flexibility of a surface with {n} unknowns", DENSE_COPIES * 8 * n**2)
         factor = cho_factor(self._factor.schur(), lower=True)
         inverse = cho_solve(factor, np.eye(len(self._loose)))
         flexibility: Floats = np.zeros((len(self._numbers), len(self._numbers)))
@@ -111,6 +118,8 @@ class CondensedBodies(BodyResponse):
             if key not in unique:
                 unique[key] = CondensedBody(surface, cache)
             self._condensed.append(unique[key])
+        self._asked: tuple[Floats, Ints] = (np.empty((0, 2, 2)), np.empty(0, dtype=np.int64))
+        self._kept: list[tuple[slice, Floats]] = []
 
     def flexibility(self, number: int) -> Floats:
         """Displacements of a placed body's surface nodes by forces on them, body's axes, shape (2 n, 2 n)."""
@@ -127,58 +136,87 @@ class CondensedBodies(BodyResponse):
 
     def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
         """See `BodyResponse.displacements`."""
-        local = turning(rotations[touched]).T @ forces.ravel()
-        result = np.zeros(2 * self.n_nodes)
-        for number, body in enumerate(self._condensed):
-            here, columns = self._touched_of(number, touched)
-            rows = slice(2 * self.offsets[number], 2 * self.offsets[number + 1])
-            result[rows] = body.flexibility[:, columns] @ local[here]
-        return (turning(rotations) @ result).reshape(-1, 2)
+        local = np.matmul(forces[:, None], rotations[touched])[:, 0]
+        result = np.zeros((self.n_nodes, 2))
+        for number, (first, last) in enumerate(pairwise(self._bounds(touched))):
+            if first < last:
+                flexibility = self._condensed[number].flexibility[
+                    components(touched[first:last] - self.offsets[number])
+                ]
+                mine = slice(*self.offsets[number : number + 2])
+                result[mine] = (local[first:last].ravel() @ flexibility).reshape(-1, 2)
+        return np.matmul(rotations, result[..., None])[..., 0]
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
         """See `BodyResponse.respond`.
 
         With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns of loaded pairs,
-        so by Woodbury's formula only a system of their number is solved.
+        so by Woodbury's formula only a system of their number is solved. F and G are symmetric.
         """
-        free = self._flex(rotations, touched, loads)
-        bent = np.flatnonzero(geometric.any(axis=0))
+        free = np.zeros(loads.shape)
+        blocks = self._blocks(rotations, touched)
+        for here, flexibility in blocks:
+            free[here] = (_rows_turned(loads, here) @ flexibility).T
+        bent = np.flatnonzero(np.diff(geometric.indptr))
         if len(bent) == 0:
             return free
-        ones = (np.ones(len(bent)), (bent, np.arange(len(bent))))
-        units = sp.csr_array(sp.coo_array(ones, shape=(len(geometric), len(bent))))
-        columns = self._flex(rotations, touched, units)
-        # each of its rows holds the few unknowns of a pair: sparse products cost nothing beside the solution
-        inner = sp.csr_array(geometric[np.ix_(bent, bent)])
-        matrix = inner @ columns[bent]
+        place = np.zeros(len(free), dtype=np.int64)
+        place[bent] = np.arange(len(bent))
+        starts = np.append(0, geometric.indptr[bent + 1])
+        inner = sp.csr_array((geometric.data, place[geometric.indices], starts), shape=(len(bent), len(bent)))
+        matrix = np.empty(inner.shape)
+        bodies = []
+        for here, flexibility in blocks:
+            mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
+            among = bent[mine] - here.start
+            rows = flexibility[among]
+            matrix[:, mine] = _rows_turned(inner, mine) @ rows[:, among]
+            bodies.append((here, mine, rows))
         matrix[np.diag_indices(len(bent))] += 1.0
         bend = np.linalg.solve(matrix, inner @ free[bent])
-        for number in range(len(self._condensed)):  # each body yields to its own forces alone
-            here, _ = self._touched_of(number, touched)
-            mine = np.flatnonzero(np.isin(bent, here))
-            free[here] -= columns[np.ix_(here, mine)] @ bend[mine]
+        for here, mine, rows in bodies:  # each body yields to its own forces alone
+            free[here] -= rows.T @ bend[mine]
         return free
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
-        local = (turning(rotations).T @ forces.ravel()).reshape(-1, 2)
+        local = np.matmul(forces[:, None], rotations)[:, 0]
         return [
             body.field(local[self.offsets[number] : self.offsets[number + 1]])
             for number, body in enumerate(self._condensed)
         ]
 
-    def _touched_of(self, number: int, touched: Ints) -> tuple[Ints, Ints]:
-        """Components among the touched ones of a body's nodes, and their columns in its flexibility."""
-        here = np.flatnonzero(self.body_of_node[touched] == number)
-        nodes = touched[here] - self.offsets[number]
-        return components(here), components(nodes)
+    def _bounds(self, touched: Ints) -> Ints:
+        """Where the touched nodes of each body begin, and their number."""
+        return np.searchsorted(touched, self.offsets)
 
-    def _flex(self, rotations: Floats, touched: Ints, loads: sp.csr_array) -> Floats:
-        """Displacements of the touched nodes under loads on them, both (2 n_touched, m) in space."""
-        turn = turning(rotations[touched])
-        local = sp.csr_array(turn.T @ loads)
-        result = np.zeros(local.shape)
-        for number, body in enumerate(self._condensed):
-            here, columns = self._touched_of(number, touched)
-            result[here] = (local[here].T @ body.flexibility[np.ix_(columns, columns)]).T
-        return turn @ result
+    def _blocks(self, rotations: Floats, touched: Ints) -> list[tuple[slice, Floats]]:
+        """Components among the touched ones of each body that has some, and their flexibility in the axes of space.
+
+        Those asked for last are kept: iterations at one place ask for the same ones again.
+        """
+        asked = rotations[touched], touched
+        if not all(np.array_equal(one, other) for one, other in zip(asked, self._asked, strict=True)):
+            self._asked, self._kept = asked, []
+            for number, (first, last) in enumerate(pairwise(self._bounds(touched))):
+                if first < last:
+                    dofs = components(touched[first:last] - self.offsets[number])
+                    turn = rotations[touched[first]]
+                    flexibility = self._condensed[number].flexibility[np.ix_(dofs, dofs)]
+                    self._kept.append((slice(2 * first, 2 * last), _turned(flexibility, turn)))
+        return self._kept
+
+
+def _rows_turned(matrix: sp.csr_array, rows: slice) -> sp.csc_array:
+    """Transpose of some rows of a matrix."""
+    start, end = matrix.indptr[rows.start], matrix.indptr[rows.stop]
+    entries = matrix.data[start:end], matrix.indices[start:end], matrix.indptr[rows.start : rows.stop + 1] - start
+    return sp.csc_array(entries, shape=(matrix.shape[1], rows.stop - rows.start))
+
+
+def _turned(flexibility: Floats, turn: Floats) -> Floats:
+    """Flexibility (2 n, 2 n) in axes that are turned by a matrix (2, 2)."""
+    n = len(flexibility)
+    rows = np.matmul(turn, flexibility.reshape(n // 2, 2, n)).reshape(n, n)
+    result: Floats = np.matmul(rows.reshape(n, n // 2, 2), turn.T).reshape(n, n)
+    return result

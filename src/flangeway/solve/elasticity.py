@@ -6,12 +6,13 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway._core import Cholesky, NotPositiveDefiniteError
+from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems import ElasticField, Elasticity, RigidHandle, Spring
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.supports import axes
 from flangeway.solve.constraints import Constraints, find_constraints
+from flangeway.solve.linear import cholesky
 from flangeway.solve.rigid import refuse_free_motions
 from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
@@ -183,8 +184,7 @@ def _solved(
     if matrix.n == 0:
         return np.empty(0), Status(True, "every displacement is prescribed", 0)
     try:
-        factor = Cholesky(matrix.indptr, matrix.indices, matrix.values, constraints.groups, np.empty(0, dtype=np.int32))
-        values = factor.solve(rhs)
+        values = cholesky(matrix, constraints.groups).solve(rhs)
     except NotPositiveDefiniteError as error:
         group = int(constraints.groups[int(error.args[1])])
         place = f"its handle {group - problem.space.n_nodes}"

@@ -1,11 +1,49 @@
-"""Sparse factorisation with errors that name the body."""
+"""Sparse factorisation with errors that name the body, in the memory that there is."""
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway._core import Cholesky, NotPositiveDefiniteError
+from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems import Body
+from flangeway.space import SymmetricMatrix, memory_left, out_of_memory
+
+NO_UNKNOWNS = np.empty(0, dtype=np.int32)
+NO_UNKNOWNS.setflags(write=False)
+
+
+def cholesky(matrix: SymmetricMatrix, groups: NDArray[np.int32], trailing: NDArray[np.int32] = NO_UNKNOWNS) -> Cholesky:
+    """Factorise a positive definite matrix.
+
+    Parameters
+    ----------
+    matrix
+        The matrix.
+    groups
+        Number of the node of each unknown, shape (n,).
+    trailing
+        Unknowns that are kept last, in this order, for their Schur complement.
+
+    Raises
+    ------
+    NotPositiveDefiniteError
+        If a pivot is not positive.
+    OutOfMemoryError
+        If the factor needs more memory than may be used.
+
+    """
+    try:
+        return Cholesky(matrix.indptr, matrix.indices, matrix.values, groups, trailing, memory_left())
+    except FactorTooLargeError as error:
+        raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
+
+
+def ldlt(matrix: SymmetricMatrix, groups: NDArray[np.int32]) -> Ldlt:
+    """Factorise a symmetric indefinite matrix; arguments and errors as of `cholesky`."""
+    try:
+        return Ldlt(matrix.indptr, matrix.indices, matrix.values, groups, memory_left())
+    except FactorTooLargeError as error:
+        raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
 
 
 def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
@@ -22,11 +60,12 @@ def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
     ------
     InputError
         If the body is not held, or its material or mesh leaves a motion without stiffness.
+    OutOfMemoryError
+        If the factor needs more memory than may be used.
 
     """
-    stiffness = body.stiffness
     try:
-        return Cholesky(stiffness.indptr, stiffness.indices, stiffness.values, body.free_nodes, trailing)
+        return cholesky(body.stiffness, body.free_nodes, trailing)
     except NotPositiveDefiniteError as error:
         unknown = int(error.args[1])
         node, component = body.free_nodes[unknown], np.flatnonzero(body.free)[unknown] % 2

@@ -41,7 +41,7 @@ class Linearisation(Protocol):
     def tolerances(self) -> Floats:
         """Largest penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached."""
 
-    def curvature(self, forces: Floats) -> Floats:
+    def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap``, shape (2 n_touched, 2 n_touched)."""
 
 
@@ -56,3 +56,12 @@ class Constraints(Protocol):
 
     def describe(self, key: int, positions: Floats) -> str:
         """Name a constraint for messages: its node, where that is among positions (n_nodes, 2), and the surfaces."""
+
+
+def contact_loads(jacobian: sp.csr_array, vectors: Floats) -> sp.csr_array:
+    """Unit forces of constraints with a jacobian (m, n), and vectors (n, r) beside them: loads (n, m + r)."""
+    n, n_vectors = vectors.shape
+    values = np.concatenate((jacobian.data, vectors.T.ravel()))
+    rows = np.concatenate((jacobian.indices, np.tile(np.arange(n), n_vectors)))
+    starts = np.concatenate((jacobian.indptr, jacobian.indptr[-1] + n * np.arange(1, n_vectors + 1)))
+    return sp.csr_array(sp.csc_array((values, rows, starts), shape=(n, len(starts) - 1)))

@@ -48,7 +48,7 @@ class LoadedBodies(BodyResponse):
         """See `BodyResponse.displacements`; those by the loads are in the bodies' reference."""
         return self._unloaded.displacements(rotations, touched, forces)
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
         """See `BodyResponse.respond`."""
         return self._unloaded.respond(rotations, touched, geometric, loads)
 

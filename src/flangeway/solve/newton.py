@@ -23,7 +23,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity
 from flangeway.solve.bodies import BodyResponse
-from flangeway.solve.linearisation import Constraints, Linearisation
+from flangeway.solve.linearisation import Constraints, Linearisation, contact_loads
 from flangeway.solve.status import Status
 
 Floats = NDArray[np.float64]
@@ -32,6 +32,10 @@ Ints = NDArray[np.int64]
 
 SETTLE_AFTER = 8
 """Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
+
+NEAR = 0.5
+"""Part of the largest displacement by which bodies may have moved since a start whose gaps are linearised anew only
+after the first iteration."""
 
 NAMED = 3
 """How many constraints a message names."""
@@ -147,7 +151,8 @@ def solve_contact(
     placements
         Where each body stands.
     start
-        A solution for a neighbouring position, whose forces are the first guess.
+        A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
+        bodies have moved by little since, the first iteration also takes its linearisation.
     settings
         Limits of the iteration.
 
@@ -187,16 +192,21 @@ class _Run:
         self.response, self.constraints, self.placements, self.settings = response, constraints, placements, settings
         self.rotations = response.rotations(placements)
         self.reference = response.reference(placements)
-        self.displacements = np.zeros_like(self.reference)
         self.history: list[Iteration] = []
-        previous: Linearisation | None = None
-        forces = np.zeros(0)
-        if start is not None:
-            previous, forces = start.linearisation, start.forces
-            everywhere = np.arange(response.n_nodes)
-            self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
-        self.current = constraints.linearise(self.reference + self.displacements, previous)
-        self.forces = _carried(previous, forces, self.current)
+        if start is not None and _is_near(start, self.reference):
+            # Newton's method needs no gaps of its own where it begins: those of the start will do
+            self.displacements = start.positions - self.reference
+            self.current, self.forces = start.linearisation, start.forces
+        else:
+            self.displacements = np.zeros_like(self.reference)
+            previous: Linearisation | None = None
+            forces = np.zeros(0)
+            if start is not None:
+                previous, forces = start.linearisation, start.forces
+                everywhere = np.arange(response.n_nodes)
+                self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
+            self.current = constraints.linearise(self.reference + self.displacements, previous)
+            self.forces = _carried(previous, forces, self.current)
         self.correct()
 
     def correct(self) -> None:
@@ -230,8 +240,8 @@ class _Run:
             self.history.append(Iteration(change, residual, int((carried > 0).sum()), changed, correction))
             self.displacements, self.current, self.forces = moved, after, carried
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
-            # the residual is that of the new state: what another round would change is of second order
-            if not changed and residual <= max(self.settings.tolerance, floor):
+            # the residual is that of the new state, its law of contact included, whatever changed on the way there
+            if residual <= max(self.settings.tolerance, floor):
                 return None
         return self._explain()
 
@@ -250,8 +260,9 @@ class _Run:
         if len(nodes) == 0:
             return np.zeros_like(displacements), self.forces, np.zeros_like(displacements)
         at_nodes = displacements[nodes].ravel()
-        geometric = -current.curvature(self.forces) if bend else np.zeros((2 * len(nodes), 2 * len(nodes)))
-        loads = sp.hstack((jacobian.T, sp.csr_array((geometric @ at_nodes)[:, None])), format="csr")
+        n = 2 * len(nodes)
+        geometric = current.curvature(-self.forces) if bend else sp.csr_array((n, n))
+        loads = contact_loads(jacobian, (geometric @ at_nodes)[:, None])
         answer = self.response.respond(self.rotations, nodes, geometric, loads)
         at_gaps = jacobian @ answer
         matrix = at_gaps[:, :-1] + np.diag(current.compliances)
@@ -290,6 +301,12 @@ class _Run:
             _nodal(self.current, self.forces, len(self.reference)),
             tuple(self.history),
         )
+
+
+def _is_near(start: ContactState, reference: Floats) -> bool:
+    """Whether a start's bodies were elsewhere by little beside their displacements."""
+    moved = np.abs(reference - (start.positions - start.displacements)).max()
+    return bool(moved <= NEAR * np.abs(start.displacements).max())
 
 
 def _carried(before: Linearisation | None, forces: Floats, after: Linearisation) -> Floats:

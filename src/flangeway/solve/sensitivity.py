@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.solve.bodies import BodyResponse
+from flangeway.solve.linearisation import contact_loads
 from flangeway.solve.newton import ContactState
 
 Floats = NDArray[np.float64]
@@ -64,12 +64,11 @@ def motion_derivatives(
     turned = np.zeros((n, 2, 3))
     turned[moves, :, 2] = state.nodal_forces[nodes[moves]] @ QUARTER_TURN
 
-    geometric = -lin.curvature(state.forces)
+    geometric = lin.curvature(-state.forces)
     active = state.forces > 0.0
     jacobian = lin.jacobian[active]
     rigid = velocities.reshape(2 * n, 3)
-    follower = sp.csr_array(turned.reshape(2 * n, 3) - geometric @ rigid)
-    loads = sp.hstack((jacobian.T, follower), format="csr")
+    loads = contact_loads(jacobian, turned.reshape(2 * n, 3) - geometric @ rigid)
     answer = response.respond(rotations, nodes, geometric, loads)
     by_force = answer[:, :-3]
     by_motion = rigid + answer[:, -3:]

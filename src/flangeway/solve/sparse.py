@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from flangeway._core import Ldlt
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
+from flangeway.solve.linear import ldlt
 from flangeway.space import SymmetricMatrix
 
 Floats = NDArray[np.float64]
@@ -56,11 +57,11 @@ class SparseBodies(BodyResponse):
         solution = self._solve(turn.T @ at_nodes.ravel())
         return (turn @ np.append(solution, 0.0)[self._unknowns]).reshape(-1, 2)
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: Floats, loads: sp.csr_array) -> Floats:
+    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
         """See `BodyResponse.respond`."""
         turn, size = turning(rotations[touched]), self.n_unknowns
         unknowns = self._unknowns[components(touched)]
-        local = sp.coo_array(turn.T @ sp.csr_array(geometric) @ turn)
+        local = sp.coo_array(turn.T @ geometric @ turn)
         rows, columns = unknowns[local.row], unknowns[local.col]
         loose = (rows >= 0) & (columns >= 0)
         added = sp.coo_array((local.data[loose], (rows[loose], columns[loose])), shape=(size, size))
@@ -79,8 +80,7 @@ class SparseBodies(BodyResponse):
         ]
 
     def _factor(self, matrix: sp.sparray) -> Ldlt:
-        lower = SymmetricMatrix.from_full(matrix)
-        return Ldlt(lower.indptr, lower.indices, lower.values, self._groups)
+        return ldlt(SymmetricMatrix.from_full(matrix), self._groups)
 
     @cached_property
     def _undeformed(self) -> Ldlt:

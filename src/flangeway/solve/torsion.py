@@ -6,9 +6,10 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway._core import Cholesky, NotPositiveDefiniteError
+from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems import Torsion
+from flangeway.solve.linear import cholesky
 from flangeway.space import SymmetricMatrix
 
 Floats = NDArray[np.float64]
@@ -74,7 +75,7 @@ def solve_torsion(problem: Torsion) -> TorsionSolution:
 
 def _solved(matrix: SymmetricMatrix, rhs: Floats) -> Floats:
     groups = np.arange(matrix.n, dtype=np.int32)
-    factor = Cholesky(matrix.indptr, matrix.indices, matrix.values, groups, np.empty(0, dtype=np.int32))
+    factor = cholesky(matrix, groups)
     return factor.solve(rhs)
 
 

@@ -2,6 +2,7 @@
 
 from flangeway.space.condensation import CondensedMatrix, assemble_condensed
 from flangeway.space.functions import interpolate, load_vector
+from flangeway.space.memory import memory_left, out_of_memory, peak_memory_bytes, refuse_beyond_memory
 from flangeway.space.space import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
 
@@ -13,4 +14,8 @@ __all__ = [
     "assemble_condensed",
     "interpolate",
     "load_vector",
+    "memory_left",
+    "out_of_memory",
+    "peak_memory_bytes",
+    "refuse_beyond_memory",
 ]

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from flangeway._core import Pattern
 from flangeway.elements import batched
 from flangeway.errors import InputError
+from flangeway.space.memory import refuse_large_assembly
 from flangeway.space.space import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
 
@@ -99,10 +100,14 @@ def assemble_condensed(
     ------
     InputError
         If the internal unknowns of a cell can move without energy.
+    OutOfMemoryError
+        If there is too little memory for the matrices of all cells.
 
     """
+    batches = list(space.batches())
+    refuse_large_assembly((n_components * len(batch.dofs), len(batch.cells)) for batch in batches)
     dofs, matrices, cells = [], [], []
-    for batch in space.batches():
+    for batch in batches:
         matrix, numbers = cell_matrices(batch), batch.vector_dofs(n_components)
         n_outer = len(numbers) - n_components * batch.element.n_interior()
         if n_outer < len(numbers):

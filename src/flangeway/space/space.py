@@ -1,6 +1,5 @@
 """Discrete spaces: the numbering of unknowns on a mesh, and assembly."""
 
-import os
 from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
@@ -9,11 +8,12 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway._core import Pattern
+from flangeway._core import Pattern, n_threads
 from flangeway.elements import Element
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.errors import InputError
+from flangeway.errors import InputError, OutOfMemoryError
 from flangeway.mesh import PolyMesh
+from flangeway.space.memory import refuse_large_assembly
 from flangeway.space.symmetric import SymmetricMatrix
 
 Floats = NDArray[np.float64]
@@ -189,17 +189,33 @@ class Space:
         SymmetricMatrix
             Of size ``n_components * n_dofs``.
 
+        Raises
+        ------
+        OutOfMemoryError
+            If there is too little memory for the matrices of all cells.
+
         """
         batches = list(self.batches())
         dofs = [batch.vector_dofs(n_components) for batch in batches]
+        refuse_large_assembly(numbers.shape for numbers in dofs)
 
         def matrices_of(batch: CellBatch) -> Floats:
             return np.ascontiguousarray(cell_matrices(batch))
 
-        if self.order == 1:
+        # NumPy releases the interpreter in its loops; those of order 1 are too short for threads to pay
+        workers = 1 if self.order == 1 else min(n_threads(), len(batches))
+        if workers == 1:
             matrices = [matrices_of(batch) for batch in batches]
-        else:  # NumPy releases the interpreter in its loops; those of order 1 are too short for threads to pay
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                matrices = list(pool.map(matrices_of, batches))
+        else:
+            with ThreadPoolExecutor(workers) as pool:
+                matrices = list(_begun(pool, matrices_of, batches))
         pattern = Pattern(n_components * self.n_dofs, dofs)
         return SymmetricMatrix(n_components * self.n_dofs, pattern.indptr, pattern.indices, pattern.scatter(matrices))
+
+
+def _begun(pool: ThreadPoolExecutor, work: Callable[[CellBatch], Floats], batches: list[CellBatch]) -> Iterator[Floats]:
+    """Results to come; an error of lack of memory where threads cannot start."""
+    try:
+        return pool.map(work, batches)
+    except RuntimeError as error:
+        raise OutOfMemoryError(f"threads for the assembly: {error}") from error

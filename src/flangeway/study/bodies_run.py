@@ -14,6 +14,7 @@ from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, cell_stresses, corner_stresses, pressure_patches
 from flangeway.problems import ElasticField
 from flangeway.solve import Status
+from flangeway.space import peak_memory_bytes
 from flangeway.study.case import Case
 from flangeway.study.summary import plain_numbers
 from flangeway.study.versions import versions
@@ -113,6 +114,7 @@ def summarise_bodies(
         "bodies": [_body(name, body) for name, body in bodies.items()],
         "notices": notices,
         "timings_s": dict(timings_s),
+        "peak_memory_MB": peak_memory_bytes() / 1e6,
         "case": {"name": case.name, **case.model_dump()},
         "versions": versions(),
     }

@@ -18,7 +18,7 @@ from flangeway.geometry.outline_files import ENDINGS
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.sections import bundled_section
-from flangeway.space import Space
+from flangeway.space import Space, peak_memory_bytes
 from flangeway.study.versions import versions
 
 METHODS = ("fem", "vem")
@@ -168,6 +168,7 @@ def run_section(
     summary = _summary(drawn, options, space, exact)
     summary["notices"] = [*drawn.notices, *notices, *_corner_notices(drawn)]
     summary["timings_s"] = {"total": time.perf_counter() - start}
+    summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
     return SectionRun(drawn, options, space, exact, summary)
 
 

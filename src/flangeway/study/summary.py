@@ -9,6 +9,7 @@ from flangeway.post import cell_stresses
 from flangeway.railway.balance import Balance
 from flangeway.railway.result import WheelsetResult
 from flangeway.railway.track import SIDES, Side
+from flangeway.space import peak_memory_bytes
 from flangeway.study.summary_rows import (
     bending_rows,
     contact_row,
@@ -98,6 +99,7 @@ def summarise(case: WheelsetCase, result: WheelsetResult, total_s: float) -> dic
         "support": support_rows(result),
         "bodies": _bodies(result),
         "timings_s": timings | {"total": total_s},
+        "peak_memory_MB": peak_memory_bytes() / 1e6,
         "case": {"name": case.name, **case.model_dump()},
         "axes": AXES,
         "assumptions": _assumptions(case, result),

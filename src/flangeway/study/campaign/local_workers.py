@@ -16,8 +16,13 @@ from flangeway.study.campaign.chunk import Chunk, Outcome, compute
 from flangeway.study.campaign.workers import Lost
 
 READY = "ready"
-# NumPy reads these when it is imported: one thread each, or processes wait for each other's
-ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1"}
+# read when NumPy and the core are imported: one thread each, or processes wait for each other's
+ONE_THREAD = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "RAYON_NUM_THREADS": "1",
+}
 STOP_S = 2.0
 MOST_FAILED_STARTS = 3
 
@@ -40,18 +45,11 @@ class LocalWorkers:
     Parameters
     ----------
     n_workers
-        How many.
-
-    Raises
-    ------
-    InputError
-        If it is less than one.
+        How many, one or more.
 
     """
 
     def __init__(self, n_workers: int) -> None:
-        if n_workers < 1:
-            raise InputError(f"workers = {n_workers}", "one worker or more", "leave it out to use all cores")
         # forks of a fresh process that has imported what is needed: nothing of this one comes along, and a new worker
         # is there at once
         self._context = multiprocessing.get_context("forkserver")

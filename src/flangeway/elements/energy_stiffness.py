@@ -1,0 +1,38 @@
+"""Stiffness of one scalar field on a batch of cells, from the energy of its reconstruction."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements.reconstruction import Element, Reconstruction
+from flangeway.elements.stabilisation import IdentityStabilisation
+from flangeway.elements.virtual import Virtual
+
+Floats = NDArray[np.float64]
+
+
+def energy_stiffness(element: Element, reconstruction: Reconstruction, moduli: Floats) -> Floats:
+    """Consistency (seed 3.69) plus stabilisation.
+
+    Parameters
+    ----------
+    element
+        Element of the cells.
+    reconstruction
+        Their reconstruction.
+    moduli
+        Modulus of each cell, shape (n_cells,).
+
+    Returns
+    -------
+    Floats
+        Shape (n_local, n_local, n_cells).
+
+    """
+    moments = reconstruction.energy_moments
+    if isinstance(element, Virtual) and moments is not None:
+        chosen = element.chosen_stabilisation(1)
+        if isinstance(chosen, IdentityStabilisation):
+            return chosen.energy_stiffness(reconstruction, moments, moduli)
+    consistency = reconstruction.value_energy(moduli)
+    added = element.stabilise(reconstruction, consistency[None, None])
+    return consistency if added is None else consistency + added
