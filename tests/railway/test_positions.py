@@ -1,5 +1,8 @@
 """Many positions of a wheelset at once: the same answers as the full search."""
 
+from functools import cache
+from typing import Any
+
 import numpy as np
 import pytest
 
@@ -23,16 +26,26 @@ STEEL = Elastic(210e3, 0.3)
 PAIRS = {"S1002 on 60E1": ("60E1", "S1002"), "AAR-1B on 136RE": ("136RE", "AAR-1B")}
 
 
-def problem(names: tuple[str, str], **settings) -> WheelsetProblem:
+def problem(names: tuple[str, str], **settings: Any) -> WheelsetProblem:
     settings.setdefault("size_scale", 4.0)
     return WheelsetProblem(
         Track(rail(names[0])), Wheelset(wheel(names[1])), Load(200e3), STEEL, discretisation=Discretisation(**settings)
     )
 
 
+@cache
+def standard(name: str) -> PreparedWheelset:
+    return prepare(problem(PAIRS[name]))
+
+
 @pytest.fixture(scope="module", params=PAIRS)
-def prepared(request) -> PreparedWheelset:
-    return prepare(problem(PAIRS[request.param]))
+def prepared(request: pytest.FixtureRequest) -> PreparedWheelset:
+    return standard(request.param)
+
+
+@pytest.fixture(scope="module")
+def north_american() -> PreparedWheelset:
+    return standard("AAR-1B on 136RE")
 
 
 @pytest.fixture(scope="module")
@@ -76,6 +89,14 @@ def test_the_full_search_is_seldom_needed(table: PositionTable) -> None:
     assert table.by_full_search.mean() <= 0.05
 
 
+def test_none_is_lost_where_the_flange_begins_to_bear() -> None:
+    """Between tread and flange all positions converge on the fast path with elements of standard size."""
+    made = prepare(problem(PAIRS["AAR-1B on 136RE"], size_scale=1.0))
+    table = solve_positions(made, Positions.grid([8.44, 8.63, 8.83], [160e3, 165e3, 170e3]))
+    assert table.converged.all(), table.messages
+    assert not table.by_full_search.any()
+
+
 def test_the_weight_is_borne(table: PositionTable) -> None:
     """Vertical forces of both wheels sum to the weight to 1e-8 in every position."""
     total = table.forces_on_wheels_N[:, :, 1].sum(axis=1)
@@ -107,7 +128,7 @@ def test_left_mirrors_right(prepared: PreparedWheelset, table: PositionTable) ->
     [{"order": 2}, {"method": "vem"}, {"enforcement": "multiplier"}, {"primary": "wheel"}],
     ids=lambda settings: "-".join(str(value) for pair in settings.items() for value in pair),
 )
-def test_other_discretisations_agree(settings: dict[str, object]) -> None:
+def test_other_discretisations_agree(settings: dict[str, Any]) -> None:
     """Elements of order 2, polygons, multipliers and wheels that give the segments agree with the full search."""
     made = prepare(problem(PAIRS["AAR-1B on 136RE"], **settings))
     table = solve_positions(made, Positions.grid([1.5], [100e3, 120e3]))
@@ -116,28 +137,31 @@ def test_other_discretisations_agree(settings: dict[str, object]) -> None:
     agree(made, table, 1)
 
 
-def test_a_lateral_motion_is_found() -> None:
+def test_a_lateral_motion_is_found(north_american: PreparedWheelset) -> None:
     """With a lateral force the wheelset finds its lateral motion, as in the full search."""
-    made = prepare(problem(PAIRS["AAR-1B on 136RE"]))
     forces = np.array([4e3, 8e3])
-    table = solve_positions(made, Positions(np.full(2, np.nan), np.full(2, 200e3), forces))
+    table = solve_positions(north_american, Positions(np.full(2, np.nan), np.full(2, 200e3), forces))
     assert table.converged.all(), table.messages
     np.testing.assert_allclose(table.forces_on_wheels_N[:, :, 0].sum(axis=1), -forces, rtol=1e-6)
-    agree(made, table, 1)
+    agree(north_american, table, 1)
 
 
-def test_the_largest_shear_is_that_of_the_fields() -> None:
+def test_the_largest_shear_is_that_of_the_fields(north_american: PreparedWheelset) -> None:
     """The largest shear stress below each contact is that on the same line of the field of the full search: 1e-6."""
-    made = prepare(problem(PAIRS["AAR-1B on 136RE"]))
-    table = solve_positions(made, Positions.grid([1.0], [150e3, 200e3]), shear=True)
-    found = made.solve(Load(200e3), Prescribed(lateral_mm=1.0))
-    fields = made.response.fields(made.response.rotations(found.state.placements), found.state.nodal_forces)
-    parts = {part.name: (part.body, field) for part, field in zip(made.model.system.parts, fields, strict=True)}
+    table = solve_positions(north_american, Positions.grid([1.0], [150e3, 200e3]), shear=True)
+    found = north_american.solve(Load(200e3), Prescribed(lateral_mm=1.0))
+    fields = north_american.response.fields(
+        north_american.response.rotations(found.state.placements), found.state.nodal_forces
+    )
+    parts = {
+        part.name: (part.body, field) for part, field in zip(north_american.model.system.parts, fields, strict=True)
+    }
     assert len(table.patches[1]) >= 2
     for patch in table.patches[1]:
+        assert patch.shear is not None
         for role in ("wheel", "rail"):
             body, field = parts[f"{role}-{patch.side}"]
-            points, depths = line_below(made, role, patch)
+            points, depths = line_below(north_american, role, patch)
             line = stresses_along(ElasticField(body.elasticity, field), points[0], points[-1], len(points))
             expected = largest_on(depths, line.stresses.in_plane_shear)
             assert patch.shear[role].value_MPa == pytest.approx(expected.value_MPa, rel=1e-6)
@@ -145,10 +169,9 @@ def test_the_largest_shear_is_that_of_the_fields() -> None:
             assert 0.3 < patch.shear[role].depth_mm / patch.half_width_mm < 1.5
 
 
-def test_positions_out_of_reach_are_told() -> None:
+def test_positions_out_of_reach_are_told(north_american: PreparedWheelset) -> None:
     """A lateral motion that rigid wheels do not reach is not found, and the message says so; others are found."""
-    made = prepare(problem(PAIRS["AAR-1B on 136RE"]))
-    table = solve_positions(made, Positions.grid([0.0, 400.0], 100e3))
+    table = solve_positions(north_american, Positions.grid([0.0, 400.0], 100e3))
     assert table.converged.tolist() == [True, False]
     assert "400" in table.messages[1]
     assert np.isnan(table.motion[1]).all()

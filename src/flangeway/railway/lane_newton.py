@@ -33,6 +33,9 @@ SURE_MM = 0.02
 NEAR_MM = 0.02
 """Gap below which a constraint has to have its part in the tangent."""
 
+IN_TANGENT_MM = 0.06
+"""Gap below which a constraint is taken into a tangent."""
+
 MOVED_MM = 0.06
 """Motion after which is looked anew."""
 
@@ -64,6 +67,23 @@ LOST_MM = 1e-3
 
 RIDGE = np.array([1e-3, 1e-3, 1e3])
 """Stiffness that stands in where no wheel touches: N/mm, N/mm, N mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class LaneState:
+    """A position that a lane has found.
+
+    Parameters
+    ----------
+    motion
+        Motion of the wheelset, shape (3,).
+    loads
+        Of both sides; see `Loads.packed`.
+
+    """
+
+    motion: Floats
+    loads: tuple[tuple[Ints, Floats], ...]
 
 
 class LaneSide:
@@ -140,7 +160,8 @@ class LaneSide:
         lacks = ((slack < NEAR_MM) & allowed & ~self.in_tangent).any(axis=1)
         missing = lacks | np.array([each is None for each in self.tangents])
         if missing.any():
-            made = tangents(self.stand, self.around, self.candidates, self.loads.forces, missing)
+            chosen = allowed & ((slack < IN_TANGENT_MM) | (self.loads.forces > 0.0))
+            made = tangents(self.stand, self.around, self.candidates, self.loads.forces, chosen, missing)
             for lane, tangent in zip(np.flatnonzero(missing), made, strict=True):
                 self.tangents[lane] = tangent
                 self.in_tangent[lane] = False
@@ -170,36 +191,20 @@ class Lanes:
         self.renewed_at = np.full(n_lanes, np.inf)
         self.age, self.tangent_age = np.zeros(n_lanes, dtype=np.int64), np.zeros(n_lanes, dtype=np.int64)
         self.error = np.full(n_lanes, np.inf)
-        self.good_motion = np.full((n_lanes, 3), np.nan)
-        self.good_loads = [Loads.none(stand.pair, n_lanes) for stand in stands]
 
-    def remember(self, lanes: Ints) -> None:
-        """Keep what lanes have found, to come back to it."""
-        self.good_motion[lanes] = self.motion[lanes]
-        for side, good in zip(self.sides, self.good_loads, strict=True):
-            for mine, theirs in zip(
-                (good.forces, good.wheel, good.rail),
-                (side.loads.forces, side.loads.wheel, side.loads.rail),
-                strict=True,
-            ):
-                mine[lanes] = theirs[lanes]
+    def state(self, lane: int) -> LaneState:
+        """What a lane has found."""
+        loads = [side.loads.packed(lane) for side in self.sides]
+        return LaneState(self.motion[lane].copy(), tuple(loads))
 
-    def go_back(self, lane: int) -> None:
-        """Return a lane to what it found last; nothing must have been lost before."""
-        self.motion[lane], self.looked_at[lane], self.renewed_at[lane] = self.good_motion[lane], np.inf, np.inf
-        for side, good in zip(self.sides, self.good_loads, strict=True):
-            for mine, theirs in zip(
-                (side.loads.forces, side.loads.wheel, side.loads.rail),
-                (good.forces, good.wheel, good.rail),
-                strict=True,
-            ):
-                mine[lane] = theirs[lane]
-            side.forget(np.array([lane]))
+    def take_up(self, lane: int, state: LaneState) -> None:
+        """Let a lane be where a position was found."""
+        self._move(np.array([lane]), state.motion)
+        for side, loads in zip(self.sides, state.loads, strict=True):
+            side.loads.unpack(lane, loads)
 
     def keep(self, stays: Bools) -> None:
         """Drop lanes."""
-        self.good_motion = self.good_motion[stays]
-        self.good_loads = [each.take(stays) for each in self.good_loads]
         self.demands, self.motion, self.error = self.demands.take(stays), self.motion[stays], self.error[stays]
         self.looked_at, self.renewed_at = self.looked_at[stays], self.renewed_at[stays]
         self.age, self.tangent_age = self.age[stays], self.tangent_age[stays]
@@ -208,16 +213,20 @@ class Lanes:
 
     def restart(self, lanes: Ints, motion: Floats) -> None:
         """Begin anew without any contact."""
-        self.motion[lanes], self.looked_at[lanes], self.renewed_at[lanes] = motion, np.inf, np.inf
-        self.age[lanes], self.error[lanes] = 0, np.inf
+        self._move(lanes, motion)
+        self.error[lanes] = np.inf
         for side in self.sides:
             for each in (side.loads.forces, side.loads.wheel, side.loads.rail):
                 each[lanes] = 0.0
+
+    def _move(self, lanes: Ints, motion: Floats) -> None:
+        self.motion[lanes], self.looked_at[lanes], self.renewed_at[lanes] = motion, np.inf, np.inf
+        for side in self.sides:
             side.forget(lanes)
 
-    def ask(self, lane: int, demands: Demands, number: int, share: float) -> None:
-        """Ask a lane for position ``number`` of the demands, under a share of its load; it goes on from where it is."""
-        self.demands = self.demands.changed(lane, demands, number, share)
+    def ask(self, lane: int, demands: Demands, number: int, share: float, origin: int | None) -> None:
+        """Ask a lane for a position, or a place on the way; see `Demands.changed`. It goes on from where it is."""
+        self.demands = self.demands.changed(lane, demands, number, share, origin)
         self.age[lane], self.error[lane] = 0, np.nan
 
     def evaluate(self) -> tuple[Bools, Bools]:
@@ -382,13 +391,19 @@ class Window:
     def respond(self, lanes: Ints, active: Bools) -> Floats:
         """Solve for the active forces: those of an unmoved wheelset, and their changes by its motion, (L, m, 4)."""
         forces = self.forces[lanes]
-        passive = np.where(active, 0.0, forces)
-        right = self.slack[lanes] - self._times(lanes, passive)
-        matrix = np.where(active[:, :, None] & active[:, None, :], self.matrix[lanes], 0.0)
-        places = np.arange(matrix.shape[1])
-        matrix[:, places, places] += np.where(active, self.compliance[lanes], 1.0)
-        columns = np.concatenate((right[..., None], self.by_motion[lanes]), axis=2) * active[..., None]
-        answer: Floats = np.asarray(-np.linalg.solve(matrix, columns), dtype=np.float64)
+        right = self.slack[lanes] - self._times(lanes, np.where(active, 0.0, forces))
+        size = int(active.sum(axis=1).max(initial=0))
+        places = np.argsort(~active, axis=1, kind="stable")[:, :size]  # the active ones first
+        mine = np.take_along_axis(active, places, axis=1)
+        matrix = self.matrix[lanes[:, None, None], places[:, :, None], places[:, None, :]]
+        matrix[~(mine[:, :, None] & mine[:, None, :])] = 0.0
+        diagonal = np.arange(size)
+        compliance = np.take_along_axis(self.compliance[lanes], places, axis=1)
+        matrix[:, diagonal, diagonal] += np.where(mine, compliance, 1.0)
+        columns = np.concatenate((right[..., None], self.by_motion[lanes]), axis=2)
+        columns = np.take_along_axis(columns, places[..., None], axis=1) * mine[..., None]
+        answer = np.zeros((*active.shape, 4))
+        np.put_along_axis(answer, places[..., None], -np.linalg.solve(matrix, columns), axis=1)
         answer[..., 0] += np.where(active, forces, 0.0)
         return answer
 
@@ -399,7 +414,8 @@ class Window:
         return self.slack[lanes] + self._times(lanes, change) + self.compliance[lanes] * change + moved
 
     def _times(self, lanes: Ints, forces: Floats) -> Floats:
-        product: Floats = np.matmul(self.matrix[lanes], forces[..., None])[..., 0]
+        matrix = self.matrix if len(lanes) == len(self.matrix) else self.matrix[lanes]
+        product: Floats = np.matmul(matrix, forces[..., None])[..., 0]
         return product
 
 

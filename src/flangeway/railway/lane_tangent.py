@@ -103,11 +103,12 @@ def restricted(candidates: Candidates, pair: RunningPair, stays: Bools) -> Candi
 
 
 def tangents(
-    stand: Stand, around: Surroundings, candidates: Candidates, forces: Floats, wanted: Bools
+    stand: Stand, around: Surroundings, candidates: Candidates, forces: Floats, chosen: Bools, wanted: Bools
 ) -> list[Tangent]:
-    """Tangents of the lanes that are wanted, under contact forces (L, n_hats)."""
+    """Tangents of the lanes that are wanted, under contact forces (L, n_hats), of the constraints that are chosen."""
     pair = stand.pair
     around, candidates, forces = around.take(wanted), restricted(candidates, pair, wanted), forces[wanted]
+    chosen = chosen[wanted]
     gaps = pair.gaps(around.wheel, around.rail, candidates)
     borne = carried(stand, gaps, around, forces)
     size = np.abs(borne.rail).sum(axis=2)
@@ -119,11 +120,13 @@ def tangents(
     order = np.argsort(gaps.rows[:, 0] // forces.shape[1], kind="stable")
     gradients, nodes = (gaps.on_wheel, gaps.on_rail), gaps.nodes
     for lane in range(len(forces)):
-        mine = order[bounds[lane] : bounds[lane + 1]]
-        rows = np.flatnonzero(gaps.areas[lane] > 0.0)
+        rows = np.flatnonzero(chosen[lane])
         place = np.full(forces.shape[1], len(rows))
         place[rows] = np.arange(len(rows))
+        mine = order[bounds[lane] : bounds[lane + 1]]
         at_rows = place[gaps.rows[mine] - lane * forces.shape[1]]
+        touched = (at_rows < len(rows)).any(axis=1)
+        mine, at_rows = mine[touched], at_rows[touched]
         matrix, fit_turned = np.zeros((len(rows), len(rows))), np.zeros((4, 4))
         by_turning, turned_by = np.zeros((len(rows), 4)), np.zeros((4, len(rows)))
         fits = []

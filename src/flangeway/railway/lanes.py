@@ -113,12 +113,33 @@ class Demands:
             self.along[lanes], self.onto[lanes], self.weight[lanes], self.given[lanes], self.barycentre_height
         )
 
-    def changed(self, lane: int, other: "Demands", number: int, share: float) -> "Demands":
-        """Those with another demand, under a share of its load, for one lane."""
-        along, onto, weight, given = (each.copy() for each in (self.along, self.onto, self.weight, self.given))
-        along[lane], onto[lane] = share * other.along[number], share * other.onto[number]
-        weight[lane], given[lane] = share * other.weight[number], other.given[number]
-        return Demands(along, onto, weight, given, self.barycentre_height)
+    def changed(self, lane: int, other: "Demands", number: int, share: float, origin: int | None) -> "Demands":
+        """Those with another demand for one lane: a share of the way to it from another, or under a share of its load.
+
+        Parameters
+        ----------
+        lane
+            The lane.
+        other, number
+            Demands, and which of them.
+        share
+            Part of the way or of the load.
+        origin
+            Which of the other demands the way begins at; None: the same without load.
+
+        """
+
+        def part_way(mine: Floats, theirs: Floats, start: Floats | float) -> Floats:
+            result = mine.copy()
+            result[lane] = theirs[number] if share == 1.0 else (1.0 - share) * start + share * theirs[number]
+            return result
+
+        given = other.given[number if origin is None else origin]
+        along, onto, weight = (
+            part_way(mine, theirs, 0.0 if origin is None else theirs[origin])
+            for mine, theirs in ((self.along, other.along), (self.onto, other.onto), (self.weight, other.weight))
+        )
+        return Demands(along, onto, weight, part_way(self.given, other.given, given), self.barycentre_height)
 
     def loads(self, motion: Floats) -> Floats:
         """Forces in the track's axes and moment about the axle's middle, shape (L, 3)."""
@@ -166,6 +187,21 @@ class Loads:
     def take(self, lanes: Ints | Bools) -> "Loads":
         """Those of some lanes."""
         return Loads(self.forces[lanes], self.wheel[lanes], self.rail[lanes])
+
+    def packed(self, lane: int) -> tuple[Ints, Floats]:
+        """Loads of a lane that are not zero: places among all, and values."""
+        values = np.concatenate((self.forces[lane], self.wheel[lane].ravel(), self.rail[lane].ravel()))
+        places = np.flatnonzero(values)
+        return places, values[places]
+
+    def unpack(self, lane: int, packed: tuple[Ints, Floats]) -> None:
+        """Set the loads of a lane to what was packed."""
+        size, on_wheel = self.forces.shape[1], self.wheel[lane].size
+        values = np.zeros(size + on_wheel + self.rail[lane].size)
+        values[packed[0]] = packed[1]
+        self.forces[lane] = values[:size]
+        self.wheel[lane] = values[size : size + on_wheel].reshape(-1, 2)
+        self.rail[lane] = values[size + on_wheel :].reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)

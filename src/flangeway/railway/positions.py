@@ -1,7 +1,7 @@
 """Thousands of positions of one wheelset: lateral motion by load, each in balance.
 
-Positions are ordered into chains of neighbours, and a number of chains advances side by side (`Lanes`). What does not
-converge there is solved by the full search.
+A number of positions is solved side by side (`Lanes`), each from a neighbour that has been found (`Front`). What does
+not converge there is solved by the full search.
 """
 
 from collections.abc import Callable
@@ -12,12 +12,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
 from flangeway.railway.lane_newton import Lanes
 from flangeway.railway.lane_patches import LanePatch, lane_patches, patches_of
 from flangeway.railway.lane_shear import LoadedPatch, largest_shears
 from flangeway.railway.lanes import Demands
 from flangeway.railway.load import Load
+from flangeway.railway.position_front import Front, Journey
 from flangeway.railway.prepared import PreparedWheelset
 from flangeway.railway.problem import Prescribed
 from flangeway.railway.rest import rigid_rest
@@ -31,22 +31,11 @@ Bools = NDArray[np.bool_]
 AT_ONCE = 32
 """Positions that are solved side by side."""
 
-CHAIN = 48
-"""Longest chain of positions that follow each other."""
-
-NEAR = np.array([0.1, 0.02, 0.02])
-"""What counts as one step: lateral motion in mm, relative load, lateral over vertical force."""
-
-FARTHEST = 8.0
-"""Steps from a position to the next beyond which that is begun anew."""
-
+PRESSED_MM = 0.01
+"""How deep rigid wheels are pressed on the rails at first: little, so that no more touches than what bears the load."""
 
 MOST_WAITING = 64
 """Regions of contact whose fields are recovered together."""
-
-SHARES = (0.2, 0.6, 1.0)
-SMALL_SHARES = (0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
-"""Parts of its load under which a position is come to from rigid wheels, at first and when that failed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,25 +182,6 @@ def solve_positions(
     return run.table()
 
 
-@dataclass(frozen=True)
-class _Task:
-    """A position, or a step on the way to it under a share of its load; ``anew``: without what was found before."""
-
-    number: int
-    share: float
-    anew: bool
-
-
-def _begun(number: int, shares: tuple[float, ...]) -> list[_Task]:
-    """Tasks that lead to a position from rigid wheels."""
-    return [_Task(number, share, anew=share == shares[0]) for share in shares]
-
-
-def _begun_first(tasks: list[_Task]) -> list[_Task]:
-    """Tasks of which the first is led to from rigid wheels."""
-    return _begun(tasks[0].number, SHARES) + tasks[1:] if tasks else []
-
-
 @dataclass(eq=False)
 class _Run:
     """One call of `solve_positions`."""
@@ -224,8 +194,6 @@ class _Run:
     patches: dict[int, tuple[LanePatch, ...]] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
     rests: dict[int, WheelsetMotion] = field(default_factory=dict)
-    tried: set[int] = field(default_factory=set)
-    slow: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         n = len(self.positions)
@@ -282,89 +250,84 @@ class _Run:
 
     def go(self) -> None:
         """Solve all."""
-        queue = _chains(self.demands)[::-1]
-        chains = [chain for chain in (self._next_chain(queue) for _ in range(AT_ONCE)) if chain]
-        at = [chain[0] for chain in chains]
-        follow = [chain[1:] for chain in chains]
+        front = Front(self.demands, self._possible(), AT_ONCE)
+        at = [each for each in (self._next(front, None) for _ in range(AT_ONCE)) if each is not None]
         if at:
             lanes = Lanes(self.stands, self.demands.take(np.array([each.number for each in at])), self._pressed(at))
-            for lane, task in enumerate(at):
-                lanes.ask(lane, self.demands, task.number, task.share)
-            self._advance(lanes, at, follow, queue)
-        for number in self.slow:
-            self._solve_slowly(number)
+            for lane, journey in enumerate(at):
+                lanes.ask(lane, self.demands, journey.number, journey.shares[0], journey.origin)
+            self._advance(lanes, at, front)
+        for number in np.flatnonzero(front.open):
+            self._solve_slowly(int(number))
         self._find_shear()
 
-    def _advance(self, lanes: Lanes, at: list["_Task"], follow: list[list["_Task"]], queue: list[list[int]]) -> None:
+    def _possible(self) -> Bools:
+        """Which positions can be begun; a message for the others."""
+        possible = np.ones(len(self.positions), dtype=np.bool_)
+        for number in np.flatnonzero(~np.isnan(self.positions.lateral_mm)):
+            possible[number] = self._start(int(number)) is not None
+        return possible
+
+    def _next(self, front: Front, at: int | None) -> Journey | None:
+        """What a lane does next; positions that rigid wheels cannot begin are left to their neighbours."""
+        while (journey := front.next(at)) is not None:
+            if journey.origin is not None or self._start(journey.number) is not None:
+                return journey
+            front.lost(journey)
+        return None
+
+    def _advance(self, lanes: Lanes, at: list[Journey], front: Front) -> None:
         """Solve in lanes what can be solved there."""
         while True:
             done, lost = lanes.evaluate()
             lost &= ~done
-            self._collect(lanes, np.flatnonzero(done), at)
-            whole = np.array([task.share == 1.0 for task in at])
-            lanes.remember(np.flatnonzero(done & whole))
-            back: list[int] = []
-            restarts: list[int] = []
+            arrived = np.array([each.arrives for each in at])
+            self._collect(lanes, np.flatnonzero(done & arrived), at)
+            for lane in np.flatnonzero(done & arrived):
+                front.arrived(at[lane].number, lanes.state(int(lane)))
+            moves: list[int] = []
             ends = np.zeros(len(at), dtype=np.bool_)
             for lane in np.flatnonzero(done | lost):
-                before, chain = at[lane], follow[lane]
+                before = at[lane]
                 if lost[lane]:
-                    chain = self._after_loss(before, chain, begun=bool(np.isfinite(lanes.good_motion[lane]).all()))
-                chain = chain or self._next_chain(queue)
-                if not chain:
+                    front.lost(before)
+                if done[lane] and not before.arrives:
+                    journey: Journey | None = before.on()
+                else:
+                    journey = self._next(front, before.number if done[lane] else None)
+                if journey is None:
                     ends[lane] = True
                     continue
-                at[lane], follow[lane] = chain[0], chain[1:]
-                lanes.ask(int(lane), self.demands, chain[0].number, chain[0].share)
-                if chain[0].anew:
-                    restarts.append(int(lane))
-                elif lost[lane]:
-                    back.append(int(lane))
+                at[lane] = journey
+                lanes.ask(int(lane), self.demands, journey.number, journey.shares[0], journey.origin)
+                if not journey.follows:
+                    moves.append(int(lane))
             if ends.all():
                 break
             lanes.step()
-            if restarts:
-                lanes.restart(np.array(restarts), self._pressed([at[lane] for lane in restarts]))
-            for number in back:
-                lanes.go_back(number)
+            self._move(lanes, np.array(moves, dtype=np.int64), at, front)
             if ends.any():
                 at[:] = [each for each, end in zip(at, ends, strict=True) if not end]
-                follow[:] = [each for each, end in zip(follow, ends, strict=True) if not end]
                 lanes.keep(~ends)
 
-    def _after_loss(self, lost: "_Task", chain: list["_Task"], *, begun: bool) -> list["_Task"]:
-        """What a lane does next that has lost its position: come to it by smaller steps, or leave it.
+    def _move(self, lanes: Lanes, moves: Ints, at: list[Journey], front: Front) -> None:
+        """Put lanes where their journeys begin."""
+        cold = np.array([lane for lane in moves if at[lane].origin is None], dtype=np.int64)
+        if len(cold):
+            lanes.restart(cold, self._pressed([at[lane] for lane in cold]))
+        for lane in moves:
+            origin = at[lane].origin
+            if origin is not None:
+                lanes.take_up(int(lane), front.states[origin])
 
-        A lane that has ``begun``, that has found a position before, goes on from that to the next.
-        """
-        rest = [task for task in chain if task.number != lost.number]
-        if lost.number not in self.tried:
-            self.tried.add(lost.number)
-            return _begun(lost.number, SMALL_SHARES) + rest
-        self.slow.append(lost.number)
-        return rest if begun else _begun_first(rest)
-
-    def _next_chain(self, queue: list[list[int]]) -> list["_Task"]:
-        """Tasks of the next chain; empty if there is none."""
-        while queue:
-            numbers = [number for number in queue.pop() if self._start(number) is not None]
-            tasks: list[_Task] = []
-            for before, number in zip([None, *numbers], numbers, strict=False):
-                near = before is not None and _steps(self.demands, before, number) <= FARTHEST
-                tasks += [_Task(number, 1.0, anew=False)] if near else _begun(number, SHARES)
-            if tasks:
-                return tasks
-        return []
-
-    def _pressed(self, tasks: list["_Task"]) -> Floats:
+    def _pressed(self, journeys: list[Journey]) -> Floats:
         """Where the searches for positions begin: rigid wheels a little pressed on the rails, shape (n, 3)."""
-        motions = [self._start(task.number) for task in tasks]
+        motions = [self._start(each.number) for each in journeys]
         rest = np.array([motion.components for motion in motions if motion is not None])
-        given = self.demands.given[[task.number for task in tasks]]
-        return np.where(np.isnan(given), rest - [0.0, FIRST_PENETRATION_MM, 0.0], given)
+        given = self.demands.given[[each.number for each in journeys]]
+        return np.where(np.isnan(given), rest - [0.0, PRESSED_MM, 0.0], given)
 
-    def _collect(self, lanes: Lanes, found: Ints, at: list["_Task"]) -> None:
-        found = np.array([lane for lane in found if at[lane].share == 1.0], dtype=np.int64)
+    def _collect(self, lanes: Lanes, found: Ints, at: list[Journey]) -> None:
         if len(found) == 0:
             return
         sides = [lane_patches(side, found) for side in lanes.sides]
@@ -395,6 +358,8 @@ class _Run:
 
     def _solve_slowly(self, number: int) -> None:
         start = self._start(number)
+        if start is None:
+            return
         found = self.prepared.solve(self._load(number), self._prescribed(number), start)
         self.by_full_search[number] = True
         self.converged[number] = found.status.converged
@@ -424,7 +389,7 @@ class _Run:
             self.rounds,
             self.motion,
             tuple(self.patches.get(number, ()) for number in range(len(self.positions))),
-            self.messages,
+            {number: text for number, text in self.messages.items() if not self.converged[number]},
         )
 
 
@@ -437,39 +402,3 @@ def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, Wheels
         except InputError:
             continue
     return found
-
-
-def _features(demands: Demands) -> Floats:
-    """Positions in a space where neighbours are about one apart, shape (n, 3)."""
-    lateral = np.where(np.isnan(demands.given[:, 0]), 1e3, demands.given[:, 0])
-    ratio = np.where(np.isnan(demands.given[:, 0]), demands.along / demands.onto, 0.0)
-    return np.stack((lateral, np.log(demands.onto), ratio), axis=1) / NEAR
-
-
-def _steps(demands: Demands, one: int, other: int) -> float:
-    features = _features(demands.take(np.array([one, other])))
-    return float(np.abs(features[1] - features[0]).max())
-
-
-def _chains(demands: Demands) -> list[list[int]]:
-    """Chains of neighbours that hold all positions together."""
-    features = _features(demands)
-    order = np.lexsort((features[:, 1], features[:, 2], features[:, 0]))
-    chains = []
-    for first in range(0, len(order), 4 * CHAIN):
-        block = order[first : first + 4 * CHAIN]
-        tour = _tour(features[block])
-        chains += [block[tour[start : start + CHAIN]].tolist() for start in range(0, len(tour), CHAIN)]
-    return chains
-
-
-def _tour(points: Floats) -> Ints:
-    """Order of points (n, 3) in which each is followed by the nearest one that is left."""
-    left = np.ones(len(points), dtype=np.bool_)
-    tour = [0]
-    left[0] = False
-    for _ in range(len(points) - 1):
-        distances = np.where(left, np.abs(points - points[tour[-1]]).sum(axis=1), np.inf)
-        tour.append(int(np.argmin(distances)))
-        left[tour[-1]] = False
-    return np.array(tour)
