@@ -73,56 +73,6 @@ def test_options_reach_the_case(monkeypatch, tmp_path):
     assert (inputs["axle_load_kN"], inputs["cant"]) == (200.0, 0.05)
 
 
-COMMANDS = "run, converge, cases, init, check, schema, campaign, geometry, section, profile, reproduce"
-WRONG = {
-    "unknown case": (["run", "wheelset-tangnt"], "did you mean wheelset-tangent?"),
-    "unknown method": (["run", "wheelset-tangent", "--method", "fvm"], "fem or vem"),
-    "unknown option": (["run", "wheelset-tangent", "--metod", "fem"], "--method"),
-    "unknown command": (["walk"], COMMANDS),
-    "no command": ([], COMMANDS),
-    "no case": (["run"], "CASE"),
-    "unknown key": (["run", "wheelset-tangent", "--set", "gage_mm=1600"], "did you mean gauge_mm?"),
-    "no value": (["run", "wheelset-tangent", "--set", "gauge_mm"], "--set KEY=VALUE"),
-    "text for a number": (["run", "wheelset-tangent", "--size-scale", "small"], "a number from 0.05"),
-    "size zero": (["run", "wheelset-tangent", "--size-scale", "0"], "from 0.05 up to 20"),
-    "size negative": (["run", "wheelset-tangent", "--size-scale", "-1"], "from 0.05 up to 20"),
-    "size tiny": (["run", "wheelset-tangent", "--size-scale", "1e-9"], "from 0.05 up to 20"),
-    "size huge": (["run", "wheelset-tangent", "--size-scale", "1e3"], "from 0.05 up to 20"),
-    "size that makes no mesh": (["run", "wheelset-tangent", "--set", "body_size_mm=500"], "extent"),
-    "too many triangles": (["run", "wheelset-tangent", "--set", "contact_size_mm=1e-5"], "triangles"),
-    "wheel beside the rail": (["run", "wheelset-tangent", "--set", "gauge_mm=3000"], "stand on the heads of the rails"),
-    "load that lifts": (["run", "wheelset-tangent", "--set", "axle_load_kN=-300"], "above 0"),
-    "unknown crown": (["run", "wheelset-tangent", "--crown-radius", "9"], "8, 10, 14"),
-    "scale too small to halve": (["converge", "wheelset-tangent", "--size-scale", "0.06"], "from 0.05"),
-}
-
-
-@pytest.mark.parametrize(("arguments", "allowed"), WRONG.values(), ids=WRONG)
-def test_wrong_input_is_told_in_three_parts(monkeypatch, capsys, tmp_path, arguments, allowed):
-    """Wrong input: status 2; what was given, what is allowed and what to do on stderr; nothing on stdout or on disk."""
-    monkeypatch.chdir(tmp_path)
-    assert called(monkeypatch, *arguments) == 2
-    said = capsys.readouterr()
-    message = said.err[said.err.index("flangeway: ") :].splitlines()
-    assert len(message[0]) > len("flangeway: ")
-    assert message[1].startswith("  allowed: ")
-    assert message[2].startswith("  what to do: ")
-    assert allowed in "\n".join(message)
-    assert said.out == ""
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.parametrize("command", ["run", "converge"])
-def test_an_unwritable_folder_is_refused_before_the_work(monkeypatch, capsys, tmp_path, command):
-    """A folder below a file is refused with status 2 before any meshing."""
-    (tmp_path / "file").write_text("")
-    assert called(monkeypatch, command, "wheelset-tangent", "--out", tmp_path / "file" / "x") == 2
-    said = capsys.readouterr()
-    assert "is not a folder" in said.err
-    assert "what to do: " in said.err
-    assert "meshing" not in said.err
-
-
 def test_a_run_that_does_not_converge_has_status_1_and_says_why(monkeypatch, capsys, tmp_path):
     """Without balance the status is 1, the reason is told, and the files show how far it came."""
     status = called(

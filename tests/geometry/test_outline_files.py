@@ -1,11 +1,14 @@
 """Sections from files: what is read, what is mended with a notice, what is refused with its place."""
 
+import functools
+import io
+import itertools
 import math
 
 import ezdxf
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
@@ -359,6 +362,73 @@ def test_no_content_breaks_the_reader(tmp_path_factory, ending, content):
     except InputError:
         return
     assert isinstance(found, DrawnSection)
+
+
+SOUND = {
+    ".toml": """title = "all"
+unit = "cm"
+[parts.box]
+young_MPa = 210000.0
+poisson = 0.3
+outer.points = [[0, 0, 3], [40, 0], [40, 20, 0.5], [0, 20]]
+outer.names = ["bottom", "right", "top", "left"]
+[[parts.box.holes]]
+circle = { centre = [10, 10], radius = 2 }
+[parts.cap]
+outer.path = [{ from = [0, 20] }, { line_to = [40, 20] }, { arc_to = [0, 20], through = [20, 30], name = "cap" }]
+""",
+    ".csv": """# unit: mm
+name,type,x0,y0,x1,y1,xc,yc,turn
+base,line,0,0,9,0,,,
+side,line,9,0,9,9,,,
+top,line,9,9,0,9,,,
+left,line,0,9,0,0,,,
+hole,arc,3,4,5,4,4,4,right
+hole,arc,5,4,3,4,4,4,right
+""",
+}
+
+
+@functools.cache
+def sound_file(ending):
+    if ending != ".dxf":
+        return SOUND[ending].encode()
+    drawing = ezdxf.new("R12")
+    space = drawing.modelspace()
+    space.add_polyline2d([(0, 0, 0), (10, 0, 1), (10, 4, 0), (0, 4, 1)], format="xyb", close=True)
+    space.add_circle((5, 2), 1)
+    for start, end in itertools.pairwise([(20, 0), (30, 0), (30, 5), (20, 0)]):
+        space.add_line(start, end)
+    text = io.StringIO()
+    drawing.write(text)
+    return text.getvalue().encode()
+
+
+@settings(deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    ending=st.sampled_from([".toml", ".csv", ".dxf"]),
+    changes=st.lists(
+        st.tuples(st.floats(0.0, 1.0), st.sampled_from([*b'0123456789.-+eE,; \n#"[]{}=_nx']), st.integers(0, 40)),
+        min_size=1,
+        max_size=4,
+    ),
+)
+def test_damaged_outlines_are_read_or_refused(tmp_path, ending, changes):
+    """Sound files with bytes changed, put in or cut out give a section of finite area or an InputError."""
+    content = bytearray(sound_file(ending))
+    whole = len(content)
+    # the header of a drawing is long, and what counts stands at its end
+    first = max(content.rfind(b"ENTITIES"), 0)
+    for place, byte, cut in changes:
+        i = first + int(place * (whole - first - 1))
+        content[i : i + cut] = bytes([byte])
+    file = tmp_path / f"damaged{ending}"
+    file.write_bytes(content)
+    try:
+        found = read_section(file, unit=None if ending != ".dxf" else "mm")
+    except InputError:
+        return
+    assert math.isfinite(found.section.area)
 
 
 def test_bundled_csv_files_read_as_half_outlines():

@@ -1,5 +1,9 @@
 """Meshes read from files of other programs, sound ones, those with small faults, and broken ones."""
 
+import functools
+import tempfile
+from pathlib import Path
+
 import gmsh
 import meshio
 import numpy as np
@@ -198,7 +202,7 @@ def test_hanging_nodes_of_other_programs_make_polygons(tmp_path):
     assert set(conforming(drawn).edge_sets) == {"low"}  # the other one lies inside the body now
 
 
-@settings(max_examples=30, deadline=None)
+@settings(deadline=None)
 @given(seed=st.integers(0, 2**31))
 def test_conforming_finds_the_points_that_refinement_added(seed):
     """Polygons of a refined grid robbed of their hanging points get them back; sets keep the boundary's edges."""
@@ -314,3 +318,52 @@ def test_junk_is_refused(tmp_path, ending, start, junk):
     file.write_bytes(start + junk)
     with pytest.raises(InputError):
         read_mesh(file)
+
+
+KINDS = ("gmsh22", "gmsh", "vtk42", "vtk", "vtu", "medit", "off", "nastran", "abaqus")
+ENDINGS = {"gmsh22": "msh", "gmsh": "msh", "vtk42": "vtk", "medit": "mesh", "nastran": "bdf", "abaqus": "inp"}
+
+
+@functools.cache
+def sound_mesh(kind):
+    """Bytes of a sound file of some cells."""
+    if kind == "abaqus":
+        return ABAQUS.encode()
+    mesh = rectangle_grid(2.0, 1.0, 3, 2)
+    points = np.column_stack([mesh.points, np.zeros(mesh.n_points)])
+    drawn = meshio.Mesh(points, [("triangle", mesh.cell_points.reshape(-1, 3)), ("line", mesh.edge_set("top"))])
+    if kind in ("off", "vtk42", "vtk", "gmsh"):
+        drawn = meshio.Mesh(points, drawn.cells[:1])
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "a"
+        drawn.write(file, file_format=kind, **({} if kind in ("medit", "off", "nastran") else {"binary": False}))
+        return file.read_bytes()
+
+
+@settings(deadline=None, suppress_health_check=list(HealthCheck))
+@given(
+    kind=st.sampled_from(KINDS),
+    changes=st.lists(
+        st.tuples(st.floats(0.0, 1.0), st.sampled_from([*b"0123456789.-+eE,; \n$*<>nx"]), st.integers(0, 30)),
+        min_size=1,
+        max_size=4,
+    ),
+)
+def test_damaged_meshes_are_read_or_refused(tmp_path, kind, changes):
+    """Sound files with bytes changed, put in or cut out give a mesh of positive cells or an InputError."""
+    content = bytearray(sound_mesh(kind))
+    for place, byte, cut in changes:
+        i = int(place * (len(content) - 1))
+        content[i : i + cut] = bytes([byte])
+    file = tmp_path / f"damaged.{ENDINGS.get(kind, kind)}"
+    file.write_bytes(content)
+    mesh, refused = None, None
+    try:
+        mesh = read_mesh(file).mesh
+    except InputError as reason:
+        refused = reason
+    if mesh is None:
+        assert str(file) in refused.given
+        return
+    assert np.isfinite(mesh.points).all()
+    assert (mesh.cell_areas > 0.0).all()

@@ -1,6 +1,10 @@
 """Campaign files: what they vary, and what is told about wrong ones before anything is computed."""
 
+import json
+
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles import rail
@@ -108,67 +112,73 @@ def test_a_file_counts_by_what_is_in_it(tmp_path):
     assert read(tmp_path, text.format("a.txt")).identity != identities[0]
 
 
-TOP = 'case = "wheelset-tangent"\n'
-WRONG = {
-    "no file": (None, "c.toml", "correct the name"),
-    "no TOML": ("case = \n", "not TOML", "correct the place"),
-    "no case": ("[vary]\ncant = [0, 0.1]\n", "no key case", "flangeway cases"),
-    "unknown case": ('case = "wheelset-tangnt"\n[vary]\ncant = [0, 0.1]\n', "line 1", "did you mean wheelset-tangent?"),
-    "unknown key": (TOP + 'tabel = "x.csv"\n', "line 2: tabel", "did you mean table?"),
-    "an input at the top": (TOP + "gauge_mm = 1435\n[vary]\ncant = [0, 0.1]\n", "gauge_mm", "[inputs] or [vary]"),
-    "nothing varies": (TOP + "[inputs]\ncant = 0.1\n", "nothing varies", "add one"),
-    "unknown input": (TOP + "[inputs]\ngage_mm = 1435\n[vary]\ncant = [0, 0.1]\n", "line 3", "did you mean gauge_mm?"),
-    "unknown varied": (TOP + "[vary]\ngage_mm = [1435, 1436]\n", "line 3: row 1: ", "did you mean gauge_mm?"),
-    "out of range": (TOP + "[vary]\ncant = [0, 0.1, 0.5]\n", "line 3: row 3: cant = 0.5", "leave cant out"),
-    "wrong combination": (TOP + "[vary]\nspeed_km_h = [50, 70]\n", "row 1 (speed_km_h = 50)", "give the other one"),
-    "a load that is wrong in the last row": (
-        TOP + "[vary]\nsuperelevation_mm = [0, 30, 3000]\n", "row 3 (superelevation_mm = 3000)", "3 cm is 30",
-    ),
-    "unknown profile": (TOP + '[vary]\nrail = ["136RE", "60E2"]\n', "row 2 (rail = '60E2')", ""),
-    "missing profile": (TOP + '[vary]\nrail = ["136RE", "worn.csv"]\n', "worn.csv", "copy the file"),
-    "one value": (TOP + "[vary]\ncant = 0.1\n", "vary.cant = 0.1", "[inputs]"),
-    "no value": (TOP + "[vary]\ncant = []\n", "vary.cant = []", "leave the key out"),
-    "a value twice": (TOP + "[vary]\ncant = [0.1, 0.1]\n", "0.1 twice", "leave one out"),
-    "fixed and varied": (TOP + "[inputs]\ncant = 0.1\n[vary]\ncant = [0, 0.1]\n", "line 5: cant", "remove one"),
-    "range without end": (TOP + "[vary]\ncant = { from = 0, n = 3 }\n", "vary.cant", "has 141 values"),
-    "range of one": (TOP + "[vary]\ncant = { from = 0, to = 0.1, n = 1 }\n", "vary.cant.n = 1", "another"),
-    "range with a wrong key": (TOP + "[vary]\ncant = { from = 0, to = 1, stp = 3 }\n", "cant.stp", "mean step?"),
-    "range of text": (TOP + '[vary]\ncant = { from = "0", to = 1, n = 3 }\n', "cant.from = '0'", "quotation"),
-    "a step that misses": (TOP + "[vary]\ncant = { from = 0, to = 0.1, step = 0.03 }\n", "step = 0.03", "give n"),
-    "too many rows": (
-        TOP + "[vary]\ncant = { from = 0, to = 0.1, n = 2000 }\ngauge_mm = { from = 1430, to = 1440, n = 2000 }\n",
-        "4000000 rows", "several campaigns",
-    ),
-    "no such table": (TOP + 'table = "x.csv"\n', "x.csv", "correct the path"),
-    "an empty table": (TOP + 'table = "empty.csv"\n', "with 1 lines", "add rows"),
-    "a short line": (TOP + 'table = "short.csv"\n', "short.csv, line 3: 1 cells", "complete the line"),
-    "an empty cell": (TOP + 'table = "gap.csv"\n', "gap.csv, line 2: an empty cell", "complete the line"),
-    "a column twice": (TOP + 'table = "twice.csv"\n', "the column cant twice", "first line"),
-    "a row twice": (TOP + 'table = "same.csv"\n', "rows 1 and 3 with the same inputs", "leave one"),
-    "a wrong cell": (TOP + 'table = "wrong.csv"\n', "table: row 2: cant = '9'", "leave cant out"),
-    "in both": (TOP + 'table = "same.csv"\n[vary]\ncant = [0, 0.1]\n', "cant under [vary] and in", "remove one"),
-    "unknown results": (TOP + "[vary]\ncant = [0, 0.1]\n[results]\nrows = []\n", "results.rows", "choose one"),
-    "unknown column": (
-        TOP + '[vary]\ncant = [0, 0.1]\n[results]\ncolumns = ["left_max_presure_MPa"]\n', "left_max_presure_MPa",
-        "did you mean left_max_pressure_MPa?",
-    ),
-}  # fmt: skip
+def written(value):
+    """Value as TOML writes it."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if value == "0x":  # a number that Python does not write
+        return "0x" + "f" * 5000
+    if isinstance(value, str):
+        return json.dumps(value).replace("\x7f", "\\u007f")
+    if isinstance(value, dict):
+        return "{ " + ", ".join(f"{json.dumps(key)} = {written(each)}" for key, each in value.items()) + " }"
+    if isinstance(value, list):
+        return f"[{', '.join(map(written, value))}]"
+    return str(value)
 
 
-@pytest.mark.parametrize(("text", "given", "advice"), WRONG.values(), ids=WRONG)
-def test_wrong_files_are_told_in_three_parts(tmp_path, text, given, advice):
-    """A wrong file: the message names file and place, what is allowed, and what to do."""
-    tables = {
-        "empty_csv": "cant\n", "short_csv": "cant,gauge_mm\n0,1435\n0.1\n", "gap_csv": "cant,gauge_mm\n0,\n",
-        "twice_csv": "cant,cant\n0,1\n", "same_csv": "cant\n0.0\n0.1\n0\n", "wrong_csv": "cant\n0\n9\n",
-    }  # fmt: skip
-    if text is not None:
-        (tmp_path / "c.toml").write_text(text, encoding="utf-8")
-    for name, content in tables.items():
-        (tmp_path / name.replace("_", ".")).write_text(content, encoding="utf-8")
-    with pytest.raises(InputError) as caught:
-        Campaign.from_file(tmp_path / "c.toml")
-    assert given in caught.value.given
-    assert str(tmp_path) in caught.value.given or "campaign c" in caught.value.given
-    assert caught.value.allowed
-    assert advice in caught.value.advice
+SOUND = {
+    "inputs": {"rail": "60E1", "gauge_mm": 1600, "curve_radius_m": 400.0, "wheel": "AAR-1B", "method": "vem"},
+    "vary": {
+        "cant": [0.0, 0.05],
+        "lateral_mm": {"from": -1, "to": 1, "n": 3},
+        "axle_load_kN": {"from": 100, "to": 200, "step": 50},
+        "speed_km_h": [50, 70],
+        "superelevation_mm": [0, 30],
+        "left_rail": ["136RE", "a.txt"],
+        "table": "rows.csv",
+    },
+    "results": {"columns": ["lateral_mm", "left_max_pressure_MPa"]},
+}
+CASE_NAMES = st.sampled_from(["wheelset-tangent"] * 12 + ["base.toml"] * 3 + ["hertz", "c.toml", "/", "", "\0"])
+NUMBER = st.sampled_from([0, 1, -1, 0.025, 1e-320, 1e308, 10**400, float("nan"), float("inf")]) | st.floats()
+TEXT = st.sampled_from(["0x", "60E2", "a.txt", "b.txt", "c.toml", "", "/", "x" * 300]) | st.text("aé/.,\0 ", max_size=5)
+PLAIN = NUMBER | TEXT | st.booleans() | st.dates()
+RANGE = st.dictionaries(st.sampled_from(["from", "to", "n", "step"]), NUMBER | st.integers(-2, 9), min_size=1)
+VALUES = st.lists(PLAIN | st.lists(NUMBER, max_size=2), max_size=3) | RANGE | PLAIN
+KEYS = st.sampled_from(["gauge_mm", "rail", "body_size_mm", "columns", "bodies", "table"]) | st.text('ab."', max_size=4)
+CELLS = st.text("cant,gauge_mm;0123456789.-\n\"'é\0", max_size=40)
+TABLES = ("thickness_mm,primary\n8,rail\n9,wheel\n", "thickness_mm\n" + "9" * 200_000)
+
+
+@st.composite
+def tables(draw):
+    """Tables of a sound campaign without some of its keys, with some values of other kinds and some other keys."""
+    found = {}
+    for name, sound in SOUND.items():
+        keys = draw(st.lists(st.sampled_from(sorted(sound)), unique=True, min_size=int(name == "vary"), max_size=4))
+        found[name] = {key: sound[key] for key in keys}
+    for name in draw(st.lists(st.sampled_from(sorted(SOUND)), max_size=2)):
+        key = draw(st.sampled_from(sorted(found[name])) | KEYS) if found[name] else draw(KEYS)
+        found[name][key] = draw(VALUES)
+    return found
+
+
+@settings(deadline=None, suppress_health_check=list(HealthCheck))
+@given(case=CASE_NAMES, content=tables(), cells=st.sampled_from(TABLES) | CELLS)
+def test_any_campaign_is_read_or_refused(tmp_path, case, content, cells):
+    """Whatever a campaign names, fixes and varies: rows that are cases, or an error that names a file."""
+    lines = [f"case = {written(case)}"]
+    for name, table in content.items():
+        lines += [f"[{name}]", *(f"{json.dumps(key)} = {written(value)}" for key, value in table.items())]
+    files = {"base_toml": 'case = "wheelset-tangent"\norder = 2\n', "rows_csv": cells, "a_txt": "0 0\n1 0\n"}
+    found, refused = None, None
+    try:
+        found = read(tmp_path, "\n".join(lines), **files)
+        found.identity  # noqa: B018 (reads the files that rows name)
+    except InputError as reason:
+        refused = reason
+    if refused is None:
+        assert found.rows
+    else:
+        assert str(tmp_path) in refused.given or refused.given.startswith(("table ", "campaign c: "))

@@ -69,26 +69,6 @@ def test_overturning_ends_with_one(call):
     assert "L/V" in out
 
 
-@pytest.mark.parametrize(
-    ("arguments", "words"),
-    [
-        (("geometry", "wheelset-curv"), "did you mean wheelset-curve?"),
-        (("geometry", "--set", "gauge=1435"), "did you mean gauge_mm?"),
-        (("geometry", "--set", "gauge_mm"), "KEY=VALUE"),
-        (("geometry", "--set", "gauge_mm=1100"), "gauge_mm and back_to_back_mm"),
-        (("geometry", "--set", "largest_lateral_mm=20"), "climbing flanges"),
-        (("geometry", "--set", "wheel=S1002", "--set", "wide_throat_radius_mm=40"), "AAR-1B"),
-        (("geometry", "--set", "superelevation_mm=5000"), "base width"),
-        (("geometry", "--set", "axle_load_kN=-300"), "above 0"),
-    ],
-)
-def test_wrong_input_is_explained(call, arguments, words):
-    """Wrong names, keys and values end with status 2, a message and no files."""
-    code, _, message = call(*arguments)
-    assert code == 2
-    assert words in message
-
-
 def test_unequal_wheels_swing_aside():
     """A left wheel that is 0.2 mm smaller moves the place of equal radii to the left by that over twice the slope."""
     values = {"left_wheel_radius_mm": 474.4, "wheel_radius_mm": 474.6, "wheel_radius_at": "tape-line", "step_mm": 0.1}

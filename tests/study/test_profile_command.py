@@ -106,51 +106,6 @@ def test_bundled_profiles_are_converted(name, ending, call):
     assert surface.closest(found.points + shift)[2].max() < 1e-3
 
 
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (("none.txt",), "none.txt"),
-        (("S1003",), "'S1003'"),
-        (("S1002", "--unit", "mm"), "options of a file"),
-        (("S1002", "--join", "60E1"), "options of a file"),
-        (("worn.csv",), "--unit in"),
-        (("worn.csv", "--unit", "in", "--join", "S1002"), "--join S1002"),
-        (("worn.csv", "--unit", "in", "--origin", "tape"), "--origin tape"),
-        (("worn.csv", "--unit", "in", "--smooth", "-2"), "--smooth -2"),
-        (("worn.csv", "--unit", "in", "--limit", "0"), "--limit 0"),
-        (("worn.csv", "--unit", "in", "--to", "x.whl"), "for a rail"),
-        (("worn.csv", "--unit", "in", "--to", "x.pdf"), "'.pdf'"),
-        (("tread.txt", "--join", "AAR-1B"), "flange's back"),
-        (("tread.txt", "--kind", "tram"), "--kind tram"),
-        (("tread.txt", "--mirror"), "--mirror"),
-        (("tread.txt", "--tape", "wide"), "--tape"),
-        (("tread.txt", "--origin", "flange-back", "--tape", "3"), "3 mm"),
-        ((), "NAME_OR_FILE"),
-    ],
-)
-def test_wrong_input_is_status_2_and_leaves_nothing(arguments, message, call, files, tmp_path):
-    """Wrong input ends with status 2 and a message of three parts on stderr, and leaves no file."""
-    before = sorted(tmp_path.iterdir())
-    status, out, err = call("profile", *arguments)
-    assert status == 2
-    assert message in err
-    assert "allowed:" in err
-    assert "what to do:" in err
-    assert out == ""
-    assert sorted(tmp_path.iterdir()) == before
-
-
-def test_places_that_cannot_be_written_are_refused(call, files, tmp_path):
-    """A file in the way of the folder, and a folder in the way of the conversion, are status 2 before any drawing."""
-    (tmp_path / "taken").write_text("")
-    (tmp_path / "x.txt").mkdir()
-    for arguments in (("--out", "taken"), ("--to", "x.txt"), ("--to", "taken/y.txt")):
-        status, _, err = call("profile", "tread.txt", *arguments)
-        assert status == 2
-        assert "drawing" not in err
-    assert not (tmp_path / "out").exists()
-
-
 def test_a_failing_picture_leaves_nothing(call, files, tmp_path, monkeypatch):
     """If a picture cannot be drawn, no file is left at its place, the conversion neither."""
 

@@ -6,7 +6,6 @@ columns ``x, y``. Names of columns may carry the unit: ``x0_mm``. Lines that sta
 ``# unit: mm`` and ``# mirror`` are read. Loops follow each other; those inside others are holes.
 """
 
-import csv
 import itertools
 import math
 import re
@@ -16,6 +15,7 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.geometry.drawn_section import UNITS, DrawnSection, agreed_unit
+from flangeway.geometry.file_content import csv_cells
 from flangeway.geometry.mending import DrawnSegment, drawn_polygon, mended_outline
 from flangeway.geometry.region import Section, nested_regions
 
@@ -48,7 +48,7 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.strip().startswith("#")
     ]
-    header, in_header = parse_header(lines[0][1] if lines else "")
+    header, in_header = parse_header(lines[0][1] if lines else "", lines[0][0] if lines else 1)
     in_comment = [match[1] for line in comments if (match := re.fullmatch(r"unit:\s*(\w+)", line))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
     rows = parse_rows(header, lines[1:])
@@ -75,9 +75,9 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), agreed, notices=tuple(notices))
 
 
-def parse_header(line: str) -> tuple[list[str], str | None]:
+def parse_header(line: str, number: int = 1) -> tuple[list[str], str | None]:
     """Return the names of columns without units, and the unit that they carry."""
-    names = [name.strip() for name in next(csv.reader([line]), [])]
+    names = csv_cells(line, number)
     units = {name.rpartition("_")[2] for name in names if name.rpartition("_")[0] in _COORDINATES}
     if len(units) > 1 or not units <= set(UNITS):
         raise InputError(
@@ -98,10 +98,10 @@ def parse_rows(header: Sequence[str], lines: Sequence[tuple[int, str]]) -> list[
     """Return the cells of lines by column, with the number of each line."""
     rows = []
     for number, line in lines:
-        cells = next(csv.reader([line]))
+        cells = csv_cells(line, number)
         if len(cells) > len(header):
             raise InputError(f"line {number} with {len(cells)} cells", f"{len(header)} cells", "correct the line")
-        rows.append((number, dict(itertools.zip_longest(header, map(str.strip, cells), fillvalue=""))))
+        rows.append((number, dict(itertools.zip_longest(header, cells, fillvalue=""))))
     if not rows:
         raise InputError("a header without rows", "one row a segment or corner", "check that the file is whole")
     return rows

@@ -8,7 +8,8 @@ import io
 import itertools
 import math
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
@@ -43,7 +44,23 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
 
     """
     drawing = open_drawing(content)
-    agreed = agreed_unit(UNITS.get(int(drawing.header.get("$INSUNITS", 0))), unit, _HOW)
+    if not len(drawing.modelspace()):
+        raise InputError(
+            "no drawing in the model space of a DXF file",
+            "lines and arcs in model space",
+            "check the format of the file, or draw the outline in model space",
+        )
+    agreed = agreed_unit(unit_of(drawing), unit, _HOW)
+    with damage_told():
+        loops, chains, ignored = _pieces(drawing)
+        loops += _joined_chains(chains)
+    if not loops:
+        raise InputError("a drawing without a closed outline in its model space", "lines and arcs", "draw the outline")
+    return _section(loops, agreed, ignored)
+
+
+def _pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], list[list[DrawnSegment]], Counter[str]]:
+    """Closed loops, open chains, and how many entities of other kinds there are."""
     loops: list[list[DrawnSegment]] = []
     chains: list[list[DrawnSegment]] = []
     ignored: Counter[str] = Counter()
@@ -66,10 +83,7 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
                 (loops if entity.is_closed else chains).append(in_order(pieces))
         else:
             ignored[kind] += 1
-    loops += _joined_chains(chains)
-    if not loops:
-        raise InputError("a drawing without a closed outline in its model space", "lines and arcs", "draw the outline")
-    return _section(loops, agreed, ignored)
+    return loops, chains, ignored
 
 
 def _section(loops: Sequence[list[DrawnSegment]], unit: str, ignored: Counter[str]) -> DrawnSection:
@@ -83,6 +97,27 @@ def _section(loops: Sequence[list[DrawnSegment]], unit: str, ignored: Counter[st
     regions = nested_regions(outlines)
     names = ["section"] if len(regions) == 1 else [f"part_{i}" for i in range(1, len(regions) + 1)]
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), unit, notices=tuple(notices))
+
+
+@contextmanager
+def damage_told() -> Iterator[None]:
+    """Turn what the library raises about damaged entities, of whatever kind, into an InputError."""
+    from ezdxf.lldxf.const import DXFError  # noqa: PLC0415  (slow to import, and few programs read drawings)
+
+    try:
+        # a doubled corner with a bulge has no centre; it is refused later
+        with np.errstate(all="ignore"):
+            yield
+    except (AttributeError, TypeError, ValueError, LookupError, ArithmeticError, AssertionError, DXFError) as reason:
+        raise InputError(
+            f"a damaged drawing: {reason}", "DXF without errors", "save the drawing as DXF again"
+        ) from reason
+
+
+def unit_of(drawing: Any) -> str | None:
+    """Return the unit of length that the drawing names, if any."""
+    number = drawing.header.get("$INSUNITS", 0)
+    return UNITS.get(number) if isinstance(number, int) else None
 
 
 def open_drawing(content: bytes) -> Any:

@@ -6,12 +6,12 @@ from pathlib import Path
 
 from flangeway.errors import InputError
 from flangeway.geometry.drawn_section import DrawnSection
+from flangeway.geometry.file_content import file_content
 from flangeway.geometry.outline_csv import csv_section
 from flangeway.geometry.outline_dxf import dxf_section
 from flangeway.geometry.outline_toml import toml_section
 
 ENDINGS = (".toml", ".csv", ".dxf")
-LARGEST_BYTES = 50_000_000
 
 
 def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
@@ -40,7 +40,7 @@ def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = 
         )
     if mirrored and ending != ".csv":
         raise InputError(f"--mirror for {file}", "half outlines in a CSV file", "draw the whole outline")
-    content = _content(file)
+    content = file_content(file, "an outline")
     readers: dict[str, Callable[[], DrawnSection]] = {
         ".toml": lambda: toml_section(_text(content), unit=unit),
         ".csv": lambda: csv_section(_text(content), unit=unit, mirrored=mirrored),
@@ -51,20 +51,6 @@ def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = 
     except InputError as reason:
         raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
     return found if found.title else replace(found, title=file.stem)
-
-
-def _content(file: Path) -> bytes:
-    try:
-        if file.stat().st_size > LARGEST_BYTES:
-            raise InputError(f"{file} of {file.stat().st_size} bytes", f"up to {LARGEST_BYTES}", "give an outline only")
-        content = file.read_bytes()
-    except OSError as reason:
-        raise InputError(
-            f"file {file}: {reason.strerror or reason}", "a file that can be read", "check the name"
-        ) from reason
-    if not content.strip():
-        raise InputError(f"{file}: an empty file", "an outline", "check that it was saved")
-    return content
 
 
 def _text(content: bytes) -> str:

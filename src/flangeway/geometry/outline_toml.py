@@ -2,13 +2,13 @@
 
 import difflib
 import math
-import tomllib
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point
 from flangeway.geometry.drawn_section import DrawnSection, PartMaterial, agreed_unit
+from flangeway.geometry.file_content import toml_data
 from flangeway.geometry.mending import DrawnSegment, drawn_circle, mended_outline
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region, Section
@@ -35,15 +35,12 @@ def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
         If the text is not TOML, a key is unknown or missing, or an outline is wrong.
 
     """
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as reason:
-        raise InputError(f"text that is not TOML: {reason}", "TOML", "correct the line") from reason
+    data = toml_data(text, 'lines such as unit = "mm", tables such as [outer]')
     several = "parts" in data
     allowed = ("title", "unit", "parts") if several else ("title", "unit", *_PART_KEYS)
     _refuse_unknown(data, allowed, "the file")
     in_file = data.get("unit")
-    agreed = agreed_unit(None if in_file is None else str(in_file), unit, _HOW)
+    agreed = agreed_unit(None if in_file is None else _name(in_file, "unit"), unit, _HOW)
     parts = _table(data["parts"], "parts") if several else {"section": data}
     regions, materials = {}, {}
     notices: list[str] = []
@@ -55,7 +52,7 @@ def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
         material = _material(table, what)
         if material is not None:
             materials[name] = material
-    return DrawnSection(str(data.get("title", "")), Section(regions), agreed, materials, tuple(notices))
+    return DrawnSection(_name(data.get("title", ""), "title"), Section(regions), agreed, materials, tuple(notices))
 
 
 def outline_region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
@@ -89,7 +86,7 @@ def _region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
         raise InputError(f"{what}no outer boundary", "a table [outer] with points, path or circle", "add it")
     holes = table.get("holes", [])
     if not isinstance(holes, list):
-        raise InputError(f"{what}holes = {holes!r}", "tables [[holes]]", "write [[holes]] above each hole")
+        raise InputError(f"{what}holes = {short(holes)}", "tables [[holes]]", "write [[holes]] above each hole")
     outer = _outline(_table(table["outer"], f"{what}outer"), f"{what}outer boundary", notices, outer=True)
     inner = [
         _outline(_table(hole, f"{what}hole {i}"), f"{what}hole {i} of {len(holes)}", notices, outer=False)
@@ -131,19 +128,19 @@ def _corners(table: Mapping[str, Any], what: str, notices: list[str]) -> list[Dr
     """Return the sides of a polygon, its corners rounded where a third number gives a radius."""
     rows = table["points"]
     if not isinstance(rows, list) or len(rows) < 3:
-        raise InputError(f"{what}: points = {rows!r}", "three points [x, y] or more", "add points")
+        raise InputError(f"{what}: points = {short(rows)}", "three points [x, y] or more", "add points")
     corners: list[Point] = []
     radii: list[float] = []
     for number, row in enumerate(rows, 1):
         here = f"{what}: point {number}"
         if not isinstance(row, list) or len(row) not in (2, 3):
-            raise InputError(f"{here} is {row!r}", "[x, y], or [x, y, radius] to round the corner", "correct it")
+            raise InputError(f"{here} is {short(row)}", "[x, y], or [x, y, radius] to round the corner", "correct it")
         corners.append(_point(row[:2], here))
         radii.append(_number(row[2], f"{here}: radius") if len(row) == 3 else 0.0)
     names = table.get("names", [f"side_{i}" for i in range(1, len(corners) + 1)])
     if not isinstance(names, list) or len(names) != len(corners):
         raise InputError(
-            f"{what}: names = {names!r}",
+            f"{what}: names = {short(names)}",
             f"{len(corners)} names, one for the side from each point to the next",
             "correct the names",
         )
@@ -151,15 +148,22 @@ def _corners(table: Mapping[str, Any], what: str, notices: list[str]) -> list[Dr
     for i in sorted(set(range(len(corners))) - set(kept)):
         x, y = corners[i]
         notices.append(f"{what}: the point ({x:.9g}, {y:.9g}) is given twice; one of both is left out.")
-    return rounded_polygon([corners[i] for i in kept], [radii[i] for i in kept], [str(names[i]) for i in kept], what)
+    return rounded_polygon(
+        [corners[i] for i in kept],
+        [radii[i] for i in kept],
+        [_name(names[i], f"{what}: name {i + 1}") for i in kept],
+        what,
+    )
 
 
 def _path(steps: Any, what: str) -> list[DrawnSegment]:
     """Return the segments of ``{ from = [x, y] }, { line_to = ... }, { arc_to = ..., through = ... }``."""
     if not isinstance(steps, list) or not all(isinstance(step, dict) for step in steps) or len(steps) < 3:
-        raise InputError(f"{what}: path = {steps!r}", "steps { from }, { line_to }, { arc_to }", "see the tutorial")
+        raise InputError(
+            f"{what}: path = {short(steps)}", "steps { from }, { line_to }, { arc_to }", "see the tutorial"
+        )
     if set(steps[0]) != {"from"}:
-        raise InputError(f"{what}: a path that starts with {steps[0]!r}", "{ from = [x, y] } first", "add it")
+        raise InputError(f"{what}: a path that starts with {short(steps[0])}", "{ from = [x, y] } first", "add it")
     place = _point(steps[0]["from"], f"{what}: from")
     drawn = []
     for number, step in enumerate(steps[1:], 1):
@@ -171,7 +175,7 @@ def _path(steps: Any, what: str) -> list[DrawnSegment]:
 
 def _step(step: Mapping[str, Any], place: Point, here: str) -> DrawnSegment:
     _refuse_unknown(step, ("line_to", "arc_to", "through", "centre", "turn", "name"), here)
-    name = str(step.get("name", here.rpartition(": ")[2].replace(" ", "_")))
+    name = _name(step.get("name", here.rpartition(": ")[2].replace(" ", "_")), f"{here}: name")
     keys = set(step) - {"name"}
     if keys == {"line_to"}:
         return DrawnSegment(place, _point(step["line_to"], f"{here}: line_to"), name=name)
@@ -182,7 +186,7 @@ def _step(step: Mapping[str, Any], place: Point, here: str) -> DrawnSegment:
         end, centre = _point(step["arc_to"], f"{here}: arc_to"), _point(step["centre"], f"{here}: centre")
         return DrawnSegment(place, end, centre, step["turn"] == "left", name)
     raise InputError(
-        f"{here} is {dict(step)!r}",
+        f"{here} is {short(dict(step))}",
         '{ line_to }, { arc_to, through } or { arc_to, centre, turn = "left" or "right" }, each with a name if wanted',
         "correct this step",
     )
@@ -201,19 +205,29 @@ def _material(table: Mapping[str, Any], what: str) -> PartMaterial | None:
 
 def _table(value: Any, what: str) -> Mapping[str, Any]:
     if not isinstance(value, dict) or not value:
-        raise InputError(f"{what} = {value!r}", "a table with keys", "see the tutorial for the format")
+        raise InputError(f"{what} = {short(value)}", "a table with keys", "see the tutorial for the format")
+    return value
+
+
+def _name(value: Any, what: str) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{what} is {short(value)}", "text in quotation marks", "correct it")
     return value
 
 
 def _number(value: Any, what: str) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        raise InputError(f"{what} is {'missing' if value is None else repr(value)}", "a finite number", "correct it")
-    return float(value)
+    try:
+        number = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a finite number", "correct it")
+    return number
 
 
 def _point(value: Any, what: str) -> Point:
     if not isinstance(value, list) or len(value) != 2:
-        raise InputError(f"{what} is {'missing' if value is None else repr(value)}", "a point [x, y]", "correct it")
+        raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a point [x, y]", "correct it")
     return _number(value[0], f"{what}: x"), _number(value[1], f"{what}: y")
 
 
@@ -222,4 +236,4 @@ def _refuse_unknown(table: Mapping[str, Any], known: Sequence[str], what: str) -
         if key not in known:
             near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
             advice = f"did you mean {near[0]}?" if near else "remove it"
-            raise InputError(f"{what} with the key {key!r}", f"keys {', '.join(known)}", advice)
+            raise InputError(f"{what} with the key {short(key)}", f"keys {', '.join(known)}", advice)

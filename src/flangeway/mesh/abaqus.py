@@ -238,7 +238,11 @@ def _drawn(model: _Model) -> DrawnMesh:
     for number, corners in (model.cells | model.lines).items():
         missing = [node for node in corners if node not in place]
         if missing:
-            raise InputError(f"element {number} with node {missing[0]}, which is missing", "given nodes", "add it")
+            raise InputError(
+                f"element {number} with node {missing[0]}, which is missing",
+                "nodes that the file lists under *NODE",
+                "add the node, or correct the element",
+            )
     row_of = {number: row for row, number in enumerate(model.cells)}
     cell_sets, edge_sets = {}, {}
     for name, members in model.element_sets.items():

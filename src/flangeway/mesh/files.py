@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.geometry.file_content import is_file
 from flangeway.mesh.abaqus import read_abaqus
 from flangeway.mesh.gmsh_session import gmsh_model
 from flangeway.mesh.mending import DrawnMesh, MeshFile, mended_mesh
@@ -62,14 +63,20 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
 
     """
     file = Path(path)
-    if not file.is_file():
-        raise InputError(f"path {file}", "a file that exists", "correct the path")
+    if not is_file(file):
+        raise InputError(f"mesh {file}: there is no such file", "a file that exists", "correct the path")
     if not file.stat().st_size:
         raise InputError(f"{file}, which is empty", "a mesh", "export it again")
-    drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
     try:
+        drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
         return mended_mesh(drawn, merge_points=merge_points)
+    except OSError as reason:
+        raise InputError(
+            f"{file}: {reason.strerror or reason}", "a file that can be read", "check its permissions"
+        ) from reason
     except InputError as reason:
+        if str(file) in reason.given:
+            raise
         raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
@@ -94,7 +101,7 @@ def _read_meshio(file: Path) -> DrawnMesh:
         told = " ".join(said.getvalue().split()) or f"{type(reason).__name__}: {reason}"
         missing = reason.name if isinstance(reason, ModuleNotFoundError) else None
         raise InputError(
-            f"{file}, which cannot be read as {kind}: {told}",
+            f"{file}, which cannot be read as {kind}, perhaps because it is cut off: {told}",
             "a whole file of this format",
             f"install {missing}, or export another format" if missing else "export it again",
         ) from reason

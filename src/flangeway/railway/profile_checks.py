@@ -56,7 +56,7 @@ def checked_points(
 
     """
     _refuse_few(points)
-    _refuse_length(points, unit_is_sure)
+    refuse_length(points, unit_is_sure)
     points, lines, notices = _without_doubled(points, lines)
     points, lines, more = _without_outliers(points, lines, drop_outliers)
     notices += more
@@ -74,7 +74,15 @@ def _refuse_few(points: FloatArray) -> None:
         )
 
 
-def _refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
+def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
+    """Refuse points (n, 2) in mm along a curve that is far shorter or longer than any rail or wheel.
+
+    Raises
+    ------
+    InputError
+        If it is; the message tells the unit that the file may be in.
+
+    """
     low, high = LENGTHS_MM if unit_is_sure else USUAL_LENGTHS_MM
     # noise lengthens the path of dense points, the box does not
     size = float(np.hypot(*np.ptp(points, axis=0)))
@@ -83,10 +91,13 @@ def _refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
         # the unit that makes it about as long as heads and treads are
         guess = min(UNITS_TO_GUESS, key=lambda unit: abs(math.log(max(path, 1e-9) * UNITS_TO_GUESS[unit] / 150.0)))
         fits = not unit_is_sure and 40.0 <= path * UNITS_TO_GUESS[guess] <= high
+        advice = (
+            f"is its unit {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right"
+        )
         raise InputError(
             f"a profile of {path:.4g} mm along its curve",
             f"{low:g} to {high:g} mm",
-            f"is its unit {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right",
+            "check the numbers and the unit that is named" if unit_is_sure else advice,
         )
 
 

@@ -8,10 +8,11 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
+from flangeway.geometry.file_content import file_content
 from flangeway.railway.measures import measures
 from flangeway.railway.miniprof import TAPE_MM, read_miniprof, write_miniprof
 from flangeway.railway.orientation import UNITS_MM, Orientation, agreed_unit, orientation
-from flangeway.railway.profile_checks import checked_points
+from flangeway.railway.profile_checks import checked_points, refuse_length
 from flangeway.railway.raw_profile import Kind, RawProfile
 from flangeway.railway.segment_files import (
     is_segment_csv,
@@ -36,7 +37,6 @@ FORMATS = {
 }
 """Formats by the ending of the file's name."""
 
-LARGEST_BYTES = 50_000_000
 _KINDS_BY_ENDING: dict[str, Kind] = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
 _CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26})
 _SPACING_MM = 0.25
@@ -149,7 +149,7 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
         raise InputError(
             f"file {file} with the ending {ending!r}", ", ".join(FORMATS), "save the profile in one of these"
         )
-    content = _content(file)
+    content = file_content(file, "a profile")
     try:
         return _profile(_read(content, ending), FORMATS[ending], options or ReadOptions(), file.stem)
     except InputError as reason:
@@ -172,9 +172,11 @@ def _read(content: bytes, ending: str) -> RawProfile:
 def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> MeasuredProfile:
     unit = agreed_unit(raw, options.unit)
     more: list[str] = []
-    if raw.contour is None:
-        scale = UNITS_MM[unit]
-        sure = raw.unit is not None or options.unit is not None
+    scale = UNITS_MM[unit]
+    sure = raw.unit is not None or options.unit is not None
+    if raw.contour is not None:
+        refuse_length(raw.points * scale, sure)
+    else:
         points, lines, more = checked_points(
             raw.points * scale, raw.lines, unit_is_sure=sure, drop_outliers=options.drop_outliers
         )
@@ -230,20 +232,6 @@ def _placed(contour: Contour, taken: Orientation) -> Contour:
         return Outline.from_segments(segments, contour.names)
     chain = Contour.from_segments(segments, contour.names)
     return chain.reversed() if taken.reversed_order else chain
-
-
-def _content(file: Path) -> bytes:
-    try:
-        if file.stat().st_size > LARGEST_BYTES:
-            raise InputError(f"{file} of {file.stat().st_size} bytes", f"up to {LARGEST_BYTES}", "give a profile only")
-        content = file.read_bytes()
-    except (OSError, ValueError) as reason:
-        raise InputError(
-            f"file {file}: {getattr(reason, 'strerror', None) or reason}", "a file that can be read", "check the name"
-        ) from reason
-    if not content.strip():
-        raise InputError(f"{file}: an empty file", "a profile", "check that it was saved")
-    return content
 
 
 def _text(content: bytes) -> str:

@@ -145,7 +145,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
 
     """
     if name not in _RAIL_FILES:
-        raise InputError(f"rail '{name}'", f"one of {sorted(_RAIL_FILES)}", "choose a rail that is there")
+        raise InputError(f"rail '{name}'", f"one of {', '.join(sorted(_RAIL_FILES))}", "choose a rail that is there")
     radii = _RAIL_FILES[name]
     radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
     if radius not in radii:
@@ -217,7 +217,7 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
 
     """
     if name not in WHEELS:
-        raise InputError(f"wheel '{name}'", f"one of {sorted(WHEELS)}", "choose a wheel that is there")
+        raise InputError(f"wheel '{name}'", f"one of {', '.join(sorted(WHEELS))}", "choose a wheel that is there")
     _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
     if name not in _WHEEL_FILES:
         if throat_radius_mm is not None:

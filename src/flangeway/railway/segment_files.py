@@ -45,7 +45,7 @@ def read_segment_csv(text: str) -> RawProfile:
     # what comments say is checked there; the point is a stand-in
     said = read_two_column("\n".join([*comments, "0 0"]))
     rows = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.strip().startswith("#")]
-    header, unit = outline_csv.parse_header(rows[0][1] if rows else "")
+    header, unit = outline_csv.parse_header(rows[0][1] if rows else "", rows[0][0] if rows else 1)
     drawn = [outline_csv.parse_segment(row, number) for number, row in outline_csv.parse_rows(header, rows[1:])]
     if unit is not None and said.unit is not None and unit != said.unit:
         raise InputError(f"columns in {unit} under a comment that says {said.unit}", "one unit", "correct one of them")
@@ -61,11 +61,18 @@ def read_dxf_profile(content: bytes) -> RawProfile:
         If it is no DXF drawing, holds other curves, or its lines and arcs are not one chain.
 
     """
-    try:
-        drawing = outline_dxf.open_drawing(content)
-    except AssertionError as reason:  # the library's own, on damaged structures
-        raise InputError("a damaged drawing", "DXF without errors", "save the drawing as DXF again") from reason
-    unit = outline_dxf.UNITS.get(int(drawing.header.get("$INSUNITS", 0)))
+    drawing = outline_dxf.open_drawing(content)
+    with outline_dxf.damage_told():
+        pieces, ignored = _dxf_pieces(drawing)
+    if not pieces:
+        raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
+    notices = tuple(f"Left out: {count} {kind}." for kind, count in sorted(ignored.items()))
+    empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=notices)
+    return _profile(_chained(pieces), outline_dxf.unit_of(drawing), empty)
+
+
+def _dxf_pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], Counter[str]]:
+    """Chains of lines and arcs, and how many entities of other kinds there are."""
     pieces: list[list[DrawnSegment]] = []
     ignored: Counter[str] = Counter()
     for entity in drawing.modelspace():
@@ -75,18 +82,12 @@ def read_dxf_profile(content: bytes) -> RawProfile:
         if kind in ("LINE", "ARC"):
             pieces.append([outline_dxf.drawn_entity(entity)])
         elif kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
-            # a doubled corner with a bulge has no centre; it is refused below
-            with np.errstate(all="ignore"):
-                parts = [outline_dxf.drawn_entity(part) for part in entity.virtual_entities()]
+            parts = [outline_dxf.drawn_entity(part) for part in entity.virtual_entities()]
             if parts:
                 pieces.append(outline_dxf.in_order(parts))
         else:
             ignored[kind] += 1
-    if not pieces:
-        raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
-    notices = tuple(f"Left out: {count} {kind}." for kind, count in sorted(ignored.items()))
-    empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=notices)
-    return _profile(_chained(pieces), unit, empty)
+    return pieces, ignored
 
 
 def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) -> RawProfile:

@@ -196,7 +196,9 @@ class _Builder:
         given = [name for name in LOAD_KEYS if getattr(table, name) is not None]
         if len(given) != 1:
             raise InputError(
-                f"{key} with {' and '.join(given) or 'no load'}", f"one of {', '.join(LOAD_KEYS)}", "make each a table"
+                f"{key} with {' and '.join(given) or 'no load'}",
+                f"one of {', '.join(LOAD_KEYS)}",
+                "make each a [[loads]] of its own" if given else "add one of them",
             )
         kind = given[0]
         if (table.cells is not None) != (kind == "body_force_N_mm3" and table.cells is not None):

@@ -66,6 +66,10 @@ def edges_at(
     if names is not None:
         chosen = [names] if isinstance(names, str) else list(names)
         known = sorted(name for name in mesh.edge_sets if "[" not in name)
+        if not chosen:
+            raise InputError(
+                f"{key}.{which} = []", f"edge sets of {body!r}: {', '.join(known) or 'none'}", f"leave {which} out"
+            )
         for name in chosen:
             if name not in known:
                 raise InputError(

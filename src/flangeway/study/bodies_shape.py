@@ -129,7 +129,14 @@ def disc_outline(disc: DiscTable) -> Outline:
 def _refinement(fine: FineTable, key: str, region: Region, factor: float) -> Refinement:
     size = fine.size_mm / factor
     if (fine.edges is None) == (fine.at_mm is None):
-        raise InputError(f"{key} with {'both' if fine.edges else 'neither'} edges and at_mm", "one of them", "choose")
+        given = "neither edges nor at_mm" if fine.edges is None else "both edges and at_mm"
+        raise InputError(f"{key} with {given}", "one of them", "say where the mesh is finer by one of both")
+    if not (fine.at_mm or fine.edges):
+        raise InputError(
+            f"{key}.{'edges' if fine.at_mm is None else 'at_mm'} = []",
+            "one place or more",
+            f"give places, or remove {key}",
+        )
     if fine.at_mm is not None:
         return Refinement(np.array(fine.at_mm).reshape(-1, 2) / factor, size, fine.growth)
     wanted = [fine.edges] if isinstance(fine.edges, str) else list(fine.edges or [])
@@ -163,10 +170,12 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
     if body.cells is not None:
         known = sorted(mesh.cell_sets)
         wanted = [body.cells] if isinstance(body.cells, str) else body.cells
+        if not wanted:
+            raise InputError(f"{key}.cells = []", f"cell sets of the file: {', '.join(known)}", "leave cells out")
         for name in wanted:
             if name not in known:
-                told = ", ".join(known) or "no set: there is none"
-                raise InputError(f"{key}.cells = {name!r}", told, closest(name, known))
+                told = f"cell sets of the file: {', '.join(known) or 'it has none'}"
+                raise InputError(f"{key}.cells = {name!r}", told, closest(name, known) if known else "leave cells out")
         mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
     if body.method == "fem" and (mesh.cell_sizes > 3).any():
         raise InputError(

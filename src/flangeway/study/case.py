@@ -1,6 +1,7 @@
 """What all cases share: named inputs with ranges, checked before anything is computed."""
 
 import difflib
+import math
 from abc import abstractmethod
 from collections.abc import Callable, Mapping
 from types import UnionType
@@ -10,15 +11,17 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, ValidationError
 from pydantic.fields import FieldInfo
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.solve import Status
 
 Key = tuple[str | int, ...]
 """Path of an input: a name, or in nested tables names and places in lists."""
 Progress = Callable[[str], None]
 
+LARGEST_NUMBER = 1e30
+"""No length, force or modulus is larger in its unit."""
+
 _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
-_LONGEST = 80
 
 
 class Run(Protocol):
@@ -75,6 +78,7 @@ class Case(Table):
         """
         try:
             _refuse_switches(cls, values, where)
+            _refuse_huge(values, where)
             return cls(**values)
         except ValidationError as reason:
             raise _input_error(cls, reason, where) from None
@@ -204,10 +208,25 @@ def _text(value: object) -> str:
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
-def short(value: object) -> str:
-    """Write a value for a message, cut where it is long."""
-    text = repr(value)
-    return text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..."
+def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None:
+    """Refuse numbers, also as text and inside tables, whose squares and products would leave the range of floats."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            _refuse_huge(inner, where, (*key, name))
+    elif isinstance(value, list | tuple):
+        for place, inner in enumerate(value):
+            _refuse_huge(inner, where, (*key, place))
+    elif isinstance(value, int | float | str):
+        try:
+            number = abs(float(value))
+        except ValueError:  # a name
+            return
+        except OverflowError:  # an integer of hundreds of digits
+            number = 2.0 * LARGEST_NUMBER
+        if LARGEST_NUMBER < number < math.inf:
+            raise InputError(
+                f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {LARGEST_NUMBER:g}", "correct it"
+            )
 
 
 def _refuse_switches(case: type[Table], values: Mapping[str, Any], where: Callable[[Key], str]) -> None:

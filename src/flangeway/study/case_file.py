@@ -3,22 +3,22 @@
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
+from flangeway.geometry.file_content import is_file
 from flangeway.study.abaqus_case import ENDING as DECK_ENDING
 from flangeway.study.abaqus_case import abaqus_values
-from flangeway.study.case import Key, RunnableCase, key_text, short
+from flangeway.study.case import Key, RunnableCase, key_text
 from flangeway.study.cases import find_case
+from flangeway.study.toml_file import TomlFile, TomlKind
 from flangeway.study.two_bodies import TwoBodiesCase
 from flangeway.study.versions import versions
 
 FORMAT = 1
 """Number of the format that this version writes; files of lower numbers are read, higher ones refused."""
 ENDING = ".toml"
-LARGEST_BYTES = 5_000_000
 
 FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
@@ -28,14 +28,10 @@ FILE_ENDINGS = (
 )
 
 
-_HEADER = re.compile(r"\s*(\[\[?)([\w.\s\"'-]+)\]\]?\s*(?:#.*)?$")
-_KEY = re.compile(r"\s*([\w-]+|\"[^\"]*\"|'[^']*')\s*[=.]")
-
-
 def is_case_file(name: str | Path) -> bool:
     """Whether a name means a case file, not a case."""
     path = Path(name)
-    return path.suffix.lower() in (ENDING, DECK_ENDING) or path.is_file()
+    return path.suffix.lower() in (ENDING, DECK_ENDING) or is_file(path)
 
 
 def load_case(name_or_file: str | Path, **settings: Any) -> RunnableCase:
@@ -116,53 +112,16 @@ def _key_in(message: str) -> Key:
     return tuple(key)
 
 
-@dataclass(frozen=True)
-class _CaseText:
-    """A case file.
+class _CaseText(TomlFile):
+    """A case file."""
 
-    Parameters
-    ----------
-    file
-        The file.
-    text
-        Its contents.
-    data
-        What it says.
-
-    """
-
-    file: Path
-    text: str
-    data: dict[str, Any]
-
-    @classmethod
-    def read(cls, file: Path) -> "_CaseText":
-        try:
-            if file.stat().st_size > LARGEST_BYTES:
-                raise InputError(
-                    f"{file} of {file.stat().st_size} bytes",
-                    f"up to {LARGEST_BYTES}",
-                    "give meshes in files of their own",
-                )
-            text = file.read_bytes().decode("utf-8-sig")
-        except OSError as reason:
-            raise InputError(
-                f"case file {file}: {reason.strerror or reason}",
-                "a file that can be read, or the name of a case",
-                "correct the name; `flangeway init NAME` writes a case file",
-            ) from reason
-        except UnicodeDecodeError as reason:
-            raise InputError(
-                f"{file}: bytes that are no text (byte {reason.start})", "text in UTF-8", "save it as UTF-8"
-            ) from reason
-        try:
-            return cls(file, text, tomllib.loads(text))
-        except (ValueError, RecursionError) as reason:  # a wrong TOML is one of the former
-            raise InputError(
-                f"{file}: not TOML: {reason}",
-                'lines such as gauge_mm = 1435.0 or rail = "60E1", each key once',
-                "correct the place; names stand in quotation marks",
-            ) from reason
+    kind = TomlKind(
+        name="case file",
+        instead=", or the name of a case",
+        get_one="correct the name; `flangeway init NAME` writes a case file",
+        lines='lines such as gauge_mm = 1435.0 or rail = "60E1"',
+        too_large="give meshes in files of their own",
+    )
 
     def case(self) -> tuple[type[RunnableCase], dict[str, Any]]:
         """Type of the case, and its inputs."""
@@ -189,7 +148,7 @@ class _CaseText:
             )
         if number > FORMAT:
             raise InputError(
-                f"{place}flangeway = {number}, a newer format than this version reads",
+                f"{place}flangeway = {short(number)}, a newer format than this version reads",
                 f"up to {FORMAT} in flangeway {versions()['flangeway']}",
                 "install a newer flangeway, or write the file anew with `flangeway init`",
             )
@@ -219,11 +178,8 @@ class _CaseText:
 
     def _path(self, key: Key, name: str) -> str:
         path = self.file.parent / name
-        try:
-            if path.is_file():
-                return str(path)
-        except (OSError, ValueError):  # too long, or a zero byte
-            pass
+        if is_file(path):
+            return str(path)
         if Path(name).suffix.lower() in FILE_ENDINGS or "/" in name:
             raise InputError(
                 f"{self.place(key)}{key_text(key)} = {short(name)}: there is no such file",
@@ -231,34 +187,6 @@ class _CaseText:
                 "correct the path, or copy the file there",
             )
         return name
-
-    def place(self, key: Key) -> str:
-        """File and line of a key, or of the nearest one above it, to stand before a message."""
-        lines = self._lines()
-        for end in range(len(key), 0, -1):
-            if key[:end] in lines:
-                return f"{self.file}, line {lines[key[:end]]}: "
-        return f"{self.file}: "
-
-    def _lines(self) -> dict[Key, int]:
-        """Line of each table and key."""
-        found: dict[Key, int] = {}
-        items: dict[Key, int] = {}
-        table: Key = ()
-        for number, row in enumerate(self.text.splitlines(), 1):
-            if header := _HEADER.match(row):
-                table = ()
-                names = [name.strip(" \t\"'") for name in header[2].split(".")]
-                for place, name in enumerate(names):
-                    table = (*table, name)
-                    if place == len(names) - 1 and header[1] == "[[":
-                        items[table] = items.get(table, -1) + 1
-                    if table in items:
-                        table = (*table, items[table])
-                found.setdefault(table, number)
-            elif key := _KEY.match(row):
-                found.setdefault((*table, key[1].strip("\"'")), number)
-        return found
 
 
 def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:

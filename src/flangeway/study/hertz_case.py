@@ -22,6 +22,8 @@ ZONE_OF_HERTZ = 1.6
 """The same over Hertz's half width, where the force is given."""
 ZONE_EDGES = 3.0
 MOST_EDGES = 10_000
+LARGEST_RADIUS = 1e6
+"""Radius over the elements' size above which a half disc is no shape to be meshed."""
 WIDEST_ZONE = 0.75
 """Half width of the zone over the radius above which the bodies are no half discs any more."""
 
@@ -89,8 +91,15 @@ class HertzCase(RunnableCase):
         """
         if self.force_N is not None and "indentation_mm" in self.model_fields_set:
             raise InputError("force_N and indentation_mm", "one of both", "leave one out")
-        zone = self._zone()
         radius, below = self.radius_mm, self.lower_radius_mm
+        if max(radius, below) > LARGEST_RADIUS * self.size_mm:
+            key = "radius_mm" if radius >= below else "lower_radius_mm"
+            raise InputError(
+                f"{key} = {max(radius, below):g} with elements of size_mm = {self.size_mm:g}",
+                f"radii up to {LARGEST_RADIUS:g} times size_mm",
+                'make it smaller; lower = "block" is flat',
+            )
+        zone = self._zone()
         smallest = radius if self.lower == "block" else min(radius, below)
         if zone > WIDEST_ZONE * smallest:
             raise InputError(

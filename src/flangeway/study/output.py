@@ -2,7 +2,7 @@
 
 import os
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 
 from flangeway.errors import InputError
@@ -38,13 +38,7 @@ def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
             pass
     except OSError as reason:
         raise _unwritable(folder, reason) from reason
-    for name in names:
-        if (folder / name).is_dir():
-            raise InputError(
-                f"output file {folder / name}, which is a folder",
-                "names that are free, or files to write over",
-                "remove it, or choose another folder with --out",
-            )
+    _refuse_folders(folder, names)
 
 
 def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
@@ -71,6 +65,7 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
         If the system does not allow to write there.
 
     """
+    _refuse_folders(folder, writers)
     try:
         # within one file system, so that moving is renaming
         with tempfile.TemporaryDirectory(dir=_existing(folder), prefix=".flangeway-") as name:
@@ -83,6 +78,16 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
     except OSError as reason:
         raise _unwritable(folder, reason) from reason
     return [folder / file for file in writers]
+
+
+def _refuse_folders(folder: Path, names: Iterable[str]) -> None:
+    for name in names:
+        if (folder / name).is_dir():
+            raise InputError(
+                f"output file {folder / name}, which is a folder",
+                "names that are free, or files to write over",
+                "remove it, or choose another place for the results",
+            )
 
 
 def _existing(folder: Path) -> Path:

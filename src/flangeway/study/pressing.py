@@ -206,7 +206,10 @@ class _Search:
             if next_[1] * sign >= 0.0:
                 return (low, next_) if sign > 0.0 else (next_, low)
             if abs(next_[0]) > self.reach:
-                return f"no contact bears the force within {self.reach:.4g} along the push; check its direction"
+                return (
+                    f"no contact bears the force within {self.reach:.4g} mm of motion along the push; check its "
+                    "direction and its size"
+                )
             if free < step:
                 step *= 2.0
             low = next_

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
+from flangeway.geometry.file_content import is_file
 from flangeway.railway.joining import joined, nominal_profile, on_plain_body
 from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile
 from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
@@ -23,7 +24,7 @@ def rail_named(name: str, crown_radius_in: float | None, body: str) -> RailProfi
         If there is none of that name, or the file holds a wheel, cannot be read or does not fit the body.
 
     """
-    if not _is_file(name):
+    if not _means_file(name):
         _refuse_other_kind(name, "rail")
         return rail(name, crown_radius_in=crown_radius_in)
     found = _from_file(name, "rail", body)
@@ -34,7 +35,7 @@ def rail_named(name: str, crown_radius_in: float | None, body: str) -> RailProfi
 
 def wheel_named(name: str, throat_radius_mm: float | None, body: str) -> WheelProfile:
     """Return a bundled wheel, or one from a file; errors as `rail_named`."""
-    if not _is_file(name):
+    if not _means_file(name):
         _refuse_other_kind(name, "wheel")
         return wheel(name, throat_radius_mm=throat_radius_mm)
     found = _from_file(name, "wheel", body)
@@ -108,6 +109,6 @@ def _refuse_other_kind(name: str, kind: Kind) -> None:
         )
 
 
-def _is_file(name: str) -> bool:
+def _means_file(name: str) -> bool:
     path = Path(name)
-    return path.suffix.lower() in FORMATS or path.is_file()
+    return path.suffix.lower() in FORMATS or is_file(path)

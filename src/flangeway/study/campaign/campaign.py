@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from flangeway.errors import InputError
+from flangeway.geometry.file_content import is_file
 from flangeway.study.campaign.columns import POSITION_KEYS
 from flangeway.study.case import RunnableCase
 from flangeway.study.case_file import FILE_KEYS
@@ -172,4 +173,4 @@ def _by_content(values: Any) -> Any:
 
 def _file_hash(name: str) -> str:
     path = Path(name)
-    return f"sha256 {hashlib.sha256(path.read_bytes()).hexdigest()}" if path.is_file() else name
+    return f"sha256 {hashlib.sha256(path.read_bytes()).hexdigest()}" if is_file(path) else name

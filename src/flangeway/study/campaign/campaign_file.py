@@ -1,18 +1,17 @@
 """Campaigns in TOML files."""
 
 import re
-import tomllib
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
+from flangeway.geometry.file_content import is_file
 from flangeway.study.campaign.campaign import Campaign, Row
 from flangeway.study.campaign.columns import WHEELSET_COLUMNS
 from flangeway.study.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
-from flangeway.study.case import RunnableCase, closest, short
+from flangeway.study.case import RunnableCase, closest
 from flangeway.study.case_file import FILE_KEYS, is_case_file, read_case
+from flangeway.study.toml_file import TomlFile, TomlKind
 from flangeway.study.wheelset_case import WheelsetCase
 
 KEYS = ("case", "table", "inputs", "vary", "results")
@@ -23,40 +22,16 @@ def read_campaign(path: Path) -> Campaign:
     return _CampaignText.read(path).campaign()
 
 
-@dataclass(frozen=True)
-class _CampaignText:
-    """A campaign's file.
+class _CampaignText(TomlFile):
+    """A campaign's file."""
 
-    Parameters
-    ----------
-    file
-        The file.
-    text
-        Its contents.
-    data
-        What it says.
-
-    """
-
-    file: Path
-    text: str
-    data: dict[str, Any]
-
-    @classmethod
-    def read(cls, file: Path) -> "_CampaignText":
-        try:
-            text = file.read_bytes().decode("utf-8-sig")
-            return cls(file, text, tomllib.loads(text))
-        except OSError as reason:
-            raise InputError(
-                f"campaign {file}: {reason.strerror or reason}", "a TOML file that can be read", "correct the name"
-            ) from reason
-        except (ValueError, RecursionError) as reason:  # what is no UTF-8 or no TOML is one of the former
-            raise InputError(
-                f"{file}: not TOML: {reason}",
-                'lines such as case = "wheelset-tangent", tables such as [vary], each key once',
-                "correct the place; names stand in quotation marks",
-            ) from reason
+    kind = TomlKind(
+        name="campaign",
+        instead="",
+        get_one="correct the name",
+        lines='lines such as case = "wheelset-tangent", tables such as [vary]',
+        too_large="give many rows as a range, or as a table in a CSV file",
+    )
 
     def campaign(self) -> Campaign:
         self._refuse_unknown()
@@ -69,7 +44,7 @@ class _CampaignText:
         for key in keys:
             if key in inputs:
                 raise InputError(
-                    f"{self.place('vary', key)}{key} under [inputs] and varied", "one of both", f"remove one {key}"
+                    f"{self._line('vary', key)}{key} under [inputs] and varied", "one of both", f"remove one {key}"
                 )
         rows = []
         for number, values in enumerate(varied, 1):
@@ -82,11 +57,11 @@ class _CampaignText:
     def _refuse_unknown(self) -> None:
         for key, value in self.data.items():
             if key not in KEYS:
-                raise InputError(f"{self.place('', key)}{key}", f"the keys {', '.join(KEYS)}", self._advice(key))
+                raise InputError(f"{self._line('', key)}{key}", f"the keys {', '.join(KEYS)}", self._advice(key))
             wanted: type = dict if key in ("inputs", "vary", "results") else str
             if not isinstance(value, wanted):
                 allowed = "a name in quotation marks" if wanted is str else f"a table: [{key}] and its keys below"
-                raise InputError(f"{self.place('', key)}{key} = {short(value)}", allowed, "correct it")
+                raise InputError(f"{self._line('', key)}{key} = {short(value)}", allowed, "correct it")
         if "case" not in self.data:
             raise InputError(
                 f"{self.file}: no key case",
@@ -105,7 +80,7 @@ class _CampaignText:
         try:
             read_case(name)
         except InputError as reason:
-            raise self._placed(reason, self.place("", "case")) from reason
+            raise self._placed(reason, self._line("", "case")) from reason
         return name
 
     def _varied(self) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
@@ -114,10 +89,10 @@ class _CampaignText:
         table = self.data.get("table")
         if isinstance(lists.get("table"), str):  # the last line of a file belongs to its last table
             if table is not None:
-                raise InputError(f"{self.place('vary', 'table')}table twice", "one table", "remove one of both")
+                raise InputError(f"{self._line('vary', 'table')}table twice", "one table", "remove one of both")
             table = lists.pop("table")
         for key, given in lists.items():
-            lists[key] = values_of(key, given, self.place("vary", key))
+            lists[key] = values_of(key, given, self._line("vary", key))
         if not lists and table is None:
             raise InputError(
                 f"{self.file}: nothing varies", f"[vary] with {VALUES_ALLOWED}, or a table", "add one of them"
@@ -129,7 +104,7 @@ class _CampaignText:
             both = [key for key in read[0] if key in lists]
             if both:
                 raise InputError(
-                    f"{self.place('vary', both[0])}{both[0]} under [vary] and in {table}", "one of both", "remove one"
+                    f"{self._line('vary', both[0])}{both[0]} under [vary] and in {table}", "one of both", "remove one"
                 )
             refuse_too_many(len(read) * len(rows), f"{self.file}: ")
             keys = (*read[0], *keys)
@@ -141,9 +116,10 @@ class _CampaignText:
         try:
             return read_case(name, {**inputs, **values})
         except InputError as reason:
-            key = next((key for key in (*varied, *inputs) if re.search(rf"\b{re.escape(key)}\b", reason.given)), "")
-            place = self.place("vary" if key in self.data.get("vary", {}) else "inputs", key)
-            if key in varied and key not in self.data.get("vary", {}):
+            key = next((key for key in (*varied, *inputs) if _is_told(key, reason.given)), "")
+            in_list = self._has("vary", key)
+            place = self._line("vary" if in_list else "inputs", key)
+            if key in varied and not in_list:
                 place = f"{self.file}, table: "
             row = f"row {number}: " if key in varied else ""
             raise self._placed(reason, f"{place}{row}") from reason
@@ -167,11 +143,11 @@ class _CampaignText:
         if key.rpartition(".")[2] not in FILE_KEYS or not isinstance(value, str):
             return value
         path = self.file.parent / value
-        if path.is_file():
+        if is_file(path):
             return str(path.resolve())
         if "/" in value or re.search(r"\.\w{2,5}$", value):
             raise InputError(
-                f"{self.place(table, key)}{key} = {short(value)}: there is no such file",
+                f"{self._line(table, key)}{key} = {short(value)}: there is no such file",
                 f"a file, its path relative to the folder {self.file.parent.resolve()}",
                 "correct the path, or copy the file there",
             )
@@ -181,9 +157,9 @@ class _CampaignText:
         given = self.data.get("results", {})
         for key in given:
             if key != "columns":
-                raise InputError(f"{self.place('results', key)}results.{key}", "columns", closest(key, ["columns"]))
+                raise InputError(f"{self._line('results', key)}results.{key}", "columns", closest(key, ["columns"]))
         columns = given.get("columns", [])
-        place = self.place("results", "columns")
+        place = self._line("results", "columns")
         if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
             raise InputError(f"{place}results.columns = {short(columns)}", "a list of names", "leave it out for all")
         if columns and not issubclass(kind, WheelsetCase):
@@ -205,21 +181,21 @@ class _CampaignText:
     def _placed(reason: InputError, place: str) -> InputError:
         return InputError(f"{place}{reason.given}", reason.allowed, reason.advice)
 
-    def place(self, table: str, key: str) -> str:
-        """File and line of a key, to stand before a message."""
-        for number, found, name in self._lines():
-            if found == table and name == key:
-                return f"{self.file}, line {number}: "
-        return f"{self.file}: "
+    def _line(self, table: str, key: str) -> str:
+        """File and line of a key in a table, or at the top; the file alone if the key is not there."""
+        if not self._has(table, key):
+            return f"{self.file}: "
+        return self.place((*([table] if table else []), *key.split(".")))
 
-    def _lines(self) -> Iterator[tuple[int, str, str]]:
-        table = ""
-        for number, row in enumerate(self.text.splitlines(), 1):
-            if header := re.match(r"\s*\[\s*([\w-]+)\s*\]", row):
-                table = header[1]
-                yield number, "", table
-            elif key := re.match(r"""\s*["']?([\w.-]+)["']?\s*=""", row):
-                yield number, table, key[1]
+    def _has(self, table: str, key: str) -> bool:
+        names = flattened(self.data.get(table, {}) if table else self.data)
+        return any(name == key or name.startswith(f"{key}.") for name in names)
+
+
+def _is_told(key: str, message: str) -> bool:
+    """Whether a message is about an input; of one inside of tables it may count the items: ``bodies[1].size_mm``."""
+    table, _, name = key.rpartition(".")
+    return bool(re.search(rf"\b{re.escape(key)}\b" + (rf"|\.{re.escape(name)}\b" if table else ""), message))
 
 
 def _read(case: RunnableCase, key: str, value: Any) -> Any:

@@ -94,14 +94,16 @@ def run_campaign(
     Raises
     ------
     InputError
-        If the database holds another campaign or another process writes it, the scheduler is not there, or its workers
-        have another version.
+        If there is no worker, the database holds another campaign or another process writes it, the scheduler is not
+        there, or its workers have another version.
     MissingLibraryError
         If the system lacks a library.
 
     """
     if workers is not None and scheduler is not None:
         raise InputError("workers and scheduler", "one of both", "a cluster's workers are started on its machines")
+    if workers is not None and workers < 1:  # before anything is written
+        raise InputError(f"workers = {workers}", "one worker or more", "leave it out to use all cores")
     with CampaignDatabase(Path(database), fresh=fresh) as store:
         store.begin(campaign)
         run = _Run(campaign, store, progress)

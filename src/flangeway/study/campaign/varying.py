@@ -1,17 +1,19 @@
 """Values of the inputs that vary: lists, ranges, and tables in CSV."""
 
-import csv
 import itertools
 import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flangeway.errors import InputError
-from flangeway.study.case import closest, short
+from flangeway.errors import InputError, short
+from flangeway.geometry.file_content import csv_cells
+from flangeway.study.case import closest
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MOST_ROWS = 1_000_000
+LARGEST_VALUE = 1e100
+"""No input is larger; up to it ends and steps of ranges do not overflow."""
 VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
 
 
@@ -63,8 +65,12 @@ def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
     for inner, value in given.items():
         if inner not in RANGE_KEYS:
             raise InputError(f"{name}.{inner}", ", ".join(RANGE_KEYS), closest(inner, list(RANGE_KEYS)))
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            raise InputError(f"{name}.{inner} = {short(value)}", "a finite number", "write it without quotation marks")
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST_VALUE:
+            raise InputError(
+                f"{name}.{inner} = {short(value)}",
+                f"a number up to {LARGEST_VALUE:g}",
+                "correct it; numbers stand without quotation marks",
+            )
     if not {"from", "to"} <= set(given) or ("n" in given) == ("step" in given):
         raise InputError(
             f"{name} = {short(given)}",
@@ -79,7 +85,7 @@ def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
         steps = number - 1
     else:
         step = float(given["step"])
-        steps = round((high - low) / step) if step else 0
+        steps = round((high - low) / step) if abs(step) * MOST_ROWS > abs(high - low) else 0
         if not 1 <= steps < MOST_ROWS or not math.isclose(low + steps * step, high, abs_tol=1e-9 * abs(step)):
             raise InputError(
                 f"{name}.step = {step:g}",
@@ -117,18 +123,21 @@ def read_table(path: Path) -> list[dict[str, Any]]:
     """
     try:
         text = path.read_text(encoding="utf-8-sig")
-    except (OSError, UnicodeDecodeError) as reason:
+    except (OSError, ValueError) as reason:  # what is no UTF-8, or a zero byte in the name, is the latter
         why = getattr(reason, "strerror", None) or reason
         raise InputError(
             f"table {path}: {why}", "a CSV file in UTF-8, its path relative to the campaign's file", "correct the path"
         ) from reason
     first = text.partition("\n")[0]
     separator = ";" if ";" in first else "\t" if "\t" in first else ","
-    lines = [
-        (number, [cell.strip() for cell in cells])
-        for number, cells in enumerate(csv.reader(text.splitlines(), delimiter=separator), 1)
-        if any(cell.strip() for cell in cells)
-    ]
+    lines = []
+    for number, line in enumerate(text.splitlines(), 1):
+        try:
+            cells = csv_cells(line, number, separator)
+        except InputError as reason:
+            raise InputError(f"table {path}, {reason.given}", reason.allowed, reason.advice) from reason
+        if any(cells):
+            lines.append((number, cells))
     if len(lines) < 2:
         raise InputError(
             f"table {path} with {len(lines)} lines", "a line with names of inputs and a line for each row", "add rows"

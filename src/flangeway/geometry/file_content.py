@@ -1,0 +1,91 @@
+"""What readers of files share: whether there is a file, its bytes, the cells of lines in CSV, and what TOML says."""
+
+import csv
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from flangeway.errors import InputError
+
+LARGEST_BYTES = 50_000_000
+
+
+def is_file(path: Path) -> bool:
+    """Whether there is a file; a name that no file can have, too long or with a zero byte, has none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def file_content(file: Path, what: str) -> bytes:
+    """Return the bytes of a file.
+
+    Parameters
+    ----------
+    file
+        The file.
+    what
+        What it should hold, as messages call it: "a profile".
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, is empty, or larger than `LARGEST_BYTES`.
+
+    """
+    try:
+        size = file.stat().st_size
+        content = file.read_bytes() if size <= LARGEST_BYTES else b""
+    except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
+        why = getattr(reason, "strerror", None) or reason
+        raise InputError(f"file {file}: {why}", "a file that can be read", "check the name") from reason
+    if size > LARGEST_BYTES:
+        raise InputError(f"file {file} of {size} bytes", f"up to {LARGEST_BYTES} bytes", f"give {what} and no more")
+    if not content.strip():
+        raise InputError(f"{file}: an empty file", what, "check that it was saved")
+    return content
+
+
+def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
+    """Return the cells of a line without blanks around them; none of an empty line.
+
+    Raises
+    ------
+    InputError
+        If a cell is longer than any number or name; the message tells the line's number.
+
+    """
+    try:
+        return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
+    except csv.Error as reason:
+        raise InputError(
+            f"line {number} of {len(line)} characters: {reason}", "short cells", "check that each row has its own line"
+        ) from reason
+
+
+def toml_data(text: str, lines: str) -> dict[str, Any]:
+    """Return what a text in TOML says.
+
+    Parameters
+    ----------
+    text
+        The text.
+    lines
+        What lines of it look like, for messages: "lines such as ...".
+
+    Raises
+    ------
+    InputError
+        If it is not TOML; the message tells the place.
+
+    """
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as reason:
+        why = str(reason)
+    except RecursionError:
+        why = "lists or tables too deep inside of each other"
+    except ValueError:  # Python reads no such integer
+        why = "a number of thousands of digits"
+    raise InputError(f"not TOML: {why}", f"{lines}, each key once", "correct the place; names stand in quotation marks")
