@@ -10,11 +10,13 @@ from html.parser import HTMLParser
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.report import check_folder, command_line, outputs, write_outputs
+from flangeway.report import command_line, outputs, write_outputs
+from flangeway.report.case_outputs import case_files
 from flangeway.report.compact import compact_png
 from flangeway.report.html import report_page
 from flangeway.report.outputs import NAMES, PICTURES
-from flangeway.study import WheelsetTangentCase
+from flangeway.report.wheelset_page import wheelset_page
+from flangeway.study import CASES, WheelsetTangentCase, refuse_unwritable
 
 VOID = {"meta", "img", "br", "link", "input"}
 
@@ -135,9 +137,8 @@ def test_text_is_escaped_and_warnings_are_shown(runs):
     """Characters of HTML in a message or a warning are shown, not interpreted; a failure is marked."""
     run = runs["fem"]
     status = {"converged": False, "message": "a <b> & c"}
-    page = report_page(
-        replace(run, summary=run.summary | {"status": status, "warnings": ["x < y"], "contacts": []}), []
-    )
+    changed = replace(run, summary=run.summary | {"status": status, "warnings": ["x < y"], "contacts": []})
+    page = report_page(wheelset_page(changed, []))
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page
     assert "Not converged:" in Page(page).words
@@ -183,8 +184,10 @@ def test_a_failure_while_writing_leaves_nothing(runs, tmp_path, monkeypatch):
     assert list(tmp_path.iterdir()) == []
 
 
-def test_a_folder_in_the_way_of_a_file_is_refused(tmp_path):
-    """A folder called report.html in the folder of results is refused beforehand."""
+@pytest.mark.parametrize("name", CASES)
+def test_a_folder_in_the_way_of_a_file_is_refused(tmp_path, name):
+    """A folder called report.html in the folder of results of any case is refused beforehand."""
     (tmp_path / "report.html").mkdir()
+    case = CASES[name].from_values(CASES[name].example)
     with pytest.raises(InputError, match=r"report\.html"):
-        check_folder(tmp_path)
+        refuse_unwritable(tmp_path, case_files(case))

@@ -69,13 +69,14 @@ def run(
     set_: Set = None,
     out: Out = None,
 ) -> None:
-    """Run a case or a case file: summary on the terminal; JSON, pictures and ParaView files in a folder (out/CASE)."""
+    """Run a case or a case file: summary here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
     with errors_as_exit_status():
         inputs = _case(case, method, order, size_scale, primary, crown_radius, set_)
-        from flangeway.report.case_outputs import check_case_folder, print_case, write_case  # noqa: PLC0415
+        from flangeway.report.case_outputs import case_files, print_case, write_case  # noqa: PLC0415
+        from flangeway.study import refuse_unwritable  # noqa: PLC0415
 
         folder = out or Path("out", Path(case).stem)
-        check_case_folder(inputs, folder)
+        refuse_unwritable(folder, case_files(inputs))
         with progress_shown() as progress:
             done = inputs.run(progress)
             files = write_case(done, folder, progress)

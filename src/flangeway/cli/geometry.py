@@ -24,18 +24,16 @@ GeometrySet = Annotated[
 def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None) -> None:
     """Contact geometry of a rigid wheelset: locus, rolling radii, equivalent conicity, balance (out/geometry-CASE)."""
     with errors_as_exit_status():
-        from flangeway.report.rigid_outputs import (  # noqa: PLC0415
-            check_geometry_folder,
-            print_geometry,
-            write_geometry,
-        )
+        from flangeway.report.rigid_outputs import NAMES, print_geometry, write_geometry  # noqa: PLC0415
+        from flangeway.study import refuse_unwritable  # noqa: PLC0415
         from flangeway.study.rigid import run_geometry  # noqa: PLC0415
         from flangeway.study.rigid_case import find_geometry_case  # noqa: PLC0415
 
         inputs = find_geometry_case(case, settings_of(set_, "a wrong key lists the right ones"))
+        inputs.load()
         inputs.curves()
         folder = out or Path("out", f"geometry-{case}")
-        check_geometry_folder(folder)
+        refuse_unwritable(folder, NAMES)
         with progress_shown() as progress:
             done = run_geometry(case, inputs, progress)
             files = write_geometry(done, folder, progress)

@@ -44,20 +44,20 @@ def section(
     mirror: SectionMirror = False,
     out: Out = None,
 ) -> None:
-    """Compute the constants of a cross-section; JSON, pictures and a VTU file in a folder (out/section-NAME)."""
+    """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
     with errors_as_exit_status():
-        from flangeway.report.section_outputs import (  # noqa: PLC0415
-            check_section_folder,
-            print_section,
-            write_section,
-        )
+        from flangeway.report.section_outputs import NAMES, print_section, write_section  # noqa: PLC0415
+        from flangeway.study import refuse_unwritable  # noqa: PLC0415
         from flangeway.study.section import SectionOptions, find_section, run_section  # noqa: PLC0415
+        from flangeway.study.torsion_case import TorsionCase  # noqa: PLC0415
 
         drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
         options = SectionOptions(size, order, method, poisson)
+        inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
+        case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson})
         folder = out or Path("out", f"section-{Path(name_or_file).stem}")
-        check_section_folder(folder)
+        refuse_unwritable(folder, NAMES)
         with progress_shown() as progress:
             done = run_section(drawn, options, progress)
-            files = write_section(done, folder, progress)
+            files = write_section(done, case, folder, progress)
         print_section(stdout(), done.summary, files)

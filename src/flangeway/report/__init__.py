@@ -2,14 +2,13 @@
 
 from flangeway.report.command import command_line
 from flangeway.report.fields import PartFields, part_fields
-from flangeway.report.outputs import check_folder, write_outputs
+from flangeway.report.outputs import write_outputs
 from flangeway.report.plots import plot_deformed, plot_displacement, plot_function, plot_mesh, plot_stress
 from flangeway.report.series import Frame, solution_frame, write_frame, write_series
 
 __all__ = [
     "Frame",
     "PartFields",
-    "check_folder",
     "command_line",
     "part_fields",
     "plot_deformed",

@@ -23,6 +23,11 @@ def bytes_writer(data: bytes) -> Callable[[Path], None]:
     return write
 
 
+def text_writer(text: str) -> Callable[[Path], None]:
+    """Return a function that writes text to a file, in UTF-8."""
+    return bytes_writer(text.encode("utf-8"))
+
+
 def print_files(console: Console, files: Sequence[Path], seconds: float | None = None) -> None:
     """Print the time, if it is given, and the files."""
     console.print("Files:" if seconds is None else f"Computed in {seconds:.1f} s. Files:", markup=False)

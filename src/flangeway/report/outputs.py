@@ -10,7 +10,7 @@ from flangeway.report.contact_figure import contact_figure
 from flangeway.report.convergence_figure import convergence_figure
 from flangeway.report.drawing import png
 from flangeway.report.fields import PartFields, part_fields
-from flangeway.report.files import bytes_writer
+from flangeway.report.files import bytes_writer, text_writer
 from flangeway.report.html import Picture, report_page
 from flangeway.report.paraview import write_part
 from flangeway.report.pressure_figure import pressure_figure
@@ -18,7 +18,8 @@ from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.series import write_collection
 from flangeway.report.subsurface_figure import subsurface_figure, subsurface_table
 from flangeway.report.wheelset_figure import wheelset_figure
-from flangeway.study import CaseRun, refuse_unwritable, write_summary, write_together
+from flangeway.report.wheelset_page import wheelset_page
+from flangeway.study import CaseRun, write_summary, write_together
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 SUMMARY, REPORT, COLLECTION, SUBSURFACE = "summary.json", "report.html", "wheelset.pvd", "subsurface.csv"
@@ -27,11 +28,6 @@ PICTURES = (
     "convergence.png", "subsurface.png", "bending.png",
 )  # fmt: skip
 NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, *PICTURES, SUBSURFACE, REPORT, SUMMARY)
-
-
-def check_folder(folder: Path) -> None:
-    """Refuse a folder that cannot take the files of a run; see `flangeway.study.refuse_unwritable`."""
-    refuse_unwritable(folder, NAMES)
 
 
 def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
@@ -60,12 +56,10 @@ def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = 
         f"{part.name}.vtu": partial(write_part, fields=part) for part in fields
     }
     vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
-    page = report_page(run, pictures, fields)
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     writers |= {name: bytes_writer(picture.png) for name, picture in zip(PICTURES, pictures, strict=True)}
-    table = subsurface_table(run.result)
-    writers[SUBSURFACE] = lambda path: _write_text(path, table)
-    writers[REPORT] = lambda path: _write_text(path, page)
+    writers[SUBSURFACE] = text_writer(subsurface_table(run.result))
+    writers[REPORT] = text_writer(report_page(wheelset_page(run, pictures, fields)))
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     return write_together(folder, writers)
 
@@ -124,7 +118,3 @@ def _pictures(run: CaseRun, fields: list[PartFields]) -> list[Picture]:
             "the deformed outlines.",
         ),
     ]
-
-
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")

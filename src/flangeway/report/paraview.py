@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.mesh import write_vtu
+from flangeway.post import Stresses
 from flangeway.report.fields import PartFields
 
 Floats = NDArray[np.float64]
@@ -20,15 +21,16 @@ def write_part(path: Path, fields: PartFields) -> None:
     positive, axes of space: ``stress_xx_MPa``, ``_yy_``, ``_xy_``, ``_zz_``; ``von_mises_MPa``; ``principal_1_MPa`` to
     ``principal_3_MPa``, descending, zz among them; ``max_in_plane_shear_MPa``.
     """
-    write_vtu(path, fields.mesh, {"displacement_mm": fields.displacement}, cell_arrays(fields))
-
-
-def cell_arrays(fields: PartFields) -> dict[str, Floats]:
-    """Cell arrays of a part by name, as `write_part` writes them."""
     stresses = fields.stresses
-    arrays = {f"stress_{name}_MPa": stresses.components[:, i] for i, name in enumerate(("xx", "yy", "xy", "zz"))}
-    arrays["von_mises_MPa"] = stresses.von_mises
+    arrays = stress_arrays(stresses)
+    principal = stresses.principal
     for i in range(3):
-        arrays[f"principal_{i + 1}_MPa"] = stresses.principal[:, i]
+        arrays[f"principal_{i + 1}_MPa"] = principal[:, i]
     arrays["max_in_plane_shear_MPa"] = stresses.in_plane_shear
-    return arrays
+    write_vtu(path, fields.mesh, {"displacement_mm": fields.displacement}, arrays)
+
+
+def stress_arrays(stresses: Stresses) -> dict[str, Floats]:
+    """Components and von Mises stress by the names that the files of parts and bodies have for them."""
+    arrays = {f"stress_{name}_MPa": stresses.components[:, i] for i, name in enumerate(("xx", "yy", "xy", "zz"))}
+    return {**arrays, "von_mises_MPa": stresses.von_mises}

@@ -14,7 +14,7 @@ from rich.table import Table
 from flangeway.railway.track import SIDES
 from flangeway.report.files import picture_writers, print_files
 from flangeway.report.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
-from flangeway.study import refuse_unwritable, write_summary, write_together
+from flangeway.study import write_summary, write_together
 from flangeway.study.rigid import GeometryRun
 
 PICTURES = {
@@ -24,11 +24,6 @@ PICTURES = {
 }
 THROAT, TABLE, CONICITY, SUMMARY = "throat_radius.png", "table.csv", "conicity.csv", "geometry.json"
 NAMES = (*PICTURES, THROAT, TABLE, CONICITY, SUMMARY)
-
-
-def check_geometry_folder(folder: Path) -> None:
-    """Refuse a folder that cannot take the files; see `flangeway.study.refuse_unwritable`."""
-    refuse_unwritable(folder, NAMES)
 
 
 def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:

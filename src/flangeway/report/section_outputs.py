@@ -1,50 +1,51 @@
 """All files of ``flangeway section``, and its summary on the terminal."""
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from flangeway.mesh import write_vtu
-from flangeway.post import shear_stresses
-from flangeway.report.files import picture_writers, print_files
-from flangeway.report.section_figures import (
-    mesh_figure,
-    prandtl_figure,
-    shear_figure,
-    warping_about_shear_centre,
-    warping_figure,
-)
-from flangeway.study import refuse_unwritable, write_summary, write_together
+from flangeway.report.command import section_command
+from flangeway.report.drawing import png
+from flangeway.report.files import bytes_writer, print_files, text_writer
+from flangeway.report.html import Picture, report_page
+from flangeway.report.scenes import section_arrays
+from flangeway.report.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
+from flangeway.report.section_page import section_page
+from flangeway.report.section_tables import section_rows, weights_sentences
+from flangeway.study import write_summary, write_together
+from flangeway.study.output import Writer
 from flangeway.study.section import SectionRun
+from flangeway.study.torsion_case import TorsionCase
 
-PICTURES = {
-    "mesh.png": mesh_figure,
-    "warping.png": warping_figure,
-    "prandtl.png": prandtl_figure,
-    "shear_stress.png": shear_figure,
+PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
+    "warping.png": (warping_figure, "Warping about the shear centre over the rate of twist, with lines of equal value"),
+    "shear_stress.png": (shear_figure, "Size of the shear stress for a torque of one, with arrows along it"),
+    "prandtl.png": (prandtl_figure, "Prandtl's function, whose lines of equal value are lines of shear flow"),
+    "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
 }
-SUMMARY, FIELDS = "section.json", "section.vtu"
-NAMES = (*PICTURES, FIELDS, SUMMARY)
+"""Functions that draw the pictures, the most telling first, and what they show, by the files' names."""
+SUMMARY, FIELDS, REPORT = "section.json", "section.vtu", "report.html"
+NAMES = (*PICTURES, FIELDS, REPORT, SUMMARY)
 
 
-def check_section_folder(folder: Path) -> None:
-    """Refuse a folder that cannot take the files; see `flangeway.study.refuse_unwritable`."""
-    refuse_unwritable(folder, NAMES)
-
-
-def write_section(run: SectionRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
-    """Write the pictures, the fields and ``section.json``, together or not at all.
+def write_section(
+    run: SectionRun, case: TorsionCase, folder: Path, progress: Callable[[str], None] = lambda _: None
+) -> list[Path]:
+    """Write the pictures, the fields, the report and ``section.json``, together or not at all.
 
     Parameters
     ----------
     run
         The section.
+    case
+        Its inputs, as those of a case of torsion.
     folder
         Where the files go; made if needed.
     progress
@@ -57,32 +58,44 @@ def write_section(run: SectionRun, folder: Path, progress: Callable[[str], None]
 
     """
     progress("drawing the pictures and writing the files")
-    return write_together(folder, section_writers(run))
-
-
-def section_writers(run: SectionRun) -> dict[str, Callable[[Path], None]]:
-    """Return functions that write the files of a section, by the files' names."""
-    writers = picture_writers({name: draw(run) for name, draw in PICTURES.items()})
-    writers[FIELDS] = lambda path: _write_fields(run, path)
+    writers = section_writers(run, case, command=section_command(case), summary_file=SUMMARY)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
+    return write_together(folder, writers)
+
+
+def section_writers(run: SectionRun, case: TorsionCase, *, command: str, summary_file: str) -> dict[str, Writer]:
+    """Return functions that write the pictures, the fields and the report of a section, by the files' names.
+
+    Parameters
+    ----------
+    run
+        The section.
+    case
+        Its inputs.
+    command
+        The command that computes it again.
+    summary_file
+        Name of the file with its numbers.
+
+    """
+    pictures = [
+        Picture(png(draw(run)), f"{words}: {run.drawn.title}.", f"{words}.") for draw, words in PICTURES.values()
+    ]
+    page = report_page(section_page(run, case, pictures, command=command, summary_file=summary_file))
+    writers = {name: bytes_writer(each.png) for name, each in zip(PICTURES, pictures, strict=True)}
+    writers[FIELDS] = lambda path: _write_fields(run, path)
+    writers[REPORT] = text_writer(page)
     return writers
 
 
 def _write_fields(run: SectionRun, path: Path) -> None:
     """Write warping about the shear centre, Prandtl's function, and shear stress per torque, unit in the names."""
-    mesh, unit, prandtl = run.space.mesh, run.drawn.unit, run.constants.prandtl
+    mesh = run.space.mesh
     part = np.zeros(mesh.n_cells, dtype=np.int32)
     for number, cells in enumerate(mesh.cell_sets.values()):
         part[cells] = number
-    write_vtu(
-        path,
-        mesh,
-        {
-            f"warping_{unit}2": warping_about_shear_centre(run),
-            f"prandtl_{unit}2": prandtl.function[: mesh.n_points] / prandtl.problem.mean_modulus,
-        },
-        {f"shear_stress_per_torque_per_{unit}3": shear_stresses(prandtl) / prandtl.torsional_rigidity, "part": part},
-    )
+    points, means = section_arrays(run)
+    write_vtu(path, mesh, points, {**means, "part": part})
 
 
 def print_section(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
@@ -98,64 +111,6 @@ def print_section(console: Console, summary: dict[str, Any], files: list[Path]) 
         console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
     if summary["certainty"]:
         console.print(f"Outline: {summary['certainty']}", markup=False, soft_wrap=True)
-    if "weights" in summary:
-        weights = summary["weights"]
-        console.print(
-            f"{weights['meaning']} References: E = {weights['reference_young_MPa']:.6g} MPa, "
-            f"G = {weights['reference_shear_modulus_MPa']:.6g} MPa.",
-            markup=False,
-            soft_wrap=True,
-        )
+    for sentence in weights_sentences(summary):
+        console.print(sentence, markup=False, soft_wrap=True)
     print_files(console, files, summary["timings_s"]["total"])
-
-
-def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    """Name with unit and value of every constant, as shown."""
-    unit, mesh = summary["unit"], summary["mesh"]
-
-    def point(key: str) -> str:
-        size = summary[f"boundary_length_{unit}"]
-        # noise of rounding would look like a result
-        x, y = (0.0 if abs(value) < 1e-7 * size else value for value in summary[key])
-        return f"({x:.6g}, {y:.6g})"
-
-    moments = summary[f"second_moments_{unit}4"]
-    noise = 1e-9 * math.sqrt(moments["xx"] * moments["yy"])
-    product = 0.0 if abs(moments["xy"]) < noise else moments["xy"]
-    bounds = [summary[f"torsion_constant_{kind}_{unit}4"] for kind in ("prandtl", "warping")]
-    half_gap = 0.5 * abs(bounds[1] - bounds[0]) / summary[f"torsion_constant_{unit}4"]
-    certain = "bounds of the meshed polygon's" if summary["torsion_bounds_certain"] else "both formulations"
-    angle = summary["principal_angle_deg"]
-    rows = [
-        (f"area, {unit}²", f"{summary[f'area_{unit}2']:.7g}"),
-        (f"centroid (x, y), {unit}", point(f"centroid_{unit}")),
-        *(
-            (f"second moment {name} about the centroid, {unit}⁴", f"{value:.7g}")
-            for name, value in (("Ixx", moments["xx"]), ("Iyy", moments["yy"]), ("Ixy", product))
-        ),
-        *(
-            (f"principal moment I{number}, {unit}⁴", f"{value:.7g}")
-            for number, value in enumerate(summary[f"principal_moments_{unit}4"], 1)
-        ),
-        ("angle of principal axis 1 from x, degrees", f"{0.0 if abs(angle) < 1e-7 else angle:.5g}"),
-        (f"torsion constant J, {unit}⁴", f"{summary[f'torsion_constant_{unit}4']:.7g}"),
-        (f"  {certain}: from Prandtl's function", f"{bounds[0]:.7g}"),
-        ("  from the warping function", f"{bounds[1]:.7g}"),
-        ("  half of the gap, relative", f"{half_gap:.1e}"),
-        (f"shear centre (x, y), {unit}", point(f"shear_centre_{unit}")),
-    ]
-    if summary["poisson"]:
-        rows[-1] = (f"shear centre for ν = {summary['poisson']:g} (x, y), {unit}", point(f"shear_centre_{unit}"))
-        rows.append((f"shear centre by Trefftz (x, y), {unit}", point(f"shear_centre_trefftz_{unit}")))
-    rows.append((f"warping constant, {unit}⁶", f"{summary[f'warping_constant_{unit}6']:.7g}"))
-    largest = summary[f"max_shear_stress_per_torque_per_{unit}3"]
-    if largest is not None:
-        rows.append((f"largest shear stress per torque, {unit}⁻³", f"{largest:.5g}"))
-    rows.append(
-        (
-            f"{mesh['cells']} {'triangles' if mesh['method'] == 'fem' else 'polygons'} of order {mesh['order']}, "
-            f"size {mesh[f'size_{unit}']:.4g} {unit}",
-            f"{mesh['unknowns']} unknowns",
-        )
-    )
-    return rows

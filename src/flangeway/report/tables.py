@@ -19,12 +19,15 @@ class Table:
         Names of the columns with their units.
     rows
         Cells as text; the first of each row names it.
+    of_words
+        Whether the cells are words more than numbers, which are then not put below each other by their last digits.
 
     """
 
     caption: str
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
+    of_words: bool = False
 
 
 def contacts_table(summary: Row) -> Table:

@@ -3,7 +3,7 @@
 import io
 import os
 import shutil
-from functools import cache, partial
+from functools import cache
 
 import pytest
 from matplotlib.image import imread
@@ -11,7 +11,8 @@ from playwright.sync_api import sync_playwright
 
 from flangeway.report import part_fields, write_outputs
 from flangeway.report.paraview import write_part
-from flangeway.report.viewer import View, field_viewer
+from flangeway.report.scenes import wheelset_scene
+from flangeway.report.viewer import field_viewer
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 REQUIRED = "FLANGEWAY_NEEDS_BROWSER"
@@ -120,11 +121,7 @@ def viewer_pages(runs, tmp_path_factory):
         parts = list(part_fields(run.result))
         for part in parts:
             write_part(folder / f"{part.name}.vtu", part)
-        views = [
-            View(f"{contact['side']} contact", tuple(contact["space_position_mm"]), 8.0 * contact["half_width_mm"])
-            for contact in run.summary["contacts"]
-        ]
-        return write_page(folder / "page.html", parts, views)
+        return write_page(folder / "page.html", wheelset_scene(parts, run.summary["contacts"]))
 
     return page_by
 
@@ -144,14 +141,14 @@ def opened(open_page, viewer_page):
 @pytest.fixture
 def page_of(tmp_path):
     """Writer of such a page for other parts."""
-    return partial(write_page, tmp_path / "page.html")
+    return lambda parts: write_page(tmp_path / "page.html", wheelset_scene(parts, []))
 
 
-def write_page(path, parts, views=()):
+def write_page(path, scene):
     path.write_text(
         '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"><title>Fields</title>\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1"></head>\n'
-        f"<body>\n{field_viewer(parts, views)}</body></html>\n",
+        f"<body>\n{field_viewer(scene)}</body></html>\n",
         encoding="utf-8",
     )
     return path

@@ -4,25 +4,27 @@ import base64
 import json
 import re
 import zlib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from flangeway.errors import InputError
 from flangeway.report import part_fields
-from flangeway.report.viewer import View, field_viewer, packed_parts
+from flangeway.report.scenes import wheelset_scene
+from flangeway.report.viewer import Scene, View, field_viewer, packed_parts
 from flangeway.report.viewer.packing import json_in_script, rigid_motion
 
 EPS = np.finfo(np.float32).eps
 
 
-def unpack(header, text):
+def unpack(headers, text):
     """Arrays of each part by name."""
     data = zlib.decompress(base64.b64decode(text, validate=True))
     start, parts = 0, []
-    for described in header["parts"]:
+    for described in headers:
         arrays = {}
-        for name, kind, count in described["arrays"]:
+        for name, kind, count, *_ in described["arrays"]:
             planes = np.frombuffer(data, np.uint8, 4 * count, start).reshape(4, count)
             arrays[name] = np.ascontiguousarray(planes.T).view(f"<{kind}").ravel()
             start += 4 * count
@@ -35,15 +37,15 @@ def unpack(header, text):
 def test_all_arrays_come_back_in_32_bits(runs, method):
     """Cells come back exactly; points, displacements and stresses to 32 bits."""
     parts = list(part_fields(runs[method].result))
-    header, text = packed_parts(parts)
-    assert [part["name"] for part in header["parts"]] == [part.name for part in parts]
-    for part, described, arrays in zip(parts, header["parts"], unpack(header, text), strict=True):
+    headers, text = packed_parts(wheelset_scene(parts, []).parts)
+    assert [part["name"] for part in headers] == [part.name for part in parts]
+    for part, described, arrays in zip(parts, headers, unpack(headers, text), strict=True):
         assert np.array_equal(arrays["sizes"], part.mesh.cell_sizes)
         assert np.array_equal(np.cumsum(arrays["corners"], dtype=np.uint32), part.mesh.cell_points)
         points = arrays["points"].reshape(-1, 2) + np.array(described["origin"])
         size = np.ptp(part.mesh.points, axis=0).max()
         assert np.abs(points - part.mesh.points).max() <= EPS * size
-        displacement = arrays["displacement"].reshape(-1, 2)
+        displacement = arrays["displacement"].reshape(2, -1).T
         assert np.allclose(displacement, part.displacement, rtol=EPS, atol=0.0)
         assert np.allclose(arrays["stresses"].reshape(4, -1).T, part.stresses.components, rtol=EPS, atol=0.0)
 
@@ -51,8 +53,8 @@ def test_all_arrays_come_back_in_32_bits(runs, method):
 def test_the_motion_since_first_touch_comes_back(runs):
     """Rigid rows and displacements give the places of every point for any factor, as the pictures draw them."""
     parts = list(part_fields(runs["fem"].result))
-    header, _ = packed_parts(parts)
-    for part, described in zip(parts, header["parts"], strict=True):
+    headers, _ = packed_parts(wheelset_scene(parts, []).parts)
+    for part, described in zip(parts, headers, strict=True):
         local = part.mesh.points - np.array(described["origin"])
         rigid = np.column_stack([local, np.ones(len(local))]) @ np.array(described["rigid"])
         for factor in (0.0, 1.0, 50.0):
@@ -80,11 +82,12 @@ def test_json_cannot_end_its_script():
 def test_the_fragment_holds_all_it_needs(runs):
     """The fragment has its views, its data, the libraries with their licences, and ends each script once."""
     parts = list(part_fields(runs["vem"].result))
-    text = field_viewer(parts, [View("left contact", (-1.0, 2.0), 30.0)], "See <below>.")
+    scene = replace(wheelset_scene(parts, []), views=[View("left contact", (-1.0, 2.0), 30.0)])
+    text = field_viewer(scene, "See <below>.")
     header = json.loads(re.search(r'id="viewer-header">(.*?)</script>', text, re.S)[1])
     assert header["views"] == [{"name": "left contact", "centre": [-1.0, 2.0], "width": 30.0}]
     data = re.search(r'id="viewer-data">(.*?)</script>', text, re.S)[1]
-    assert len(unpack(header, data)) == len(parts)
+    assert len(unpack(header["parts"], data)) == len(parts)
     assert "See &lt;below&gt;." in text
     for words in ("three.js 0.187.0", "Flatbush 4.7.0", "The MIT License", "ISC License"):
         assert words in text
@@ -95,4 +98,4 @@ def test_the_fragment_holds_all_it_needs(runs):
 def test_no_parts_are_refused():
     """A viewer of nothing is refused."""
     with pytest.raises(InputError, match="no parts"):
-        field_viewer([])
+        field_viewer(Scene([], []))

@@ -3,14 +3,17 @@
 async function unpacked(header, text) {
   const bytes = await inflated(bytesOfBase64(text));
   let start = 0;
-  return header.parts.map((described) => {
-    const part = { name: described.name, side: described.side, origin: described.origin, rigid: described.rigid };
-    for (const [name, type, count] of described.arrays) {
+  return header.parts.map(({ arrays, ...part }) => {
+    part.arrays = {};
+    for (const [name, type, count, on, components] of arrays) {
       const plain = interleaved(bytes.subarray(start, start + 4 * count), count);
-      part[name] = type === "f4" ? new Float32Array(plain) : new Uint32Array(plain);
+      const numbers = type === "f4" ? new Float32Array(plain) : new Uint32Array(plain);
+      if (on) part.arrays[name] = { on, components, numbers };
+      else part[name] = numbers;
       start += 4 * count;
     }
-    undoDifferences(part.corners);
+    for (const name of ["corners", "places", "cells"]) if (part[name]) undoDifferences(part[name]);
+    if (part.places) spread(part);
     return part;
   });
 }
@@ -39,4 +42,19 @@ function interleaved(planes, count) {
 
 function undoDifferences(numbers) {
   for (let i = 1; i < numbers.length; i++) numbers[i] += numbers[i - 1];
+}
+
+// Give each point the coordinates and values of its place.
+function spread(part) {
+  const { places, points } = part;
+  part.points = Float32Array.from({ length: 2 * places.length }, (_, i) => points[2 * places[i >> 1] + (i & 1)]);
+  for (const array of Object.values(part.arrays)) {
+    if (array.on !== "places") continue;
+    const n = points.length / 2;
+    const spread = new Float32Array(array.components * places.length);
+    for (let c = 0; c < array.components; c++) {
+      for (let i = 0; i < places.length; i++) spread[c * places.length + i] = array.numbers[c * n + places[i]];
+    }
+    array.numbers = spread;
+  }
 }

@@ -1,4 +1,4 @@
-// The fields, by the names that they have in the VTU files. `of` a cell gets xx, yy, xy, zz; of a point ux, uy.
+// Values of the fields that the page's header names, from the components of their arrays.
 
 function radiusOf(xx, yy, xy) {
   return Math.hypot((xx - yy) / 2, xy);
@@ -15,65 +15,75 @@ function vonMisesOf(xx, yy, xy, zz) {
   return Math.sqrt(squares / 2 + 3 * xy ** 2);
 }
 
-const STRESSES = "Stresses, means of cells";
-const DISPLACEMENTS = "Elastic displacement of points";
+const FORMULAS = {
+  value: (value) => value,
+  x: (x) => x,
+  y: (x, y) => y,
+  magnitude: (x, y) => Math.hypot(x, y),
+  "von-mises": vonMisesOf,
+  "principal-1": (...s) => principalsOf(...s)[0],
+  "principal-2": (...s) => principalsOf(...s)[1],
+  "principal-3": (...s) => principalsOf(...s)[2],
+  "in-plane-shear": radiusOf,
+  xx: (xx) => xx,
+  yy: (xx, yy) => yy,
+  xy: (xx, yy, xy) => xy,
+  zz: (xx, yy, xy, zz) => zz,
+};
 
-const FIELDS = [
-  { key: "von_mises_MPa", name: "von Mises stress", of: vonMisesOf },
-  { key: "principal_1_MPa", name: "principal stress 1 (greatest)", of: (...s) => principalsOf(...s)[0] },
-  { key: "principal_2_MPa", name: "principal stress 2", of: (...s) => principalsOf(...s)[1] },
-  { key: "principal_3_MPa", name: "principal stress 3 (least)", of: (...s) => principalsOf(...s)[2] },
-  { key: "max_in_plane_shear_MPa", name: "largest in-plane shear", of: radiusOf },
-  { key: "stress_xx_MPa", name: "stress xx", of: (xx) => xx },
-  { key: "stress_yy_MPa", name: "stress yy", of: (xx, yy) => yy },
-  { key: "stress_xy_MPa", name: "stress xy", of: (xx, yy, xy) => xy },
-  { key: "stress_zz_MPa", name: "stress zz", of: (xx, yy, xy, zz) => zz },
-  { key: "displacement_mm", name: "displacement, magnitude", of: Math.hypot, onPoints: true },
-  { key: "displacement_mm:x", name: "displacement x", of: (x) => x, onPoints: true },
-  { key: "displacement_mm:y", name: "displacement y", of: (x, y) => y, onPoints: true },
-].map((field) => ({
-  ...field,
-  unit: field.onPoints ? "mm" : "MPa",
-  group: field.onPoints ? DISPLACEMENTS : STRESSES,
-}));
+function onCells(part, field) {
+  return part.arrays[field.array].on === "cells";
+}
+
+// Whether a field may jump from cell to cell, so that smooth colours are other colours.
+function jumps(part, field) {
+  const { on } = part.arrays[field.array];
+  return on === "cells" || (on === "points" && part.places !== undefined);
+}
 
 // Values of a field on a part's cells or points; each is computed once.
 function valuesOf(part, field) {
   part.values ??= new Map();
-  if (!part.values.has(field.key)) {
-    part.values.set(field.key, field.onPoints ? pointValues(part, field) : cellValues(part, field));
-  }
+  if (!part.values.has(field.key)) part.values.set(field.key, computed(part, field));
   return part.values.get(field.key);
 }
 
-function cellValues(part, field) {
-  const n = part.sizes.length;
-  const s = part.stresses;
+function computed(part, field) {
+  const { numbers, components } = part.arrays[field.array];
+  const of = FORMULAS[field.formula];
+  const n = numbers.length / components;
+  const [a, b, c, d] = [0, 1, 2, 3].map((i) => numbers.subarray(n * Math.min(i, components - 1)));
   const values = new Float32Array(n);
-  for (let i = 0; i < n; i++) values[i] = field.of(s[i], s[n + i], s[2 * n + i], s[3 * n + i]);
+  for (let i = 0; i < n; i++) values[i] = of(a[i], b[i], c[i], d[i]);
   return values;
 }
 
-function pointValues(part, field) {
-  const d = part.displacement;
-  const values = new Float32Array(d.length / 2);
-  for (let i = 0; i < values.length; i++) values[i] = field.of(d[2 * i], d[2 * i + 1]);
-  return values;
+// The largest number that a field's values are computed from.
+function sizeOf(part, field) {
+  const array = part.arrays[field.array];
+  array.size ??= array.numbers.reduce((most, number) => Math.max(most, Math.abs(number)), 0);
+  return array.size;
 }
 
-// Means of cells' values about each point, weighted by area: what is drawn in smooth colours.
-function smoothed(part, values) {
+// Means about each point, weighted by the cells' areas: what is drawn in smooth colours.
+function smoothed(part, field, values) {
+  const perCell = onCells(part, field);
   const n = part.points.length / 2;
   const sums = new Float64Array(n);
   const totals = new Float64Array(n);
-  for (let cell = 0; cell < values.length; cell++) {
+  const place = (point) => (part.places ? part.places[point] : point);
+  for (let cell = 0; cell < part.sizes.length; cell++) {
     const area = part.areas[cell];
     for (let i = part.offsets[cell]; i < part.offsets[cell + 1]; i++) {
-      sums[part.corners[i]] += area * values[cell];
-      totals[part.corners[i]] += area;
+      const at = place(part.corners[i]);
+      sums[at] += area * values[perCell ? cell : part.corners[i]];
+      totals[at] += area;
     }
   }
-  return Float32Array.from(sums, (sum, i) => (totals[i] > 0 ? sum / totals[i] : 0));
+  return Float32Array.from(sums, (_, point) => {
+    const at = place(point);
+    return totals[at] > 0 ? sums[at] / totals[at] : 0;
+  });
 }
 
 // Least and greatest value, and the bounds between which all but `tail` of the values at each end lie.

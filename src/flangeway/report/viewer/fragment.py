@@ -1,12 +1,11 @@
 """The viewer as a piece of HTML that needs nothing else: styles, data, libraries and program inside."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import asdict
 from html import escape
 from importlib.resources import files
 
 from flangeway.errors import InputError
-from flangeway.report.fields import PartFields
+from flangeway.report.viewer.model import Scene
 from flangeway.report.viewer.packing import json_in_script, packed_parts
 
 PROGRAM = (
@@ -24,40 +23,17 @@ PROGRAM = (
 """Files of the program, in the order in which the page holds them."""
 
 
-@dataclass(frozen=True)
-class View:
-    """A place to which a button of the viewer flies.
-
-    Parameters
-    ----------
-    name
-        Text of the button.
-    centre_mm
-        Middle of the view (x, y), in the axes of the parts.
-    width_mm
-        Width of what is shown.
-
-    """
-
-    name: str
-    centre_mm: tuple[float, float]
-    width_mm: float
-
-
-def field_viewer(parts: Sequence[PartFields], views: Sequence[View] = (), instead: str = "") -> str:
+def field_viewer(scene: Scene, instead: str = "") -> str:
     """Return the viewer as HTML to be put into the body of a page, once.
 
-    It shows the stresses of the cells and the displacements of the points of `parts` as the VTU files of
-    `flangeway.report.paraview.write_part` hold them, in 32 bits. It takes its colours from the page's custom
-    properties ``--ink``, ``--soft``, ``--page``, ``--card`` and ``--line``, and is dark where ``data-theme`` of the
-    page's root element says so or, without it, where the reader's system does.
+    It holds the arrays of the parts in 32 bits. It takes its colours from the page's custom properties ``--ink``,
+    ``--soft``, ``--page``, ``--card`` and ``--line``, and is dark where ``data-theme`` of the page's root element says
+    so or, without it, where the reader's system does.
 
     Parameters
     ----------
-    parts
-        One part or more.
-    views
-        Places with a button each, beside the one for all parts.
+    scene
+        What is shown.
     instead
         Sentence for browsers that cannot show it: where to find pictures.
 
@@ -67,14 +43,20 @@ def field_viewer(parts: Sequence[PartFields], views: Sequence[View] = (), instea
         If there is no part.
 
     """
-    if not parts:
+    if not scene.parts:
         raise InputError("no parts", "one part or more", "give the parts of a solved problem")
-    header, data = packed_parts(parts)
-    header["views"] = [{"name": view.name, "centre": list(view.centre_mm), "width": view.width_mm} for view in views]
+    headers, data = packed_parts(scene.parts)
+    header = {
+        "parts": headers,
+        "fields": [asdict(field) for field in scene.fields],
+        "views": [asdict(view) for view in scene.views],
+        "unit": scene.unit,
+    }
     program = "\n".join(_text(name) for name in PROGRAM)
+    body = _text("viewer.html").replace("$instead", escape(instead)).replace("$notes", escape(" ".join(scene.notes)))
     return (
         f"<style>\n{_text('viewer.css')}</style>\n"
-        f"{_text('viewer.html').replace('$instead', escape(instead))}"
+        f"{body}"
         f'<script type="application/json" id="viewer-header">{json_in_script(header)}</script>\n'
         f'<script type="text/plain" id="viewer-data">{data}</script>\n'
         f"<script>\n/*\n{_text('libraries/LICENCES.txt')}*/\n{_text('libraries/libraries.min.js')}</script>\n"

@@ -66,27 +66,38 @@ function isFan(part, start, size) {
   return true;
 }
 
-// Edges once each, as pairs of points, and those of the boundary, which have one cell.
+// Edges once each, as pairs of points, and those of the boundary, which have one cell. Of cells that were cut to be drawn
+// only the rims count: their places have the numbers below `rim`.
 function edgesOf(part) {
   const n = part.points.length / 2;
+  const rim = part.rim ?? n;
   const keys = new Float64Array(part.corners.length);
+  const pointAtPlace = part.places ? new Uint32Array(n) : null;
+  part.places?.forEach((place, point) => (pointAtPlace[place] = point));
+  let used = 0;
   for (let cell = 0; cell < part.sizes.length; cell++) {
     const [start, end] = [part.offsets[cell], part.offsets[cell + 1]];
     for (let i = start; i < end; i++) {
-      const a = part.corners[i];
-      const b = part.corners[i + 1 < end ? i + 1 : start];
-      keys[i] = a < b ? a * n + b : b * n + a;
+      let a = part.corners[i];
+      let b = part.corners[i + 1 < end ? i + 1 : start];
+      if (part.places) [a, b] = [part.places[a], part.places[b]];
+      if (a < rim && b < rim) keys[used++] = a < b ? a * n + b : b * n + a;
     }
   }
-  keys.sort();
+  return edgesOfKeys(keys.subarray(0, used).sort(), n, pointAtPlace);
+}
+
+// The edges of sorted keys, each as often as it has cells.
+function edgesOfKeys(keys, n, pointAtPlace) {
   const edges = new Uint32Array(2 * keys.length);
   const boundary = [];
   let count = 0;
   for (let i = 0; i < keys.length; ) {
     let next = i + 1;
     while (next < keys.length && keys[next] === keys[i]) next++;
-    const low = Math.floor(keys[i] / n);
-    const high = keys[i] - low * n;
+    let low = Math.floor(keys[i] / n);
+    let high = keys[i] - low * n;
+    if (pointAtPlace) [low, high] = [pointAtPlace[low], pointAtPlace[high]];
     edges[count++] = low;
     edges[count++] = high;
     if (next === i + 1) boundary.push(low, high);
@@ -97,13 +108,14 @@ function edgesOf(part) {
 
 // Places at first touch and motion since then, x, y, motion x, motion y of each point, from the part's origin.
 function motionOf(part) {
-  const { points, displacement, rigid } = part;
+  const { points, rigid } = part;
+  const displacement = part.arrays.displacement?.numbers ?? new Float32Array(points.length);
   const motion = new Float32Array(2 * points.length);
   for (let i = 0; i < points.length; i += 2) {
     for (let axis = 0; axis < 2; axis++) {
       const moved = rigid[0][axis] * points[i] + rigid[1][axis] * points[i + 1] + rigid[2][axis];
       motion[2 * i + axis] = points[i + axis] - moved;
-      motion[2 * i + 2 + axis] = moved + displacement[i + axis];
+      motion[2 * i + 2 + axis] = moved + displacement[(axis * points.length + i) / 2];
     }
   }
   return motion;

@@ -9,14 +9,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.report.fields import PartFields
+from flangeway.report.viewer.model import ShownPart
 
 Floats = NDArray[np.float64]
 
 LEVEL = 9
+SAME = 1e-9
+"""Difference over the largest value of an array below which values count as the same."""
 
 
-def packed_parts(parts: Sequence[PartFields]) -> tuple[dict[str, Any], str]:
+def packed_parts(parts: Sequence[ShownPart]) -> tuple[list[dict[str, Any]], str]:
     """Pack the parts.
 
     The arrays of all parts stand one after the other. Each is little-endian with 4 bytes a number, stored with all
@@ -29,40 +31,75 @@ def packed_parts(parts: Sequence[PartFields]) -> tuple[dict[str, Any], str]:
 
     Returns
     -------
-    header
-        What JSON can hold: for each part ``name``, ``side``, ``origin`` (mm, subtracted from the points), ``rigid``
-        (3, 2): the rows that give a point's rigid motion since first touch as x, y (from the origin) and 1 times them;
-        and ``arrays``: name, type (``f4`` or ``u4``) and count of each array, in the order of the bytes.
+    headers
+        What JSON can hold, for each part: ``name``, ``side``, ``origin`` (subtracted from the points), ``rigid``
+        (3, 2): the rows that give a point's approach as x, y (from the origin) and 1 times them; ``rim``, the number of
+        places on rims of cells, if there are others; and ``arrays``: name, type (``f4`` or ``u4``) and count of each
+        array in the order of the bytes, and of those with values where they are (``points``, ``places`` or ``cells``)
+        and the number of their components, which follow each other.
     text
-        The base64 text. Arrays of a part: ``points`` (n_points, 2) and ``displacement`` (n_points, 2) in mm; ``sizes``
-        of the cells; ``corners``: the point numbers of the cells as differences from the number before; ``stresses``
-        (4, n_cells): xx, yy, xy, zz in MPa.
+        The base64 text. Other arrays of a part: ``points`` (n, 2) of the points, or of their places; ``sizes`` of the
+        cells; and as differences from the number before, ``corners``: the points of the cells, ``places`` of the
+        points, and ``cells``: the cell that each drawn cell is a piece of.
 
     """
     headers, chunks = [], []
     for part in parts:
-        mesh = part.mesh
-        origin: Floats = np.mean(mesh.points, axis=0)
-        local: Floats = mesh.points - origin
-        arrays: dict[str, NDArray[Any]] = {
-            "points": local.astype("<f4"),
-            "displacement": part.displacement.astype("<f4"),
-            "sizes": mesh.cell_sizes.astype("<u4"),
-            "corners": np.diff(mesh.cell_points.astype(np.int64), prepend=0).astype("<i4").view("<u4"),
-            "stresses": part.stresses.components.T.astype("<f4"),
-        }
-        headers.append(
-            {
-                "name": part.name,
-                "side": part.side,
-                "origin": origin.tolist(),
-                "rigid": rigid_motion(local, mesh.points - part.touch_points).tolist(),
-                "arrays": [[name, array.dtype.str[1:], array.size] for name, array in arrays.items()],
-            }
-        )
-        chunks += [_byte_planes(array) for array in arrays.values()]
+        header, arrays = _packed(part)
+        headers.append(header)
+        chunks += [_byte_planes(array) for array in arrays]
     deflated = zlib.compress(b"".join(chunks), LEVEL)
-    return {"parts": headers}, base64.b64encode(deflated).decode("ascii")
+    return headers, base64.b64encode(deflated).decode("ascii")
+
+
+def _packed(part: ShownPart) -> tuple[dict[str, Any], list[NDArray[Any]]]:
+    """Header and arrays of a part."""
+    mesh, first = part.mesh, _first_at_places(part)
+    origin: Floats = np.mean(mesh.points, axis=0)
+    local: Floats = mesh.points - origin
+    arrays: list[tuple[list[Any], NDArray[Any]]] = [
+        (["points"], (local if first is None else local[first]).astype("<f4")),
+        (["sizes"], mesh.cell_sizes.astype("<u4")),
+        (["corners"], _differences(mesh.cell_points)),
+    ]
+    for name, numbers in (("places", part.places), ("cells", part.cells)):
+        if numbers is not None:
+            arrays.append(([name], _differences(numbers)))
+    for name, values in part.point_arrays.items():
+        where, fewer = _without_copies(part, values, first)
+        arrays.append(([name, where, values.shape[1]], fewer.T.astype("<f4")))
+    for name, values in part.cell_arrays.items():
+        arrays.append(([name, "cells", values.shape[1]], values.T.astype("<f4")))
+    rigid = np.zeros((3, 2)) if part.approach is None else rigid_motion(local, part.approach)
+    header: dict[str, Any] = {
+        "name": part.name,
+        "side": part.side,
+        "origin": origin.tolist(),
+        "rigid": rigid.tolist(),
+        "arrays": [[name, array.dtype.str[1:], array.size, *more] for (name, *more), array in arrays],
+    }
+    if part.n_rim_places is not None:
+        header["rim"] = part.n_rim_places
+    return header, [array for _, array in arrays]
+
+
+def _first_at_places(part: ShownPart) -> NDArray[np.intp] | None:
+    """A point of each place, None where each point is a place of its own."""
+    return None if part.places is None else np.unique(part.places, return_index=True)[1]
+
+
+def _without_copies(part: ShownPart, values: Floats, first: NDArray[np.intp] | None) -> tuple[str, Floats]:
+    """Where values of points are kept: once a place or once a cell if they are the same there; and the values."""
+    if part.places is None or first is None:
+        return "points", values
+    tolerance = SAME * float(np.abs(values).max(initial=0.0))
+    if np.abs(values - values[first][part.places]).max(initial=0.0) <= tolerance:
+        return "places", values[first]
+    starts = part.mesh.cell_points[part.mesh.cell_offsets[:-1]]
+    own = np.repeat(starts, part.mesh.cell_sizes)
+    if np.abs(values[part.mesh.cell_points] - values[own]).max(initial=0.0) <= tolerance:
+        return "cells", values[starts]
+    return "points", values
 
 
 def rigid_motion(points: Floats, motion: Floats) -> Floats:
@@ -74,6 +111,10 @@ def rigid_motion(points: Floats, motion: Floats) -> Floats:
 def json_in_script(value: object) -> str:
     """JSON that may stand inside a script element: no character in it ends the element."""
     return json.dumps(value, separators=(",", ":"), allow_nan=False).replace("<", "\\u003c")
+
+
+def _differences(numbers: NDArray[Any]) -> NDArray[Any]:
+    return np.diff(numbers.astype(np.int64), prepend=0).astype("<i4").view("<u4")
 
 
 def _byte_planes(array: NDArray[Any]) -> bytes:

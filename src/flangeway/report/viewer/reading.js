@@ -3,7 +3,9 @@
 const REST_MS = 500;
 
 class Reading {
-  constructor(root) {
+  constructor(root, { unit, deforms }) {
+    this.end = deforms ? ` ${unit}, undeformed` : ` ${unit}`;
+    this.unit = unit;
     this.output = root.querySelector(".viewer-reading");
     this.live = root.querySelector(".viewer-live");
   }
@@ -16,20 +18,22 @@ class Reading {
       return this.tell();
     }
     const { part, cell, point, at } = found;
-    const value = valuesOf(part, field)[field.onPoints ? point : cell];
+    const perCell = onCells(part, field);
+    const value = valuesOf(part, field)[perCell ? cell : point];
+    const number = part.cells ? part.cells[cell] : cell;
     const main = this.add("span", "viewer-value");
     this.add("data", "reading-value", `${shown(value, 6)} ${field.unit}`, value, main);
     const what = this.add("span", "viewer-what", `${field.name}, `);
     this.add("data", "reading-part", part.name, part.name, what);
-    what.append(field.onPoints ? ", point " : ", cell ");
-    if (field.onPoints) this.add("data", "reading-point", String(point), point, what);
-    else this.add("data", "reading-cell", String(cell), cell, what);
+    what.append(perCell ? ", cell " : ", point ");
+    if (perCell) this.add("data", "reading-cell", String(number), number, what);
+    else this.add("data", "reading-point", String(point), point, what);
     what.append(" at x ");
     this.add("data", "reading-x", fixed(at[0]), at[0], what);
-    what.append(" mm, y ");
+    what.append(` ${this.unit}, y `);
     this.add("data", "reading-y", fixed(at[1]), at[1], what);
-    what.append(" mm, undeformed");
-    if (field.onPoints) this.add("data", "reading-cell", ` (cell ${cell})`, cell, what);
+    what.append(this.end);
+    if (!perCell) this.add("data", "reading-cell", ` (cell ${number})`, number, what);
     this.tell();
   }
 

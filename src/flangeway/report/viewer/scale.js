@@ -1,6 +1,7 @@
 // The scale of colours: its bar with numbers, and the range that people choose.
 
 const TAIL = 0.005;
+const NOISE = 1e-6;
 
 class Scale {
   constructor(root, changed) {
@@ -20,8 +21,9 @@ class Scale {
     }
   }
 
-  // Range of colours for arrays of values: robust, full, or the person's own while that makes sense.
-  rangeFor(arrays) {
+  // Range of colours for arrays of values: robust, full, or the person's own while that makes sense. Differences that
+  // are nothing beside the size of what the values were computed from are not shown.
+  rangeFor(arrays, size) {
     const found = rangeOf(arrays, TAIL);
     let { low, high } = this.mode.value === "full" ? { low: found.least, high: found.greatest } : found;
     if (this.mode.value === "own") {
@@ -36,7 +38,7 @@ class Scale {
       if (low > 0 && low < 0.3 * high) low = 0;
       if (high < 0 && high > 0.3 * low) high = 0;
       if (signOf({ low, high }) === 0) [low, high] = [-Math.max(-low, high), Math.max(-low, high)];
-      if (!(high > low)) [low, high] = [low - 0.5, high + 0.5];
+      if (!(high - low > NOISE * size)) [low, high] = [low - (size / 1000 || 0.5), high + (size / 1000 || 0.5)];
       this.low.value = Number(low.toPrecision(5));
       this.high.value = Number(high.toPrecision(5));
     }

@@ -57,7 +57,7 @@ class Picture {
     this.camera = new OrthographicCamera(-1, 1, 1, -1, 0.1, 100);
     this.camera.position.z = 10;
     this.scene = new Scene();
-    this.shared = { factor: { value: 1 }, range: { value: [0, 1] }, perCell: { value: true }, table: { value: null } };
+    this.shared = { factor: { value: 1 }, range: { value: [0, 1] }, table: { value: null } };
     this.inks = { mesh: { value: [0, 0, 0, 1] }, outline: { value: [0, 0, 0, 1] } };
     this.items = parts.map((part) => this.added(part));
     this.pending = false;
@@ -67,7 +67,7 @@ class Picture {
     const { Group } = viewerLibraries;
     const group = new Group();
     const motion = { value: floatTexture(part.motion, 4) };
-    const uniforms = { ...this.shared, motion, values: { value: null } };
+    const uniforms = { ...this.shared, motion, perCell: { value: true }, values: { value: null } };
     const cells = this.drawable("Mesh", part.corners, part.triangles, uniforms, CELLS_VERTEX, CELLS_FRAGMENT, 0);
     cells.geometry.setAttribute("cell", new viewerLibraries.BufferAttribute(part.cellOfCorner, 1));
     const points = Uint32Array.from({ length: part.points.length / 2 }, (_, i) => i);
@@ -99,12 +99,12 @@ class Picture {
     for (const { part, group } of this.items) group.position.set(part.origin[0] + part.shift, part.origin[1], 0);
   }
 
-  // One array of values for each part: of its cells, or of its points.
-  setValues(arrays, perCell) {
-    this.shared.perCell.value = perCell;
-    this.items.forEach((item, i) => {
-      item.uniforms.values.value?.dispose();
-      item.uniforms.values.value = floatTexture(arrays[i], 1);
+  // For each part its values, and whether they are of its cells or of its points.
+  setValues(shown) {
+    this.items.forEach(({ uniforms }, i) => {
+      uniforms.perCell.value = shown[i].perCell;
+      uniforms.values.value?.dispose();
+      uniforms.values.value = floatTexture(shown[i].values, 1);
     });
   }
 

@@ -9,17 +9,20 @@ const LONGEST_BAR = 160;
 const SIDES_APART = 0.2;
 
 class Viewer {
-  constructor(root, parts, views) {
+  constructor(root, parts, { fields, views, unit }) {
     this.root = root;
     this.parts = parts;
+    this.fields = fields;
+    this.unit = unit;
+    this.deforms = parts.some((part) => part.arrays.displacement);
     this.canvas = this.find("#viewer-canvas");
     this.cross = this.find(".viewer-cross");
-    this.field = FIELDS[0];
+    this.field = fields[0];
     this.factor = 1;
     this.found = null;
     this.picture = new Picture(this.canvas, parts);
     this.navigation = new Navigation(this.picture, this.canvas, () => this.moved());
-    this.reading = new Reading(root);
+    this.reading = new Reading(root, this);
     this.scale = new Scale(root, () => this.recolour());
     const given = views.map((view) => givenView(view, parts));
     this.views = [{ name: "whole", box: () => this.wholeBox() }, ...sidesOf(parts, this), ...given];
@@ -72,7 +75,7 @@ class Viewer {
 
   fillControls() {
     const groups = new Map();
-    for (const field of FIELDS) {
+    for (const field of this.fields) {
       if (!groups.has(field.group)) {
         const group = document.createElement("optgroup");
         group.label = field.group;
@@ -96,6 +99,8 @@ class Viewer {
       label.append(box, ` ${part.name}`);
       this.find(".viewer-parts").append(label);
     }
+    this.find(".viewer-parts").hidden = this.parts.length < 2;
+    for (const name of [".viewer-slide", "#viewer-true"]) this.find(name).hidden = !this.deforms;
     this.find("#viewer-slider").value = sliderOf(this.factor);
   }
 
@@ -157,7 +162,7 @@ class Viewer {
   // what is shown
 
   chooseField(key) {
-    this.field = FIELDS.find((field) => field.key === key);
+    this.field = this.fields.find((field) => field.key === key);
     this.find("#viewer-field").value = key;
     if (this.scale.mode.value === "own") this.scale.mode.value = "robust";
     this.canvas.setAttribute("aria-label", `Picture of the parts, coloured by ${this.field.name} in ${this.field.unit}`);
@@ -165,24 +170,27 @@ class Viewer {
   }
 
   nextField(step) {
-    const next = FIELDS[(FIELDS.indexOf(this.field) + step + FIELDS.length) % FIELDS.length];
-    this.chooseField(next.key);
+    const { fields } = this;
+    this.chooseField(fields[(fields.indexOf(this.field) + step + fields.length) % fields.length].key);
   }
 
   recolour() {
-    const smooth = this.find("#viewer-smooth").checked && !this.field.onPoints;
-    const values = this.parts.map((part) => valuesOf(part, this.field));
+    const smooth = this.find("#viewer-smooth").checked;
     this.picture.setValues(
-      smooth ? this.parts.map((part, i) => smoothed(part, values[i])) : values,
-      !this.field.onPoints && !smooth
+      this.parts.map((part) => {
+        const values = valuesOf(part, this.field);
+        if (smooth && jumps(part, this.field)) return { values: smoothed(part, this.field, values), perCell: false };
+        return { values, perCell: onCells(part, this.field) };
+      })
     );
     this.rerange();
     this.read();
   }
 
   rerange() {
-    const arrays = this.shownParts().map((part) => valuesOf(part, this.field));
-    const range = this.scale.rangeFor(arrays);
+    const parts = this.shownParts();
+    const size = Math.max(0, ...parts.map((part) => sizeOf(part, this.field)));
+    const range = this.scale.rangeFor(parts.map((part) => valuesOf(part, this.field)), size);
     const table = colourTable(this.theme ?? themeNow(), signOf(range));
     this.picture.shared.range.value = [range.low, range.high];
     this.picture.setTable(table);
@@ -276,7 +284,7 @@ class Viewer {
     const length = roundBelow(LONGEST_BAR / zoom);
     // a share of the picture, which paper makes smaller
     bar.style.width = `${(100 * length * zoom) / this.canvas.clientWidth}%`;
-    bar.firstElementChild.textContent = `${shown(length)} mm`;
+    bar.firstElementChild.textContent = `${shown(length)} ${this.unit}`;
     this.mark();
     this.picture.renderSoon();
   }
@@ -356,7 +364,7 @@ async function startViewer() {
     const parts = await unpacked(header, document.getElementById("viewer-data").textContent);
     parts.forEach(prepare);
     body.hidden = false;
-    new Viewer(root, parts, header.views);
+    new Viewer(root, parts, header);
     message.hidden = true;
     root.dataset.state = "ready";
   } catch (error) {

@@ -1,0 +1,154 @@
+"""What the interactive pictures of the pages show: parts of wheelsets, bodies, sections."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.post import shear_stresses
+from flangeway.report.body_fields import BodyFields, body_fields
+from flangeway.report.fields import PartFields
+from flangeway.report.section_figures import warping_about_shear_centre
+from flangeway.report.tables import contact_name
+from flangeway.report.viewer import Scene, ShownField, ShownPart, View
+from flangeway.report.viewer.model import DISPLACEMENT, Formula
+from flangeway.study.bodies_run import BodiesRun
+from flangeway.study.section import SectionRun
+
+Floats = NDArray[np.float64]
+
+VIEW_WIDTHS = 8.0
+"""Width of the view of a contact over the half width of the contact."""
+MOST_POINTS = 400_000
+"""Points of all bodies above which the page shows their cells whole, with values at their corners."""
+
+_STRESSES: tuple[tuple[str, str, Formula], ...] = (
+    ("von_mises_MPa", "von Mises stress", "von-mises"),
+    ("principal_1_MPa", "principal stress 1 (greatest)", "principal-1"),
+    ("principal_2_MPa", "principal stress 2", "principal-2"),
+    ("principal_3_MPa", "principal stress 3 (least)", "principal-3"),
+    ("max_in_plane_shear_MPa", "largest in-plane shear", "in-plane-shear"),
+    ("stress_xx_MPa", "stress xx", "xx"),
+    ("stress_yy_MPa", "stress yy", "yy"),
+    ("stress_xy_MPa", "stress xy", "xy"),
+    ("stress_zz_MPa", "stress zz", "zz"),
+)
+
+
+def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[dict[str, Any]]) -> Scene:
+    """Parts of a wheelset with means of cells, and a view of each contact of its summary."""
+    views = []
+    for contact in contacts:
+        x, y = contact["space_position_mm"]
+        alone = contact_name(contact, list(contacts)) == contact["side"]
+        name = f"{contact['side']} {'contact' if alone else contact['region']}"
+        views.append(View(name, (x, y), VIEW_WIDTHS * contact["half_width_mm"]))
+    shown = [
+        ShownPart(
+            part.name,
+            part.mesh,
+            {DISPLACEMENT: part.displacement},
+            {"stresses": part.stresses.components},
+            side=part.side,
+            approach=part.mesh.points - part.touch_points,
+        )
+        for part in parts
+    ]
+    notes = (
+        "Stresses are means of cells in the axes of the picture, tension positive, as in the cell arrays of the VTU "
+        "files. Displacements are elastic, as the points of the VTU files have them. The deformation slider multiplies "
+        "all motion since the wheels first touched the rails, rigid and elastic: 0 is first touch, 1 is true. Where "
+        "the sides are drawn closer together, only the picture is changed: coordinates stay true.",
+    )
+    fields = _fields("Stresses, means of cells", "Elastic displacement of points")
+    return Scene(shown, fields, views, notes=notes)
+
+
+def bodies_scene(run: BodiesRun, fields: Sequence[BodyFields]) -> Scene:
+    """Bodies with stresses at the points of their files, and a view of each region of contact.
+
+    Bodies with very many points are shown with whole cells and the values at their corners.
+    """
+    orders = [body.field.problem.space.order for body in run.bodies.values()]
+    whole = max(orders) > 1 and sum(each.mesh.n_points for each in fields) > MOST_POINTS
+    if whole:
+        fields = [body_fields(name, body, 1) for name, body in run.bodies.items()]
+    shown = [
+        ShownPart(
+            each.name,
+            each.mesh,
+            {DISPLACEMENT: each.displacement, "stresses": each.stresses.components},
+            places=each.places,
+            n_rim_places=each.n_rim_places,
+            cells=None if np.array_equal(each.cells, np.arange(each.mesh.n_cells)) else each.cells,
+        )
+        for each in fields
+    ]
+    notes = [
+        "Stresses are in the axes of the picture, tension positive, each from its own cell, as in the VTU files: in "
+        "elements of order 1 they are the same all over a cell, in others they are read at the points that the VTU "
+        "files have. Displacements are whole motions from the first place, rigid and elastic; the deformation slider "
+        "multiplies them: 0 is the first place, 1 is true.",
+    ]
+    if whole:
+        notes.append("There are so many cells that only the values at their corners are shown; the files have more.")
+    return Scene(shown, _fields("Stresses", "Motion of points"), _patch_views(run), notes=notes)
+
+
+def _patch_views(run: BodiesRun) -> list[View]:
+    """A view of each region of contact."""
+    views: list[View] = []
+    patches = run.patches
+    for number, patch in enumerate(patches, 1):
+        name = "contact" if len(patches) == 1 else f"contact {number}"
+        x, y = patch.centre.tolist()
+        views.append(View(name, (x, y), VIEW_WIDTHS * patch.half_width))
+    return views
+
+
+def _fields(stresses: str, motion: str) -> list[ShownField]:
+    """Fields of stresses and displacements under two headings."""
+    key = "displacement_mm"
+    return [
+        *(ShownField(name, words, "MPa", stresses, "stresses", formula) for name, words, formula in _STRESSES),
+        ShownField(key, "displacement, magnitude", "mm", motion, DISPLACEMENT, "magnitude"),
+        ShownField(f"{key}:x", "displacement x", "mm", motion, DISPLACEMENT, "x"),
+        ShownField(f"{key}:y", "displacement y", "mm", motion, DISPLACEMENT, "y"),
+    ]
+
+
+def section_scene(run: SectionRun) -> Scene:
+    """Warping, Prandtl's function and the shear stress of a section; nothing of it moves in the plane."""
+    unit = run.drawn.unit
+    points, cells = section_arrays(run)
+    (warping, prandtl), (shear,) = points, cells
+    shown = ShownPart(
+        "section",
+        run.space.mesh,
+        {name: values[:, None] for name, values in points.items()},
+        cells,
+    )
+    at_points, means, per_area = "Functions of torsion, at points", "Shear stress, means of cells", f"1/{unit}³"
+    fields = [
+        ShownField(shear, "shear stress over torque, magnitude", per_area, means, shear, "magnitude"),
+        ShownField(f"{shear}:x", "shear stress over torque, xz", per_area, means, shear, "x"),
+        ShownField(f"{shear}:y", "shear stress over torque, yz", per_area, means, shear, "y"),
+        ShownField(warping, "warping over rate of twist", f"{unit}²", at_points, warping, "value"),
+        ShownField(prandtl, "Prandtl's function over G times rate of twist", f"{unit}²", at_points, prandtl, "value"),
+    ]
+    notes = (
+        "Shear stresses are means of cells for a torque of one; warping is about the shear centre, for a rate of twist "
+        "of one; all as in section.vtu.",
+    )
+    return Scene([shown], fields, unit=unit, notes=notes)
+
+
+def section_arrays(run: SectionRun) -> tuple[dict[str, Floats], dict[str, Floats]]:
+    """Arrays of a section by their names in its file, unit in each: of points (n,), and of cells (n, 2)."""
+    mesh, unit, prandtl = run.space.mesh, run.drawn.unit, run.constants.prandtl
+    points = {
+        f"warping_{unit}2": warping_about_shear_centre(run),
+        f"prandtl_{unit}2": prandtl.function[: mesh.n_points] / prandtl.problem.mean_modulus,
+    }
+    return points, {f"shear_stress_per_torque_per_{unit}3": shear_stresses(prandtl) / prandtl.torsional_rigidity}

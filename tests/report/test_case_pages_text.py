@@ -1,0 +1,166 @@
+"""What the reports of all cases say, and the arrays behind their interactive pictures."""
+
+import re
+import shlex
+from dataclasses import replace
+from html import unescape
+
+import numpy as np
+import pytest
+
+from flangeway.post import corner_stresses
+from flangeway.report import scenes
+from flangeway.report.bodies_page import bodies_page
+from flangeway.report.body_fields import bodies_fields, body_fields
+from flangeway.report.case_text import case_text
+from flangeway.report.command import command_line, section_command
+from flangeway.report.html import report_page
+from flangeway.report.newton_history import load_steps, newton_figure, steps_table
+from flangeway.report.section_page import section_page
+from flangeway.solve import Status
+from flangeway.study import CASES
+from flangeway.study.case_file import read_case
+from flangeway.study.torsion_case import TorsionCase
+
+COARSE = {"size_mm": 1.5, "body_size_mm": 15.0, "indentation_mm": 1.0, "n_steps": 2, "order": 2}
+HEADINGS = ["Summary", "Warnings", "Assumptions", "Fields", "Numbers", "Inputs", "Run it again"]
+
+
+@pytest.fixture(scope="module")
+def hertz():
+    """Two half discs of order 2, pressed in two steps."""
+    return CASES["hertz"].from_values(COARSE).run()
+
+
+@pytest.fixture(scope="module")
+def hertz_text(hertz):
+    return report_page(bodies_page(hertz, [], list(bodies_fields(hertz))))
+
+
+def headings(text):
+    return re.findall(r"<h2[^>]*>(.*?)</h2>", text)
+
+
+def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
+    """Sections come in order, one without contents is left out, and notices, results and versions are told."""
+    wanted = [each for each in HEADINGS if each != "Warnings" or hertz.summary["notices"]]
+    assert headings(hertz_text) == wanted
+    words = unescape(hertz_text)
+    for text in (*hertz.summary["notices"], "Plane strain", "without friction", "upper on lower", "load"):
+        assert text in words
+    assert f"{hertz.summary['results']['hertz_max_pressure_MPa']:.5g} MPa" in words
+    assert f"numpy {hertz.summary['versions']['numpy']}" in words
+    assert "$" not in hertz_text.split("<script")[0]
+
+
+def test_a_failure_and_notices_are_marked(hertz):
+    """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
+    status = Status(False, "a <b> & c", 3)
+    summary = hertz.summary | {"notices": ["x < y"]}
+    page = report_page(bodies_page(replace(hertz, status=status, summary=summary), [], list(bodies_fields(hertz))))
+    assert 'class="status failed"' in page
+    assert "a &lt;b&gt; &amp; c" in page
+    assert "<li>x &lt; y</li>" in page
+
+
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("cook", {"poisson": 0.1 + 0.2, "method": "mixed", "level": 2}),
+        ("hertz", {"force_N": 1e5 / 3.0, "lower": "block"}),
+        ("contact-patch", {}),
+        ("torsion", {"size": 1.0 / 3.0, "half": True, "poisson": 0.25}),
+    ],
+)
+def test_the_command_and_the_case_file_give_the_same_case(tmp_path, name, values):
+    """Command and case file of the page hold every input to the last digit."""
+    case = CASES[name].from_values(values)
+    file = tmp_path / "case.toml"
+    file.write_text(case_text(case), encoding="utf-8")
+    assert read_case(file) == case
+    words = shlex.split(command_line(case))
+    assert words[:3] == ["flangeway", "run", name]
+    keys = {"--method": "method", "--order": "order"}
+    pairs = zip(words[3::2], words[4::2], strict=True)
+    given = dict(value.split("=") if option == "--set" else (keys[option], value) for option, value in pairs)
+    assert CASES[name].from_values(given) == case
+
+
+def test_the_case_file_of_bodies_gives_the_same_case(tmp_path):
+    """A case with tables, which no command has room for, comes back from the text of the page."""
+    case = CASES["two-bodies"].from_values(CASES["two-bodies"].example)
+    file = tmp_path / "two-bodies.toml"
+    file.write_text(case_text(case), encoding="utf-8")
+    assert read_case(file) == case
+
+
+def test_the_command_of_a_section_has_all_options():
+    """The command on the page of `flangeway section` has each input that is not the default as its option."""
+    case = TorsionCase(section="my box.csv", unit="cm", half=True, method="vem", order=3, size=0.1, poisson=0.3)
+    assert shlex.split(section_command(case)) == [
+        *("flangeway", "section", "my box.csv", "--unit", "cm", "--mirror", "--method", "vem"),
+        *("--order", "3", "--size", "0.1", "--poisson", "0.3"),
+    ]
+    assert section_command(TorsionCase()) == "flangeway section 136RE"
+
+
+def test_the_history_has_every_iteration_of_every_step(hertz):
+    """The picture draws the errors of all iterations in a row, the table counts them; a failed end is named."""
+    steps = load_steps(hertz.contact)
+    assert [name for name, _ in steps] == ["50 %", "100 %"]
+    axes = newton_figure(hertz.contact).axes[0]
+    drawn = np.concatenate(
+        [line.get_ydata() for line in axes.lines if line.get_linestyle() == "-" and line.get_marker() == "o"]
+    )
+    errors = [iteration.residual for _, state in steps for iteration in state.history]
+    assert np.array_equal(drawn, np.maximum(errors, 1e-17))
+    assert [row[1] for row in steps_table(hertz.contact).rows] == [str(len(state.history)) for _, state in steps]
+    failed = replace(hertz.contact, state=replace(hertz.contact.state, status=Status(False, "stopped", 1)))
+    assert load_steps(failed)[-1][0] == "not converged"
+
+
+def test_only_the_sides_of_cells_are_mesh_lines(hertz):
+    """Of the triangles that cells of order 2 are cut into, the sides between rim places are the edges in pieces."""
+    for each in bodies_fields(hertz):
+        mesh = hertz.bodies[each.name].field.problem.space.mesh
+        assert len(np.unique(each.places)) == each.places.max() + 1 > each.n_rim_places
+        assert each.n_rim_places == mesh.n_points + mesh.n_edges
+        corners = each.places[each.mesh.cell_points].reshape(-1, 3)
+        sides = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
+        lines = np.unique(sides[(sides < each.n_rim_places).all(axis=1)], axis=0)
+        assert len(lines) == 2 * mesh.n_edges
+
+
+def test_very_many_points_are_shown_as_whole_cells(hertz, monkeypatch):
+    """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
+    fields = list(bodies_fields(hertz))
+    assert all(part.cells is not None for part in scenes.bodies_scene(hertz, fields).parts)
+    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.mesh.n_points for each in fields) - 1)
+    scene = scenes.bodies_scene(hertz, fields)
+    for part in scene.parts:
+        body = hertz.bodies[part.name]
+        mesh = body.field.problem.space.mesh
+        assert np.array_equal(part.mesh.cell_offsets, mesh.cell_offsets)
+        assert np.array_equal(part.places, mesh.cell_points)
+        corners = corner_stresses(body.field.problem, body.field.displacements).components
+        assert part.point_arrays["stresses"] == pytest.approx(corners)
+    assert "corners" in scene.notes[-1]
+    with_points = body_fields("upper", hertz.bodies["upper"], 2)
+    at_corners = body_fields("upper", hertz.bodies["upper"], 1)
+    assert with_points.stresses.von_mises.max() >= at_corners.stresses.von_mises.max() * (1.0 - 1e-9)
+
+
+def test_a_section_in_another_unit(tmp_path):
+    """The page of a section in inches has inches everywhere, and its outline's notices as warnings."""
+    (tmp_path / "bar.toml").write_text(
+        'title = "Bar"\nunit = "in"\n[outer]\npoints = [[0, 0], [0, 1], [2, 1], [2, 0]]\n', encoding="utf-8"
+    )
+    run = TorsionCase(section=str(tmp_path / "bar.toml"), size=0.2).run()
+    page = section_page(run.section, run.case, [], command="flangeway x", summary_file="section.json")
+    assert page.scene.unit == "in"
+    assert {field.unit for field in page.scene.fields} == {"in²", "1/in³"}
+    assert page.facts[0] == ("2 in²", "area")
+    assert any("clockwise" in warning for warning in page.warnings)
+    text = report_page(page)
+    assert headings(text) == HEADINGS
+    assert "<code>flangeway x</code>" in text
