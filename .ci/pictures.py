@@ -22,7 +22,7 @@ PICTURES = {
     },
     "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
     "section 136RE": {"prandtl.png": ("gallery-prandtl", 700)},
-    "reproduce elasticity": {"nearly-incompressible.png": ("elasticity-nearly-incompressible", 900)},
+    "reproduce elasticity --quick": {"nearly_incompressible.png": ("elasticity-nearly-incompressible", 900)},
 }
 """Files of each command: the name that they get here, and their width."""
 

@@ -13,6 +13,8 @@ Result = TypeVar("Result")
 
 NO_PEER = "none"
 """Peer of what is measured for flangeway alone."""
+OWN = ("flangeway", "numpy", "scipy")
+"""Packages of flangeway whose versions are kept with each measurement."""
 
 
 @dataclass(frozen=True)
@@ -58,7 +60,7 @@ class Measurement:
 
     def record(self) -> dict[str, Any]:
         """All that is printed."""
-        versions = {name: _version(name) for name in ("flangeway", "numpy", "scipy")}
+        versions = {name: _version(name) for name in OWN}
         if self.peer != NO_PEER:
             versions[self.peer] = self.peer_version or _version(self.peer)
         result = {

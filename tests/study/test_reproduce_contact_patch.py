@@ -2,6 +2,7 @@
 
 import csv
 import io
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -112,3 +113,21 @@ def test_quick_leaves_out_the_finest_meshes() -> None:
     assert {run.code[4] for run in quick.published} == {"1", "2"}
     assert quick.passed
     assert all("M3" not in run.code for run in quick.proper)
+
+
+def test_the_page_of_validation_is_this(found: ContactPatchReproduction, same_as_page: Callable[..., None]) -> None:
+    """The section of the contact patch test on the page of validation is written from these numbers."""
+    same_as_page(REPRODUCTIONS["contact-patch"].chapter, found, whole=True)
+
+
+@pytest.mark.parametrize("typed", [("-1122", "-1125"), ("12 of 12", "11 of 12"), ("1.6 %", "1.3 %")])
+def test_a_typed_number_is_found_out(
+    found: ContactPatchReproduction, same_as_page: Callable[..., None], typed: tuple[str, str]
+) -> None:
+    """A number of the section that was changed by hand is not taken for the computed one."""
+    page = (Path(__file__).parents[2] / "docs" / "validation.md").read_text(encoding="utf-8")
+    chapter = REPRODUCTIONS["contact-patch"].chapter
+    before, title, after = page.partition(f"## {chapter.title}\n")
+    assert typed[0] in after
+    with pytest.raises(AssertionError):
+        same_as_page(chapter, found, whole=True, page=before + title + after.replace(*typed, 1))

@@ -1,7 +1,7 @@
 """Chapter 5 computed again, as `flangeway reproduce elasticity` does, and `flangeway reproduce all`."""
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -11,6 +11,7 @@ from flangeway.mesh import rectangle_grid, refined
 from flangeway.report import reproductions
 from flangeway.report.refinement_figures import hanging_points
 from flangeway.report.reproductions import Reproduction
+from flangeway.report.validation_page import Chapter
 from flangeway.study.closed_form import closed_form_values
 from flangeway.study.cook import ENERGY, CookCode, cook_reference, cook_row
 from flangeway.study.patch_test import PatchCode, patch_row
@@ -154,6 +155,11 @@ def test_wrong_codes_are_refused(make, message):
         make()
 
 
+def test_the_page_of_validation_shows_these_numbers(found, same_as_page):
+    """What is computed here stands on the page of validation."""
+    same_as_page(reproductions.REPRODUCTIONS["elasticity"].chapter, found, whole=False)
+
+
 def _registered(monkeypatch, **changes):
     """Put other reproductions in the place of those that there are."""
     monkeypatch.setattr(reproductions, "REPRODUCTIONS", changes)
@@ -162,7 +168,7 @@ def _registered(monkeypatch, **changes):
 def test_the_command_leaves_tables_and_pictures(call, monkeypatch, tmp_path, found):
     """The command ends with status 0, says how many numbers are within, and leaves all its files and columns."""
     known = reproductions.REPRODUCTIONS["elasticity"]
-    again = Reproduction(lambda **_: found, known.write, known.print_summary, known.files)
+    again = replace(known, compute=lambda **_: found)
     _registered(monkeypatch, elasticity=again)
     status, out, err = call("reproduce", "elasticity", "--quick", "--out", "found")
     assert status == 0, err
@@ -176,7 +182,7 @@ def test_the_command_leaves_tables_and_pictures(call, monkeypatch, tmp_path, fou
         path.name: list(csv.DictReader(path.read_text(encoding="utf-8").splitlines())) for path in folder.glob("*.csv")
     }
     assert list(rows["table.csv"][0]) == [
-        "table", "code", "quantity", "unit", "published", "computed", "relative_difference", "within", "note",
+        "table", "code", "quantity", "unit", "published", "computed", "relative_difference", "limit", "within", "note",
     ]  # fmt: skip
     assert {row["within"] for row in rows["table.csv"]} == {"True"}
     assert len(rows["nearly_incompressible.csv"]) == len(found.cook)
@@ -202,7 +208,8 @@ def _made_up(passed, asked):
         (folder / "table.csv").write_text("", encoding="utf-8")
         return [folder / "table.csv"]
 
-    return Reproduction(compute, write, lambda console, *_: console.print("done"), ("table.csv",))
+    chapter = Chapter("Title", "Text.", (), lambda _: [])
+    return Reproduction(compute, write, lambda console, *_: console.print("done"), ("table.csv",), chapter)
 
 
 @pytest.mark.parametrize(("second", "status"), [(True, 0), (False, 1)])

@@ -30,11 +30,11 @@ from flangeway.study.reproductions.hertz import (
 @pytest.fixture(scope="module")
 def found():
     """M1 and M2."""
-    return reproduce_hertz(quick=True)
+    return reproduce_hertz(levels=(1, 2))
 
 
-def test_quick_computes_the_coarser_half(found):
-    """Quick has six codes on M1 and M2 in both readings of the penalty, and order 2 with segment-to-segment."""
+def test_chosen_meshes_are_computed(found):
+    """There are six codes on M1 and M2 in both readings of the penalty, and order 2 with segment-to-segment."""
     assert len(found.of("printed")) == len(found.of("halved")) == 12
     assert len(found.of("segments")) == 8
     assert {row.level for row in found.rows} == {1, 2}
@@ -81,7 +81,7 @@ def test_command_leaves_its_files_and_a_summary(found, tmp_path):
             assert imread(file)[..., :3].std() > 0.02, file.name
     with (tmp_path / "hertz" / "table.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
-    header = "table,code,quantity,unit,published,computed,relative_difference,within,note"
+    header = "table,code,quantity,unit,published,computed,relative_difference,limit,within,note"
     assert list(rows[0]) == header.split(",")
     assert len(rows) == len(found.numbers)
     assert float(rows[0]["computed"]) == pytest.approx(found.numbers[0].computed, rel=1e-7)
@@ -155,3 +155,13 @@ def test_wrong_input_is_refused():
     narrow = HalfDisc(0.06, opening_rad=0.1)
     with pytest.raises(InputError, match="opening_rad"):
         solve_hertz(replace(published_problem("FDO1", 1), secondary=narrow))
+
+
+def test_quick_leaves_out_the_finest_mesh():
+    """Of M4 alone nothing is left."""
+    assert reproduce_hertz(quick=True, levels=(4,)).rows == ()
+
+
+def test_the_page_of_validation_shows_these_numbers(found, same_as_page):
+    """What is computed here stands on the page of validation."""
+    same_as_page(REPRODUCTIONS["hertz"].chapter, found, whole=False)

@@ -70,7 +70,7 @@ def test_quick_computes_the_coarser_half(tmp_path):
     file = tmp_path / "table.csv"
     write_rows(file, found.numbers, ReproducedNumber)
     header, *lines = file.read_text(encoding="utf-8").splitlines()
-    assert header == "table,code,quantity,unit,published,computed,relative_difference,within,note"
+    assert header == "table,code,quantity,unit,published,computed,relative_difference,limit,within,note"
     rows = list(csv.DictReader([header, *lines]))
     assert len(rows) == len(found.numbers)
     assert float(rows[3]["computed"]) == pytest.approx(found.numbers[3].computed, rel=1e-7)
@@ -82,3 +82,8 @@ def test_unknown_names_are_refused():
         find_reproductions("torsions", REPRODUCTIONS)
     assert find_reproductions("torsion", REPRODUCTIONS) == {"torsion": REPRODUCTIONS["torsion"]}
     assert find_reproductions("all", REPRODUCTIONS) == REPRODUCTIONS
+
+
+def test_the_page_of_validation_is_this(found, same_as_page):
+    """The section of torsion on the page of validation is written from these numbers."""
+    same_as_page(REPRODUCTIONS["torsion"].chapter, found, whole=True)

@@ -3,6 +3,7 @@
 import csv
 import io
 import itertools
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -10,13 +11,13 @@ import pytest
 from rich.console import Console
 
 from flangeway.report.reproductions import REPRODUCTIONS
-from flangeway.study.reproductions.wheel_rail import WheelRailReproduction, is_required, reproduce_wheel_rail
+from flangeway.study.reproductions.wheel_rail import WheelRailReproduction, reproduce_wheel_rail
 from flangeway.study.rigid_limit import extrapolated_differences_mm
 
 
 @pytest.fixture(scope="module")
 def found() -> WheelRailReproduction:
-    """Three rows, two values of Young's modulus, one refinement."""
+    """Four rows, two values of Young's modulus, one refinement."""
     return reproduce_wheel_rail(quick=True)
 
 
@@ -32,7 +33,7 @@ def test_rows_are_in_balance_from_a_cold_start(found: WheelRailReproduction) -> 
 def test_what_has_a_limit_is_within(found: WheelRailReproduction) -> None:
     """Agreement of orders, regions, rigid limit, refinement in contact and Hertz are within; positions are shown."""
     assert found.passed
-    required = [number for number in found.numbers if is_required(number)]
+    required = [number for number in found.numbers if number.required]
     assert {number.table for number in required} == {
         15,
         16,
@@ -42,7 +43,7 @@ def test_what_has_a_limit_is_within(found: WheelRailReproduction) -> None:
         "refinement",
         "Hertz",
     }
-    shown = [number for number in found.numbers if not is_required(number) and number.quantity.endswith("translation")]
+    shown = [number for number in found.numbers if not number.required and number.quantity.endswith("translation")]
     assert len(shown) == 2 * len(found.rows)
     assert all("given" in number.note or "assumed" in number.note for number in shown)
 
@@ -89,3 +90,8 @@ def test_files_and_summary(found: WheelRailReproduction, tmp_path: Path) -> None
     reproduction.print_summary(Console(file=text, width=120), found, files)
     assert "curve FO2" in text.getvalue()
     assert "numbers with a limit are within" in text.getvalue()
+
+
+def test_the_page_of_validation_is_this(found: WheelRailReproduction, same_as_page: Callable[..., None]) -> None:
+    """The section of wheel and rail on the page of validation is written from these numbers."""
+    same_as_page(REPRODUCTIONS["wheel-rail"].chapter, found, whole=True)

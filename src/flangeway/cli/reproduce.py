@@ -6,10 +6,26 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, Out, Quick, errors_as_exit_status, progress_shown, stdout
+from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, stdout
 
 ReproductionName = Annotated[
-    str, typer.Argument(metavar="NAME", help="torsion: Tables 4 to 7; elasticity: chapter 5; all: every one.")
+    str,
+    typer.Argument(
+        metavar="NAME", help="torsion, elasticity, hertz, contact-patch or wheel-rail; all: every one, with a summary."
+    ),
+]
+Quick = Annotated[
+    bool,
+    typer.Option("--quick", help="Leave out what takes minutes: Hertz's finest mesh, some rows of wheel and rail."),
+]
+Page = Annotated[
+    Path | None,
+    typer.Option(
+        "--page",
+        metavar="FILE.md",
+        help="Write the page of validation with its pictures in images/ beside it; for all.",
+        show_default=False,
+    ),
 ]
 
 
@@ -17,21 +33,43 @@ ReproductionName = Annotated[
 def reproduce(
     name: ReproductionName,
     quick: Quick = False,
+    page: Page = None,
     out: Out = None,
 ) -> None:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     with errors_as_exit_status():
-        from flangeway.report.reproductions import REPRODUCTIONS, find_reproductions  # noqa: PLC0415
+        from flangeway.errors import InputError  # noqa: PLC0415
+        from flangeway.report.reproductions import (  # noqa: PLC0415
+            REPRODUCTIONS,
+            find_reproductions,
+            print_verdicts,
+        )
+        from flangeway.report.validation_page import (  # noqa: PLC0415
+            Verdict,
+            check_page,
+            make_section,
+            write_page,
+        )
 
         folder = out or Path("out", "reproduce")
         wanted = find_reproductions(name, REPRODUCTIONS)
         for key, reproduction in wanted.items():
             reproduction.check_folder(folder / key)
-        passed = True
+        if page is not None:
+            if len(wanted) < len(REPRODUCTIONS):
+                raise InputError(f"--page with {name}", "a page of all", f"flangeway reproduce all --page {page}")
+            check_page(page, [reproduction.chapter for reproduction in wanted.values()])
+        verdicts, sections = {}, []
         for key, reproduction in wanted.items():
             with progress_shown() as progress:
-                found = reproduction.compute(quick=quick, progress=progress)
+                found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
                 files = reproduction.write(found, folder / key, progress)
+                if page is not None:
+                    sections.append(make_section(reproduction.chapter, found, page))
             reproduction.print_summary(stdout(), found, files)
-            passed = passed and found.passed
-        raise typer.Exit(DONE if passed else FAILED)
+            verdicts[key] = Verdict.of(found)
+        if page is not None:
+            stdout().print(f"Page: {write_page(page, sections, quick=quick)[-1]}", markup=False, soft_wrap=True)
+        if len(verdicts) > 1:
+            print_verdicts(stdout(), verdicts)
+        raise typer.Exit(DONE if all(verdict.passed for verdict in verdicts.values()) else FAILED)

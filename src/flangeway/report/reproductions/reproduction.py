@@ -5,9 +5,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
+from rich import box
 from rich.console import Console
+from rich.table import Table
 
 from flangeway.errors import InputError
+from flangeway.report.validation_page import Chapter, Verdict
 from flangeway.study import refuse_unwritable
 from flangeway.study.case import closest
 from flangeway.study.reproductions import Reproduced
@@ -37,6 +40,10 @@ class Reproduction:
         Called with a console, what was computed, and the files.
     files
         Names of all files that it may write.
+    chapter
+        What the page of validation says of it.
+    brief
+        Whether it takes seconds, so that nothing is left out if all shall be quick.
 
     """
 
@@ -44,6 +51,8 @@ class Reproduction:
     write: Callable[[Any, Path, Callable[[str], None]], list[Path]]
     print_summary: Callable[[Console, Any, list[Path]], None]
     files: tuple[str, ...]
+    chapter: Chapter
+    brief: bool = False
 
     def check_folder(self, folder: Path) -> None:
         """Refuse a folder that cannot take the files; see `flangeway.study.refuse_unwritable`."""
@@ -65,3 +74,20 @@ def find_reproductions(name: str, known: Mapping[str, Reproduction]) -> dict[str
         names = [*known, ALL]
         raise InputError(f"a reproduction called {name!r}", f"one of: {', '.join(names)}", closest(name, names))
     return {name: known[name]}
+
+
+def print_verdicts(console: Console, verdicts: Mapping[str, Verdict]) -> None:
+    """Print a line for each reproduction: numbers with a limit, those within, others, verdict and time."""
+    shown = Table("reproduction", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    for name in ("with a limit", "within", "shown only", "verdict", "seconds"):
+        shown.add_column(name, justify="right")
+    for key, verdict in verdicts.items():
+        counts = (verdict.n_required, verdict.n_within, verdict.n_shown)
+        shown.add_row(
+            key,
+            *map(str, counts),
+            "passed" if verdict.passed else "not passed",
+            f"{verdict.seconds:.1f}",
+            style="green" if verdict.passed else "bold red",
+        )
+    console.print(shown)

@@ -24,7 +24,6 @@ from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.wheel_rail import (
     WheelRailPatchRow,
     WheelRailReproduction,
-    is_required,
     patch_rows,
 )
 
@@ -81,7 +80,7 @@ def print_summary(console: Console, found: WheelRailReproduction, files: list[Pa
         "throat are not given. What can be compared is the balance.",
         soft_wrap=True,
     )
-    required = [number for number in found.numbers if is_required(number)]
+    required = [number for number in found.numbers if number.required]
     n_within = sum(number.within for number in required)
     console.print(
         f"{n_within} of {len(required)} numbers with a limit are within: balance, agreement of the methods, contact "

@@ -1,5 +1,5 @@
 """Published numbers computed again, a module for each chapter: what ``flangeway reproduce`` computes."""
 
-from flangeway.study.reproductions.common import Reproduced, ReproducedNumber, published_rows, write_rows
+from flangeway.study.reproductions.common import Reproduced, ReproducedNumber, percent, published_rows, write_rows
 
-__all__ = ["Reproduced", "ReproducedNumber", "published_rows", "write_rows"]
+__all__ = ["Reproduced", "ReproducedNumber", "percent", "published_rows", "write_rows"]

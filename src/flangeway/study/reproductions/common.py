@@ -25,13 +25,15 @@ class ReproducedNumber:
     unit
         Its unit.
     published
-        Published value.
+        Published value, or the exact one.
     computed
         Computed value.
     relative_difference
-        ``computed / published - 1``.
+        ``computed / published - 1``, or ``computed - published`` where zero or round-off is compared.
+    limit
+        Largest difference that counts as within, in words such as ``"15 %"``; empty for a number that is shown only.
     within
-        Whether that is within its limit.
+        Whether it is within its limit; for a number that is shown only, within that of its kind.
     note
         Reading, or the reason for a difference.
 
@@ -44,8 +46,19 @@ class ReproducedNumber:
     published: float
     computed: float
     relative_difference: float
+    limit: str
     within: bool
     note: str
+
+    @property
+    def required(self) -> bool:
+        """Whether it has a limit, rather than being shown only."""
+        return bool(self.limit)
+
+
+def percent(limit: float) -> str:
+    """Return a relative limit in words."""
+    return f"{100.0 * limit:g} %"
 
 
 class Reproduced(Protocol):

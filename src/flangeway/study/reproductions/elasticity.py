@@ -21,7 +21,7 @@ from flangeway.study.cook import (
 from flangeway.study.l_shape import adaptive_rows, l_shape, uniform_rows
 from flangeway.study.patch_test import PatchRow, patch_codes, patch_row
 from flangeway.study.refinement import RefinementRow
-from flangeway.study.reproductions.common import Progress, ReproducedNumber, published_rows
+from flangeway.study.reproductions.common import Progress, ReproducedNumber, percent, published_rows
 
 COOK = "Section 5.3.2"
 METHODS = ("F", "V", "H")
@@ -202,7 +202,7 @@ def _patch_numbers(rows: Sequence[PatchRow]) -> Iterator[ReproducedNumber]:
                 note = f"{_NOT_PUBLISHED.get(row.code.method, 'order not published')}; {note}"
             yield ReproducedNumber(
                 "Figure 56", str(row.code), f"stress T{name}", "tension", wanted, value, difference,
-                abs(difference) <= PATCH_LIMIT, note,
+                f"{PATCH_LIMIT:g}", abs(difference) <= PATCH_LIMIT, note,
             )  # fmt: skip
 
 
@@ -216,28 +216,27 @@ def _cook_numbers(rows: Sequence[CookRow]) -> Iterator[ReproducedNumber]:
             difference = value / wanted - 1.0
             series = f"{code.method}{code.order} {name}"
             if code.level == 4 and code.order == 2:
-                within, note = abs(difference) <= COOK_LIMIT, "limit 0.1 %"
+                within, limit = abs(difference) <= COOK_LIMIT, percent(COOK_LIMIT)
             elif series in before:
-                within, note = True, "limit: nearer than on the mesh before"
+                within, limit = True, "nearer than on the mesh before"
             else:
-                within, note = abs(difference) <= COOK_COARSEST_LIMIT, "limit 10 %"
+                within, limit = abs(difference) <= COOK_COARSEST_LIMIT, percent(COOK_COARSEST_LIMIT)
             within = within and abs(difference) < before.get(series, math.inf)
             before[series] = abs(difference)
-            if code.method == "H":
-                note = f"{_NOT_PUBLISHED['HE']}; {note}"
-            yield ReproducedNumber(COOK, str(code), name, unit, wanted, value, difference, within, note)
+            note = _NOT_PUBLISHED["HE"] if code.method == "H" else ""
+            yield ReproducedNumber(COOK, str(code), name, unit, wanted, value, difference, limit, within, note)
 
 
 def _closed_form_number(value: ClosedFormValue) -> ReproducedNumber:
     difference = value.computed / value.exact - 1.0
     soft = f"{NEARLY_INCOMPRESSIBLE:g}" in value.code and "stress" in value.quantity
     limit = SOFT_STRESS_LIMIT if soft else CLOSED_FORM_LIMITS[value.body]
-    note = f"closed form; limit {100.0 * limit:g} %"
+    note = "closed form"
     if soft:
-        note += ": its mean stress is a small change of volume times a large modulus"
+        note += "; its mean stress is a small change of volume times a large modulus"
     return ReproducedNumber(
         value.body, value.code, value.quantity, value.unit, value.exact, value.computed, difference,
-        abs(difference) <= limit, note,
+        percent(limit), abs(difference) <= limit, note,
     )  # fmt: skip
 
 

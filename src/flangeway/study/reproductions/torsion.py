@@ -11,7 +11,7 @@ from flangeway.mesh import dual, triangulate
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space
-from flangeway.study.reproductions.common import Progress, ReproducedNumber, published_rows
+from flangeway.study.reproductions.common import Progress, ReproducedNumber, percent, published_rows
 from flangeway.study.torsion import (
     SQUARE_EDGES,
     TRIANGLE_EDGES,
@@ -154,8 +154,9 @@ def _numbers(row: TorsionRow, published: dict[str, float]) -> Iterator[Reproduce
             note = _reason(row, published[quantity])
         name = quantity if main else f"{quantity} (projected load)"
         yield ReproducedNumber(
-            row.table, str(row.code), name, _UNITS[quantity], published[quantity], value, difference, within, note
-        )
+            row.table, str(row.code), name, _UNITS[quantity], published[quantity], value, difference,
+            percent(LIMITS[quantity]) if main else "", within, note,
+        )  # fmt: skip
 
 
 def _values(row: TorsionRow) -> dict[str, float]:

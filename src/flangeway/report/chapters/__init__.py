@@ -1,0 +1,1 @@
+"""What the page of validation says of each reproduction, a module each."""

@@ -1,0 +1,178 @@
+"""The page of validation: what is on it agrees with itself, and the command writes it."""
+
+import re
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import pytest
+from matplotlib.figure import Figure
+
+from flangeway.report import reproductions
+from flangeway.report.reproductions import REPRODUCTIONS, Reproduction
+from flangeway.report.validation_page import Chapter, PagePicture, section_text
+from flangeway.report.validation_tables import PageTable, digits, relative
+from flangeway.study.reproductions import ReproducedNumber
+
+DOCS = Path(__file__).parents[2] / "docs"
+PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
+SECTIONS = {title: text for title, _, text in (part.partition("\n") for part in PAGE.split("\n## ")[1:])}
+LARGEST_PICTURE = 150_000
+
+
+def rows_of(text):
+    """Rows of the table of all numbers, as lists of their cells."""
+    folded = text.partition("<details")[2].partition("</details>")[0]
+    return [line.strip("| ").split(" | ") for line in folded.splitlines() if line.startswith("| ")][2:]
+
+
+def test_the_page_has_a_section_for_each_reproduction_in_order():
+    """Sections are those of the reproductions, and the page names the command that writes it."""
+    assert list(SECTIONS) == [each.chapter.title for each in REPRODUCTIONS.values()]
+    assert "`flangeway reproduce all --quick --page docs/validation.md`" in PAGE.partition("## ")[0]
+
+
+def test_counts_of_the_first_table_are_those_of_the_sections():
+    """Numbers with a limit, those within and those shown only are as many as stand in each table of all numbers."""
+    table = re.findall(r"^\| (.+?) \| (\d+) \| (\d+) \| (\d+) \| (.+?) \|$", PAGE.partition("## ")[0], re.MULTILINE)
+    assert [title for title, *_ in table] == list(SECTIONS)
+    for title, *counts, verdict in table:
+        rows = rows_of(SECTIONS[title])
+        shown = sum("shown only" in row for row in rows)
+        within = sum(row[-1] == "yes" for row in rows)
+        assert list(map(int, counts)) == [len(rows) - shown, within, shown]
+        assert f"{counts[1]} of {counts[0]} numbers with a limit are within" in SECTIONS[title]
+        assert verdict == "passed"
+
+
+@pytest.mark.parametrize("title", SECTIONS)
+def test_each_difference_is_that_of_its_row(title):
+    """Every difference in per cent is that of the computed over the published number beside it, to their digits."""
+    checked = 0
+    for row in rows_of(SECTIONS[title]):
+        published, computed, difference = row[2:5]
+        if not difference.endswith(" %") or "<" in "".join(row[2:5]):
+            continue
+        shown = float(difference.removesuffix(" %")) / 100.0
+        assert float(computed) / float(published) - 1.0 == pytest.approx(shown, abs=1.1e-3, rel=0.06), row
+        checked += 1
+    assert checked > 10
+
+
+def test_what_is_not_within_has_its_reason():
+    """Each number outside of its limit stands below its section's table once more, with a reason."""
+    for text in SECTIONS.values():
+        outside = [row for row in rows_of(text) if row[-1] == "**no**"]
+        lines = re.findall(r"^- \*\*Not within:\*\* .+; (.+)$", text, flags=re.MULTILINE)
+        assert len(lines) == len(outside)
+        assert all(len(reason) > 20 for reason in lines)
+
+
+def test_pictures_are_small_described_and_all_shown():
+    """Every picture of the page has words for it and is smaller than 150 kB; none lies about unused."""
+    shown = re.findall(r"!\[([^\]]+)\]\(images/([^)]+)\)", PAGE)
+    assert sorted(name for _, name in shown) == sorted(path.name for path in (DOCS / "images").glob("validation-*"))
+    assert len(shown) >= len(SECTIONS)
+    for words, name in shown:
+        assert len(words) > 40
+        assert (DOCS / "images" / name).stat().st_size < LARGEST_PICTURE
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (3e-15, "< 1e-10"), (252.0, "252"), (251.96, "252.0"), (1271.4, "1271"), (-4.5e-8, "-4.500e-8")],
+)
+def test_numbers_have_four_digits(value, text):
+    """Whole numbers are shown in full, others with four digits, round-off as such."""
+    assert digits(value) == text
+
+
+@pytest.mark.parametrize(
+    ("difference", "text"), [(1e-7, "< 0.001 %"), (0.113, "+11 %"), (-0.99999, "-100 %"), (3e-4, "+0.030 %")]
+)
+def test_differences_have_two_digits(difference, text):
+    """Relative differences are per cents with their sign and two digits."""
+    assert relative(difference) == text
+
+
+@dataclass(frozen=True)
+class Found:
+    """What a made-up reproduction leaves."""
+
+    numbers: tuple
+    passed: bool = True
+    seconds: float = 0.0
+
+
+def number(code, published, computed, limit, *, within=True, note="a | reason"):
+    """One number of Table 7."""
+    difference = computed / published - 1.0
+    return ReproducedNumber(7, code, "depth, left", "mm", published, computed, difference, limit, within, note)
+
+
+NUMBERS = (
+    number("A", 2.0, 2.02, "5 %"),
+    number("B", 2.0, 2.5, "5 %", within=False),
+    number("C", 2.0, 4.0, "", within=False, note="not comparable"),
+)
+
+
+def made_up(found, asked, *, brief=False):
+    """A reproduction that computes nothing."""
+
+    def compute(*, quick, progress):
+        asked.append(quick)
+        return found
+
+    def draw(_):
+        figure = Figure()
+        figure.subplots().plot([0, 1], [1, 0])
+        return figure
+
+    table = PageTable("More", ("a",), (("b",),))
+    chapter = Chapter("Title", "Some\ntext.", (PagePicture("drawn", "A line", draw),), lambda _: [table])
+    return Reproduction(compute, lambda *_: [], lambda *_: None, (), chapter, brief)
+
+
+def test_a_section_shows_what_fails():
+    """A number that is not within stands in bold with its reason; one without a limit has no verdict."""
+    chapter = made_up(Found(()), []).chapter
+    text = section_text(chapter, Found(NUMBERS, passed=False), ["images/x.png"])
+    assert "1 of 2 numbers with a limit are within; 1 more are shown only. **Not passed.**" in text
+    assert "| Table 7: depth, mm | B, left | 2 | 2.500 | +25 % | 5 % | **1 of 2** |" in text
+    assert "| Table 7: depth, left, mm | B | 2 | 2.500 | +25 % | 5 % | **no** |" in text
+    assert "| Table 7: depth, left, mm | C | 2 | 4 | +100 % | shown only |  |" in text
+    assert "- **Not within:** Table 7: depth, left, mm, B, 2.500 for 2; a | reason" in text
+    assert "- Shown only: Table 7: depth, left, mm, C, 4 for 2; not comparable" in text
+    assert "![A line](images/x.png)" in text
+    assert "\nSome text.\n" in text
+    assert "More:\n\n| a |\n| --- |\n| b |" in text
+
+
+def test_the_command_writes_page_pictures_and_a_summary(call, monkeypatch, tmp_path):
+    """`all --page` writes the page with its pictures beside it, prints a line for each, and ends with their verdict."""
+    asked = []
+    one, two = made_up(Found(NUMBERS), asked), made_up(Found(NUMBERS[:1], passed=False), asked, brief=True)
+    two = replace(two, chapter=replace(two.chapter, title="Second", pictures=()))
+    monkeypatch.setattr(reproductions, "REPRODUCTIONS", {"one": one, "two": two})
+    status, out, _ = call("reproduce", "all", "--quick", "--page", "pages/mine.md")
+    assert status == 1
+    assert asked == [True, False], "what takes seconds is whole"
+    text = (tmp_path / "pages" / "mine.md").read_text(encoding="utf-8")
+    assert "flangeway reproduce all --quick --page pages/mine.md" in text
+    assert "| Title | 2 | 1 | 1 | passed |\n| Second | 1 | 1 | 0 | **not passed** |" in text
+    assert "![A line](images/mine-drawn.png)" in text
+    assert (tmp_path / "pages" / "images" / "mine-drawn.png").read_bytes().startswith(b"\x89PNG")
+    assert re.search(r"one +2 +1 +1 +passed", out)
+    assert re.search(r"two +1 +1 +0 +not passed", out)
+
+
+@pytest.mark.parametrize(("name", "page"), [("one", "mine.md"), ("all", "folder"), ("all", "file/mine.md")])
+def test_a_page_that_cannot_be_is_refused_first(call, monkeypatch, tmp_path, name, page):
+    """A page of one reproduction, in the place of a folder or below a file is status 2 before anything is computed."""
+    asked = []
+    made = {key: made_up(Found(NUMBERS), asked) for key in ("one", "two")}
+    monkeypatch.setattr(reproductions, "REPRODUCTIONS", made)
+    (tmp_path / "folder").mkdir()
+    (tmp_path / "file").write_text("")
+    assert call("reproduce", name, "--page", page)[0] == 2
+    assert asked == []
