@@ -22,18 +22,18 @@ PICTURES = {
     },
     "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
     "section 136RE": {"prandtl.png": ("gallery-prandtl", 700)},
-    "reproduce elasticity --quick": {"nearly_incompressible.png": ("elasticity-nearly-incompressible", 900)},
+    "reproduce elasticity --quick": {"elasticity/nearly_incompressible.png": ("elasticity-nearly-incompressible", 900)},
 }
 """Files of each command: the name that they get here, and their width."""
 
 
 def small(picture: Path, width: int) -> bytes:
-    """Return a picture of a width in 256 colours, as PNG."""
+    """Return a picture of a width in 96 colours, as PNG."""
     with Image.open(picture) as full:
         size = (width, round(full.height * width / full.width))
         scaled = full.convert("RGB").resize(size, Image.Resampling.LANCZOS)
     packed = io.BytesIO()
-    scaled.quantize(256, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
+    scaled.quantize(96, dither=Image.Dither.NONE).save(packed, "PNG", optimize=True)
     return packed.getvalue()
 
 

@@ -13,7 +13,7 @@ from pathlib import Path
 
 from benchmarks.hertz_block import Block, Pressed, mesh_block, press_block
 from benchmarks.hertz_block_peers import press_with_calculix, press_with_kratos
-from benchmarks.measurement import Measurement, fastest_in_turns
+from benchmarks.measurement import NO_PEER, Measurement, fastest_in_turns
 from benchmarks.peers import PeerMissingError, threads_tried
 
 COARSE, FINE = (0.1, 0.226), (0.05, 0.103)  # size at the contact and growth: 6,600 and 26,000 nodes
@@ -89,9 +89,11 @@ def ten_steps(block: Block, folder: Path, *, with_peer: bool) -> Iterator[Measur
     more = {"ours_ten_over_one": round(ours.seconds / _taken(found["ours 1"]).seconds, 2), "asked_ten_over_one": 2.0}
     work = f"Hertz's contact of a half cylinder and a block, {block.n_nodes} nodes, ten load steps"
     peer = found.get("kratos 10")
-    if peer is None or isinstance(peer, PeerMissingError):
-        note = "" if peer is None else str(peer)
-        yield Measurement(work, "kratos", ours.seconds, None, ours.peak_error, None, note, more=more)
+    if peer is None:
+        yield Measurement(work, NO_PEER, ours.seconds, None, ours.peak_error, None, "", more=more)
+        return
+    if isinstance(peer, PeerMissingError):
+        yield Measurement(work, "kratos", ours.seconds, None, ours.peak_error, None, str(peer), more=more)
         return
     more["peer_ten_over_one"] = round(peer.seconds / _taken(found["kratos 1"]).seconds, 2)
     yield Measurement(
