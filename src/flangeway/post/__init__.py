@@ -5,6 +5,7 @@ from flangeway.post.lines import CutForce, StressLine, displacements_at, force_t
 from flangeway.post.location import locate
 from flangeway.post.nodal_balance import nodal_imbalance
 from flangeway.post.norms import ErrorNorms, error_norms
+from flangeway.post.overlap import Overlap, deepest_overlap, moved_mesh
 from flangeway.post.pressure import PressurePatch, pressure_patches
 from flangeway.post.reactions import Reaction, reactions
 from flangeway.post.recovery import RecoveredStresses, recovered_stresses
@@ -16,6 +17,7 @@ __all__ = [
     "ContactDoubts",
     "CutForce",
     "ErrorNorms",
+    "Overlap",
     "PressurePatch",
     "Reaction",
     "RecoveredStresses",
@@ -27,10 +29,12 @@ __all__ = [
     "corner_shear_stresses",
     "corner_stresses",
     "cut_zones",
+    "deepest_overlap",
     "displacements_at",
     "error_norms",
     "force_through_cut",
     "locate",
+    "moved_mesh",
     "nodal_imbalance",
     "nodal_stresses",
     "pressure_patches",

@@ -112,6 +112,14 @@ def press_loaded(
     return _Search(driver, push, load, state).run()
 
 
+def moved_part(part: Part, motion: Mapping[Part, Placement], share: float) -> Placement:
+    """Where the frame of a part stands after a share of its motion."""
+    if part not in motion:
+        return part.placement
+    x, y = motion[part].translation
+    return Placement(share * motion[part].rotation_rad, (share * x, share * y)).after(part.placement)
+
+
 class _Driver:
     """Solves for shares of loads and motions, and for a further motion of one part."""
 
@@ -142,11 +150,7 @@ class _Driver:
     ) -> tuple[Placement, ...]:
         places = []
         for part in self.system.parts:
-            place = part.placement
-            if part in self.motion:
-                given = self.motion[part]
-                x, y = given.translation
-                place = Placement(share * given.rotation_rad, (share * x, share * y)).after(place)
+            place = moved_part(part, self.motion, share)
             places.append(Placement(0.0, further).after(place) if part is pushed else place)
         return tuple(places)
 

@@ -10,9 +10,9 @@ from pydantic import Field
 
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError
-from flangeway.post import contact_doubts, cut_zones, nodal_imbalance, pressure_patches
-from flangeway.problems import ElasticField, Part
+from flangeway.problems import Part
 from flangeway.solve import ElasticitySolution, Status, solve_elasticity
+from flangeway.study.bodies_judgement import judged_bodies
 from flangeway.study.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.study.bodies_run import BodiesRun, BodyResult, summarise_bodies
 from flangeway.study.bodies_tables import (
@@ -29,9 +29,6 @@ from flangeway.study.pressing import Pressed, press_loaded
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
-
-LARGEST_IMBALANCE = 1e-6
-"""See `nodal_imbalance`; what is found without fault has round-off, below 1e-9."""
 
 
 class TwoBodiesCase(RunnableCase):
@@ -103,7 +100,7 @@ class TwoBodiesCase(RunnableCase):
         doubts: tuple[str, ...] = ()
         if model.contacts:
             pressed = self._pressed(model, progress)
-            in_contact, doubts = _checked(pressed, model)
+            in_contact, doubts = judged_bodies(pressed, model)
             status = _worst([in_contact, status])
             for name, body in model.bodies.items():
                 if body.part is not None:
@@ -153,47 +150,6 @@ def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
         )
     progress(f"solving for {body.name}")
     return solve_elasticity(body.problem)
-
-
-def _checked(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
-    """Status, which says as well if nothing touches or what was found is no answer, and what makes it less exact."""
-    status, contact = pressed.status, pressed.contact
-    if not status.converged:
-        return status, ()
-    if not contact.forces.any() and model.push is None:
-        return Status(True, f"{status.message}; nothing touches", status.iterations), ()
-    patches = pressure_patches(contact.system, contact.state)
-    names = [
-        f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
-    ]
-    doubts = contact_doubts(contact.system, contact.state, patches, names)
-    errors = [*doubts.errors, *_unbalanced(pressed, model)]
-    if errors:
-        status = Status(False, "; ".join(errors), status.iterations)
-    missing = (
-        f"{surface.part.name}: there is contact at the end of the edges that were given for it, and its boundary goes "
-        "on there: contact beyond is missing; give more edges, unless they were left out on purpose"
-        for surface in cut_zones(contact.system, contact.state)
-    )
-    return status, (*doubts.warnings, *missing)
-
-
-def _unbalanced(pressed: Pressed, model: BodiesModel) -> list[str]:
-    """Bodies in contact whose nodes are not in balance."""
-    errors = []
-    for body in model.bodies.values():
-        if body.part is not None:
-            back = pressed.placement(body.part).inverse()
-            forces = back.vectors(pressed.contact.nodal_forces(body.part))
-            field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
-            left = nodal_imbalance(field, forces, ~body.part.body.free.reshape(-1, 2))
-            if not left <= LARGEST_IMBALANCE:
-                errors.append(
-                    f"{body.name}: {left:.1e} of the largest nodal force is not in balance; raise this with the case "
-                    "file as a fault, unless its cells are of very different sizes or its materials of very different "
-                    "moduli"
-                )
-    return errors
 
 
 def _notices(contact: ContactSolution | None) -> list[str]:
