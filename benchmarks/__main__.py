@@ -31,6 +31,9 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "cache": cache.measurements,
 }
 
+ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
+"""What each measures: the first words of its module."""
+
 QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.quick,
     "torsion-sections": torsion_sections.quick,
@@ -58,8 +61,7 @@ def main(arguments: list[str]) -> int:
         if page:
             report.record(name, found)
     if page:
-        abouts = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
-        print(report.write(abouts), file=sys.stderr)
+        print(report.write(ABOUTS), file=sys.stderr)
     return 0
 
 

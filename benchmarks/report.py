@@ -12,7 +12,7 @@ from typing import Any
 from benchmarks.measurement import NO_PEER, OWN, Measurement
 from benchmarks.samples import ROOT
 
-RECORDS = ROOT / "out" / "benchmarks"
+RECORDS = ROOT / "benchmarks" / "records"
 PAGE = ROOT / "docs" / "performance.md"
 
 HEAD = """# Performance

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from benchmarks import growth, report
+from benchmarks.__main__ import ABOUTS
 from benchmarks.hertz_block import HERTZ, mesh_block, press_block
 from benchmarks.hertz_block_peers import bodies
 from benchmarks.measurement import Measurement
@@ -116,3 +117,10 @@ def test_a_part_measured_again_keeps_the_others(tmp_path: Path) -> None:
     page = report.write({"first": "", "second": ""}, tmp_path, tmp_path / "page.md").read_text(encoding="utf-8")
     assert page.index("## First") < page.index("| kept |") < page.index("## Second") < page.index("| new |")
     assert "| old |" not in page
+
+
+def test_the_page_of_performance_is_made_of_the_records(tmp_path):
+    """The page in the documentation is what the kept records of measurements make, to the letter."""
+    page = report.write(ABOUTS, page=tmp_path / "performance.md")
+    assert page.read_text(encoding="utf-8") == report.PAGE.read_text(encoding="utf-8")
+    assert len(list(report.RECORDS.glob("*.json"))) == len(ABOUTS)
