@@ -21,6 +21,7 @@ PICTURES = {
         "bending.png": ("gallery-bending", 900),
     },
     "geometry s1002-60e1": {"contact_locus.png": ("gallery-contact-locus", 800)},
+    "run hertz --method vem --order 2": {"stresses.png": ("gallery-hertz", 900)},
     "section 136RE": {"prandtl.png": ("gallery-prandtl", 700)},
     "reproduce elasticity --quick": {"elasticity/nearly_incompressible.png": ("elasticity-nearly-incompressible", 900)},
 }

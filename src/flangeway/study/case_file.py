@@ -67,7 +67,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
     """
     given = dict(settings or {})
     if not is_case_file(name_or_file):
-        return find_case(str(name_or_file)).from_values(_set({}, given))
+        return _by_name(str(name_or_file), given)
     if Path(name_or_file).suffix.lower() == DECK_ENDING:
         return _read_deck(Path(name_or_file), given)
     text = _CaseText.read(Path(name_or_file))
@@ -79,6 +79,19 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
         return "" if key and key[0] in replaced else text.place(key)
 
     return case.from_values(inputs, where)
+
+
+def _by_name(name: str, settings: Mapping[str, Any]) -> RunnableCase:
+    case = find_case(name)
+    values = _set({}, settings)
+    missing = [key for key in case.example if case.model_fields[key].is_required() and key not in values]
+    if missing:
+        raise InputError(
+            f"the case {case.name} without {' and '.join(missing)}",
+            f"a case file with {' and '.join(missing)}",
+            f"`flangeway init {case.name}` writes one to begin with, `flangeway run {case.name}.toml` computes it",
+        )
+    return case.from_values(values)
 
 
 def _read_deck(file: Path, settings: Mapping[str, Any]) -> RunnableCase:
