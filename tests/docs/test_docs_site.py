@@ -138,3 +138,13 @@ def test_the_numbers_of_the_limits_are_printed_by_their_command(call):
         printed = [line for line in out.splitlines() if line.strip().startswith(label.strip())]
         assert len(printed) == 1, label
         assert [float(word) for word in printed[0].split()[-2:]] == pytest.approx([float(left), float(right)], rel=0.02)
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if "```" in page.read_text(encoding="utf-8")], ids=name_of)
+def test_a_page_with_code_is_followed_by_a_test(page):
+    """Some file of the tests names each page that has blocks of code, other than what programs print."""
+    kinds = set(re.findall(r"^```(\w+)$", page.read_text(encoding="utf-8"), flags=re.MULTILINE))
+    if kinds <= {"text", "console"}:
+        return
+    texts = [test.read_text(encoding="utf-8") for test in (ROOT / "tests").rglob("test_*.py")]
+    assert any(f'"{page.name}"' in text or f"{name_of(page)}" in text for text in texts)

@@ -12,15 +12,13 @@ ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "theory" / "wheel-rail-geometry.md").read_text(encoding="utf-8")
 
 
-def test_the_programs_of_the_page_run():
-    """All code blocks, one after the other, run and their assertions hold."""
-    blocks = re.findall(r"```python\n(.*?)```", TEXT, flags=re.DOTALL)
-    assert len(blocks) == 3
-    names = {}
-    for block in blocks:
-        exec(compile(block, "wheel-rail-geometry.md", "exec"), names)
-    assert len(names["locus"].lateral_mm) == 1000
-    assert names["found"].status.converged
+def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
+    """Both commands end well and write what the page says; all code runs, and its assertions hold."""
+    assert follow("theory/wheel-rail-geometry.md") == {"sh": 1, "python": 3}
+    for name in ("wheelset-curve", "s1002-60e1"):
+        assert {"contact_locus.png", "conicity.csv", "table.csv"} <= {
+            path.name for path in (tmp_path / "out" / f"geometry-{name}").iterdir()
+        }
 
 
 def test_the_names_of_the_page_are_in_the_program():
