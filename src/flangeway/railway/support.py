@@ -30,7 +30,7 @@ class SupportReaction:
         Force of the support on the part, axes of the track, shape (2,).
     moment_Nmm
         Moment of the support on the part, counter-clockwise.
-    contact_force_N, contact_moment_Nmm
+    contact_force_N
         Resultant of the contact forces on the part, likewise.
     eccentricity_mm
         Place of the resultant along a rail's base from its middle, away from the track; nan for a wheel and without
@@ -46,7 +46,6 @@ class SupportReaction:
     force_N: Floats  # noqa: N815 (the unit newton)
     moment_Nmm: float  # noqa: N815
     contact_force_N: Floats  # noqa: N815
-    contact_moment_Nmm: float  # noqa: N815
     eccentricity_mm: float
     force_error: float
     moment_error: float
@@ -87,7 +86,6 @@ def support_reactions(result: WheelsetResult) -> tuple[SupportReaction, ...]:
                 force,
                 float(moments.sum()),
                 contact_force,
-                float(contact_moments.sum()),
                 eccentricity,
                 _relative(float(np.linalg.norm(force + contact_force)), float(np.linalg.norm(contact_force))),
                 _relative(abs(float(moments.sum() + contact_moments.sum())), size),
