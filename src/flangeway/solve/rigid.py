@@ -38,7 +38,7 @@ def refuse_free_motions(problem: Elasticity, constraints: Constraints) -> None:
             raise InputError(
                 f"body `{problem.name}`{_which(problem, pieces, piece, n_pieces)} {described}",
                 "supports that hold both translations and the rotation of every piece of the mesh",
-                "prescribe a displacement, or add a spring, against this motion",
+                "add a support against this motion (in Python a spring will do as well)",
             )
     raise InputError(
         f"a rigid handle of body `{problem.name}` that moves on its own", "handles on the body", "check its edges"
