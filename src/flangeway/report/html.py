@@ -8,7 +8,6 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from flangeway.report.compact import compact_png
 from flangeway.report.tables import Table
 from flangeway.report.viewer import Scene, field_viewer
 
@@ -191,7 +190,7 @@ def _items(sentences: Sequence[str], kind: str = "") -> str:
 
 
 def _figure(picture: Picture) -> str:
-    data = base64.b64encode(compact_png(picture.png)).decode("ascii")
+    data = base64.b64encode(picture.png).decode("ascii")
     # width in the head of a PNG file
     width = round(int.from_bytes(picture.png[16:20], "big") * SHOWN_SIZE)
     return (

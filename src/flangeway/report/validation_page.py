@@ -3,7 +3,6 @@
 No number in it is typed: `flangeway reproduce all --quick --page FILE` writes it.
 """
 
-import io
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -12,7 +11,7 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
-from flangeway.report.compact import compact_png
+from flangeway.report.drawing import png
 from flangeway.report.files import bytes_writer
 from flangeway.report.validation_tables import PageTable, numbers_table, reasons, worst_table
 from flangeway.study import refuse_unwritable, write_together
@@ -171,7 +170,7 @@ def make_section(chapter: Chapter, found: Reproduced, page: Path) -> Section:
     """Return a section of a page with its pictures drawn."""
     names = _picture_names(chapter, page)
     text = section_text(chapter, found, [f"{PICTURES}/{name}" for name in names])
-    drawn = [_small(picture.draw(found)) for picture in chapter.pictures]
+    drawn = [png(picture.draw(found), DPI) for picture in chapter.pictures]
     return Section(chapter.title, text, Verdict.of(found), dict(zip(names, drawn, strict=True)))
 
 
@@ -232,10 +231,3 @@ def _sentence(found: Verdict) -> str:
     shown = f"; {found.n_shown} more are shown only" if found.n_shown else ""
     verdict = "Passed." if found.passed else "**Not passed.**"
     return f"{found.n_within} of {found.n_required} numbers with a limit are within{shown}. {verdict}"
-
-
-def _small(figure: Figure) -> bytes:
-    """Return a figure as a PNG for a page: fewer pixels and colours than in its own file."""
-    drawn = io.BytesIO()
-    figure.savefig(drawn, format="png", dpi=DPI)
-    return compact_png(drawn.getvalue())
