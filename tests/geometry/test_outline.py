@@ -72,7 +72,7 @@ def test_area_of_a_polygon_is_the_shoelace_formula(corners):
     assert polygon(corners).area == pytest.approx(shoelace, rel=1e-12)
 
 
-@settings(max_examples=50)
+@settings(deadline=None)
 @given(
     star_polygons(),
     st.builds(
