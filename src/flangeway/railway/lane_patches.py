@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,9 +14,9 @@ from flangeway.railway.equilibrium import Equilibrium
 from flangeway.railway.lane_newton import LaneSide
 from flangeway.railway.lanes import resultants
 from flangeway.railway.prepared import PreparedWheelset
-from flangeway.railway.result import region_of
+from flangeway.railway.result import WheelRailPatch, region_of, wheel_rail_patch
 from flangeway.railway.subsurface import SubsurfaceExtreme
-from flangeway.railway.track import SIDES, Side
+from flangeway.railway.track import Side
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -51,6 +52,21 @@ class LanePatch:
     rail_point_mm: tuple[float, float]
     at_edge: bool
     shear: Mapping[Role, SubsurfaceExtreme] | None = None
+
+    @classmethod
+    def of(cls, patch: WheelRailPatch) -> Self:
+        """Return the numbers of a region that was found by the full search."""
+        (x, y), wheel, rail = patch.force_on_wheel_N, patch.wheel_point_mm, patch.rail_point_mm
+        return cls(
+            patch.side,
+            patch.region,
+            (float(x), float(y)),
+            float(patch.pressure.pressures.max()),
+            patch.pressure.half_width,
+            (float(wheel[0]), float(wheel[1])),
+            (float(rail[0]), float(rail[1])),
+            patch.pressure.at_edge,
+        )
 
 
 def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
@@ -109,25 +125,9 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
 
 def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[LanePatch, ...]:
     """Regions of contact of a position that was found by the full search, left side first."""
-    found = []
-    for patch in pressure_patches(prepared.model.system, equilibrium.state):
-        wheel_is_secondary = prepared.model.system.contacts[patch.contact].secondary.part.name.startswith("wheel")
-        points = (patch.secondary_point, patch.primary_point)[:: 1 if wheel_is_secondary else -1]
-        x, y = patch.force if wheel_is_secondary else -patch.force
-        side = SIDES[patch.contact]
-        found.append(
-            LanePatch(
-                side,
-                region_of(side, x, y),
-                (float(x), float(y)),
-                float(patch.pressures.max()),
-                patch.half_width,
-                (float(points[0][0]), float(points[0][1])),
-                (float(points[1][0]), float(points[1][1])),
-                patch.at_edge,
-            )
-        )
-    return tuple(found)
+    model = prepared.model
+    found = pressure_patches(model.system, equilibrium.state)
+    return tuple(LanePatch.of(wheel_rail_patch(model, patch)) for patch in found)
 
 
 def _node_lengths(side: LaneSide) -> Floats:

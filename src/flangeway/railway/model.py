@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flangeway.contact import Contact, ContactSystem, Surface
 from flangeway.errors import InputError
@@ -15,6 +15,7 @@ from flangeway.geometry import Contour, Outline, Placement
 from flangeway.mesh import Refinement
 from flangeway.problems import Body, Part
 from flangeway.railway.cached_mesh import meshed
+from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.discretisation import ROLES, Discretisation, Role
 from flangeway.railway.known_rest import known_rest
 from flangeway.railway.load import Load
@@ -98,6 +99,17 @@ class WheelsetModel:
     def contact(self, side: Side) -> Contact:
         """Contact of a side."""
         return self.system.contacts[SIDES.index(side)]
+
+    def hertz_at(self, side: Side, wheel_point: ArrayLike, rail_point: ArrayLike, force: float) -> LineContact | None:
+        """Hertz's contact under a normal force with the curvatures at points of undeformed profiles, each (2,).
+
+        None where the profiles conform.
+        """
+        wheel, rail = self.problem.wheelset.wheel_of(side), self.problem.track.rail_of(side)
+        curvature = relative_curvature(wheel, wheel_point, rail, rail_point)
+        if not curvature > 0.0:
+            return None
+        return LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
 
     def placements(self, motion: WheelsetMotion) -> tuple[Placement, ...]:
         """Where the system's parts stand after a motion of the wheelset."""

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, pressure_patches
-from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.equilibrium import Equilibrium, find_equilibrium
 from flangeway.railway.judgement import judged
 from flangeway.railway.known import KnownEquilibria
@@ -162,7 +161,7 @@ def solve_wheelset(
             known = KnownEquilibria(cache, model, response, starts)
             equilibrium, *others = known.get(partial(_equilibria, model, response, progress, starts))
             state = equilibrium.state
-            patches = tuple(_wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
+            patches = tuple(wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
             missed = missed_contact(model, response, state)
         is_whole = not missed and not any(patch.pressure.at_edge for patch in patches)
         if equilibrium.status.converged and equilibrium.stable is not False and is_whole and not problem.all_equilibria:
@@ -220,18 +219,13 @@ def _timed(timings: dict[str, float], stage: str) -> Iterator[None]:
     timings[stage] = timings.get(stage, 0.0) + time.perf_counter() - start
 
 
-def _wheel_rail_patch(model: WheelsetModel, patch: PressurePatch) -> WheelRailPatch:
+def wheel_rail_patch(model: WheelsetModel, patch: PressurePatch) -> WheelRailPatch:
+    """Return a region of contact of the model's system as one of a wheel and a rail."""
     contact = model.system.contacts[patch.contact]
     side: Side = "left" if patch.contact == 0 else "right"
     wheel_is_secondary = contact.secondary.part.name.startswith("wheel")
-    wheel, rail = model.problem.wheelset.wheel_of(side), model.problem.track.rail_of(side)
     on_wheel, on_rail = patch.secondary_point, patch.primary_point
     if not wheel_is_secondary:
         on_wheel, on_rail = on_rail, on_wheel
-    curvature = relative_curvature(wheel, on_wheel, rail, on_rail)
-    force = float(patch.normal_forces.sum())
-    hertz = None
-    if curvature > 0.0:
-        per_length = force / model.problem.thickness_mm
-        hertz = LineContact(per_length, curvature, model.hertz.modulus)
+    hertz = model.hertz_at(side, on_wheel, on_rail, float(patch.normal_forces.sum()))
     return WheelRailPatch(side, patch, patch.force if wheel_is_secondary else -patch.force, on_wheel, on_rail, hertz)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from flangeway.exact import LineContact
+from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.result import WheelsetResult
 from flangeway.railway.track import SIDES, Side
 
@@ -43,26 +44,14 @@ class PatchNumbers:
 
     Parameters
     ----------
-    side, region
-        Where it is.
-    force_on_wheel_N
-        Resultant on the wheel, axes of the track.
-    max_pressure_MPa, half_width_mm
-        Largest pressure, and half of the loaded length.
-    wheel_point_mm, rail_point_mm
-        Centre of pressure on the undeformed profiles, in their frames (both sides in the right-hand form).
+    patch
+        Where it is and what it bears.
     hertz
         Hertz's contact there, None where the profiles conform.
 
     """
 
-    side: Side
-    region: str
-    force_on_wheel_N: tuple[float, float]  # noqa: N815 (the unit newton)
-    max_pressure_MPa: float  # noqa: N815 (the unit megapascal)
-    half_width_mm: float
-    wheel_point_mm: tuple[float, float]
-    rail_point_mm: tuple[float, float]
+    patch: LanePatch
     hertz: LineContact | None
 
 
@@ -99,19 +88,7 @@ def wheelset_row(result: WheelsetResult, seconds: float) -> RowResult:
     """Return the numbers of a wheelset in balance."""
     if not result.status.converged:
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
-    patches = [
-        PatchNumbers(
-            patch.side,
-            patch.region,
-            (float(patch.force_on_wheel_N[0]), float(patch.force_on_wheel_N[1])),
-            float(patch.pressure.pressures.max()),
-            patch.pressure.half_width,
-            (float(patch.wheel_point_mm[0]), float(patch.wheel_point_mm[1])),
-            (float(patch.rail_point_mm[0]), float(patch.rail_point_mm[1])),
-            patch.hertz,
-        )
-        for patch in result.patches
-    ]
+    patches = [PatchNumbers(LanePatch.of(patch), patch.hertz) for patch in result.patches]
     values, rows = numbers_of(result.equilibrium.motion.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
@@ -123,8 +100,8 @@ def numbers_of(
     values: dict[str, Value] = dict(zip(_MOTION, motion, strict=True))
     rows: list[dict[str, Value]] = []
     for side in SIDES:
-        mine = sorted((p for p in patches if p.side == side), key=lambda patch: -patch.rail_point_mm[0])
-        numbered = [_patch(patch, number) for number, patch in enumerate(mine, 1)]
+        mine = sorted((p for p in patches if p.patch.side == side), key=lambda p: -p.patch.rail_point_mm[0])
+        numbered = [_patch(each.patch, each.hertz, number) for number, each in enumerate(mine, 1)]
         values |= _side(side, numbered)
         rows += numbered
     return {name: _plain(value) for name, value in values.items()}, tuple(rows)
@@ -146,10 +123,9 @@ def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
     return {f"{side}_{name}": values.get(name) for name in _SIDE}
 
 
-def _patch(patch: PatchNumbers, number: int) -> dict[str, Value]:
+def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str, Value]:
     lateral, vertical = patch.force_on_wheel_N
     inward = -lateral if patch.side == "right" else lateral
-    hertz = patch.hertz
     values: dict[str, Value] = {
         "side": patch.side,
         "number": number,

@@ -7,8 +7,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from flangeway.exact import LineContact
-from flangeway.railway.curvature import relative_curvature
 from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.load import Load
 from flangeway.railway.positions import Positions, PositionTable, solve_positions
@@ -103,21 +101,5 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
 
 
 def _numbers(prepared: PreparedWheelset, patch: LanePatch) -> PatchNumbers:
-    problem = prepared.model.problem
-    wheel, rail = problem.wheelset.wheel_of(patch.side), problem.track.rail_of(patch.side)
-    on_wheel, on_rail = np.array(patch.wheel_point_mm), np.array(patch.rail_point_mm)
-    curvature = relative_curvature(wheel, on_wheel, rail, on_rail)
-    hertz = None
-    if curvature > 0.0:
-        per_length = float(np.hypot(*patch.force_on_wheel_N)) / problem.thickness_mm
-        hertz = LineContact(per_length, curvature, prepared.model.hertz.modulus)
-    return PatchNumbers(
-        patch.side,
-        patch.region,
-        patch.force_on_wheel_N,
-        patch.max_pressure_MPa,
-        patch.half_width_mm,
-        patch.wheel_point_mm,
-        patch.rail_point_mm,
-        hertz,
-    )
+    force = float(np.hypot(*patch.force_on_wheel_N))
+    return PatchNumbers(patch, prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force))
