@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway.contact import Surface
@@ -19,7 +19,6 @@ TOP = MESH.edge_sets["top"]
 
 
 @given(st.permutations(range(6)), st.lists(st.booleans(), min_size=6, max_size=6))
-@settings(deadline=None)
 def test_order_and_direction_do_not_matter(order: list[int], turned: list[bool]) -> None:
     """Edges in any order, each in either direction, make the surface that they make in order."""
     edges = TOP[np.array(order)].copy()

@@ -5,7 +5,7 @@ from unittest.mock import patch
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway.contact.search import FEW_PAIRS, candidate_pairs, nearest_edges
@@ -64,7 +64,6 @@ def nearest_of_all(points: np.ndarray, directions: np.ndarray, edges: np.ndarray
     reach=st.sampled_from([0.0, 0.01, 0.3]),
     width=st.integers(2, 3),
 )
-@settings(deadline=None)
 def test_candidates_are_all_overlapping_boxes(few: int, seed: int, n: int, m: int, reach: float, width: int) -> None:
     """The pairs of edges are those whose enlarged boxes overlap, none more and none less, in order.
 
@@ -82,7 +81,6 @@ def test_candidates_are_all_overlapping_boxes(few: int, seed: int, n: int, m: in
 
 
 @given(NUMBERS, st.integers(1, 30), st.integers(1, 120))
-@settings(deadline=None)
 def test_nearest_edge_is_the_nearest_of_all(seed: int, n: int, m: int) -> None:
     """Every point gets the edge that measuring all edges gives, the first of equally near ones, or none."""
     rng = np.random.default_rng(seed)

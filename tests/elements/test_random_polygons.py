@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from flangeway.elements import Virtual
@@ -16,7 +16,6 @@ from flangeway.space import Space
 STEEL = Elastic(210e3, 0.3)
 ORDERS = st.sampled_from([1, 2])
 GRADIENT = np.array([[1.2e-3, -0.7e-3], [2.1e-3, 0.4e-3]])
-NOT_TIMED = settings(deadline=None)
 
 
 @st.composite
@@ -58,7 +57,6 @@ def stiffness_of(mesh, order):
     return problem.cell_stiffness(batch)[..., 0]
 
 
-@NOT_TIMED
 @given(points=polygons(), order=ORDERS)
 def test_projections_reproduce_polynomials(points, order):
     """The projected value of a polynomial of the element's degree is the polynomial, to 1e-9."""
@@ -69,7 +67,6 @@ def test_projections_reproduce_polynomials(points, order):
     assert cell.projected_value[..., 0] @ dofs == pytest.approx(identity, abs=1e-9)
 
 
-@NOT_TIMED
 @given(points=polygons(), order=ORDERS)
 def test_stiffness_is_symmetric_with_three_rigid_motions(points, order):
     """The stiffness of one cell is symmetric, not negative, and its kernel is the three rigid motions and no more."""
@@ -81,7 +78,6 @@ def test_stiffness_is_symmetric_with_three_rigid_motions(points, order):
     assert values[3] > 1e-7 * values[-1]
 
 
-@NOT_TIMED
 @given(points=polygons(), order=ORDERS, cells=st.sampled_from(["fan", "dual"]))
 def test_the_patch_test_holds(points, order, cells):
     """On the fan of a polygon and on its dual, a linear displacement of the boundary is linear inside, to 1e-8."""

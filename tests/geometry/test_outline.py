@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
@@ -72,7 +72,6 @@ def test_area_of_a_polygon_is_the_shoelace_formula(corners):
     assert polygon(corners).area == pytest.approx(shoelace, rel=1e-12)
 
 
-@settings(deadline=None)
 @given(
     star_polygons(),
     st.builds(

@@ -351,7 +351,6 @@ def test_unknown_endings_and_missing_files_are_refused(tmp_path):
         read_section(tmp_path / "a.toml", mirrored=True)
 
 
-@settings(deadline=None)
 @given(ending=st.sampled_from([".toml", ".csv", ".dxf"]), content=st.binary(max_size=200))
 def test_no_content_breaks_the_reader(tmp_path_factory, ending, content):
     """Whatever bytes a file holds, reading it gives a section or an InputError."""
@@ -404,7 +403,7 @@ def sound_file(ending):
     return text.getvalue().encode()
 
 
-@settings(deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(
     ending=st.sampled_from([".toml", ".csv", ".dxf"]),
     changes=st.lists(

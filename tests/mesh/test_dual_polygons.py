@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
@@ -55,7 +55,6 @@ def triangulations(draw):
     return PolyMesh(points, offsets, triangles.ravel(), edge_sets=edge_sets)
 
 
-@settings(deadline=None)
 @given(triangulations())
 def test_dual_of_any_triangulation_fills_the_body(mesh):
     """Cells are simple, positive and fill the body; each holds its own point and barycentres."""
@@ -70,7 +69,6 @@ def test_dual_of_any_triangulation_fills_the_body(mesh):
         assert np.array_equal(corners(cells, cell)[0], mesh.points[cell])
 
 
-@settings(deadline=None)
 @given(triangulations(), st.booleans())
 def test_dual_commutes_with_placement(mesh, mirrored):
     """The dual of a placed mesh has the areas of the dual, cell by cell."""

@@ -202,7 +202,6 @@ def test_hanging_nodes_of_other_programs_make_polygons(tmp_path):
     assert set(conforming(drawn).edge_sets) == {"low"}  # the other one lies inside the body now
 
 
-@settings(deadline=None)
 @given(seed=st.integers(0, 2**31))
 def test_conforming_finds_the_points_that_refinement_added(seed):
     """Polygons of a refined grid robbed of their hanging points get them back; sets keep the boundary's edges."""
@@ -306,7 +305,7 @@ def test_broken_files_are_refused(tmp_path, capfd, name, content, word):
     assert capfd.readouterr() == ("", "")
 
 
-@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     ending=st.sampled_from(["msh", "inp", "vtu", "vtk", "su2", "off", "bdf"]),
     start=st.sampled_from([b"", b"$MeshFormat\n4.1 1 8\n", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=CPE3\n"]),
@@ -340,7 +339,7 @@ def sound_mesh(kind):
         return file.read_bytes()
 
 
-@settings(deadline=None, suppress_health_check=list(HealthCheck))
+@settings(suppress_health_check=list(HealthCheck))
 @given(
     kind=st.sampled_from(KINDS),
     changes=st.lists(

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from flangeway.elements import Lagrange, Virtual
@@ -44,7 +44,6 @@ def bending_stress(points: np.ndarray) -> np.ndarray:
     return np.stack((xx, 0.0 * y, 0.0 * y, 0.3 * xx), axis=1)
 
 
-@settings(deadline=None)
 @given(st.lists(st.tuples(st.floats(-0.7, 0.7), st.floats(-0.7, 0.7)), min_size=1, max_size=20))
 def test_points_are_found_in_their_cells(points: list) -> None:
     """A located cell holds its point on the left of all its edges, and exactly the points outside have none."""

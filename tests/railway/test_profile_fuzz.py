@@ -25,7 +25,7 @@ NUMBER = st.floats(-500.0, 500.0).map(lambda value: f"{value:.4g}") | st.floats(
 POINT = st.tuples(NUMBER, st.sampled_from([" ", "\t", ",", ";"]), NUMBER).map("".join)
 LINE = st.sampled_from(WORDS) | POINT | st.text(string.printable, max_size=12)
 TEXT = st.lists(LINE, max_size=40).map("\n".join)
-NOT_SLOW = settings(deadline=None, suppress_health_check=list(HealthCheck))
+NOT_SLOW = settings(suppress_health_check=list(HealthCheck))
 
 
 def refuse_empty_parts(error):

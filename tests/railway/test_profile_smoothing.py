@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
@@ -73,7 +73,6 @@ def test_a_wave_of_the_wavelength_is_halved(wavelength):
         assert np.ptp(left) / np.ptp(points[middle, 1]) == pytest.approx(gain, rel=0.02)
 
 
-@settings(deadline=None)
 @given(
     limit=st.floats(1.0, 100.0),
     wavelength=st.floats(0.5, 60.0),
@@ -81,6 +80,7 @@ def test_a_wave_of_the_wavelength_is_halved(wavelength):
     seed=st.integers(0, 1000),
 )
 @example(limit=1.0, wavelength=1.0, noise=2e-4, seed=391)
+@example(limit=21.5, wavelength=20.0, noise=0.02, seed=1)  # feet of perpendiculars a tenth of a mm from their points
 def test_no_point_is_moved_further_than_the_limit(limit, wavelength, noise, seed):
     """Whatever wavelength and noise, the largest deviation told is within the limit, and it is the true one."""
     points = noisy(head(0.5), noise, seed)
@@ -93,10 +93,9 @@ def test_no_point_is_moved_further_than_the_limit(limit, wavelength, noise, seed
         return
     assert found.largest_um <= limit
     distances = 1e3 * found.curve.closest(points)[2]
-    # the arcs keep their tolerance at some points of each, and a little more between them
-    apart = 1.1e3 * ARC_TOLERANCE_MM
+    apart = 1.02e3 * ARC_TOLERANCE_MM  # the arcs are compared with the spline at many places, but not at all
     assert distances.max() <= limit + apart
-    assert np.abs(np.abs(found.deviations_um) - distances).max() < apart + 0.05 * limit
+    assert np.abs(np.abs(found.deviations_um) - distances).max() < apart
 
 
 def test_corners_are_held_while_noise_is_smoothed():

@@ -17,7 +17,7 @@ from flangeway.geometry import Arc, FloatArray, Line, Segment, as_point
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Points (n, 2) and tangents (n, 2), not zero, at parameters (n,)."""
 
-_FRACTIONS = np.linspace(0.0, 1.0, 10)
+_FRACTIONS = np.linspace(0.0, 1.0, 40)  # between them the error grows by a few percent at most
 _FLAT_SAGITTA = 1e-7
 _FLAT_CURVATURE = 2e-6  # flatter arcs are lines: their centres would have no digits
 _DEEPEST = 14

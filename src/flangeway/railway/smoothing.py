@@ -46,6 +46,7 @@ _PIECE_MM = 4.0
 _GAIN_INTEGRAL = 0.2777
 _N_ROUNDS = 60
 _MOST_SAY = 1e3
+_N_FOOT_STEPS = 10
 _SAME_MM = 1e-9  # neighbours that differ by rounding are one point
 
 
@@ -208,7 +209,7 @@ def _limited_spline(
     held: NDArray[np.bool_] = np.zeros(len(s), dtype=np.bool_)
     for _ in range(_N_ROUNDS):
         spline = _spline(all_s, all_points, say * spacing, bending)
-        deviations = _across(spline, s, points)
+        deviations = _distances(spline, s, points)
         excess = np.abs(deviations) / limit
         if excess.max() <= 1.0:
             return spline, deviations, int(held.sum())
@@ -244,11 +245,29 @@ def _extension(s: FloatArray, points: FloatArray, wavelength: float) -> tuple[Fl
     return np.asarray(s[0] + beyond, dtype=np.float64), points_beyond
 
 
-def _across(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray:
-    """Signed distances (n,) in um of points from the spline, across it, positive to its left."""
-    tangents = spline(s, 1)
-    apart = points - spline(s)
-    distances: FloatArray = 1e3 * (tangents[:, 0] * apart[:, 1] - tangents[:, 1] * apart[:, 0]) / np.hypot(*tangents.T)
+def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray:
+    """Signed distances (n,) in um of points from the spline over s, positive to its left.
+
+    The foot of each perpendicular is found by Newton's method from the point's own length. Where a step would lead
+    away from the point, or past an end, the foot stays where it was.
+    """
+    velocity, acceleration = spline.derivative(), spline.derivative(2)
+    foot = s.copy()
+    apart = points - spline(foot)
+    for _ in range(_N_FOOT_STEPS):
+        tangent = velocity(foot)
+        along = (apart * tangent).sum(axis=1)
+        speed = (tangent**2).sum(axis=1)
+        bent = speed - (apart * acceleration(foot)).sum(axis=1)
+        trial = np.clip(foot + along / np.where(bent > 0.1 * speed, bent, speed), s[0], s[-1])
+        trial_apart = points - spline(trial)
+        nearer = np.hypot(*trial_apart.T) < np.hypot(*apart.T)
+        foot, apart = np.where(nearer, trial, foot), np.where(nearer[:, None], trial_apart, apart)
+        if not nearer.any():
+            break
+    tangent = velocity(foot)
+    to_the_left = tangent[:, 0] * apart[:, 1] - tangent[:, 1] * apart[:, 0]
+    distances: FloatArray = 1e3 * np.copysign(np.hypot(*apart.T), to_the_left)
     return distances
 
 
