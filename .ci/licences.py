@@ -32,7 +32,8 @@ flangeway is under the BSD 3-Clause licence; the text is in the file `LICENSE`. 
 ## What Gmsh's licence means for you
 
 Gmsh is under the GNU General Public License, version 2 or later. flangeway contains no part of it: `pip` installs Gmsh
-beside flangeway from its own package, and flangeway calls it to triangulate, in the same process.
+beside flangeway from its own package, and flangeway calls it to triangulate, in the same process or, for long meshes,
+in one of its own.
 
 - **Using** flangeway, commercially and inside a company too, puts no condition on you: the GPL allows to run a program
   for any purpose, and your models, meshes, profiles and results are yours.
@@ -102,7 +103,7 @@ def page() -> str:
     lines += ["| crate | version | licence |", "|---|---|---|"]
     lines += [f"| {crate['name']} | {crate['version']} | {crate['license']} |" for crate in direct]
     lines += ["", f"All {licences.total()} linked crates by licence:", "", "| licence | crates |", "|---|---|"]
-    lines += [f"| {name} | {count} |" for name, count in licences.most_common()]
+    lines += [f"| {name} | {count} |" for name, count in sorted(licences.items(), key=lambda item: (-item[1], item[0]))]
     return "\n".join([*lines, "", *BUNDLED])
 
 

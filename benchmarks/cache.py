@@ -3,51 +3,49 @@
 Accuracy is the largest difference of a patch's force from that of the first run, over the load.
 """
 
-import os
-import subprocess
+import json
 import sys
 from collections.abc import Iterator
 from tempfile import TemporaryDirectory
+from typing import Any
 
-from benchmarks.measurement import Measurement
-
-CASES = {
-    "wheelset-tangent": "WheelsetTangentCase()",
-    "wheelset-curve": "WheelsetCurveCase()",
-    "wheelset-tangent, vem, order 2": "WheelsetTangentCase(method='vem', order=2)",
-}
-
-FIRST_RUN = "flangeway"
-"""The peer is the first run of the same program."""
-
-RUN = """
-import time
+from benchmarks.measurement import ITSELF, Measurement, timed
+from benchmarks.samples import sample
 from flangeway.railway.result import solve_wheelset
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
-problem = {case}.problem()
-start = time.perf_counter()
-result = solve_wheelset(problem)
-seconds = time.perf_counter() - start
-forces = [float(each) for patch in result.patches for each in patch.force_on_wheel_N]
-print(repr((seconds, problem.load.vertical_N, forces, result.timings_s)))
-"""
+from flangeway.study import WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
+
+CASES: dict[str, tuple[type[WheelsetCase], dict[str, Any]]] = {
+    "wheelset-tangent": (WheelsetTangentCase, {}),
+    "wheelset-curve": (WheelsetCurveCase, {}),
+    "wheelset-tangent, vem, order 2": (WheelsetTangentCase, {"method": "vem", "order": 2}),
+}
 
 
 def measurements() -> Iterator[Measurement]:
     """First and second run of each case, each in a process of its own, imports not counted."""
-    for name, case in CASES.items():
+    for name in CASES:
         with TemporaryDirectory() as folder:
-            first, load, forces, _ = _run(case, folder)
-            second, _, again, stages = _run(case, folder)
-        apart = max(abs(one - other) for one, other in zip(forces, again, strict=True)) / load
-        told = ", ".join(f"{stage} {value:.2f} s" for stage, value in stages.items())
-        yield Measurement(f"second run of {name}", FIRST_RUN, second, first, apart, None, told, asked=5.0)
+            first, second = (sample("benchmarks.cache", name, FLANGEWAY_CACHE=folder) for _ in range(2))
+        pairs = zip(first["forces_N"], second["forces_N"], strict=True)
+        apart = max(abs(one - other) for one, other in pairs) / first["load_N"]
+        told = ", ".join(f"{stage} {value:.2f} s" for stage, value in second["stages_s"].items())
+        yield Measurement(
+            f"second run of {name}", ITSELF, second["seconds"], first["seconds"], apart, None, told, asked=5.0
+        )
 
 
-def _run(case: str, folder: str) -> tuple[float, float, list[float], dict[str, float]]:
-    environment = os.environ | {"FLANGEWAY_CACHE": folder}
-    done = subprocess.run(
-        [sys.executable, "-c", RUN.format(case=case)], env=environment, capture_output=True, text=True, check=True
-    )
-    result: tuple[float, float, list[float], dict[str, float]] = eval(done.stdout)
-    return result
+def _run(name: str) -> dict[str, Any]:
+    """Solve a case in this process."""
+    kind, values = CASES[name]
+    problem = kind.from_values(values).problem()
+    seconds, result = timed(lambda: solve_wheelset(problem))
+    return {
+        "seconds": seconds,
+        "load_N": problem.load.vertical_N,
+        "forces_N": [float(each) for patch in result.patches for each in patch.force_on_wheel_N],
+        "stages_s": result.timings_s,
+    }
+
+
+if __name__ == "__main__":
+    print(json.dumps(_run(sys.argv[1])))

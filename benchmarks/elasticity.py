@@ -21,9 +21,9 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from benchmarks.measurement import Measurement, fastest_in_turns
+from benchmarks.measurement import Measurement, fastest, fastest_in_turns, taken, timed
 from benchmarks.peers import PeerMissingError, run_python, threads_tried
-from benchmarks.samples import load_mesh, resident_mb, sample, save_mesh, timed
+from benchmarks.samples import load_mesh, resident_mb, sample, save_mesh
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
@@ -71,7 +71,7 @@ def _assembly(folder: Path) -> Iterator[Measurement]:
     ):
         for degree, name in ((0, "its own quadrature"), (2, "quadrature of degree 2")):
             note = f"scikit-fem assembles the triangles' stiffness, with {name}"
-            ours = _taken(found[job])
+            ours = taken(found[job])
             yield _measurement(work.format(n=ours["cells"]), "scikit-fem", ours, found[f"degree {degree}"], note, asked)
     peer = found["degree 2"]
     if not isinstance(peer, PeerMissingError):
@@ -79,7 +79,7 @@ def _assembly(folder: Path) -> Iterator[Measurement]:
         apart = _sample("compare assembly", folder)["difference"]
         yield Measurement(
             "largest difference of both stiffnesses of the triangles over the largest entry", "scikit-fem",
-            _taken(found["assemble"])["seconds"], peer["seconds"], apart, apart, "quadrature of degree 2",
+            taken(found["assemble"])["seconds"], peer["seconds"], apart, apart, "quadrature of degree 2",
             peer["version"],
         )  # fmt: skip
 
@@ -91,13 +91,11 @@ def _factors(folder: Path) -> Iterator[Measurement]:
         jobs[f"cholmod {threads}"] = partial(_cholmod, folder, threads)
     rounds = FACTOR_ROUNDS | {job: FACTOR_ROUNDS["factor"] for job in jobs if job.startswith("cholmod")}
     found = fastest_in_turns(jobs, rounds, _seconds)
-    ours = _taken(found["factor"])
+    ours = taken(found["factor"])
     work = f"factor and solution of {ours['n']} unknowns"
     for job, name, asked in (("splu symmetric", "in symmetric mode", 4.0), ("splu default", "as it is", None)):
         yield _measurement(work, "scipy", ours, found[job], f"SuperLU {name}", asked)
-    runs = [found[job] for job in jobs if job.startswith("cholmod")]
-    missing = next((run for run in runs if isinstance(run, PeerMissingError)), None)
-    best = missing or min((_taken(run) for run in runs), key=_seconds)
+    best = fastest([found[job] for job in jobs if job.startswith("cholmod")], _seconds)
     yield _measurement(work, "cvxopt", ours, best, "CHOLMOD, supernodal, as in CVXOPT's wheel", 1.0)
 
 
@@ -116,11 +114,6 @@ def _measurement(
 
 def _seconds(run: Run) -> float:
     return float(run["seconds"])
-
-
-def _taken(run: Run | PeerMissingError) -> Run:
-    assert not isinstance(run, PeerMissingError)
-    return run
 
 
 def _sample(job: str, folder: Path) -> Run:
@@ -224,10 +217,10 @@ def _factor(folder: Path) -> Run:
     from flangeway._core import Cholesky  # noqa: PLC0415
 
     with np.load(folder / "matrix.npz") as stored:
-        lower = [stored[name] for name in ("indptr", "indices", "values")]
+        indptr, indices, values = (stored[name] for name in ("indptr", "indices", "values"))
         groups, load = stored["groups"], stored["load"]
     none = np.empty(0, dtype=np.int32)
-    seconds, solution = timed(lambda: Cholesky(*lower, groups, none).solve(load))
+    seconds, solution = timed(lambda: Cholesky(indptr, indices, values, groups, none).solve(load))
     peak = resident_mb()
     accuracy = _backward_error(folder / "matrix.npz", solution)
     return {"seconds": seconds, "n": len(load), "accuracy": accuracy, "peak_mb": peak}

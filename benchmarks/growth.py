@@ -8,15 +8,14 @@ Exponents are the slopes of straight lines through the logarithms.
 import json
 import sys
 import tempfile
-from collections.abc import Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from benchmarks.measurement import NO_PEER, Measurement
-from benchmarks.samples import load_mesh, resident_mb, sample, save_mesh, timed
+from benchmarks.measurement import NO_PEER, Measurement, timed
+from benchmarks.samples import load_mesh, resident_mb, sample, save_mesh
 from flangeway.elements import Lagrange
 from flangeway.geometry import square
 from flangeway.materials import Elastic
@@ -33,24 +32,11 @@ MOST_MB = 24.0 * 1024.0
 MOST_EXPONENT = 1.6
 
 
-@dataclass(frozen=True)
-class Growth:
-    """Exponents of time and memory over the unknowns.
-
-    Parameters
-    ----------
-    sizes
-        What each size took.
-
-    """
-
-    sizes: tuple[dict[str, Any], ...] = field(default_factory=tuple)
-
-    def exponent(self, name: str, least: int = 0) -> float:
-        """Slope of the logarithm of what is measured over that of the unknowns, for sizes of about `least` and more."""
-        chosen = [size for size in self.sizes if size["unknowns"] > 0.8 * least]
-        logs = np.log([[size["unknowns"], size[name]] for size in chosen])
-        return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
+def exponent(sizes: Sequence[Mapping[str, Any]], name: str, least: int = 0) -> float:
+    """Slope of the logarithm of what is measured over that of the unknowns, for sizes of about `least` and more."""
+    chosen = [size for size in sizes if size["unknowns"] > 0.8 * least]
+    logs = np.log([[size["unknowns"], size[name]] for size in chosen])
+    return float(np.polyfit(logs[:, 0], logs[:, 1], 1)[0])
 
 
 def measurements(unknowns: tuple[int, ...] = UNKNOWNS) -> Iterator[Measurement]:
@@ -65,10 +51,11 @@ def measurements(unknowns: tuple[int, ...] = UNKNOWNS) -> Iterator[Measurement]:
             "and solution",
             NO_PEER, size["total"], None, size["residual"], None, stages, more=size,
         )  # fmt: skip
-    growth = Growth(tuple(sizes))
     middle = 100_000 if max(unknowns) > 100_000 else 0
-    exponents = {name: round(growth.exponent(name, middle), 3) for name in (*STAGES, "total", "peak_mb")}
-    exponents_of_all = {name: round(growth.exponent(name), 3) for name in (*STAGES, "total", "peak_mb")}
+    exponents, exponents_of_all = (
+        {name: round(exponent(sizes, name, least), 3) for name in (*STAGES, "total", "peak_mb")}
+        for least in (middle, 0)
+    )
     yield Measurement(
         f"growth from {sizes[0]['unknowns']} to {sizes[-1]['unknowns']} unknowns",
         NO_PEER, sizes[-1]["total"], None, sizes[-1]["residual"], None,
@@ -112,6 +99,7 @@ def _run(path: Path) -> dict[str, Any]:
             supports=[fixed("left")],
         )
         constraints = find_constraints(problem)
+        assert constraints.kept is not None
         matrix = problem.stiffness().restricted(constraints.kept)
         return matrix, constraints.groups, constraints.transform.T @ problem.load_vector().ravel()
 

@@ -8,12 +8,9 @@ import time
 from collections.abc import Iterator
 from dataclasses import replace
 
-from benchmarks.measurement import NO_PEER, Measurement
-from flangeway.study.hertz import HertzModel, HertzProblem, HertzSolution, build_hertz, solve_hertz
+from benchmarks.measurement import ITSELF, NO_PEER, Measurement, timed
+from flangeway.study.hertz import HertzModel, HertzProblem, build_hertz, solve_hertz
 from flangeway.study.reproductions.hertz import CODES, LEVELS, REFERENCE_FORCE, published_problem
-
-SPARSE = "flangeway"
-"""The peer is the other path of the same program."""
 
 
 def measurements() -> Iterator[Measurement]:
@@ -32,8 +29,8 @@ def _both_paths(what: str, problem: HertzProblem, share: float = 1.0) -> Measure
     model = HertzModel(first, meshed.contact)
     for part in model.parts:
         _ = part.body.stiffness
-    seconds, ours = _timed(model, "condensed")
-    sparse_seconds, theirs = _timed(model, "sparse")
+    seconds, ours = timed(lambda: solve_hertz(model, path="condensed"))
+    sparse_seconds, theirs = timed(lambda: solve_hertz(model, path="sparse"))
     expected = REFERENCE_FORCE if share == 1.0 else theirs.force
     work = (
         f"Hertz VVO2, {model.n_unknowns} unknowns, {what}: the path condensed to "
@@ -41,7 +38,7 @@ def _both_paths(what: str, problem: HertzProblem, share: float = 1.0) -> Measure
     )
     return Measurement(
         work,
-        SPARSE,
+        ITSELF,
         seconds,
         sparse_seconds,
         abs(ours.force / expected - 1.0),
@@ -50,18 +47,10 @@ def _both_paths(what: str, problem: HertzProblem, share: float = 1.0) -> Measure
     )
 
 
-def _timed(model: HertzModel, path: str) -> tuple[float, HertzSolution]:
-    start = time.perf_counter()
-    solution = solve_hertz(model, path="sparse" if path == "sparse" else "condensed")
-    return time.perf_counter() - start, solution
-
-
 def _after_meshing(problem: HertzProblem) -> Measurement:
     """Assembly, condensation, ten load steps and recovery of the finest polygons of order 2."""
     model = build_hertz(problem)
-    start = time.perf_counter()
-    solution = solve_hertz(model)
-    seconds = time.perf_counter() - start
+    seconds, solution = timed(lambda: solve_hertz(model))
     stages = ", ".join(f"{name} {value:.2f} s" for name, value in solution.timings_s.items() if name != "meshing")
     return Measurement(
         f"Hertz VVO2M4, {model.n_unknowns} unknowns, after meshing, ten load steps",

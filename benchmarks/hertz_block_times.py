@@ -13,7 +13,7 @@ from pathlib import Path
 
 from benchmarks.hertz_block import Block, Pressed, mesh_block, press_block
 from benchmarks.hertz_block_peers import press_with_calculix, press_with_kratos
-from benchmarks.measurement import NO_PEER, Measurement, fastest_in_turns
+from benchmarks.measurement import NO_PEER, Measurement, fastest, fastest_in_turns, taken
 from benchmarks.peers import PeerMissingError, threads_tried
 
 COARSE, FINE = (0.1, 0.226), (0.05, 0.103)  # size at the contact and growth: 6,600 and 26,000 nodes
@@ -54,19 +54,15 @@ def compare(block: Block, folder: Path, asked: dict[str, float | None]) -> Itera
         for threads in threads_tried():
             jobs[f"{name} {threads}"] = partial(peers[name], block, ours.approach, folder, threads=threads)
             rounds[f"{name} {threads}"] = PEER_ROUNDS
-    found = fastest_in_turns(jobs, rounds, lambda pressed: pressed.seconds)
-    ours = _taken(found["ours"])
+    found = fastest_in_turns(jobs, rounds, _seconds)
+    ours = taken(found["ours"])
     for name, ratio in asked.items():
-        runs = [found[job] for job in jobs if job.split()[0] == name]
-        missing = next((run for run in runs if isinstance(run, PeerMissingError)), None)
+        peer = fastest([found[job] for job in jobs if job.split()[0] == name], _seconds)
         work = f"Hertz's contact of a half cylinder and a block, {block.n_nodes} nodes"
         more = {"ours_half_width_accuracy": ours.half_width_error, "ours_force_accuracy": ours.force_error}
-        if missing is not None:
-            yield Measurement(
-                work, name, ours.seconds, None, ours.peak_error, None, str(missing), asked=ratio, more=more
-            )
+        if isinstance(peer, PeerMissingError):
+            yield Measurement(work, name, ours.seconds, None, ours.peak_error, None, str(peer), asked=ratio, more=more)
             continue
-        peer = min((_taken(run) for run in runs), key=lambda pressed: pressed.seconds)
         yield Measurement(
             work, name, ours.seconds, peer.seconds, ours.peak_error, peer.peak_error,
             f"ours of order 2; the peer found {peer.force:.2f} of 2000 N/mm at our approach of {ours.approach:.5f} mm",
@@ -84,9 +80,9 @@ def ten_steps(block: Block, folder: Path, *, with_peer: bool) -> Iterator[Measur
         for n in (1, 10):
             jobs[f"kratos {n}"] = partial(press_with_kratos, block, one.approach, folder, n_steps=n)
             rounds[f"kratos {n}"] = 1
-    found = fastest_in_turns(jobs, rounds, lambda pressed: pressed.seconds)
-    ours = _taken(found["ours 10"])
-    more = {"ours_ten_over_one": round(ours.seconds / _taken(found["ours 1"]).seconds, 2), "asked_ten_over_one": 2.0}
+    found = fastest_in_turns(jobs, rounds, _seconds)
+    ours = taken(found["ours 10"])
+    more = {"ours_ten_over_one": round(ours.seconds / taken(found["ours 1"]).seconds, 2), "asked_ten_over_one": 2.0}
     work = f"Hertz's contact of a half cylinder and a block, {block.n_nodes} nodes, ten load steps"
     peer = found.get("kratos 10")
     if peer is None:
@@ -95,13 +91,12 @@ def ten_steps(block: Block, folder: Path, *, with_peer: bool) -> Iterator[Measur
     if isinstance(peer, PeerMissingError):
         yield Measurement(work, "kratos", ours.seconds, None, ours.peak_error, None, str(peer), more=more)
         return
-    more["peer_ten_over_one"] = round(peer.seconds / _taken(found["kratos 1"]).seconds, 2)
+    more["peer_ten_over_one"] = round(peer.seconds / taken(found["kratos 1"]).seconds, 2)
     yield Measurement(
         work, "kratos", ours.seconds, peer.seconds, ours.peak_error, peer.peak_error,
         "equal steps of the approach; ours finds the approach of the load in the last", peer.note, more=more,
     )  # fmt: skip
 
 
-def _taken(run: Pressed | PeerMissingError) -> Pressed:
-    assert isinstance(run, Pressed)
-    return run
+def _seconds(pressed: Pressed) -> float:
+    return pressed.seconds

@@ -2,17 +2,19 @@
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib.metadata import PackageNotFoundError, version
 from typing import Any, TypeVar
 
 from benchmarks.peers import PeerMissingError
+from flangeway.study.versions import version_of
 
 Result = TypeVar("Result")
 
 NO_PEER = "none"
 """Peer of what is measured for flangeway alone."""
+ITSELF = "flangeway"
+"""Peer of what is measured beside another way of the same program."""
 OWN = ("flangeway", "numpy", "scipy")
 """Packages of flangeway whose versions are kept with each measurement."""
 
@@ -26,7 +28,7 @@ class Measurement:
     work
         What was done.
     peer
-        Name of the peer, or `NO_PEER`.
+        Name of the peer, or `NO_PEER` or `ITSELF`.
     ours_s, peer_s
         Best times in seconds; the peer's is None if it could not be run.
     ours_accuracy, peer_accuracy
@@ -60,9 +62,9 @@ class Measurement:
 
     def record(self) -> dict[str, Any]:
         """All that is printed."""
-        versions = {name: _version(name) for name in OWN}
+        versions = {name: version_of(name) for name in OWN}
         if self.peer != NO_PEER:
-            versions[self.peer] = self.peer_version or _version(self.peer)
+            versions[self.peer] = self.peer_version or version_of(self.peer)
         result = {
             "work": self.work,
             "peer": self.peer,
@@ -83,20 +85,19 @@ class Measurement:
         return json.dumps(self.record())
 
 
-def _version(name: str) -> str:
-    try:
-        return version(name)
-    except PackageNotFoundError:
-        return "not installed"
+def timed(work: Callable[[], Result]) -> tuple[float, Result]:
+    """Seconds on the clock, and the result."""
+    start = time.perf_counter()
+    result = work()
+    return time.perf_counter() - start, result
 
 
 def best_time(work: Callable[[], Result], repeats: int = 5) -> tuple[float, Result]:
     """Shortest time of several repeats, and the last result."""
     best = float("inf")
     for _ in range(repeats):
-        start = time.perf_counter()
-        result = work()
-        best = min(best, time.perf_counter() - start)
+        seconds, result = timed(work)
+        best = min(best, seconds)
     return best, result
 
 
@@ -129,3 +130,15 @@ def fastest_in_turns(
             if known is None or seconds(result) < seconds(known):
                 best[name] = result
     return best
+
+
+def taken(run: Result | PeerMissingError) -> Result:
+    """A result of `fastest_in_turns` that takes no peer, or whose peer is known to be there."""
+    assert not isinstance(run, PeerMissingError)
+    return run
+
+
+def fastest(runs: Sequence[Result | PeerMissingError], seconds: Callable[[Result], float]) -> Result | PeerMissingError:
+    """The fastest of several runs of one peer, or that it is missing."""
+    missing = next((run for run in runs if isinstance(run, PeerMissingError)), None)
+    return missing or min((taken(run) for run in runs), key=seconds)

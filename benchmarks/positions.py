@@ -40,7 +40,6 @@ N_LATERAL, N_LOADS = 100, 100
 LOADS_N = (50e3, 300e3)
 N_CHECKED = 20
 N_PROCESSES = 2
-N_SHEAR = 40
 BUDGET_S = 100.0
 
 _prepared: dict[str, PreparedWheelset] = {}
@@ -69,16 +68,19 @@ def _pair(name: str) -> Iterator[Measurement]:
         with ProcessPoolExecutor(N_PROCESSES, context, _make_ready, ready) as pool:
             list(pool.map(_is_ready, [name] * N_PROCESSES))
             start = time.perf_counter()
-            found = list(pool.map(_solve, [name] * N_PROCESSES, shares))
+            found = list(pool.map(_solve, [name] * N_PROCESSES, shares, [False] * N_PROCESSES))
             seconds = time.perf_counter() - start
+            start = time.perf_counter()
+            with_shear = list(pool.map(_solve, [name] * N_PROCESSES, shares, [True] * N_PROCESSES))
+            shear_seconds = time.perf_counter() - start
     tables = [table for table, _ in found]
     n_positions = sum(len(table.positions) for table in tables)
-    processor = sum(each for _, each in found) / n_positions
+    processor, with_shear_processor = (sum(each for _, each in run) / n_positions for run in (found, with_shear))
+    more = with_shear_processor - processor
     slow = sum(int(table.by_full_search.sum()) for table in tables)
     missing = sum(int((~table.converged).sum()) for table in tables)
     rounds = np.concatenate([table.rounds[~table.by_full_search] for table in tables]).mean()
     worst, pressure, full_s = _checked(prepared, tables)
-    shear = _shear_cost(prepared, lateral, loads)
     yield Measurement(
         f"{n_positions} positions of {name}, lateral motion by load, after condensation, {N_PROCESSES} processes",
         FULL_SEARCH,
@@ -89,7 +91,7 @@ def _pair(name: str) -> Iterator[Measurement]:
         f"budget {BUDGET_S:g} s; {1e3 * seconds * N_PROCESSES / n_positions:.1f} ms a position and process, "
         f"{1e3 * processor:.1f} ms of processor time; {rounds:.1f} iterations a position, {slow} by the full search, "
         f"{missing} not found; {N_CHECKED} drawn at random: pressures differ by {pressure:.1e}; "
-        f"largest shear stresses, if asked for, {1e3 * shear:.1f} ms more; "
+        f"with largest shear stresses {shear_seconds:.1f} s, {1e3 * more:.1f} ms of processor time more a position; "
         f"meshing and condensing {condensing:.2f} s, load average {os.getloadavg()[0]:.1f}",
     )
 
@@ -104,20 +106,9 @@ def _is_ready(name: str) -> int:
     return len(_prepared[name].stands)
 
 
-def _solve(name: str, positions: Positions) -> tuple[PositionTable, float]:
+def _solve(name: str, positions: Positions, shear: bool) -> tuple[PositionTable, float]:
     start = time.process_time()
-    return solve_positions(_prepared[name], positions), time.process_time() - start
-
-
-def _shear_cost(prepared: PreparedWheelset, lateral: Floats, loads: Floats) -> float:
-    """Seconds of processor time that the largest shear stresses of a position cost."""
-    positions = Positions.grid(lateral[:2], loads[:N_SHEAR])
-    times = []
-    for shear in (True, False, True):  # the first time the bodies are factorised
-        start = time.process_time()
-        solve_positions(prepared, positions, shear=shear)
-        times.append(time.process_time() - start)
-    return (times[2] - times[1]) / len(positions)
+    return solve_positions(_prepared[name], positions, shear=shear), time.process_time() - start
 
 
 def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[float, float, float]:

@@ -4,10 +4,8 @@ import json
 import os
 import subprocess
 import sys
-import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -15,11 +13,18 @@ from flangeway.mesh import PolyMesh
 
 ROOT = Path(__file__).parents[1]
 
-Result = TypeVar("Result")
 
-
-def sample(module: str, *arguments: str) -> dict[str, Any]:
+def sample(module: str, *arguments: str, **variables: str) -> dict[str, Any]:
     """Run a benchmark's module with arguments in a process of its own; its last line is JSON.
+
+    Parameters
+    ----------
+    module
+        Name of the module.
+    arguments
+        Its arguments.
+    variables
+        Variables of the environment beside those of this process.
 
     Raises
     ------
@@ -29,7 +34,7 @@ def sample(module: str, *arguments: str) -> dict[str, Any]:
     """
     done = subprocess.run(
         [sys.executable, "-m", module, *arguments],
-        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},
+        env=os.environ | {"OPENBLAS_NUM_THREADS": "1"} | variables,
         cwd=ROOT,
         capture_output=True,
         text=True,
@@ -39,13 +44,6 @@ def sample(module: str, *arguments: str) -> dict[str, Any]:
         raise RuntimeError(f"{module} {' '.join(arguments)} failed: {done.stderr[-2000:]}")
     result: dict[str, Any] = json.loads(done.stdout.splitlines()[-1])
     return result
-
-
-def timed(work: Callable[[], Result]) -> tuple[float, Result]:
-    """Seconds on the clock, and the result."""
-    start = time.perf_counter()
-    result = work()
-    return time.perf_counter() - start, result
 
 
 def resident_mb(what: str = "VmHWM") -> float:
@@ -59,7 +57,7 @@ def resident_mb(what: str = "VmHWM") -> float:
 
 def save_mesh(path: Path, mesh: PolyMesh) -> None:
     """Store a mesh as arrays, the edges' numbering included, for peers that need it."""
-    sets = {f"edges {name}": edges for name, edges in mesh.edge_sets.items()}
+    sets: dict[str, Any] = {f"edges {name}": edges for name, edges in mesh.edge_sets.items()}
     np.savez(
         path,
         points=mesh.points,

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.measurement import Measurement, best_time, fastest_in_turns
+from benchmarks.measurement import Measurement, best_time, fastest_in_turns, taken
 from benchmarks.peers import PeerMissingError, run_python
 from benchmarks.samples import save_mesh
 from flangeway.elements import Element, Lagrange, Virtual
@@ -79,8 +79,10 @@ def _against_skfem(mesh: PolyMesh, path: Path, order: int) -> Measurement:
 
 
 def _measurement(work: str, name: str, found: dict[str, Any], note: str, asked: float | None) -> Measurement:
-    ours, peer = found["ours"], found[name]
+    ours, peer = taken(found["ours"]), found[name]
     if isinstance(peer, PeerMissingError):
         return Measurement(work, name, ours["seconds"], None, abs(ours["energy"] - 1.0), None, str(peer), asked=asked)
-    errors = [abs(run["energy"] - 1.0) for run in (ours, peer)]
-    return Measurement(work, name, ours["seconds"], peer["seconds"], *errors, note, peer["version"], asked)
+    our_error, peer_error = (abs(run["energy"] - 1.0) for run in (ours, peer))
+    return Measurement(
+        work, name, ours["seconds"], peer["seconds"], our_error, peer_error, note, peer["version"], asked
+    )

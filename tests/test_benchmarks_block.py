@@ -1,4 +1,4 @@
-"""The block's benchmark, the growth and the page of all benchmarks, on small problems."""
+"""The benchmark of the block on small problems, and what its peers are given."""
 
 import re
 from pathlib import Path
@@ -6,11 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from benchmarks import growth, report
-from benchmarks.__main__ import ABOUTS
 from benchmarks.hertz_block import HERTZ, mesh_block, press_block
 from benchmarks.hertz_block_peers import bodies
-from benchmarks.measurement import Measurement
 from benchmarks.peers import PeerMissingError, run_python
 from benchmarks.peers.calculix_deck import deck
 
@@ -71,56 +68,3 @@ def test_a_missing_peer_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     with pytest.raises(PeerMissingError, match=re.escape("sh benchmarks/peers/install.sh kratos")):
         run_python("kratos", "kratos_block.py")
-
-
-def test_growth_tells_exponents() -> None:
-    """Small sizes solve to round-off, and an exponent is the slope of the logarithms."""
-    *sizes, last = growth.quick()
-    assert len(sizes) == len(growth.QUICK)
-    assert all(size.ours_accuracy is not None and size.ours_accuracy < 1e-9 for size in sizes)
-    assert all(size.more["peak_mb"] >= size.more["before_mb"] > 0 for size in sizes)
-    assert set(last.more["exponents"]) == {"assembly", "factor", "solve", "total", "peak_mb"}
-    squares = growth.Growth(tuple({"unknowns": n, "total": n**1.5} for n in (10, 100, 1000)))
-    assert squares.exponent("total") == pytest.approx(1.5)
-
-
-def test_the_page_holds_what_was_recorded(tmp_path: Path) -> None:
-    """The page has what is measured, rows with the recorded times, ratios and accuracies, versions and the machine."""
-    met = Measurement("some work", "peer", 0.5, 2.0, 1e-3, 2e-2, "a note", "1.2", 3.0, {"peak_mb": 7, "asked_mb": None})
-    missed = Measurement(
-        "more work", "peer", 0.5, 0.6, None, None, "", "1.2", 3.0, {"peak_mb": 1234.5, "asked_mb": 9.5}
-    )
-    missing = Measurement("other work", "rival", 0.5, None, None, None, "not installed", "", 2.0)
-    alone = Measurement("growth", "none", 5.0, None, None, None, more={"exponents": {"factor": 1.25, "solve": 1.1}})
-    report.record("one-name", [met, missed, missing, alone], tmp_path)
-    abouts = {"other": "Not recorded.", "one-name": "What it is.\n\n    Time is from ``a`` to b.\n    "}
-    page = report.write(abouts, tmp_path, tmp_path / "page.md").read_text(encoding="utf-8")
-    assert "| 1 | some work | peer 1.2 | 0.5 | 2 | 4 | 3 | 0.001 | 0.02 |" in page
-    assert "| 2 | more work | peer 1.2 | 0.5 | 0.6 | **1.2** | 3 |  |  |" in page
-    assert "| 3 | other work | rival | 0.5 | not measured |  | 2 |  |  |" in page
-    assert "| 4 | growth |  | 5 |  |  |  |  |  |" in page
-    assert "- 1: a note\n- 3: not installed" in page
-    assert "|  | peak mb | goal mb |\n| --- | --- | --- |\n| 1 | 7 |  |\n| 2 | 1234 | 9.5 |" in page
-    assert "|  | measured | factor | solve |\n| --- | --- | --- | --- |\n| 4 | exponents | 1.25 | 1.1 |" in page
-    assert "| [One name](#one-name) | more work | peer 1.2 | **1.2** | 3 |" in page
-    assert "\n\n## One name\n\n" in page
-    assert "What it is.\n\nTime is from `a` to b." in page
-    assert "processors" in page
-    assert "; flangeway " in page
-    assert "Not recorded" not in page
-
-
-def test_a_part_measured_again_keeps_the_others(tmp_path: Path) -> None:
-    """What is recorded under one name replaces that alone, and parts stand in the order of the names given."""
-    for name, work in (("second", "old"), ("first", "kept"), ("second", "new")):
-        report.record(name, [Measurement(work, "none", 1.0, None, None, None)], tmp_path)
-    page = report.write({"first": "", "second": ""}, tmp_path, tmp_path / "page.md").read_text(encoding="utf-8")
-    assert page.index("## First") < page.index("| kept |") < page.index("## Second") < page.index("| new |")
-    assert "| old |" not in page
-
-
-def test_the_page_of_performance_is_made_of_the_records(tmp_path):
-    """The page in the documentation is what the kept records of measurements make, to the letter."""
-    page = report.write(ABOUTS, page=tmp_path / "performance.md")
-    assert page.read_text(encoding="utf-8") == report.PAGE.read_text(encoding="utf-8")
-    assert len(list(report.RECORDS.glob("*.json"))) == len(ABOUTS)

@@ -9,7 +9,7 @@ What most scripts need stands here, in the order in which a script uses it:
 - bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment` or
   `SegmentToSegment`, with `Penalty` or `Multiplier`; `press` brings them together, `pressure_patches` says how hard
   they touch;
-- whole cases, a wheelset among them: `load_case` reads a case file, `run_case` computes it.
+- whole cases, a wheelset among them: `load_case` gives one by name or from a case file, and its `run` computes it.
 
 Wrong input is an `InputError`, every error of the package a `FlangewayError`. The packages have the rest, and follow
 the flow of data: `exact`, `geometry`, `mesh`, `elements`, `space`, `materials`, `problems`, `solve`, `contact`, `post`,
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from flangeway.report import plot_mesh, plot_stress
     from flangeway.solve import solve_elasticity, solve_torsion
     from flangeway.space import Space
-    from flangeway.study import load_case, run_case
+    from flangeway.study import load_case
 
 _PACKAGES = ("elements", "exact", "geometry", "mesh", "post")
 _HOMES = {
@@ -68,7 +68,7 @@ _HOMES = {
     "report": ("plot_mesh", "plot_stress"),
     "solve": ("solve_elasticity", "solve_torsion"),
     "space": ("Space",),
-    "study": ("load_case", "run_case"),
+    "study": ("load_case",),
 }
 _PACKAGE_OF = {name: package for package, names in _HOMES.items() for name in names}
 
@@ -104,7 +104,6 @@ __all__ = [
     "pressure_patches",
     "read_mesh",
     "recovered_stresses",
-    "run_case",
     "solve_elasticity",
     "solve_torsion",
     "stresses_at",

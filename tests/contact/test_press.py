@@ -1,5 +1,7 @@
 """Bodies pressed against each other, whatever the pairing and the enforcement."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -10,12 +12,14 @@ from flangeway.contact import (
     NodeToSegment,
     Penalty,
     SegmentToSegment,
+    Surface,
 )
 from flangeway.contact import (
     press as press_parts,
 )
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
+from flangeway.materials import Elastic
 from flangeway.post import pressure_patches
 from flangeway.solve import NewtonSettings, StepSettings
 
@@ -111,7 +115,7 @@ def test_a_failure_names_what_flips(press) -> None:
     solution = press_contacts(contact, None, settings=settings, steps=StepSettings(smallest=0.5))
     message = solution.status.message
     assert not solution.status.converged
-    assert "not converged in 1 iterations: contact still comes and goes at node" in message
+    assert "not converged in 1 iteration: contact still comes and goes at node" in message
     assert "of 'disc' at (" in message
     assert "on 'block'" in message
     assert "take smaller steps" in message
@@ -128,6 +132,22 @@ def test_an_augmented_lagrangian_that_cannot_reach_its_tolerance_says_so(press) 
     )
     assert not solution.status.converged
     assert "not converged in 2 corrections" in solution.status.message
+
+
+def in_plane_stress(surface: Surface) -> Surface:
+    """The surface of a body of the same mesh in plane stress."""
+    body = replace(surface.part.body, material=Elastic(210e3, 0.3, "plane_stress"))
+    return Surface(replace(surface.part, body=body), surface.edges)
+
+
+def test_a_motion_without_contact_says_so(press) -> None:
+    """A part that is moved away, or through the other one, converges with the words that nothing touches."""
+    contact = contact_of(press, SegmentToSegment(), Multiplier())
+    for way in (1.0, -1000.0):
+        solution = press_contacts(contact, {contact.secondary.part: Placement(0.0, (0.0, way))})
+        assert solution.status.converged
+        assert solution.status.message.endswith("; nothing touches")
+    assert "nothing" not in press_contacts(contact, None).status.message
 
 
 @pytest.mark.parametrize(
@@ -154,6 +174,17 @@ def test_an_augmented_lagrangian_that_cannot_reach_its_tolerance_says_so(press) 
                 [Contact(s, p, NodeToSegment(), Multiplier())], {s.part: Placement(mirrored=True)}
             ),
             "mirror the part itself",
+        ),
+        (
+            lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {s.part.name: DOWN}),
+            "a Placement by its Part",
+        ),
+        (lambda s, p: Contact(s, in_plane_stress(p), NodeToSegment(), Multiplier()), "both in plane strain"),
+        (
+            lambda s, p: press_parts(
+                [Contact(*pair, SegmentToSegment(), Multiplier()) for pair in ((s, p), (p, s))], {s.part: DOWN}
+            ),
+            "two contacts of 'disc' and 'block' along the same edges",
         ),
     ],
 )

@@ -17,17 +17,9 @@ from flangeway.contact import (
 )
 from flangeway.contact.contact import Pairing
 from flangeway.contact.enforcement import Enforcement
+from flangeway.geometry import Outline, Placement, circle, polygon, rectangle
 from flangeway.solve import NewtonSettings, StepSettings
-from flangeway.study.contact_cases import (
-    ContactCase,
-    Discretisation,
-    block_into_corner,
-    block_on_long_block,
-    imbalance,
-    pin_in_bore,
-    pressed_boxes,
-    stack_of_three,
-)
+from flangeway.study.pressed_boxes import ContactCase, Discretisation, Method, pressed_boxes, surface_of
 
 BALANCED = 1e-10
 WAYS: dict[str, tuple[Pairing, Enforcement]] = {
@@ -43,7 +35,173 @@ SIDES = {
     "T6": (Discretisation(0.2, order=2), Discretisation(0.23, order=2)),
     "VEM2-T3": (Discretisation(0.3, "vem", 2), Discretisation(0.2)),
 }
-Build = Callable[..., ContactCase]
+Solve = Callable[[ContactCase], ContactSolution]
+
+
+def moved(x: float, y: float) -> Placement:
+    return Placement(0.0, (x, y))
+
+
+def named_circle(radius: float, name: str) -> Outline:
+    segments = circle(radius).segments
+    return Outline.from_segments(segments, [name] * len(segments))
+
+
+def block_on_long_block(
+    upper: Discretisation,
+    lower: Discretisation,
+    pairing: Pairing,
+    enforcement: Enforcement,
+    *,
+    secondary: str = "upper",
+    sides: bool = False,
+    depth: float = 0.02,
+) -> ContactCase:
+    """A block 2 wide and 1 high pressed upon one 6 wide and 2 high: contact up to sharp edges.
+
+    Parameters
+    ----------
+    upper, lower
+        Discretisations.
+    pairing, enforcement
+        Of the contact.
+    secondary
+        Which block is the secondary one.
+    sides
+        Whether the surface of the upper block goes round its corners and up its sides.
+    depth
+        How far the upper block's held top moves down.
+
+    """
+    short = upper.part("upper", rectangle(2.0, 1.0, centre=(0.0, 0.5)), "top")
+    if sides:
+        short = upper.part("upper", block_with_ears(), "top")
+    long = lower.part("lower", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
+    names = ("left", "bottom", "right") if sides else ("bottom",)
+    surfaces = [surface_of(short, *names), surface_of(long, "top")]
+    if secondary == "lower":
+        surfaces.reverse()
+    return ContactCase((Contact(surfaces[0], surfaces[1], pairing, enforcement),), {short: moved(0.0, -depth)})
+
+
+def block_with_ears() -> Outline:
+    """Outline of the short block whose sides are cut below the held top, which no contact surface may touch."""
+    points = [(-1.0, 0.0), (1.0, 0.0), (1.0, 0.7), (1.0, 1.0), (-1.0, 1.0), (-1.0, 0.7)]
+    return polygon(points, ["bottom", "right", "upper_right", "top", "upper_left", "left"])
+
+
+def pin_in_bore(
+    pin: Discretisation,
+    bore: Discretisation,
+    pairing: Pairing,
+    enforcement: Enforcement,
+    *,
+    clearance: float = 0.01,
+    depth: float = 0.02,
+) -> ContactCase:
+    """A pin of radius 1 with a held core in a bore of a block, pressed down (conforming contact).
+
+    Parameters
+    ----------
+    pin, bore
+        Discretisations of the secondary and the primary side.
+    pairing, enforcement
+        Of the contact.
+    clearance
+        Radius of the bore less that of the pin.
+    depth
+        How far the pin's core moves down after first touch.
+
+    """
+    inner = pin.part("pin", named_circle(1.0, "rim"), "core", [named_circle(0.4, "core")])
+    block = rectangle(5.0, 5.0, centre=(0.0, 0.0))
+    outer = bore.part("bore", block, "bottom", [named_circle(1.0 + clearance, "rim")])
+    contact = Contact(surface_of(inner, "rim"), surface_of(outer, "rim"), pairing, enforcement)
+    return ContactCase((contact,), {inner: moved(0.0, -clearance - depth)})
+
+
+def block_into_corner(
+    block: Discretisation,
+    walls: Discretisation,
+    pairing: Pairing,
+    enforcement: Enforcement,
+    *,
+    as_one: bool = False,
+    gap: float = 0.01,
+    motion: tuple[float, float] = (-0.02, -0.03),
+) -> ContactCase:
+    """A block moved into the corner of a floor and a wall of one body.
+
+    Parameters
+    ----------
+    block, walls
+        Discretisations of the secondary and the primary side.
+    pairing, enforcement
+        Of the contact.
+    as_one
+        One contact of surfaces with a corner, or one contact for the floor and one for the wall that share the block's
+        corner node.
+    gap
+        Distance from floor and wall at first.
+    motion
+        Motion of the block's held far sides.
+
+    """
+    outline = polygon(
+        [(-1.0, -1.0), (2.0, -1.0), (2.0, 0.0), (0.0, 0.0), (0.0, 2.0), (-1.0, 2.0)],
+        ["base", "right", "floor", "wall", "top", "back"],
+    )
+    corner = walls.part("walls", outline, {"base": "xy", "back": "xy"})
+    square = polygon(
+        [(0.0, 0.0), (1.0, 0.0), (1.2, 0.2), (1.2, 1.2), (0.2, 1.2), (0.0, 1.0)],
+        ["bottom", "lower_right", "right", "top", "upper_left", "left"],
+    )
+    pressed = block.part("block", square, {"right": "xy", "top": "xy"}, placement=moved(gap, gap))
+    if as_one:
+        pairs = [(surface_of(pressed, "left", "bottom"), surface_of(corner, "floor", "wall"))]
+    else:
+        pairs = [
+            (surface_of(pressed, "bottom"), surface_of(corner, "floor")),
+            (surface_of(pressed, "left"), surface_of(corner, "wall")),
+        ]
+    contacts = tuple(Contact(mine, other, pairing, enforcement) for mine, other in pairs)
+    return ContactCase(contacts, {pressed: moved(*motion)})
+
+
+def stack_of_three(
+    discretisations: tuple[Discretisation, Discretisation, Discretisation],
+    pairing: Pairing,
+    enforcement: Enforcement,
+    *,
+    depth: float = 0.02,
+) -> ContactCase:
+    """A plate held at its ends between a block above that is pressed down and one below that is held.
+
+    Parameters
+    ----------
+    discretisations
+        Of the block above, the plate, and the block below.
+    pairing, enforcement
+        Of both contacts.
+    depth
+        How far the upper block's held top moves down.
+
+    """
+    upper = discretisations[0].part("upper", rectangle(2.0, 1.0, centre=(0.0, 0.75)), "top")
+    plate = discretisations[1].part(
+        "plate",
+        polygon(
+            [(x, -0.25) for x in (-3.0, -2.0, 2.0, 3.0)] + [(x, 0.25) for x in (3.0, 2.0, -2.0, -3.0)],
+            ["left_below", "bottom", "right_below", "right", "right_above", "top", "left_above", "left"],
+        ),
+        {"left": "xy", "right": "xy"},
+    )
+    lower = discretisations[2].part("lower", rectangle(3.0, 1.0, centre=(0.3, -0.75)), "bottom")
+    contacts = (
+        Contact(surface_of(upper, "bottom"), surface_of(plate, "top"), pairing, enforcement),
+        Contact(surface_of(plate, "bottom"), surface_of(lower, "top"), pairing, enforcement),
+    )
+    return ContactCase(contacts, {upper: moved(0.0, -depth)})
 
 
 @pytest.fixture(params=WAYS, scope="module")
@@ -58,13 +216,18 @@ def sides(request: pytest.FixtureRequest) -> tuple[Discretisation, Discretisatio
     return SIDES[request.param]
 
 
-def solved(case: ContactCase) -> ContactSolution:
-    """Solution of a case, converged and balanced."""
-    solution = case.solve()
-    assert solution.status.converged, solution.status.message
-    assert imbalance(solution) < BALANCED
-    assert (solution.state.forces >= 0.0).all()
-    return solution
+@pytest.fixture(scope="module")
+def solved(imbalance: Callable[[ContactSolution], float]) -> Solve:
+    """Solve a case, which must converge and be balanced."""
+
+    def solve(case: ContactCase) -> ContactSolution:
+        solution = case.solve()
+        assert solution.status.converged, solution.status.message
+        assert imbalance(solution) < BALANCED
+        assert (solution.state.forces >= 0.0).all()
+        return solution
+
+    return solve
 
 
 def own_imbalance(case: ContactCase, solution: ContactSolution) -> float:
@@ -84,13 +247,14 @@ def own_imbalance(case: ContactCase, solution: ContactSolution) -> float:
 @pytest.mark.parametrize("secondary", ["upper", "lower"])
 @pytest.mark.parametrize("round_the_corner", [False, True])
 def test_short_block_on_long_one(
+    solved: Solve,
     way: tuple[Pairing, Enforcement],
     sides: tuple[Discretisation, Discretisation],
     secondary: str,
     round_the_corner: bool,
 ) -> None:
     """Contact up to sharp edges bears 402 kN, whichever side is secondary, also if the surface goes round the edges."""
-    case = block_on_long_block(*sides, *way, secondary=secondary, sides=round_the_corner)  # type: ignore[arg-type]
+    case = block_on_long_block(*sides, *way, secondary=secondary, sides=round_the_corner)
     solution = solved(case)
     assert own_imbalance(case, solution) < BALANCED
     sign = 1.0 if secondary == "upper" else -1.0
@@ -103,7 +267,7 @@ def test_short_block_on_long_one(
 
 
 def test_pin_in_a_conforming_bore(
-    way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
 ) -> None:
     """A pin with a clearance of a hundredth of its radius is borne by the lower half of its bore alone."""
     case = pin_in_bore(*sides, *way)
@@ -115,7 +279,9 @@ def test_pin_in_a_conforming_bore(
     assert pin.body.space.nodes[loaded, 1].max() < 0.0
 
 
-def test_block_into_a_corner(way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]) -> None:
+def test_block_into_a_corner(
+    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+) -> None:
     """Two contacts that share the corner's node and one contact of surfaces with a corner bear the same forces."""
     apart = solved(block_into_corner(*sides, *way))
     as_one = solved(block_into_corner(*sides, *way, as_one=True))
@@ -126,7 +292,9 @@ def test_block_into_a_corner(way: tuple[Pairing, Enforcement], sides: tuple[Disc
     assert as_one.forces[0] == pytest.approx(total, rel=near)
 
 
-def test_stack_of_three(way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]) -> None:
+def test_stack_of_three(
+    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+) -> None:
     """A plate between two blocks passes on the force of the one to the other, but for what its held ends take."""
     case = stack_of_three((sides[0], sides[1], sides[0]), *way)
     solution = solved(case)
@@ -136,9 +304,9 @@ def test_stack_of_three(way: tuple[Pairing, Enforcement], sides: tuple[Discretis
 
 
 @pytest.mark.parametrize(("method", "order"), [("fem", 1), ("fem", 2), ("vem", 1), ("vem", 2)])
-def test_matching_meshes(way: tuple[Pairing, Enforcement], method: str, order: int) -> None:
+def test_matching_meshes(solved: Solve, way: tuple[Pairing, Enforcement], method: Method, order: int) -> None:
     """Meshes that match node by node converge without hopping and pass the contact patch test."""
-    side = Discretisation(0.25, method, order)  # type: ignore[arg-type]
+    side = Discretisation(0.25, method, order)
     case = pressed_boxes(side, side, *way)
     solution = solved(case)
     assert len(solution.steps) == 1
@@ -153,13 +321,14 @@ def test_surfaces_in_either_orientation(name: str) -> None:
     contact = case.contacts[0]
     shuffled = np.random.default_rng(5).permutation(contact.secondary.edges)
     given = [(contact.secondary.part, shuffled), (contact.primary.part, contact.primary.edges[::-1, ::-1])]
-    turned = Contact(*(Surface(part, edges) for part, edges in given), contact.pairing, contact.enforcement)
+    secondary, primary = (Surface(part, edges) for part, edges in given)
+    turned = Contact(secondary, primary, contact.pairing, contact.enforcement)
     forces = [ContactCase((each,), case.motion).solve().forces for each in (contact, turned)]
     assert (forces[0] == forces[1]).all()
 
 
 @pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])
-def test_bodies_that_do_not_meet(pairing: Pairing) -> None:
+def test_bodies_that_do_not_meet(solved: Solve, pairing: Pairing) -> None:
     """Bodies that stay apart, out of reach or nearly touching, bear nothing and converge at once."""
     for gap in (5.0, 0.05):
         solution = solved(block_into_corner(*SIDES["T3"], pairing, Multiplier(), gap=gap))
@@ -167,7 +336,7 @@ def test_bodies_that_do_not_meet(pairing: Pairing) -> None:
 
 
 @pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])
-def test_a_block_dropped_from_afar(pairing: Pairing) -> None:
+def test_a_block_dropped_from_afar(solved: Solve, pairing: Pairing) -> None:
     """A block that starts out of reach of the corner bears what it bears if it starts near."""
     near = solved(block_into_corner(*SIDES["T3"], pairing, Multiplier()))
     far = solved(block_into_corner(*SIDES["T3"], pairing, Multiplier(), gap=3.0, motion=(-3.01, -3.02)))

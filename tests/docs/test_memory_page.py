@@ -10,8 +10,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from flangeway.mesh import dual, expected, long_meshes, memory, refine, section_mesher
 from flangeway.solve import cache, condensed
-from flangeway.space import memory
+from flangeway.space.memory import BYTES_AN_ENTRY
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "memory-threads-and-cache.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text)\n(.*?)```", TEXT, flags=re.DOTALL)
@@ -69,10 +70,10 @@ def followed(tmp_path_factory):
 
 
 def test_every_block_runs_and_prints_what_is_shown(followed):
-    """Each command and script of the page ends well, but for the one that is refused, and prints what is shown."""
+    """Each command and script of the page ends well, but for the two that are refused, and prints what is shown."""
     printed, _ = followed
     statuses = [entry[1] for entry in printed if entry[0] == "sh"]
-    assert statuses == [1, 0, 0, 0, 0], printed
+    assert statuses == [1, 2, 0, 0, 0, 0], printed
     before = ""
     n_shown = 0
     for entry in printed:
@@ -81,7 +82,7 @@ def test_every_block_runs_and_prints_what_is_shown(followed):
             n_shown += 1
         else:
             before = entry[2]
-    assert n_shown == 2
+    assert n_shown == 4
 
 
 def test_the_runs_of_the_page_find_the_same(followed):
@@ -130,7 +131,20 @@ def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
 
 def test_the_page_tells_the_programs_numbers():
     """Names and numbers on the page are those of the program."""
-    assert f"assembly | {memory.BYTES_AN_ENTRY} bytes" in TEXT
+    assert f"assembly | {BYTES_AN_ENTRY} bytes" in TEXT
+    of_one = expected.BYTES_A_TRIANGLE
+    of_parts = of_one["delaunay"] + section_mesher.BYTES_TO_COLLECT
+    assert (
+        f"{of_one['delaunay']} bytes for each triangle, {of_one['frontal-delaunay']} with `frontal-delaunay`, "
+        f"{of_parts} in sections of several parts; {expected.BYTES_A_BOUNDARY_EDGE} for each edge on the boundary; "
+        f"up to {expected.BYTES_A_SEED:,} for each point along a refinement"
+    ) in TEXT
+    assert f"dual polygons | {sys.modules[dual.__module__].BYTES_A_TRIANGLE} bytes" in TEXT
+    assert f"{refine.BYTES_A_TRIANGLE} bytes for each triangle, {refine.BYTES_A_POLYGON} for each polygon" in TEXT
+    for most in (expected.MOST_TRIANGLES, expected.MOST_EDGES, expected.MOST_SEEDS):
+        assert f"than {most:,}\n" in TEXT or f"than {most:,} " in TEXT
+    assert long_meshes.LONG == 3.0
+    assert "more than three seconds" in TEXT
     assert memory.LIMIT in TEXT
     assert f"`{8 * condensed.DENSE_COPIES} n^2` bytes" in TEXT
     assert f"{cache.DEFAULT_MB:g} if left out" in TEXT

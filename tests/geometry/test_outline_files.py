@@ -127,6 +127,21 @@ def test_csv_half_outline_is_mirrored(read):
         assert found.notices == ()
 
 
+@pytest.mark.parametrize("first", range(4))
+def test_csv_half_that_is_closed_along_the_axis_is_mirrored(read, first):
+    """A half as corners, or with its cut on x = 0 among the lines, is whole after the mirror, wherever it begins."""
+    corners = [(0, 0), (2, 0), (3, 5), (0, 5)]
+    corners = corners[first:] + corners[:first]
+    listed = "# mirror\nx_mm,y_mm\n" + "".join(f"{x},{y}\n" for x, y in corners)
+    ends = zip(corners, corners[1:] + corners[:1], strict=True)
+    lines = "# mirror\ntype,x0_mm,y0_mm,x1_mm,y1_mm\n" + "".join(f"line,{a},{b},{c},{d}\n" for (a, b), (c, d) in ends)
+    for text in (listed, lines):
+        section = read(text, ".csv").section
+        assert section.area == pytest.approx(25.0, rel=1e-12)
+        assert section.centroid()[0] == pytest.approx(0.0, abs=1e-12)
+        assert len(next(iter(section.regions)).loops[0].segments) == 6
+
+
 def test_csv_loops_inside_others_are_holes(read):
     """Rows that come back to their start end a loop; the smaller loop inside becomes a hole."""
     text = (

@@ -291,6 +291,12 @@ def test_what_cannot_be_mended_is_refused(tmp_path, points, cells, word):
         ("a.inp", b"*NODE, SYSTEM=C\n1, 0, 0\n", "rectangular"),
         ("a.inp", b"*INSTANCE, PART=a\n0., 1.\n", "moved"),
         ("a.inp", b"*INSTANCE, PART=a\n*INSTANCE, PART=a\n", "second one"),
+        (
+            "a.inp",
+            b"*PART, NAME=a\n*NODE\n1, 0, 0\n2, 1, 0\n*ELEMENT, TYPE=CPE3\n1, 1, 2\n*END PART\n"
+            b"*ASSEMBLY\n*INSTANCE, NAME=b, PART=a\n*END INSTANCE\n*END ASSEMBLY\n",
+            "ELEMENT in line 5",
+        ),
         ("a.inp", b"*NODE\n1, 0, 0\n*NSET, NSET=a\nb\n", "sets defined before"),
         ("a.inp", b"*NODE\n1, 0, 0\n*NSET, NSET=a, GENERATE\n1\n", "first, last and step"),
     ],

@@ -13,7 +13,7 @@ import pytest
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.geometry import Arc, Line, Outline, Placement, circle, polygon, rectangle, square
 from flangeway.mesh import Refinement, check, gmsh_session, triangulate
-from flangeway.mesh.sizing import estimated_triangles, local_sizes
+from flangeway.mesh.sizing import local_sizes
 
 HALF_DISC = Outline.from_segments(
     [Line((-2.0, 0.0), (2.0, 0.0)), Arc((2.0, 0.0), (-2.0, 0.0), (0.0, 0.0), True)],
@@ -109,13 +109,6 @@ def test_a_refinement_coarser_than_the_size_changes_nothing():
     plain = triangulate(square(1.0), size=0.1)
     same = triangulate(square(1.0), size=0.1, refinements=[Refinement([(0.0, 0.0)], 0.5, 0.2)])
     assert np.array_equal(plain.points, same.points)
-
-
-def test_estimate_is_near_the_truth():
-    """The estimated number of triangles is within a third of those made."""
-    line = Refinement([(-2.0, -2.0), (2.0, -2.0)], 0.01, 0.15)
-    made = triangulate(square(4.0), size=0.2, refinements=[line]).n_cells
-    assert estimated_triangles(16.0, 0.2, [line]) == pytest.approx(made, rel=0.33)
 
 
 def test_holes_have_the_body_on_their_outside():

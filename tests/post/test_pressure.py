@@ -5,7 +5,14 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.contact import Contact, Multiplier, SegmentToSegment, Surface
+from flangeway.contact import press as press_parts
+from flangeway.elements import Lagrange
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid
 from flangeway.post import pressure_patches
+from flangeway.problems import Body, Part
 from flangeway.solve import CondensedBodies, solve_contact
 
 
@@ -49,3 +56,24 @@ def test_scatter_measures_noise(press) -> None:
     assert replace(patch, pressures=smooth).scatter < 1e-12
     rough = smooth * (1.0 + 0.1 * (-1.0) ** np.arange(20))
     assert replace(patch, pressures=rough).scatter == pytest.approx(0.2 / 1.1, rel=1e-6)
+
+
+def test_a_corner_just_beyond_a_node_has_no_pressure_without_limit() -> None:
+    """A block whose corner stands a little beyond a node of the wider secondary one: how little does not matter."""
+    steel = Elastic(210e3, 0.3)
+    upper, lower = (
+        Body(name, rectangle_grid(width, 2.0, n, 4), Lagrange(1), steel, held=held)
+        for name, width, n, held in (("upper", 4.0, 8, "top"), ("lower", 8.0, 16, "bottom"))
+    )
+    ground = Part("lower", lower)
+    largest = []
+    for beyond in (1e-5, 1e-3, 0.05, 0.2):
+        block = Part("upper", upper, Placement(0.0, (2.0 + beyond, 2.0)))
+        above, below = Surface(block, upper.mesh.edge_set("bottom")), Surface(ground, lower.mesh.edge_set("top"))
+        contact = Contact(below, above, SegmentToSegment(), Multiplier())
+        solution = press_parts([contact], motion={block: Placement(0.0, (0.0, -0.01))})
+        assert solution.status.converged
+        patches = pressure_patches(solution.system, solution.state)
+        assert sum(patch.force for patch in patches) == pytest.approx(solution.forces[0])
+        largest.append(max(patch.pressures.max() for patch in patches))
+    assert max(largest) < 1.5 * min(largest)

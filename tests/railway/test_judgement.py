@@ -148,3 +148,15 @@ def test_a_stronger_steel_is_compared_with_its_own_strength(coarse):
         model = replace(coarse.model, problem=replace(coarse.model.problem, yield_MPa=strength))
         _, warnings = judge(replace(coarse, model=model))
         assert (factor is None and warnings == ()) or factor in warnings[0]
+
+
+@pytest.mark.parametrize(("share", "told"), [(0.04, False), (0.06, True)])
+def test_a_rail_that_gives_way_too_far_is_told(coarse, share, told):
+    """A rail moved by more than 5 % of its height is still converged, with a warning that names side and way."""
+    field = coarse.displacements["rail-right"]
+    height = float(np.ptp(coarse.model.rail.mesh.points[:, 1]))
+    far = coarse.displacements | {"rail-right": field * share * height / np.linalg.norm(field, axis=1).max()}
+    status, warnings = judge(coarse, displacements=far)
+    assert status.converged
+    assert any(f"the right rail gives way by {share * height:.1f} mm" in warning for warning in warnings) == told
+    assert not any("the left rail gives way" in warning for warning in warnings)

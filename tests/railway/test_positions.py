@@ -10,10 +10,10 @@ from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.post import stresses_along
 from flangeway.problems import ElasticField
-from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.discretisation import ROLES, Discretisation
 from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
 from flangeway.railway.lane_patches import patches_of
-from flangeway.railway.lane_shear import line_below
+from flangeway.railway.lane_shear import lines_below
 from flangeway.railway.load import Load
 from flangeway.railway.positions import Positions, PositionTable, solve_positions
 from flangeway.railway.prepared import PreparedWheelset, prepare
@@ -159,11 +159,12 @@ def test_the_largest_shear_is_that_of_the_fields(north_american: PreparedWheelse
     assert len(table.patches[1]) >= 2
     for patch in table.patches[1]:
         assert patch.shear is not None
-        for role in ("wheel", "rail"):
+        for role in ROLES:
             body, field = parts[f"{role}-{patch.side}"]
-            points, depths = line_below(north_american, role, patch)
+            lines = lines_below(north_american, role, patch.side, [patch])
+            points = lines.points[0]
             line = stresses_along(ElasticField(body.elasticity, field), points[0], points[-1], len(points))
-            expected = largest_on(depths, line.stresses.in_plane_shear)
+            expected = largest_on(lines.depths[0], line.stresses.in_plane_shear)
             assert patch.shear[role].value_MPa == pytest.approx(expected.value_MPa, rel=1e-6)
             assert 0.2 < patch.shear[role].value_MPa / patch.max_pressure_MPa < 0.5
             assert 0.3 < patch.shear[role].depth_mm / patch.half_width_mm < 1.5

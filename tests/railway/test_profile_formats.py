@@ -115,6 +115,20 @@ def test_decimal_commas_are_read(separator, tmp_path):
     np.testing.assert_allclose(found.points, points, atol=6e-6)
 
 
+@pytest.mark.parametrize(
+    "head", ["n,x,y,angle", "point;X [mm];Y [mm];A", "No y_mm z_mm dev", "a line with y and x\nn\tX\tY\tcurvature"]
+)
+def test_named_columns_are_taken_wherever_they_stand(head, tmp_path):
+    """Of several columns those called x and y, or y and z, are the coordinates, not the points' numbers before them."""
+    points = points_of("rail")
+    separator = next(each for each in "\t;, " if each in head.splitlines()[-1])
+    rows = [separator.join((str(n), f"{x:.6f}", f"{y:.6f}", "0.5")) for n, (x, y) in enumerate(points)]
+    path = saved(tmp_path, "p.txt", "\n".join([head, *rows]))
+    found = read_profile(path, ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=6e-7)
+    assert any("numbers 2 and 3, by name, are taken" in notice for notice in found.notices)
+
+
 @pytest.mark.parametrize(("unit", "length"), [("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)])
 def test_units_are_converted(unit, length, tmp_path):
     """A file in another unit, named by comment, column or option, gives the same mm; the unit is told."""

@@ -18,6 +18,7 @@ from flangeway.railway.rigid_contact import (
 from flangeway.railway.rigid_curve import RigidCurve
 from flangeway.railway.rigid_side import RigidSide
 from flangeway.railway.track import Track, Wheelset
+from flangeway.study.rigid_case import find_geometry_case
 
 HALF_DISTANCE, RADIUS, CONE = 750.0, 460.0, math.atan(1.0 / 20.0)
 
@@ -202,3 +203,13 @@ def test_the_gauge_is_that_of_the_faces(s1002):
     places = rail_curve.at(arcs)
     face = np.interp(places.y.max() - 14.0, places.y[: np.argmax(places.y)], places.x[: np.argmax(places.y)])
     assert face == pytest.approx(717.5, abs=1e-3)
+
+
+def test_a_throat_that_conforms_to_the_gauge_corner_is_followed():
+    """An S1002's throat touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found all the same."""
+    values = {"wheel_radius_mm": 460.0, "left_wheel_radius_mm": 459.0, "wheel_radius_at": "tape-line"}
+    wheelset = find_geometry_case("s1002-60e1", values).curves()
+    jumps = contact_jumps(wheelset, 6.7)
+    assert {jump.side for jump in jumps} == {"left", "right"}
+    last = min(jumps, key=lambda jump: jump.motion.lateral_mm)
+    assert (last.side, last.motion.lateral_mm) == ("left", pytest.approx(-6.6, abs=0.2))

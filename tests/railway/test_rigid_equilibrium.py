@@ -240,3 +240,12 @@ def test_wrong_loads_are_refused(make):
     """Loads upward, numbers that are not finite, and impossible curves are errors."""
     with pytest.raises(InputError):
         make()
+
+
+def test_a_balance_in_the_middle_is_told_without_a_sign(usual):
+    """The middle of the track is at 0.000 mm, whatever the sign of the rounding that is left."""
+    middle = rigid_equilibrium(usual, Load(WEIGHT))
+    position = middle.position
+    assert position is not None
+    below = replace(position, motion=replace(position.motion, lateral_mm=-1e-9))
+    assert "lateral motion of 0.000 mm" in replace(middle, outcome=below).status.message

@@ -2,10 +2,19 @@
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 
 from flangeway.errors import InputError
 from flangeway.railway.result import solve_wheelset
-from flangeway.railway.subsurface import by_normal, hertz_below, largest_on, largest_shear, stresses_below
+from flangeway.railway.subsurface import (
+    by_normal,
+    closest_on_boundary,
+    hertz_below,
+    largest_of_lines,
+    largest_on,
+    largest_shear,
+    stresses_below,
+)
 from flangeway.study import WheelsetTangentCase
 
 
@@ -68,6 +77,54 @@ def test_too_few_points_are_not_smoothed():
     """With few points the largest one is the answer, and what is outside of the body does not count."""
     found = largest_on(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 5.0, 4.0, np.nan]))
     assert (found.value_MPa, found.depth_mm) == (5.0, 1.0)
+
+
+def test_the_last_digit_of_depths_does_not_matter():
+    """Points at the very end of what is smoothed count, whatever the last digits of their depths."""
+    rng = np.random.default_rng(8)
+    depths = np.linspace(0.0, 5.0, 41)
+    for _ in range(50):
+        values = 100.0 * depths * np.exp(-0.8 * depths) + rng.normal(scale=3.0, size=depths.shape)
+        found, other = largest_on(depths, values), largest_on(depths * (1.0 + 4e-16 * rng.normal(size=41)), values)
+        assert (other.depth_mm, other.value_MPa) == pytest.approx((found.depth_mm, found.value_MPa), rel=1e-10)
+
+
+def test_many_lines_have_the_tops_of_cubics():
+    """The tops of 200 lines, some with an end outside of the body, are those of NumPy's polynomials, to 1e-10."""
+    rng = np.random.default_rng(4)
+    depths = np.linspace(0.0, rng.uniform(1.0, 40.0, 200), 81, axis=1)
+    share = depths / depths[:, -1:]
+    values = 100.0 * share * np.exp(-rng.uniform(0.5, 9.0, (200, 1)) * share) + rng.normal(scale=0.3, size=depths.shape)
+    values[share > rng.uniform(0.4, 1.5, (200, 1))] = np.nan
+    n_smoothed = 0
+    for found, places, stresses in zip(largest_of_lines(depths, values), depths, values, strict=True):
+        largest = places[np.nanargmax(stresses)]
+        near = np.isfinite(stresses) & (np.abs(places - largest) <= 0.5 * largest * (1.0 + 1e-9))
+        wanted = largest, np.nanmax(stresses)
+        if near.sum() >= 8:
+            cubic = Polynomial.fit(places[near], stresses[near], 3)
+            level = cubic.deriv().roots()
+            tops = [float(each.real) for each in level if np.isreal(each) and cubic.deriv(2)(each.real) < 0.0]
+            for top in tops:
+                if abs(top - largest) <= 0.5 * largest:
+                    wanted, n_smoothed = (top, cubic(top)), n_smoothed + 1
+        assert (found.depth_mm, found.value_MPa) == pytest.approx(wanted, rel=1e-10)
+    assert 100 < n_smoothed < 200
+
+
+def test_the_closest_points_of_the_boundary(light):
+    """Points off the surface come to the boundary's edges, no nearer than to finely spaced points of them."""
+    mesh = light.model.parts["rail-right"].body.mesh
+    rng = np.random.default_rng(5)
+    points = rng.uniform(mesh.points.min(axis=0), mesh.points.max(axis=0), (20, 2))
+    found = closest_on_boundary(mesh, points)
+    first, second = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
+    fine = (first[:, None] + np.linspace(0.0, 1.0, 201)[:, None] * (second - first)[:, None]).reshape(-1, 2)
+    spacing = np.linalg.norm(second - first, axis=1).max() / 200.0
+    for point, foot in zip(points, found, strict=True):
+        nearest = np.linalg.norm(fine - point, axis=1).min()
+        assert np.linalg.norm(fine - foot, axis=1).min() <= spacing
+        assert nearest - spacing <= np.linalg.norm(foot - point) <= nearest + 1e-9
 
 
 def test_wrong_requests_are_refused(light):

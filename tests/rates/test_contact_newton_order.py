@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from flangeway.contact import ContactSolution, Multiplier, NodeToSegment, Penalty, SegmentToSegment
+from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
 from flangeway.contact.contact import Pairing
 from flangeway.contact.enforcement import Enforcement
-from flangeway.geometry import Placement
-from flangeway.study.contact_cases import ContactCase, Discretisation, Method, block_on_long_block
+from flangeway.geometry import Placement, rectangle
+from flangeway.study.pressed_boxes import Discretisation, Method, surface_of
 
 
 def settled_residuals(solution: ContactSolution) -> np.ndarray:
@@ -30,10 +30,10 @@ def test_quadratic_after_the_active_set_has_settled(
     pairing: Pairing, enforcement: Enforcement, method: Method, order: int
 ) -> None:
     """A tilted block pressed deep into a long one: the order fitted to the settled iterations is 1.6 or more."""
-    case = block_on_long_block(
-        Discretisation(0.25, method, order), Discretisation(0.3, method, order), pairing, enforcement
-    )
-    solution = ContactCase(case.contacts, {case.part("upper"): Placement(0.03, (0.0, -0.1))}).solve()
+    short = Discretisation(0.25, method, order).part("short", rectangle(2.0, 1.0, centre=(0.0, 0.5)), "top")
+    long = Discretisation(0.3, method, order).part("long", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
+    contact = Contact(surface_of(short, "bottom"), surface_of(long, "top"), pairing, enforcement)
+    solution = press([contact], {short: Placement(0.03, (0.0, -0.1))})
     assert solution.status.converged, solution.status.message
     assert len(solution.steps) == 1
     residuals = settled_residuals(solution)

@@ -12,6 +12,7 @@ from flangeway.post import corner_stresses
 from flangeway.report import scenes
 from flangeway.report.bodies_page import bodies_page
 from flangeway.report.body_fields import bodies_fields, body_fields
+from flangeway.report.body_steps import body_steps
 from flangeway.report.case_text import case_text
 from flangeway.report.command import command_line, section_command
 from flangeway.report.html import report_page
@@ -34,7 +35,7 @@ def hertz():
 
 @pytest.fixture(scope="module")
 def hertz_text(hertz):
-    return report_page(bodies_page(hertz, [], list(bodies_fields(hertz))))
+    return report_page(bodies_page(hertz, [], body_steps(hertz, list(bodies_fields(hertz)))))
 
 
 def headings(text):
@@ -57,7 +58,9 @@ def test_a_failure_and_notices_are_marked(hertz):
     """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
     status = Status(False, "a <b> & c", 3)
     summary = hertz.summary | {"notices": ["x < y"]}
-    page = report_page(bodies_page(replace(hertz, status=status, summary=summary), [], list(bodies_fields(hertz))))
+    page = report_page(
+        bodies_page(replace(hertz, status=status, summary=summary), [], body_steps(hertz, list(bodies_fields(hertz))))
+    )
     assert 'class="status failed"' in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page
@@ -133,21 +136,39 @@ def test_only_the_sides_of_cells_are_mesh_lines(hertz):
 
 def test_very_many_points_are_shown_as_whole_cells(hertz, monkeypatch):
     """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
-    fields = list(bodies_fields(hertz))
-    assert all(part.cells is not None for part in scenes.bodies_scene(hertz, fields).parts)
-    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.mesh.n_points for each in fields) - 1)
-    scene = scenes.bodies_scene(hertz, fields)
+    steps = body_steps(hertz, list(bodies_fields(hertz)))
+    assert all(part.cells is not None for part in scenes.bodies_scene(hertz, steps).parts)
+    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.mesh.n_points for each in steps.fields[-1]) - 1)
+    scene = scenes.bodies_scene(hertz, steps)
     for part in scene.parts:
         body = hertz.bodies[part.name]
         mesh = body.field.problem.space.mesh
         assert np.array_equal(part.mesh.cell_offsets, mesh.cell_offsets)
         assert np.array_equal(part.places, mesh.cell_points)
         corners = corner_stresses(body.field.problem, body.field.displacements).components
-        assert part.point_arrays["stresses"] == pytest.approx(corners)
+        assert part.point_arrays["stresses"][-1] == pytest.approx(corners)
     assert "corners" in scene.notes[-1]
     with_points = body_fields("upper", hertz.bodies["upper"], 2)
     at_corners = body_fields("upper", hertz.bodies["upper"], 1)
     assert with_points.stresses.von_mises.max() >= at_corners.stresses.von_mises.max() * (1.0 - 1e-9)
+
+
+def test_the_page_tells_what_the_supports_bear():
+    """A block that stands on two supports under 60 N has them in a table, and they bear the 60 N together."""
+    case = CASES["two-bodies"].from_values({
+        "bodies": [{"name": "block", "rectangle": {"width_mm": 6.0, "height_mm": 2.0}, "size_mm": 1.0}],
+        "supports": [
+            {"body": "block", "edges": "left", "hold": "x"}, {"body": "block", "edges": "bottom", "hold": "y"},
+        ],
+        "loads": [{"body": "block", "edges": "top", "traction_MPa": (0.0, -10.0)}],
+        "contacts": [],
+    })  # fmt: skip
+    run = case.run()
+    page = bodies_page(run, [], body_steps(run, list(bodies_fields(run))))
+    (table,) = (table for table in page.tables if table.caption == "Supports")
+    assert [row[:2] for row in table.rows] == [("1", "block"), ("2", "block")]
+    forces = [[float(value) for value in row[2].strip("()").split(",")] for row in table.rows]
+    assert np.sum(forces, axis=0) == pytest.approx([0.0, 60.0], abs=1e-6)
 
 
 def test_a_section_in_another_unit(tmp_path):

@@ -9,10 +9,10 @@ from matplotlib.text import Text
 from flangeway.report import part_fields
 from flangeway.report.bending_figure import bending_figure
 from flangeway.report.contact_figure import contact_figure
-from flangeway.report.drawing import StressColours, png
+from flangeway.report.drawing import Room, StressColours, figure_with_room, png, power_of_ten
 from flangeway.report.pressure_figure import pressure_figure
 from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
-from flangeway.report.subsurface_figure import subsurface_figure
+from flangeway.report.subsurface_figure import subsurface_figure, subsurface_lines
 from flangeway.report.wheelset_figure import deformation_factor, wheelset_figure
 
 
@@ -24,7 +24,7 @@ def figures(run):
         rigid_elastic_figure(run, fields),
         *(contact_figure(run, fields, side) for side in ("left", "right")),
         pressure_figure(run),
-        subsurface_figure(run),
+        subsurface_figure(subsurface_lines(run.result)),
         bending_figure(run, fields),
     )
 
@@ -110,7 +110,7 @@ def test_a_side_without_contact_is_drawn(runs):
     said = [text.get_text() for text in texts(contact_figure(lifted, list(part_fields(run.result)), "left"))]
     assert "the left wheel does not touch its rail" in said
     nothing = replace(run, result=replace(run.result, patches=()))
-    assert any("no contact" in text.get_text() for text in texts(subsurface_figure(nothing)))
+    assert any("no contact" in text.get_text() for text in texts(subsurface_figure(subsurface_lines(nothing.result))))
 
 
 def luminance(colours):
@@ -148,3 +148,30 @@ def test_pictures_are_png(runs):
     data = png(pressure_figure(runs["fem"]))
     assert data[:8] == b"\x89PNG\r\n\x1a\n"
     assert int.from_bytes(data[16:20], "big") == 13 * 160
+
+
+def test_room_is_kept_about_panels():
+    """Panels leave as many inches about and between them as are asked for."""
+    room = Room(left=1.0, right=0.5, bottom=0.75, top=0.25, across=0.6, between=0.9)
+    figure, panels = figure_with_room(10.0, 8.0, room, 2, 3)
+    assert panels.shape == (2, 3)
+    inches = np.array([[axes.get_position().get_points() * (10.0, 8.0) for axes in row] for row in panels])
+    assert inches[1, 0, 0] == pytest.approx([1.0, 0.75])
+    assert inches[0, 2, 1] == pytest.approx([9.5, 7.75])
+    assert inches[:, 1:, 0, 0] - inches[:, :-1, 1, 0] == pytest.approx(np.full((2, 2), 0.6))
+    assert inches[0, :, 0, 1] - inches[1, :, 1, 1] == pytest.approx(np.full(3, 0.9))
+    before = [axes.get_position().bounds for axes in figure.axes]
+    png(figure)
+    assert [axes.get_position().bounds for axes in figure.axes] == before
+
+
+def test_powers_of_ten_are_labelled():
+    """Labels of logarithmic axes are powers with signs and all digits."""
+    assert [power_of_ten(value) for value in (1e-16, 0.1, 1.0, 1e23)] == ["10⁻¹⁶", "10⁻¹", "10⁰", "10²³"]
+
+
+def test_a_picture_of_fewer_dots_is_smaller():
+    """A picture with half the dots to the inch is half as wide and high, with its labels in the same places."""
+    figure, _ = figure_with_room(4.0, 3.0, Room())
+    sizes = [[int.from_bytes(data[at : at + 4], "big") for at in (16, 20)] for data in (png(figure), png(figure, 80))]
+    assert sizes == [[640, 480], [320, 240]]

@@ -124,7 +124,7 @@ def test_not_converging_is_a_result(press) -> None:
         response, problem.system, problem.placements(DEPTH), settings=NewtonSettings(max_iterations=1)
     )
     assert not state.status.converged
-    assert "1 iterations" in state.status.message
+    assert "in 1 iteration:" in state.status.message
 
 
 def test_steps_are_halved_and_doubled(press) -> None:

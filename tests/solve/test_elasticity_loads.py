@@ -355,3 +355,13 @@ def test_condensation_changes_nothing(element) -> None:
     solved = solve_elasticity(problem)
     assert solved.displacements.ravel() == pytest.approx(direct, abs=1e-12 * np.abs(direct).max())
     assert solved.energy == pytest.approx(0.5 * direct @ full @ direct)
+
+
+def test_a_mesh_for_a_space_and_a_word_for_a_material_are_told() -> None:
+    """The two first arguments of a problem are checked: the message says what to make of them."""
+    with pytest.raises(InputError, match=r"Elasticity\(PolyMesh, .*(\n.*)*write Space\(mesh, element\)"):
+        Elasticity(block(), STEEL)  # type: ignore[arg-type]
+    space = Space(block(), Lagrange(1))
+    for material in ("steel", {"all": "steel"}):
+        with pytest.raises(InputError, match=r"material='steel'.*(\n.*)*make an Elastic"):
+            Elasticity(space, material)  # type: ignore[arg-type]

@@ -115,3 +115,20 @@ def test_fixed_nodes_cannot_be_in_contact() -> None:
     body = block({"bottom": "y", "left": "xy"})
     with pytest.raises(InputError, match=r"at \(0, 1\)"):
         CondensedBodies([pressed_top(body)[0]])
+
+
+@pytest.mark.parametrize("kind", [CondensedBodies, SparseBodies])
+@pytest.mark.parametrize(
+    ("held", "told"),
+    [
+        ({"bottom": "y"}, "can slide in x"),
+        ({(0.0, 0.0): "x", (0.0, 1.0): "x"}, "can slide in y"),
+        ({(0.0, 0.0): "xy"}, r"can turn about \(0, 0\)"),
+        ({(0.0, 0.0): "xy", (2.0, 0.0): "x"}, r"can turn about \(0, 0\)"),
+    ],
+)
+def test_a_body_that_can_still_move_is_refused(kind: Any, held: Any, told: str) -> None:
+    """What is held must fix the body: both paths name the motion that is left, before anything is factorised."""
+    surface, _ = pressed_top(block(held))
+    with pytest.raises(InputError, match=f"body `block` {told}"):
+        kind([surface])

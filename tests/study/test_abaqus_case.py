@@ -168,7 +168,7 @@ def test_instances_are_placed(tmp_path):
 
 
 WRONG = {
-    "friction": (assembled(friction="0.3"), ["*FRICTION in line", "frictionless"]),
+    "friction": (assembled(friction="0.3"), ["*FRICTION in line 108", "frictionless"]),
     "tie": (assembled(extra=["*Tie, name=t", "a, b"]), ["*TIE in line"]),
     "surface": (assembled().replace("Upper-1.below, face", "Upper-1.belov, face"), ["*CONTACT PAIR in line", "belov"]),
     "set": (assembled().replace("Lower-1.corner, 1", "Lower-1.cornr, 1"), ["*BOUNDARY in line", "cornr"]),
@@ -178,7 +178,11 @@ WRONG = {
     "load": (assembled(extra=["*Dload", "Upper-1.all, P1, 3."]), ["*DLOAD in line", "P1"]),
     "part": (assembled().replace("part=upper", "part=uper"), ["*INSTANCE in line", "uper"]),
     "tilted": (assembled().replace("0., 3., 0.", "0., 3., 0.\n0., 0., 0., 1., 0., 0., 90."), ["out of the plane"]),
-    "no section": (assembled().replace("*Solid Section", "*Shell Section"), ["without *SOLID SECTION"]),
+    "shells": (assembled().replace("*Solid Section", "*Shell Section"), ["*SHELL SECTION in line 36"]),
+    "no section": (
+        assembled().replace("*Solid Section, elset=all, material=upper-steel\n2.0,\n", ""),
+        ["without *SOLID SECTION"],
+    ),
     "supports": (
         assembled().replace("Upper-1.corner, XSYMM", "").replace("Upper-1.top", "Lower-1.bottom"),
         ["without supports"],

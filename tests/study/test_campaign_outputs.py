@@ -2,6 +2,7 @@
 
 import csv
 import io
+import json
 import re
 import sqlite3
 from collections import OrderedDict
@@ -91,6 +92,16 @@ def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(cached_mesh, "triangulate", None)
     after = compute(Chunk(rows[:2], first)).results
     assert [result.values for result in after] == [result.values for result in before]
+
+
+def test_rows_computed_together_tell_of_doubtful_pressures(sweep):
+    """A coarse mesh is told in every row, of both contacts, in the words of a row computed alone."""
+    campaign, found = sweep
+    (alone,) = compute(Chunk((campaign.rows[7],))).results
+    of_segments = [text for text in alone.warnings if "segments wide" in text]
+    assert len(of_segments) == 2
+    for text in found.rows["warnings"]:
+        assert json.loads(text) == of_segments
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])

@@ -1,9 +1,13 @@
 """Inputs of cases: defaults, ranges and the messages about wrong ones."""
 
+import math
+
+import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.study import CASES, WheelsetTangentCase, find_case
+from flangeway.railway.profiles import rail, wheel
+from flangeway.study import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
 
 
 def test_defaults_are_the_published_measures():
@@ -101,3 +105,46 @@ def test_every_input_is_explained():
     rows = WheelsetTangentCase.inputs()
     assert [row[0] for row in rows] == list(WheelsetTangentCase.model_fields)
     assert all(all(row) for row in rows)
+
+
+def test_a_curve_to_the_right_is_the_mirror_image():
+    """A negative radius turns force and superelevation round: from the speed, less a deficiency, or by default."""
+    for values in (
+        {},
+        {"superelevation_mm": "from-speed"},
+        {"superelevation_mm": "from-speed", "cant_deficiency_mm": 9},
+    ):
+        left, right = (
+            WheelsetCurveCase.from_values({**values, "speed_km_h": 60, "curve_radius_m": radius}).load()
+            for radius in (500, -500)
+        )
+        assert left.tilt_rad > 0.0
+        assert left.lateral_N > 0.0
+        assert (right.lateral_N, right.tilt_rad) == (-left.lateral_N, -left.tilt_rad)
+
+
+def test_what_is_taken_off_the_balanced_superelevation_is_the_deficiency():
+    """60 km/h in 500 m over 1500 mm is balanced by 84.85 mm, g = 9.80665 m/s²; 50 mm less are 34.85 mm."""
+    values = {"speed_km_h": 60, "curve_radius_m": 500, "superelevation_mm": "from-speed", "cant_deficiency_mm": 50}
+    load = WheelsetTangentCase.from_values({**values, "superelevation_base_mm": 1500}).load()
+    assert 1500.0 * math.sin(load.tilt_rad) == pytest.approx(34.85, abs=0.05)
+
+
+def test_a_measured_profile_finds_its_body(tmp_path):
+    """A file gets the body of the bundled profile on the other side, else of the nearest, unless it is said."""
+    head = rail("60E1").outline.part(rail("60E1").head_names).sampled(spacing=0.5) - [0.0, 172.0]
+    np.savetxt(tmp_path / "head.txt", head)
+    np.savetxt(tmp_path / "tread.txt", wheel("S1002").running_surface.sampled(spacing=0.5))
+    head_file, tread_file = str(tmp_path / "head.txt"), str(tmp_path / "tread.txt")
+    for values, on_rail, on_wheel in (
+        ({"rail": head_file, "wheel": tread_file}, "on 60E1", "on S1002"),
+        (
+            {"rail": "136RE", "left_rail": head_file, "wheel": "heavy-haul", "left_wheel": tread_file},
+            "136RE",
+            "heavy-haul",
+        ),
+        ({"rail": head_file, "wheel": tread_file, "rail_body": "136RE", "wheel_body": "plain"}, "136RE", "plain"),
+    ):
+        case = WheelsetTangentCase.from_values(values)
+        assert on_rail in case.track().rail_of("left").title
+        assert on_wheel in case.wheelset().wheel_of("left").title

@@ -1,5 +1,6 @@
 """Contacts of any bodies are checked as those of wheelsets are."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -54,11 +55,23 @@ def test_a_tension_is_an_error(good):
 
 
 def test_segments_are_counted_by_order(good):
-    """A patch of 7 nodes of first order is 7 segments, which is told as too few; 8 on a smooth ellipse are enough."""
+    """A patch of 7 constraints is 7 segments, which is told as too few; 8 on a smooth ellipse are enough."""
     patch = good.patches[0]
-    short = replace(patch, normal_forces=patch.normal_forces[:7])
+    short = replace(patch, pressures=patch.pressures[:7])
     doubts = contact_doubts(good.contact.system, good.contact.state, [short], NAMES)
     assert any("only 7 segments wide, fewer than 8" in warning for warning in doubts.warnings)
     places = np.linspace(-1.0, 1.0, 10)[1:-1]
-    smooth = replace(patch, normal_forces=patch.normal_forces[:8], pressures=100.0 * np.sqrt(1.0 - places**2))
+    smooth = replace(patch, pressures=100.0 * np.sqrt(1.0 - places**2))
     assert contact_doubts(good.contact.system, good.contact.state, [smooth], NAMES).warnings == ()
+
+
+@pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])
+def test_segments_of_order_2_are_counted_whole(pairing):
+    """A contact that is told as n segments wide has that width, though its constraints are at ends or at all nodes."""
+    case = CASES["hertz"].from_values({"order": 2, "size_mm": 0.5, "pairing": pairing, "enforcement": "multiplier"})
+    run = case.run()
+    (patch,) = run.patches
+    (told,) = (note for note in run.summary["notices"] if "wide, fewer than 8" in note)
+    n_segments = float(re.search(r"only ([\d.]+) segments? wide", told)[1])
+    lengths = run.contact.system.contacts[0].secondary.edge_lengths
+    assert n_segments == pytest.approx(patch.width / lengths.min(), abs=0.6)

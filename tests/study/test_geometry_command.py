@@ -43,6 +43,7 @@ def test_the_command_writes_its_files(call, tmp_path):
     assert radii == pytest.approx([float(row["rolling_radius_difference_mm"]) for row in rows], abs=1e-6)
     summary = json.loads((folder / "geometry.json").read_text(encoding="utf-8"))
     assert summary["status"]["converged"]
+    assert summary["peak_memory_MB"] > 10.0
     with (folder / "conicity.csv").open(encoding="utf-8") as file:
         at = next(row for row in csv.DictReader(file) if abs(float(row["amplitude_mm"]) - 3.0) < 1e-9)
     assert float(at["conicity_integration"]) == pytest.approx(summary["equivalent_conicity"]["integration"])
@@ -59,6 +60,14 @@ def test_the_curve_has_the_figure_of_the_throat(call, tmp_path):
     assert [contact["side"] for contact in contacts] == ["left", "right", "right"]
     assert all(contact["hertz_max_pressure_MPa"] > 100.0 for contact in contacts)
     assert "3 points" in out
+
+
+def test_the_title_says_what_is_changed():
+    """The title names the inputs that are not the case's own: nobody takes one wheel's conicity for another's."""
+    values = {"step_mm": 0.5, "largest_lateral_mm": 2.0, "wheel": "AAR-1B"}
+    title = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values)).summary["title"]
+    assert title.startswith("S1002 on 60E1 at 1:40")
+    assert title.endswith("; changed: wheel = AAR-1B, largest_lateral_mm = 2.0, step_mm = 0.5")
 
 
 def test_overturning_ends_with_one(call):

@@ -1,10 +1,10 @@
 """`flangeway profile`, as users call it."""
 
 import json
-import struct
 
 import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from flangeway.railway.profile_file import read_profile
 from flangeway.railway.profiles import rail, wheel
@@ -27,12 +27,6 @@ def files(tmp_path):
     (tmp_path / "tread.txt").write_text("\n".join(f"{x:.5f} {y:.5f}" for x, y in points))
 
 
-def png_size(path):
-    head = path.read_bytes()[:24]
-    assert head.startswith(b"\x89PNG")
-    return struct.unpack(">II", head[16:])
-
-
 def test_a_measured_head_on_a_rail(call, files, tmp_path):
     """Unit, origin, noise, smoothing and joints are printed back; pictures, summary and conversion are written."""
     status, out, err = call("profile", "worn.csv", "--unit", "in", "--join", "136RE", "--to", "new/rail.dxf")
@@ -43,12 +37,13 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     folder = tmp_path / "out" / "profile-worn"
     assert {path.name for path in folder.iterdir()} == FILES | {"joined.png"}
     for path in folder.glob("*.png"):
-        assert min(png_size(path)) > 400
+        assert min(imread(path).shape[:2]) > 400
     summary = json.loads((folder / "profile.json").read_text(encoding="utf-8"))
     assert summary["read_as"]["unit"] == "in"
     assert 2.0 < summary["smoothing"]["noise_um"] < 4.0
     assert summary["smoothing"]["largest_deviation_um"] <= summary["smoothing"]["limit_um"] < 25.0
     assert summary["area_mm2"] == pytest.approx(8602.42, abs=3.0)
+    assert summary["peak_memory_MB"] > 10.0
     again = run_profile("new/rail.dxf")
     assert again.summary["area_mm2"] == pytest.approx(summary["area_mm2"], rel=1e-9)
     assert again.summary["kind"] == "rail"

@@ -148,6 +148,16 @@ def test_wrong_options_are_refused(options, message):
         SectionOptions(**options)
 
 
+def test_bending_has_radii_and_section_moduli():
+    """A right triangle has i = h / sqrt 18, W = b h^2 / 24 at the apex, b h^2 / 12 at the base; two parts have no W."""
+    found = run_section(drawn(Region(polygon([(0.0, 0.0), (12.0, 0.0), (0.0, 30.0)])))).summary
+    assert found["radii_of_gyration_mm"] == pytest.approx({"xx": 30.0 / np.sqrt(18.0), "yy": 12.0 / np.sqrt(18.0)})
+    wanted = {"top": 12.0 * 900.0 / 24.0, "bottom": 12.0 * 900.0 / 12.0, "right": 30.0 * 6.0, "left": 30.0 * 12.0}
+    assert found["section_moduli_mm3"] == pytest.approx(wanted)
+    halves = {name: Region(rectangle(4.0, 2.0, centre=(0.0, y))) for name, y in (("a", -1.0), ("b", 1.0))}
+    assert "section_moduli_mm3" not in run_section(DrawnSection("two", Section(halves), "mm")).summary
+
+
 def test_sections_that_cannot_be_computed_are_refused():
     """Pieces apart, an element larger than the section, and a ratio beside materials are refused."""
     apart = Section({"a": Region(square(1.0)), "b": Region(square(1.0, (5.0, 0.0)))})

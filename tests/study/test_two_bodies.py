@@ -1,6 +1,8 @@
 """The general case against answers found without it: exact stresses, Hertz's theory, and itself turned and moved."""
 
 import json
+import re
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -10,6 +12,7 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.mesh import read_mesh, rectangle_grid
 from flangeway.report.case_outputs import write_case
+from flangeway.solve import Status, solve_contact
 from flangeway.study import load_case
 from flangeway.study.bodies_shape import part_of_mesh
 from flangeway.study.two_bodies import TwoBodiesCase
@@ -256,11 +259,99 @@ def test_a_push_that_meets_nothing_ends_and_says_so():
     assert "pull it away" in pulled.status.message
 
 
+def test_a_push_is_found_where_corrections_make_the_resistance_jump():
+    """On a mesh with a corner at the contact, augmented Lagrange bears the force to the tolerance of the search."""
+    run = TwoBodiesCase.from_values(
+        {
+            "bodies": [
+                {
+                    "name": "punch",
+                    "disc": {"radius_mm": 5.0, "centre_mm": [0.0, 5.0], "half": "lower"},
+                    "size_mm": 0.8,
+                    "fine": [{"at_mm": [[0.0, 0.0]], "size_mm": 0.1}],
+                    "method": "vem",
+                },
+                {
+                    "name": "block",
+                    "rectangle": {"width_mm": 4.0, "height_mm": 2.0, "centre_mm": [0.0, -1.0]},
+                    "size_mm": 0.4,
+                    "method": "vem",
+                },
+            ],
+            "supports": [{"body": "punch", "edges": "cut"}, {"body": "block", "edges": "bottom"}],
+            "motions": [{"body": "punch", "push_N": [0.0, -200.0]}],
+            "contacts": [
+                {
+                    "secondary": "punch",
+                    "secondary_edges": "rim",
+                    "primary": "block",
+                    "primary_edges": "top",
+                    "curved": False,
+                }
+            ],
+        }
+    ).run()
+    assert run.status.converged
+    assert run.contact.forces[0, 1] == pytest.approx(200.0, rel=1e-6)
+    assert run.contact.state.status.iterations < 10
+
+
+@pytest.mark.parametrize("most", [3, 60])
+def test_a_push_that_fails_tells_why(monkeypatch, most):
+    """Where no contact can be solved the message has the solver's reason, however many trials there were."""
+
+    def fails(*given, **more):
+        state = solve_contact(*given, **more)
+        return replace(state, status=Status(False, "no luck", 1)) if state.forces.any() else state
+
+    monkeypatch.setattr("flangeway.study.pressing.solve_contact", fails)
+    monkeypatch.setattr("flangeway.study.pressing.MOST_TRIALS", most)
+    run = stack(0.1, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
+    assert not run.status.converged
+    assert re.search(r"at 0\.1\d* along the push: no luck", run.status.message)
+
+
 def test_a_pushed_body_hands_its_loads_on():
     """The contact bears the push and the weight of the pushed body together."""
     loads = [{"body": "upper", "body_force_N_mm3": [0.0, -2.0]}]
     run = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
     assert run.contact.forces[0, 1] == pytest.approx(240.0 + 2.0 * UPPER * WIDTH * 2.0, rel=1e-6)
+
+
+def test_supports_tell_what_they_bear():
+    """Supports of a beam bear its loads, and share what two of them hold; pressed boxes stand on their far sides."""
+    clamped = TwoBodiesCase.from_values(
+        {
+            "bodies": [{"name": "beam", "rectangle": {"width_mm": 8.0, "height_mm": 2.0}, "order": 2, "size_mm": 1.0}],
+            "supports": [
+                {"body": "beam", "edges": "left", "hold": "x"},
+                {"body": "beam", "point_mm": [-4.0, -1.0]},
+                {"body": "beam", "edges": "bottom", "hold": "y"},
+            ],
+            "loads": [{"body": "beam", "edges": "right", "force_N": [10.0, -3.0]}],
+        }
+    ).run()
+    forces = np.array([row["force_N"] for row in clamped.summary["supports"]])
+    assert forces.sum(axis=0) == pytest.approx([-10.0, 3.0])
+    assert forces[0, 1] == forces[2, 0] == 0.0
+    assert abs(forces[1]).min() > 0.0
+    for angle in (0.0, 90.0):
+        turned = {"rotation_deg": angle}
+        held = ("x" if angle else "y", "y" if angle else "x")
+        corners = ([-UPPER, -WIDTH / 2.0], [LOWER, -WIDTH / 2.0]) if angle else ([-3.0, UPPER], [-3.0, -LOWER])
+        names = (("upper", "top"), ("lower", "bottom"))
+        supports = [{"body": body, "edges": edges, "hold": held[0]} for body, edges in names]
+        supports += [
+            {"body": body, "point_mm": corner, "hold": held[1]}
+            for (body, _), corner in zip(names, corners, strict=True)
+        ]
+        push = [240.0, 0.0] if angle else [0.0, -240.0]
+        run = stack(upper=turned, lower=turned, supports=supports, motions=[{"body": "upper", "push_N": push}]).run()
+        rows = run.summary["supports"]
+        assert [row["number"] for row in rows] == [1, 2, 3, 4]
+        assert [row["body"] for row in rows] == ["upper", "lower", "upper", "lower"]
+        wanted = [push, [-push[0], -push[1]], [0.0, 0.0], [0.0, 0.0]]
+        assert np.array([row["force_N"] for row in rows]) == pytest.approx(np.array(wanted), rel=1e-6, abs=1e-2)
 
 
 def test_three_bodies_hand_the_force_down():

@@ -1,5 +1,6 @@
 """``flangeway run``, ``check``, ``init``, ``schema``, ``converge`` and ``cases``."""
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -7,6 +8,7 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, settings_of, stdout
+from flangeway.errors import InputError
 
 if TYPE_CHECKING:
     from flangeway.study import WheelsetCase
@@ -57,62 +59,68 @@ Set = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Any other input of the case, as often as needed."),
 ]
 
+CaseWork = Callable[[str, "RunnableCase", Path | None], bool]
+"""Work on the case of a name or file, with a folder for the results; whether it ended well."""
 
-@app.command()
-def run(
-    case: CaseOrFile,
-    method: Method = None,
-    order: CaseOrder = None,
-    size_scale: SizeScale = None,
-    primary: Primary = None,
-    crown_radius: Crown = None,
-    set_: Set = None,
-    out: Out = None,
-) -> None:
+
+def _command_on_a_case(work: CaseWork) -> CaseWork:
+    """Add a command that takes a case with its options; the exit status says whether its work ended well."""
+
+    @app.command(work.__name__, help=work.__doc__)
+    def command(
+        case: CaseOrFile,
+        method: Method = None,
+        order: CaseOrder = None,
+        size_scale: SizeScale = None,
+        primary: Primary = None,
+        crown_radius: Crown = None,
+        set_: Set = None,
+        out: Out = None,
+    ) -> None:
+        with errors_as_exit_status():
+            inputs = _case(
+                case,
+                set_,
+                method=method,
+                order=order,
+                size_scale=size_scale,
+                primary=primary,
+                crown_radius_in=crown_radius,
+            )
+            raise typer.Exit(DONE if work(case, inputs, out) else FAILED)
+
+    return work
+
+
+@_command_on_a_case
+def run(name: str, case: "RunnableCase", out: Path | None) -> bool:
     """Run a case or a case file: summary here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
-    with errors_as_exit_status():
-        inputs = _case(case, method, order, size_scale, primary, crown_radius, set_)
-        from flangeway.report.case_outputs import case_files, print_case, write_case  # noqa: PLC0415
-        from flangeway.study import refuse_unwritable  # noqa: PLC0415
+    from flangeway.report.case_outputs import case_files, print_case, write_case  # noqa: PLC0415
+    from flangeway.study import refuse_unwritable  # noqa: PLC0415
 
-        folder = out or Path("out", Path(case).stem)
-        refuse_unwritable(folder, case_files(inputs))
-        with progress_shown() as progress:
-            done = inputs.run(progress)
-            files = write_case(done, folder, progress)
-        print_case(stdout(), done, files)
-        raise typer.Exit(DONE if done.status.converged else FAILED)
+    folder = out or Path("out", Path(name).stem)
+    refuse_unwritable(folder, case_files(case))
+    with progress_shown() as progress:
+        done = case.run(progress)
+        files = write_case(done, folder, progress)
+    print_case(stdout(), done, files)
+    return done.status.converged
 
 
-@app.command()
-def converge(
-    case: CaseOrFile,
-    method: Method = None,
-    order: CaseOrder = None,
-    size_scale: SizeScale = None,
-    primary: Primary = None,
-    crown_radius: Crown = None,
-    set_: Set = None,
-    out: Out = None,
-) -> None:
+@_command_on_a_case
+def converge(name: str, case: "RunnableCase", out: Path | None) -> bool:
     """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge/converge.json)."""
-    with errors_as_exit_status():
-        inputs = _wheelset(_case(case, method, order, size_scale, primary, crown_radius, set_))
-        from flangeway.report.terminal import print_convergence  # noqa: PLC0415
-        from flangeway.study import (  # noqa: PLC0415
-            refuse_unwritable,
-            run_halved,
-            write_summary,
-            write_together,
-        )
+    from flangeway.report.terminal import print_convergence  # noqa: PLC0415
+    from flangeway.study import refuse_unwritable, run_halved, write_summary, write_together  # noqa: PLC0415
 
-        folder, name = out or Path("out", f"{case}-converge"), "converge.json"
-        refuse_unwritable(folder, (name,))
-        with progress_shown() as progress:
-            found = run_halved(inputs, progress)
-        file = write_together(folder, {name: lambda path: write_summary(path, found.to_json())})[0]
-        print_convergence(stdout(), found, file)
-        raise typer.Exit(DONE if found.within else FAILED)
+    wheelset = _wheelset(case)
+    folder, file = out or Path("out", f"{Path(name).stem}-converge"), "converge.json"
+    refuse_unwritable(folder, (file,))
+    with progress_shown() as progress:
+        found = run_halved(wheelset, progress)
+    files = write_together(folder, {file: lambda path: write_summary(path, found.to_json())})
+    print_convergence(stdout(), found, files[0])
+    return found.within
 
 
 @app.command()
@@ -143,6 +151,7 @@ def init(name: NewName, to: To = None) -> None:
         from flangeway.study import find_case, load_case, write_together  # noqa: PLC0415
         from flangeway.study.abaqus_case import ENDING  # noqa: PLC0415
         from flangeway.study.case_template import write_case_file, write_template  # noqa: PLC0415
+        from flangeway.study.output import text_writer  # noqa: PLC0415
 
         file = to or Path(f"{Path(name).stem if name.endswith(ENDING) else name}.toml")
         if name.endswith(ENDING):
@@ -150,7 +159,7 @@ def init(name: NewName, to: To = None) -> None:
         else:
             text = write_template(find_case(name))
         _refuse_existing(file, "choose another name with --to, or remove it")
-        write_together(file.parent, {file.name: lambda path: _write_text(path, text)})
+        write_together(file.parent, {file.name: text_writer(text)})
         stdout().print(f"{file}: edit it, then flangeway run {file}", markup=False, soft_wrap=True)
 
 
@@ -158,7 +167,7 @@ def init(name: NewName, to: To = None) -> None:
 def check(file: CaseFile, set_: Set = None) -> None:
     """Check a case file without computing: keys, values, ranges, files, shapes; what is wrong is told with its line."""
     with errors_as_exit_status():
-        inputs = _case(str(file), None, None, None, None, None, set_)
+        inputs = _case(str(file), set_)
         given = len(inputs.model_fields_set)
         stdout().print(
             f"{file}: a case {inputs.name} with {given} input{'s' * (given != 1)}; nothing is wrong. Compute it with "
@@ -176,57 +185,38 @@ def schema(to: SchemaTo = None) -> None:
 
         from flangeway.study import write_together  # noqa: PLC0415
         from flangeway.study.case_template import schema as case_schema  # noqa: PLC0415
+        from flangeway.study.output import text_writer  # noqa: PLC0415
 
         text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"
         if to is None:
             typer.echo(text, nl=False)
             return
-        write_together(to.parent, {to.name: lambda path: _write_text(path, text)})
+        write_together(to.parent, {to.name: text_writer(text)})
         stdout().print(f"{to}: name it in the first line of a case file, #:schema {to}", markup=False, soft_wrap=True)
 
 
-def _case(
-    name: str,
-    method: str | None,
-    order: str | None,
-    size_scale: str | None,
-    primary: str | None,
-    crown_radius: str | None,
-    settings: list[str] | None,
-) -> "RunnableCase":
-    """Return the case with what the options say, checked as far as possible before computing."""
+def _case(name: str, settings: list[str] | None, **options: str | None) -> "RunnableCase":
+    """Return the case with the options that are given, by key, checked as far as possible before computing."""
     from flangeway.study.case_file import check_case, is_case_file, read_case  # noqa: PLC0415
 
-    values = {
-        "method": method,
-        "order": order,
-        "size_scale": size_scale,
-        "primary": primary,
-        "crown_radius_in": crown_radius,
-    }
-    given: dict[str, Any] = {key: value for key, value in values.items() if value is not None}
+    given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
     given |= settings_of(settings, f"`flangeway cases` lists the keys of {name}")
     case = read_case(name, given)
-    check_case(case, name if is_case_file(name) else None)
+    with progress_shown():
+        check_case(case, name if is_case_file(name) else None)
     return case
 
 
 def _wheelset(case: "RunnableCase") -> "WheelsetCase":
     """Return the case if it is one of a wheelset."""
-    from flangeway.study import WheelsetCase, find_wheelset  # noqa: PLC0415
+    from flangeway.study import CASES, WheelsetCase  # noqa: PLC0415
 
-    if not isinstance(case, WheelsetCase):
-        find_wheelset(case.name)
-        raise AssertionError("a wheelset's case that is none")
-    return case
+    if isinstance(case, WheelsetCase):
+        return case
+    names = [name for name, kind in CASES.items() if issubclass(kind, WheelsetCase)]
+    raise InputError(f"a case called {case.name!r}", f"one of: {', '.join(names)}", "choose one of these")
 
 
 def _refuse_existing(file: Path, advice: str) -> None:
-    from flangeway.errors import InputError  # noqa: PLC0415
-
     if file.exists() or file.is_symlink():
         raise InputError(f"file {file}, which is there already", "the name of a new file", advice)
-
-
-def _write_text(path: Path, text: str) -> None:
-    path.write_text(text, encoding="utf-8")

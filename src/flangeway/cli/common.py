@@ -1,4 +1,4 @@
-"""What all commands share: exit statuses, errors as messages, progress, ``--set``.
+"""What commands share: exit statuses, errors as messages, progress, ``--out``, ``--set``, ``--unit``.
 
 NumPy, SciPy, Matplotlib and what needs them are imported inside of functions, so that help is quick.
 """
@@ -20,6 +20,10 @@ DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False),
+]
+Unit = Annotated[
+    str | None,
+    typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
 ]
 
 
@@ -62,14 +66,26 @@ def progress_shown() -> Iterator[Progress]:
     from rich.progress import Progress as Bar  # noqa: PLC0415
     from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
 
+    from flangeway.mesh import long_meshes_told  # noqa: PLC0415
+
     console = Console(stderr=True)
     if not console.is_terminal:
-        yield lambda sentence: print(sentence, file=sys.stderr, flush=True)
+
+        def say(sentence: str) -> None:
+            print(sentence, file=sys.stderr, flush=True)
+
+        with long_meshes_told(say):
+            yield say
         return
     columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
     with Bar(*columns, console=console, transient=True) as bar:
         task = bar.add_task("starting", total=None)
-        yield lambda sentence: bar.update(task, description=sentence)
+
+        def show(sentence: str) -> None:
+            bar.update(task, description=sentence)
+
+        with long_meshes_told(show):
+            yield show
 
 
 def stdout() -> Any:

@@ -6,12 +6,8 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import Out, errors_as_exit_status, progress_shown, stdout
+from flangeway.cli.common import Out, Unit, errors_as_exit_status, progress_shown, stdout
 
-SectionUnit = Annotated[
-    str | None,
-    typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
-]
 ProfileName = Annotated[
     str,
     typer.Argument(
@@ -62,7 +58,7 @@ ProfileTo = Annotated[
 @app.command()
 def profile(
     name_or_file: ProfileName,
-    unit: SectionUnit = None,
+    unit: Unit = None,
     kind: ProfileKind = None,
     mirror: ProfileMirror = False,
     flip: ProfileFlip = False,

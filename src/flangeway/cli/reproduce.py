@@ -7,6 +7,7 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, stdout
+from flangeway.errors import InputError
 
 ReproductionName = Annotated[
     str,
@@ -38,7 +39,6 @@ def reproduce(
 ) -> None:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     with errors_as_exit_status():
-        from flangeway.errors import InputError  # noqa: PLC0415
         from flangeway.report.reproductions import (  # noqa: PLC0415
             REPRODUCTIONS,
             find_reproductions,

@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import Out, errors_as_exit_status, progress_shown, stdout
+from flangeway.cli.common import Out, Unit, errors_as_exit_status, progress_shown, stdout
 
 SectionName = Annotated[
     str,
@@ -26,10 +26,6 @@ SectionPoisson = Annotated[
         "--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out.", show_default=False
     ),
 ]
-SectionUnit = Annotated[
-    str | None,
-    typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
-]
 SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file holds one half, up to x = 0.")]
 
 
@@ -40,7 +36,7 @@ def section(
     order: SectionOrder = 2,
     method: SectionMethod = "fem",
     poisson: SectionPoisson = None,
-    unit: SectionUnit = None,
+    unit: Unit = None,
     mirror: SectionMirror = False,
     out: Out = None,
 ) -> None:

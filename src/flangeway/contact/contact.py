@@ -38,8 +38,9 @@ class Contact:
     Raises
     ------
     InputError
-        If the surfaces belong to one part or to parts of unlike thickness, if the pairing and the enforcement do not
-        go together, if a penalty has no value (the message suggests one for these bodies), or for friction.
+        If the surfaces belong to one part or to parts of unlike thickness or hypothesis, if the pairing and the
+        enforcement do not go together, if a penalty has no value (the message suggests one for these bodies), or for
+        friction.
 
     """
 
@@ -62,6 +63,13 @@ class Contact:
                 f"{self.primary.part.body.thickness}",
                 "one thickness for both",
                 "give both bodies the length over which they touch",
+            )
+        hypotheses = [_materials(side)[0].hypothesis for side in (self.secondary, self.primary)]
+        if hypotheses[0] != hypotheses[1]:
+            raise InputError(
+                f"a contact of {self._names} in {' and '.join(word.replace('_', ' ') for word in hypotheses)}",
+                "both in plane strain, or both in plane stress",
+                "take one hypothesis for both materials",
             )
         if self.friction != 0.0:
             raise InputError(

@@ -1,7 +1,7 @@
 """Bodies that are moved against each other: the contact problem as a user states it."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -138,6 +138,10 @@ def press(
 ) -> ContactSolution:
     """Move parts against each other and find the contact forces.
 
+    The status tells whether the equations are solved. What else may make the answer worthless, too few elements in the
+    contact or bodies that overlap elsewhere, is told by `flangeway.post.contact_doubts` and
+    `flangeway.post.deepest_overlap`.
+
     Parameters
     ----------
     contacts
@@ -182,11 +186,18 @@ def press(
         return state
 
     depths = _penetrations(system, response.reference(rest))
-    return ContactSolution(system, response, follow(solve_at, None, steps), tuple(done), depths)
+    state = follow(solve_at, None, steps)
+    if state.status.converged and not state.nodal_forces.any():
+        state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
+    return ContactSolution(system, response, state, tuple(done), depths)
 
 
 def _refuse_bad_motion(system: ContactSystem, motion: Mapping[Part, Placement]) -> None:
     for part, moved in motion.items():
+        if not isinstance(part, Part) or not isinstance(moved, Placement):
+            raise InputError(
+                f"motion={{{part!r}: {moved!r}}}", "a Placement by its Part", "write {part: Placement(angle, (x, y))}"
+            )
         if part not in system.parts:
             raise InputError(
                 f"a motion of part {part.name!r}, which has no contact",

@@ -1,5 +1,6 @@
 """The system of all contacts among some parts, as the solver sees it."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -73,12 +74,19 @@ class ContactSystem:
     contacts
         The contacts; their parts are numbered in order of appearance.
 
+    Raises
+    ------
+    InputError
+        If there is none, or two of them are between the same edges: each would bear a part of the pressure.
+
     """
 
     def __init__(self, contacts: Sequence[Contact]) -> None:
         if not contacts:
             raise InputError("no contact", "at least one", "pair two surfaces with Contact(...)")
         self.contacts = tuple(contacts)
+        for first, second in itertools.combinations(self.contacts, 2):
+            _refuse_twice(first, second)
         parts: dict[int, Part] = {}
         surfaces: dict[int, list[Surface]] = {}
         for contact in self.contacts:
@@ -166,6 +174,22 @@ class ContactSystem:
             np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
         )
+
+
+def _refuse_twice(first: Contact, second: Contact) -> None:
+    """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
+    others = {id(surface.part): surface.edges for surface in (second.secondary, second.primary)}
+    pairs = [(surface.edges, others.get(id(surface.part))) for surface in (first.secondary, first.primary)]
+    if all(theirs is not None and _share_edges(mine, theirs) for mine, theirs in pairs):
+        raise InputError(
+            f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
+            "each pair of edges in one contact",
+            "leave one of them out: a contact keeps both bodies off each other, whichever is secondary",
+        )
+
+
+def _share_edges(one: NDArray[np.int32], other: NDArray[np.int32]) -> bool:
+    return not set(map(tuple, one.tolist())).isdisjoint(map(tuple, other.tolist()))
 
 
 def _union(surfaces: list[Surface]) -> SurfaceNodes:

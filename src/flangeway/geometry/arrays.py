@@ -1,4 +1,4 @@
-"""Array types and the one check that all points given by a user pass."""
+"""Array types, the one check that all points given by a user pass, and how messages write a point."""
 
 from typing import TypeAlias
 
@@ -65,3 +65,8 @@ def as_point(value: ArrayLike, name: str = "point") -> Point:
     if len(points) != 1:
         raise InputError(f"{name}: {len(points)} points", "one point (x, y)", "give a single point")
     return float(points[0, 0]), float(points[0, 1])
+
+
+def point_text(point: Point | FloatArray) -> str:
+    """Write a point (2,) for a message, with nine digits."""
+    return f"({point[0]:.9g}, {point[1]:.9g})"

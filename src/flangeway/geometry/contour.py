@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray, as_points
+from flangeway.geometry.arrays import FloatArray, IntArray, as_points, point_text
 from flangeway.geometry.crossings import first_crossing
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment
@@ -110,7 +110,7 @@ class Contour:
         if found is not None:
             i, j, place = found
             raise InputError(
-                f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at ({place[0]:.9g}, {place[1]:.9g})",
+                f"segments {i} ({self.names[i]}) and {j} ({self.names[j]}) meet at {point_text(place)}",
                 "a chain that does not cross or touch itself",
                 "repair these two segments, or remove a point that is given twice",
             )

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point
+from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.segments import Arc, Line, Segment
@@ -46,11 +46,10 @@ class DrawnSegment:
         return Arc(self.start, self.end, self.centre, self.counter_clockwise)
 
 
-def drawn_polygon(points: Sequence[Point], names: Sequence[str] | None = None) -> list[DrawnSegment]:
-    """Return the sides from each point to the next and from the last to the first."""
-    labels = [f"side_{i + 1}" for i in range(len(points))] if names is None else names
-    following = [*points[1:], points[0]]
-    return [DrawnSegment(a, b, name=label) for a, b, label in zip(points, following, labels, strict=True)]
+def drawn_polygon(points: Sequence[Point]) -> list[DrawnSegment]:
+    """Return the sides ``side_1`` and so on, from each point to the next and from the last to the first."""
+    ends = zip(points, [*points[1:], points[0]], strict=True)
+    return [DrawnSegment(a, b, name=f"side_{number}") for number, (a, b) in enumerate(ends, 1)]
 
 
 def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[DrawnSegment]:
@@ -119,8 +118,7 @@ def _without_duplicates(drawn: Sequence[DrawnSegment], what: str) -> tuple[list[
     kept, notices = [], []
     for segment in drawn:
         if segment.centre is None and math.dist(segment.start, segment.end) <= tolerance:
-            x, y = segment.start
-            notices.append(f"{what}: the point ({x:.9g}, {y:.9g}) is given twice; one of both is left out.")
+            notices.append(f"{what}: the point {point_text(segment.start)} is given twice; one of both is left out.")
         else:
             kept.append(segment)
     return kept, notices
@@ -133,9 +131,8 @@ def _refuse_flat(drawn: Sequence[DrawnSegment], what: str) -> None:
     spread = np.linalg.svd(local, compute_uv=False)
     if any(segment.centre is not None for segment in drawn) or spread[-1] > 1e-12 * max(spread[0], 1e-300):
         return
-    x, y = points[0]
     raise InputError(
-        f"{what}: no area, since all of its points lie on one line through ({x:.9g}, {y:.9g})",
+        f"{what}: no area, since all of its points lie on one line through {point_text(points[0])}",
         "a loop that encloses an area",
         "check the points",
     )

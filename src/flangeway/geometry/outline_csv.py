@@ -12,7 +12,7 @@ import re
 from collections.abc import Mapping, Sequence
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point
+from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.geometry.drawn_section import UNITS, DrawnSection, agreed_unit
 from flangeway.geometry.file_content import csv_cells
@@ -156,13 +156,14 @@ def _loops(segments: Sequence[DrawnSegment]) -> list[list[DrawnSegment]]:
     return loops
 
 
-def _with_mirror_image(half: Sequence[DrawnSegment], what: str) -> list[DrawnSegment]:
-    """Add the mirror image about x = 0 to a chain from x = 0 to x = 0."""
-    size = max(abs(coordinate) for segment in half for coordinate in (*segment.start, *segment.end))
+def _with_mirror_image(drawn: Sequence[DrawnSegment], what: str) -> list[DrawnSegment]:
+    """Add the mirror image about x = 0 to a chain from x = 0 to x = 0, or to a loop with a line on x = 0 as its cut."""
+    size = max(abs(coordinate) for segment in drawn for coordinate in (*segment.start, *segment.end))
+    half = _without_cut(drawn, JOINT_TOLERANCE * size)
     for word, point in (("starts", half[0].start), ("ends", half[-1].end)):
         if not abs(point[0]) <= JOINT_TOLERANCE * size:
             raise InputError(
-                f"{what}: a half outline that {word} at ({point[0]:.9g}, {point[1]:.9g})",
+                f"{what}: a half outline that {word} at {point_text(point)}",
                 "halves that start and end on the axis x = 0",
                 "correct the end, or leave the mirror out for a whole outline",
             )
@@ -177,3 +178,15 @@ def _with_mirror_image(half: Sequence[DrawnSegment], what: str) -> list[DrawnSeg
         for s in reversed(half)
     ]
     return [*half, *back]
+
+
+def _without_cut(loop: Sequence[DrawnSegment], slack: float) -> list[DrawnSegment]:
+    """Chain of a closed half without its line on the axis; others as they are."""
+    cuts = [
+        number
+        for number, segment in enumerate(loop)
+        if segment.centre is None and max(abs(segment.start[0]), abs(segment.end[0])) <= slack
+    ]
+    if len(cuts) != 1 or math.dist(loop[0].start, loop[-1].end) > slack:
+        return list(loop)
+    return [*loop[cuts[0] + 1 :], *loop[: cuts[0]]]

@@ -16,7 +16,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point
+from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.geometry.drawn_section import DrawnSection, agreed_unit
 from flangeway.geometry.mending import DrawnSegment, drawn_circle, mended_outline
@@ -198,10 +198,9 @@ def _joined_chains(chains: Sequence[list[DrawnSegment]]) -> list[list[DrawnSegme
     near = cKDTree(ends).query_ball_point(ends, tolerance)
     for number, group in enumerate(near):
         if len(group) != 2:
-            x, y = ends[number]
             word = "an open end" if len(group) == 1 else f"{len(group)} ends that meet"
             raise InputError(
-                f"{word} at ({x:.9g}, {y:.9g}), layer {chains[number // 2][0].name!r}",
+                f"{word} at {point_text(ends[number])}, layer {chains[number // 2][0].name!r}",
                 f"ends that meet one other each, to {tolerance:.3g}",
                 "close the gap, or draw parts that touch as closed polylines",
             )

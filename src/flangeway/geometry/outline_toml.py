@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import Point
+from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.drawn_section import DrawnSection, PartMaterial, agreed_unit
 from flangeway.geometry.file_content import toml_data
 from flangeway.geometry.mending import DrawnSegment, drawn_circle, mended_outline
@@ -145,9 +145,10 @@ def _corners(table: Mapping[str, Any], what: str, notices: list[str]) -> list[Dr
             "correct the names",
         )
     kept = [i for i, corner in enumerate(corners) if corner != corners[i - 1]]
-    for i in sorted(set(range(len(corners))) - set(kept)):
-        x, y = corners[i]
-        notices.append(f"{what}: the point ({x:.9g}, {y:.9g}) is given twice; one of both is left out.")
+    notices += [
+        f"{what}: the point {point_text(corners[i])} is given twice; one of both is left out."
+        for i in sorted(set(range(len(corners))) - set(kept))
+    ]
     return rounded_polygon(
         [corners[i] for i in kept],
         [radii[i] for i in kept],

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import BoolArray, FloatArray, Point, as_points
+from flangeway.geometry.arrays import BoolArray, FloatArray, Point, as_points, point_text
 from flangeway.geometry.contour import CROSSING_TOLERANCE
 from flangeway.geometry.crossings import chains_meet
 from flangeway.geometry.outline import Outline
@@ -230,7 +230,7 @@ def _lies_in(inner: Outline, outer: Outline) -> bool:
     inside = outer.contains(points[apart])
     if inside.any() and not inside.all():
         place = chains_meet(inner.segments, outer.segments, CROSSING_TOLERANCE * outer.size)
-        where = _place(inner) if place is None else _written(place)
+        where = _place(inner) if place is None else point_text(place)
         raise InputError(f"two loops that cross at {where}", "loops that do not cross", "repair one of them")
     return bool(inside.all())
 
@@ -239,18 +239,14 @@ def _refuse_meeting(name: str, hole: Outline, other_name: str, other: Outline) -
     place = chains_meet(hole.segments, other.segments, CROSSING_TOLERANCE * max(other.size, hole.size))
     if place is not None:
         raise InputError(
-            f"{name} meets {other_name} at {_written(place)}",
+            f"{name} meets {other_name} at {point_text(place)}",
             "holes that keep apart from the outer boundary and from each other",
             "move or shrink this hole, or draw the notch as part of the outer boundary",
         )
 
 
 def _place(loop: Outline) -> str:
-    return _written(np.array(loop.segments[0].start))
-
-
-def _written(place: FloatArray) -> str:
-    return f"({place[0]:.9g}, {place[1]:.9g})"
+    return point_text(loop.segments[0].start)
 
 
 def _centroid(loops: Sequence[tuple[float, Outline]]) -> Point:

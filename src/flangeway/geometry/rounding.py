@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import Point
+from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.mending import DrawnSegment
 
 
@@ -35,7 +35,7 @@ def rounded_polygon(
     """
     n = len(corners)
     arcs = [
-        _fillet(corners[i - 1], corners[i], corners[(i + 1) % n], radii[i], f"{what}: {_at(corners[i])}", i)
+        _fillet(corners[i - 1], corners[i], corners[(i + 1) % n], radii[i], f"{what}: {point_text(corners[i])}", i)
         for i in range(n)
     ]
     drawn: list[DrawnSegment] = []
@@ -47,8 +47,8 @@ def rounded_polygon(
         cut = math.dist(arc.end, corners[i]) + math.dist(following.start, corners[(i + 1) % n])
         if cut > side * (1.0 + 1e-9):
             raise InputError(
-                f"{what}: radii {radii[i]:g} and {radii[(i + 1) % n]:g} at {_at(corners[i])} and "
-                f"{_at(corners[(i + 1) % n])}, which cut {cut:.6g} off a side of {side:.6g}",
+                f"{what}: radii {radii[i]:g} and {radii[(i + 1) % n]:g} at {point_text(corners[i])} and "
+                f"{point_text(corners[(i + 1) % n])}, which cut {cut:.6g} off a side of {side:.6g}",
                 "radii that leave room on the side",
                 "reduce one of both",
             )
@@ -74,10 +74,6 @@ def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -
     rays = np.array([[b[1], -a[1]], [-b[0], a[0]]]) @ np.array([a @ a, b @ b]) / (2.0 * cross)
     centre = (start[0] + float(rays[0]), start[1] + float(rays[1]))
     return DrawnSegment(start, end, centre, cross > 0.0, name)
-
-
-def _at(point: Point) -> str:
-    return f"({point[0]:.9g}, {point[1]:.9g})"
 
 
 def _fillet(before: Point, corner: Point, after: Point, radius: float, what: str, number: int) -> DrawnSegment:

@@ -6,6 +6,7 @@ from flangeway.mesh.dual import dual
 from flangeway.mesh.files import read_mesh
 from flangeway.mesh.gmsh_mesher import triangulate
 from flangeway.mesh.halved import edges_halved
+from flangeway.mesh.long_meshes import long_meshes_told
 from flangeway.mesh.marking import doerfler_marking
 from flangeway.mesh.mending import MeshFile
 from flangeway.mesh.polymesh import PolyMesh
@@ -25,6 +26,7 @@ __all__ = [
     "dual",
     "dual_section",
     "edges_halved",
+    "long_meshes_told",
     "read_mesh",
     "rectangle_grid",
     "refined",

@@ -1,7 +1,7 @@
 """Plane meshes from Abaqus input files."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.mesh.abaqus_assembly import flat_deck
+from flangeway.mesh.abaqus_assembly import DeckBlock, flat_blocks
 from flangeway.mesh.mending import DrawnMesh
 
 Ints = NDArray[np.int64]
@@ -18,26 +18,6 @@ _PLANE = re.compile(r"(?:CPE|CPS|CAX|CPEG|CGAX|M3D|S|STRI|R3D)(3|4|6|8|9|65)(?:[
 _LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3, "R2D2": 2, "RAX2": 2}
 _GENERATING = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "INCLUDE", "SYSTEM")
 _READ = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "INSTANCE", *_GENERATING)
-
-
-@dataclass(frozen=True)
-class _Block:
-    """A keyword with its parameters and data lines."""
-
-    keyword: str
-    parameters: dict[str, str]
-    line: int
-    rows: list[list[str]]
-
-    @property
-    def place(self) -> str:
-        return f"*{self.keyword} in line {self.line}"
-
-    def numbers(self, row: list[str]) -> list[int]:
-        try:
-            return [int(word) for word in row]
-        except ValueError as reason:
-            raise InputError(f"{self.place}: {', '.join(row)}", "whole numbers", "repair the line") from reason
 
 
 @dataclass
@@ -56,7 +36,7 @@ class _Model:
 
 
 def read_abaqus(path: Path) -> DrawnMesh:
-    """Read nodes, plane elements, sets and surfaces, of parts and instances too (see `flat_deck`).
+    """Read nodes, plane elements, sets and surfaces, of parts and instances too (see `flat_blocks`).
 
     Element sets become cell sets. Surfaces of elements (``S1`` to ``S4``, or the whole rim), sets of line elements, and
     the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name.
@@ -75,40 +55,15 @@ def read_abaqus(path: Path) -> DrawnMesh:
     if "\0" in text:
         raise InputError(f"{path}, which is binary", "an Abaqus input file, which is text", "export it as .inp")
     model = _Model()
-    for block in _blocks(flat_deck(text)):
-        _take(model, block)
+    for block in flat_blocks(text):
+        if block.keyword in _READ:
+            _take(model, block)
     if not model.nodes:
         raise InputError(f"{path} without *NODE", "an Abaqus input file with nodes and elements", "export the mesh")
     return _drawn(model)
 
 
-def _blocks(text: str) -> Iterator[_Block]:
-    """Keywords that matter here; those of the analysis are passed over."""
-    block: _Block | None = None
-    pending = ""
-    for number, raw in enumerate(text.splitlines(), start=1):
-        line = pending + raw.strip()
-        pending = ""
-        if not line or line.startswith("**"):
-            continue
-        if line.startswith("*"):
-            if line.endswith(","):
-                pending = line
-                continue
-            if block is not None:
-                yield block
-            words = [word.strip() for word in line[1:].split(",")]
-            pairs = [word.partition("=") for word in words[1:] if word]
-            parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-            block = _Block(words[0].upper(), parameters, number, []) if words[0].upper() in _READ else None
-        elif block is not None:
-            words = [word.strip() for word in line.split(",")]
-            block.rows.append(words[:-1] if words[-1] == "" else words)
-    if block is not None:
-        yield block
-
-
-def _take(model: _Model, block: _Block) -> None:
+def _take(model: _Model, block: DeckBlock) -> None:
     if block.keyword in _GENERATING:
         raise InputError(block.place, "a file that lists its nodes and elements", "export the mesh as plain lists")
     if block.keyword == "NODE":
@@ -131,11 +86,11 @@ def _take(model: _Model, block: _Block) -> None:
             )
 
 
-def _take_nodes(model: _Model, block: _Block) -> None:
+def _take_nodes(model: _Model, block: DeckBlock) -> None:
     if block.parameters.get("SYSTEM", "R").upper() != "R":
         raise InputError(f"{block.place} in another system", "rectangular coordinates", "export them as such")
     for row in block.rows:
-        number = block.numbers(row[:1])[0]
+        number = _numbers(block, row[:1])[0]
         try:
             coordinates = [float(word.upper().replace("D", "E")) for word in row[1:4]]
         except ValueError as reason:
@@ -153,7 +108,7 @@ def _take_nodes(model: _Model, block: _Block) -> None:
             model.node_sets.setdefault(block.parameters["NSET"], []).append(number)
 
 
-def _take_elements(model: _Model, block: _Block) -> None:
+def _take_elements(model: _Model, block: DeckBlock) -> None:
     kind = block.parameters.get("TYPE", "").upper()
     plane = _PLANE.match(kind)
     if plane is None and kind not in _LINES:
@@ -164,7 +119,7 @@ def _take_elements(model: _Model, block: _Block) -> None:
         )
     n_nodes = {"65": 6}.get(plane[1], int(plane[1])) if plane else _LINES[kind]
     n_corners = (3 if n_nodes in (3, 6) else 4) if plane else 2
-    flat = [number for row in block.rows for number in block.numbers(row)]
+    flat = [number for row in block.rows for number in _numbers(block, row)]
     if len(flat) % (n_nodes + 1):
         raise InputError(
             f"{block.place} of type {kind} with {len(flat)} numbers",
@@ -182,12 +137,12 @@ def _take_elements(model: _Model, block: _Block) -> None:
             model.element_sets.setdefault(block.parameters["ELSET"], []).append(number)
 
 
-def _members(sets: dict[str, list[int]], block: _Block) -> list[int]:
+def _members(sets: dict[str, list[int]], block: DeckBlock) -> list[int]:
     """Numbers of a set: given one by one, as ranges, or by the names of other sets."""
     members: list[int] = []
     for row in block.rows:
         if "GENERATE" in block.parameters:
-            limits = block.numbers(row)
+            limits = _numbers(block, row)
             if len(limits) not in (2, 3) or limits[-1] < 1:
                 raise InputError(f"{block.place}: {', '.join(row)}", "first, last and step", "repair the line")
             members += range(limits[0], limits[1] + 1, limits[2] if len(limits) == 3 else 1)
@@ -203,7 +158,7 @@ def _members(sets: dict[str, list[int]], block: _Block) -> list[int]:
     return members
 
 
-def _take_surface(model: _Model, block: _Block) -> None:
+def _take_surface(model: _Model, block: DeckBlock) -> None:
     name = block.parameters.get("NAME", "")
     kind = block.parameters.get("TYPE", "ELEMENT").upper()
     if kind == "NODE":
@@ -270,3 +225,10 @@ def _drawn(model: _Model) -> DrawnMesh:
         tuple(model.notices),
         np.array([place[node] for node in model.middles if node in place], dtype=np.int64),
     )
+
+
+def _numbers(block: DeckBlock, row: Sequence[str]) -> list[int]:
+    try:
+        return [int(word) for word in row]
+    except ValueError as reason:
+        raise InputError(f"{block.place}: {', '.join(row)}", "whole numbers", "repair the line") from reason

@@ -1,4 +1,4 @@
-"""Abaqus decks of parts and instances, written out as one list of nodes and elements."""
+"""Abaqus decks as blocks, those of parts and instances written out as one list of nodes and elements."""
 
 import math
 from collections.abc import Iterator
@@ -42,13 +42,8 @@ class DeckBlock:
         """How messages call it."""
         return f"*{self.keyword} in line {self.line}"
 
-    def text(self) -> str:
-        """The block as it stands in a deck."""
-        words = [self.keyword, *(f"{key}={value}" if value else key for key, value in self.parameters.items())]
-        return "\n".join([f"*{', '.join(words)}", *(", ".join(row) for row in self.rows)])
 
-
-def deck_blocks(text: str) -> Iterator[DeckBlock]:
+def _blocks(text: str) -> Iterator[DeckBlock]:
     """Keywords of a deck with their data lines, comments left out."""
     keyword, parameters, rows, line = "", {}, [], 0  # type: tuple[str, dict[str, str], list[tuple[str, ...]], int]
     pending = ""
@@ -75,11 +70,11 @@ def deck_blocks(text: str) -> Iterator[DeckBlock]:
         yield DeckBlock(keyword, parameters, tuple(rows), line)
 
 
-def flat_deck(text: str) -> str:
-    """Return a deck of parts and instances as one without; others as they are.
+def flat_blocks(text: str) -> list[DeckBlock]:
+    """Return the keywords of a deck of parts and instances as those of one without; others as they are.
 
-    Every instance gets numbers of its own and an element set of its name. Sets and surfaces keep their names; those
-    whose name several instances have are called ``instance:name``.
+    Each keeps its line. Every instance gets numbers of its own and an element set of its name. Sets and surfaces keep
+    their names; those whose name several instances have are called ``instance:name``.
 
     Raises
     ------
@@ -87,10 +82,10 @@ def flat_deck(text: str) -> str:
         If an instance is of a part that is not there, or is moved out of the plane.
 
     """
-    blocks = list(deck_blocks(text))
+    blocks = list(_blocks(text))
     if not {"PART", "INSTANCE"} <= {block.keyword for block in blocks}:
-        return text
-    return "\n".join(block.text() for block in _Flattener(blocks).run()) + "\n"
+        return blocks
+    return list(_Flattener(blocks).run())
 
 
 @dataclass
@@ -106,7 +101,7 @@ class _Instance:
 
 
 class _Flattener:
-    """One call of `flat_deck`."""
+    """One call of `flat_blocks`."""
 
     def __init__(self, blocks: list[DeckBlock]) -> None:
         self.parts: dict[str, list[DeckBlock]] = {}

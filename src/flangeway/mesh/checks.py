@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray
+from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray, point_text
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import IndexArray, row_numbers
 
@@ -57,13 +57,9 @@ def check(
     _check_edge_sets(mesh)
 
 
-def _place(point: FloatArray) -> str:
-    return f"({point[0]:.9g}, {point[1]:.9g})"
-
-
 def _cell(mesh: PolyMesh, cell: int) -> str:
     middle = mesh.points[mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]]
-    return f"cell {cell} near {_place(middle.mean(axis=0))}"
+    return f"cell {cell} near {point_text(middle.mean(axis=0))}"
 
 
 def _check_points(mesh: PolyMesh, *, allow_coincident: bool) -> None:
@@ -71,7 +67,7 @@ def _check_points(mesh: PolyMesh, *, allow_coincident: bool) -> None:
     if used.min() == 0:
         point = int(used.argmin())
         raise InputError(
-            f"point {point} at {_place(mesh.points[point])} of no cell",
+            f"point {point} at {point_text(mesh.points[point])} of no cell",
             "points that a cell uses",
             "remove it",
         )
@@ -83,7 +79,7 @@ def _check_points(mesh: PolyMesh, *, allow_coincident: bool) -> None:
         point = int(distances[:, 1].argmin())
         other = next(int(p) for p in nearest[point] if p != point)
         raise InputError(
-            f"points {point} and {other} at the same place {_place(mesh.points[point])}",
+            f"points {point} and {other} at the same place {point_text(mesh.points[point])}",
             "points that differ",
             "use one point for both",
         )
@@ -148,7 +144,7 @@ def _check_sides(mesh: PolyMesh) -> None:
         cells = row_numbers(mesh.cell_offsets)[mesh.cell_edges == edge]
         a, b = mesh.edges[edge]
         raise InputError(
-            f"cells {cells.tolist()} on the same side of edge ({a}, {b}) near {_place(mesh.points[a])}",
+            f"cells {cells.tolist()} on the same side of edge ({a}, {b}) near {point_text(mesh.points[a])}",
             "one cell on each side of an edge",
             "remove the cell that overlaps",
         )
@@ -169,7 +165,7 @@ def _check_hanging(mesh: PolyMesh) -> None:
     if len(points):
         start, end = mesh.boundary_edges[edges[0]]
         raise InputError(
-            f"point {points[0]} at {_place(mesh.points[points[0]])} hangs on the edge ({start}, {end})",
+            f"point {points[0]} at {point_text(mesh.points[points[0]])} hangs on the edge ({start}, {end})",
             "points at the ends of edges",
             "add the point to the cell of that edge, which may be a polygon with one side more; see `conforming`",
         )
@@ -208,7 +204,7 @@ def _check_edge_sets(mesh: PolyMesh) -> None:
         if wrong.any():
             a, b = pairs[wrong.argmax()]
             raise InputError(
-                f"edge set '{name}': ({a}, {b}) near {_place(mesh.points[a])}",
+                f"edge set '{name}': ({a}, {b}) near {point_text(mesh.points[a])}",
                 "edges of the boundary, with the body on the left",
                 "choose among boundary_edges, or use with_edge_set, which turns them",
             )

@@ -12,7 +12,9 @@ from flangeway.geometry.arrays import FloatArray, IntArray
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Arc, halved
+from flangeway.mesh.expected import expected_mesh
 from flangeway.mesh.gmsh_session import generate, gmsh_model
+from flangeway.mesh.long_meshes import made
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, refuse_size
 
@@ -48,7 +50,8 @@ def triangulate(
 
     Lines and arcs go to Gmsh as they are, so boundary points lie on them. The local target size is
     ``min(size, r.size + r.growth * distance)`` over the refinements; boundary edges follow it too.
-    The same input gives the same mesh.
+    The same input gives the same mesh. What takes long runs in a process of its own, so that Ctrl-C
+    ends it at once; `long_meshes_told` tells of it.
 
     Parameters
     ----------
@@ -71,18 +74,30 @@ def triangulate(
     Raises
     ------
     InputError
-        If a size makes no mesh or far too many triangles, a hole is not inside, the algorithm is
-        unknown, or Gmsh refuses the region.
+        If a size makes no mesh or far too many triangles or edges on the boundary, a hole is not
+        inside, the algorithm is unknown, or Gmsh refuses the region.
+    OutOfMemoryError
+        If there is no memory for so many triangles; see `flangeway.mesh.expected`.
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
 
     """
+    refuse_algorithm(algorithm)
+    refuse_size(outline, size)
+    region = Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
+    expected = expected_mesh(region, size, refinements, algorithm)
+    return made(expected, _meshed, region, size, tuple(refinements), algorithm)
+
+
+def refuse_algorithm(algorithm: str) -> None:
+    """Refuse the name of an algorithm that is not known."""
     if algorithm not in ALGORITHMS:
         raise InputError(f"algorithm = {algorithm!r}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
-    refuse_size(outline, size, refinements)
-    Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
+
+
+def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:
     with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
-        loops = [_add_loop(gmsh, loop) for loop in (outline, *holes)]
+        loops = [_add_loop(gmsh, loop) for loop in region.loops]
         surface = gmsh.model.geo.addPlaneSurface(
             [gmsh.model.geo.addCurveLoop([curve for curve, _ in loop]) for loop in loops]
         )
@@ -90,7 +105,7 @@ def triangulate(
         gmsh.model.geo.synchronize()
         set_size_field(gmsh, size, refinements, seeds)
         generate(gmsh)
-        return _collected(gmsh, surface, (outline, *holes), loops)
+        return _collected(gmsh, surface, region.loops, loops)
 
 
 def _add_point(gmsh: Any, point: Sequence[float] | FloatArray) -> int:

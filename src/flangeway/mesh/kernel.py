@@ -5,7 +5,7 @@ from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.geometry.arrays import FloatArray, IntArray, point_text
 from flangeway.mesh.polymesh import PolyMesh
 
 GOOD_DISTANCE = 0.1
@@ -108,9 +108,8 @@ def _best_diagonal(corners: FloatArray) -> tuple[int, int]:
             if angle > widest and _clear(corners, i, j):
                 best, widest = (min(i, j), max(i, j)), angle
     if best is None:
-        x, y = corners.mean(axis=0)
         raise InputError(
-            f"a cell near ({x:.9g}, {y:.9g}) that no diagonal divides",
+            f"a cell near {point_text(corners.mean(axis=0))} that no diagonal divides",
             "polygons that do not cross themselves",
             "check the mesh with flangeway.mesh.check",
         )

@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.geometry.arrays import FloatArray, IntArray, point_text
 from flangeway.mesh.kernel import cell_centres, star_parts
+from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import offsets_of
 from flangeway.mesh.sides import Sides, cell_sides
@@ -15,6 +16,10 @@ from flangeway.mesh.snapping import Curves, snapped_points
 
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
+
+BYTES_A_TRIANGLE = 740
+BYTES_A_POLYGON = 2400
+"""Of the construction, for each cell that is refined; measured."""
 
 
 def refined(
@@ -49,12 +54,19 @@ def refined(
     ------
     InputError
         If a cell number is wrong, the limit is below one, or a cell folds over.
+    OutOfMemoryError
+        If there is no memory for it.
 
     """
     marked = _mask(mesh, cells)
+    n_marked = int(np.count_nonzero(marked))
+    alike = n_marked == mesh.n_cells and bool(np.all(mesh.cell_sizes == 3))
+    refuse_large_mesh(
+        f"the refinement of {n_marked:,} cells", (BYTES_A_TRIANGLE if alike else BYTES_A_POLYGON) * n_marked
+    )
     if most_hanging is not None and most_hanging < 1:
         raise InputError(f"most_hanging={most_hanging}", "1 or more, or None for no limit", "leave it out")
-    if marked.all() and np.all(mesh.cell_sizes == 3):
+    if alike:
         return _finished(_refined_triangles(mesh), outline)
     sides = cell_sides(mesh)
     centres = np.full((mesh.n_cells, 2), np.nan)
@@ -120,9 +132,9 @@ def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
         points = snapped_points(mesh, outline)
         mesh = PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)
     if mesh.cell_areas.min() <= 0.0:
-        x, y = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
+        place = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
         raise InputError(
-            f"a cell near ({x:.9g}, {y:.9g}) that folds over when it is refined",
+            f"a cell near {point_text(place)} that folds over when it is refined",
             "cells that stay simple" + ("" if outline is None else " with their new points on the outline"),
             "check the mesh" if outline is None else "refine the cells at the boundary first, or leave out the outline",
         )

@@ -10,15 +10,26 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, IntArray, Outline, Placement, Section
+from flangeway.geometry import Arc, IntArray, Outline, Placement, Region, Section
 from flangeway.geometry.segments import halved
 from flangeway.mesh.dual import dual
-from flangeway.mesh.gmsh_mesher import ALGORITHMS, OPTIONS, counter_clockwise, set_size_field, triangulate
+from flangeway.mesh.expected import ExpectedMesh, expected_mesh
+from flangeway.mesh.gmsh_mesher import (
+    ALGORITHMS,
+    OPTIONS,
+    counter_clockwise,
+    refuse_algorithm,
+    set_size_field,
+    triangulate,
+)
 from flangeway.mesh.gmsh_session import generate, gmsh_model
+from flangeway.mesh.long_meshes import made
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, refuse_size
 
 _FAR = 100.0  # of the section's size
+BYTES_TO_COLLECT = 220
+"""For each triangle, more than of one region; measured."""
 
 
 def triangulate_section(
@@ -50,6 +61,8 @@ def triangulate_section(
     ------
     InputError
         If parts overlap, or as for `triangulate`.
+    OutOfMemoryError
+        As for `triangulate`.
 
     """
     low, high = section.bounds()
@@ -66,9 +79,29 @@ def triangulate_section(
         ((name, region),) = section.parts.items()
         mesh = triangulate(region.outer, size=size, refinements=refinements, holes=region.holes, algorithm=algorithm)
         return mesh.with_cell_set(name, np.arange(mesh.n_cells))
+    refuse_algorithm(algorithm)
+    expected = _expected(section, size, refinements, algorithm)
+    return made(expected, _meshed, dict(section.parts), size, tuple(refinements), algorithm)
+
+
+def _expected(section: Section, size: float, refinements: Sequence[Refinement], algorithm: str) -> ExpectedMesh:
+    """What the parts need together."""
+    parts = []
     for region in section.regions:
-        extent = float(np.max(np.ptp(region.bounds(), axis=0)))
-        refuse_size(region.outer, min(size, extent), refinements)
+        local = min(size, float(np.max(np.ptp(region.bounds(), axis=0))))
+        refuse_size(region.outer, local)
+        parts.append(expected_mesh(region, local, refinements, algorithm))
+    return ExpectedMesh(
+        sum(part.n_triangles for part in parts),
+        sum(part.n_boundary_edges for part in parts),
+        sum(part.squared_edges for part in parts),
+        max(part.n_seeds for part in parts),
+        BYTES_TO_COLLECT + max(part.bytes_a_triangle for part in parts),
+    )
+
+
+def _meshed(parts: dict[str, Region], size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:
+    section = Section(parts)
     with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
         surfaces = _fragments(gmsh, section)
         seeds = [[gmsh.model.occ.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]

@@ -11,9 +11,6 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, as_points
 from flangeway.geometry.outline import Outline
 
-MAX_TRIANGLES = 5_000_000
-"""Triangulations estimated to have more triangles are refused."""
-
 
 @dataclass(frozen=True, eq=False)
 class Refinement:
@@ -68,12 +65,25 @@ class Refinement:
             nearest = np.minimum(nearest, np.hypot(*(rays - along[:, None] * step).T))
         return nearest
 
+    @property
+    def _seed_spacing(self) -> float:
+        return self.size * min(1.0, 0.04 / self.growth)
+
+    @property
+    def n_seeds(self) -> int:
+        """Number of `seeds`, counted without making them."""
+        lengths = np.hypot(*np.diff(self.points, axis=0).T)
+        return int(np.sum(np.maximum(np.ceil(lengths / self._seed_spacing), 1.0))) + 1
+
     def seeds(self) -> FloatArray:
         """Return points of the polyline so dense that their distance field errs below 2 % of size.
 
         Between neighbours the distance to the nearest is at most half their spacing.
         """
-        spacing = self.size * min(1.0, 0.04 / self.growth)
+        return self.sampled(self._seed_spacing)
+
+    def sampled(self, spacing: float) -> FloatArray:
+        """Return points (n, 2) of the polyline, its corners among them, with neighbours up to `spacing` apart."""
         rows = []
         for a, b in zip(self.points[:-1], self.points[1:], strict=True):
             n_pieces = max(math.ceil(math.dist(a, b) / spacing), 1)
@@ -91,29 +101,13 @@ def local_sizes(points: ArrayLike, size: float, refinements: Sequence[Refinement
     return sizes
 
 
-def estimated_triangles(area: float, size: float, refinements: Sequence[Refinement] = ()) -> float:
-    """Return about how many triangles a region gets: the integral of ``4 / (sqrt(3) h^2)``.
-
-    A refinement is taken to lie on the boundary, with the region on one side of it.
-    """
-    per_area = 4.0 / math.sqrt(3.0)
-    total = per_area * area / size**2
-    for r in refinements:
-        if r.size >= size:
-            continue
-        beside = r.length * (1.0 / r.size - 1.0 / size) / r.growth
-        around = math.pi * (math.log(size / r.size) - 1.0 + r.size / size) / r.growth**2
-        total += per_area * min(beside + around, area / r.size**2)
-    return total
-
-
-def refuse_size(outline: Outline, size: float, refinements: Sequence[Refinement] = ()) -> None:
-    """Refuse a size that makes no mesh, or one of more than `MAX_TRIANGLES` triangles.
+def refuse_size(outline: Outline, size: float) -> None:
+    """Refuse a size that makes no mesh.
 
     Raises
     ------
     InputError
-        If the size is not positive, larger than the region, or far too small.
+        If the size is not positive, or larger than the region.
 
     """
     extent = float(np.max(outline.bounds()[1] - outline.bounds()[0]))
@@ -122,12 +116,4 @@ def refuse_size(outline: Outline, size: float, refinements: Sequence[Refinement]
             f"size = {size}",
             f"a positive length up to the extent {extent:.6g} of the region",
             "give the length of a triangle's edge",
-        )
-    expected = estimated_triangles(outline.area, size, refinements)
-    if expected > MAX_TRIANGLES:
-        smallest = min([size, *(r.size for r in refinements)])
-        raise InputError(
-            f"size = {size} with the smallest local size {smallest}: about {expected:.2g} triangles",
-            f"sizes that make up to {MAX_TRIANGLES} triangles",
-            "enlarge the size, shorten the refinement or let it grow faster",
         )

@@ -6,7 +6,11 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point, as_point
+from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
+
+BYTES_A_SQUARE = 140
+"""Of triangles, the larger; measured."""
 
 
 def rectangle_grid(
@@ -40,12 +44,15 @@ def rectangle_grid(
     ------
     InputError
         If a length or number is not positive, or the kind of cell is unknown.
+    OutOfMemoryError
+        If there is no memory for it.
 
     """
     for name, value in (("width", width), ("height", height), ("nx", nx), ("ny", ny)):
         if not value > 0 or not np.isfinite(value):
             raise InputError(f"{name} = {value}", "a positive number", "give a larger one")
     x0, y0 = as_point(origin, "origin")
+    refuse_large_mesh(f"a grid of {nx:,} by {ny:,} squares", BYTES_A_SQUARE * nx * ny)
     x, y = np.meshgrid(np.linspace(x0, x0 + width, nx + 1), np.linspace(y0, y0 + height, ny + 1))
     grid = np.arange((nx + 1) * (ny + 1), dtype=np.int32).reshape(ny + 1, nx + 1)
     corners = (grid[:-1, :-1], grid[:-1, 1:], grid[1:, 1:], grid[1:, :-1])

@@ -3,7 +3,7 @@
 from flangeway.post.contact_doubts import ContactDoubts, contact_doubts, cut_zones
 from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
 from flangeway.post.location import locate
-from flangeway.post.nodal_balance import nodal_imbalance
+from flangeway.post.nodal_balance import nodal_imbalance, nodal_residual
 from flangeway.post.norms import ErrorNorms, error_norms
 from flangeway.post.overlap import Overlap, deepest_overlap, moved_mesh
 from flangeway.post.pressure import PressurePatch, pressure_patches
@@ -36,6 +36,7 @@ __all__ = [
     "locate",
     "moved_mesh",
     "nodal_imbalance",
+    "nodal_residual",
     "nodal_stresses",
     "pressure_patches",
     "reactions",

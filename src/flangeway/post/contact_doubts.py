@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem, SegmentToSegment, Surface
 from flangeway.contact.pairs import Pairs
 from flangeway.post.pressure import PressurePatch
 from flangeway.problems import Body
@@ -95,7 +95,7 @@ def contact_doubts(
             )
             (errors if depth > LARGEST_PENETRATION * sinking else warnings).append(sentence)
         for patch in mine:
-            warnings += _roughness(contact, patch, name, finer)
+            warnings += roughness(len(patch.pressures) / _per_segment(contact), patch.scatter, name, finer)
     return ContactDoubts(tuple(errors), tuple(warnings))
 
 
@@ -116,20 +116,30 @@ def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]
     return tuple(cut)
 
 
-def _roughness(contact: Contact, patch: PressurePatch, name: str, finer: str) -> list[str]:
-    n_segments = len(patch.normal_forces) / _order(contact.secondary)
+def roughness(n_segments: float, scatter: float, name: str, finer: str) -> list[str]:
+    """Sentence about a region of contact whose pressure is not to be trusted; none if it is.
+
+    Parameters
+    ----------
+    n_segments
+        Number of segments that it is wide.
+    scatter
+        Of its pressures, see `PressurePatch.scatter`.
+    name, finer
+        What it is called, and how to get a finer mesh.
+
+    """
     if n_segments < FEWEST_SEGMENTS:
-        return [
-            f"{name} is only {n_segments:g} segments wide, fewer than {FEWEST_SEGMENTS}; {finer} for a pressure to "
-            "trust"
-        ]
-    if patch.scatter > LARGEST_SCATTER:
-        return [f"the pressure of {name} scatters by {100.0 * patch.scatter:.0f} % from node to node; {finer}"]
+        wide = f"{n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
+        return [f"{name} is only {wide}, fewer than {FEWEST_SEGMENTS}; {finer} for a pressure to trust"]
+    if scatter > LARGEST_SCATTER:
+        return [f"the pressure of {name} scatters by {100.0 * scatter:.0f} % from node to node; {finer}"]
     return []
 
 
-def _order(surface: Surface) -> int:
-    return surface.edge_nodes.shape[1] - 1
+def _per_segment(contact: Contact) -> int:
+    """Number of constraints of a segment: one for each end that it shares, or one for each node."""
+    return 1 if isinstance(contact.pairing, SegmentToSegment) else contact.secondary.edge_nodes.shape[1] - 1
 
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:

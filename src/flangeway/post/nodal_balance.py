@@ -9,11 +9,31 @@ Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 
 
+def nodal_residual(field: ElasticField, forces: Floats) -> Floats:
+    """Forces that hold the unknowns beside the loads and further ones: what supports bear, shape (n_dofs, 2).
+
+    The stiffness is assembled anew on all unknowns and multiplied with the displacements.
+
+    Parameters
+    ----------
+    field
+        Displacements and the problem with its loads.
+    forces
+        Further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
+
+    """
+    problem = field.problem
+    left: Floats = (problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
+    left -= problem.load_vector() + problem.thermal_load_vector()
+    left[: len(forces)] -= forces
+    return left
+
+
 def nodal_imbalance(field: ElasticField, forces: Floats, held: Bools) -> float:
     """Largest force that is left at a node, over the largest one there; zero without any force.
 
-    The stiffness is assembled anew on all unknowns and multiplied with the displacements. So neither the factor, nor
-    condensation, nor the contact iteration is trusted that found them.
+    It is that of `nodal_residual`, so neither the factor, nor condensation, nor the contact iteration is trusted that
+    found the displacements.
 
     Parameters
     ----------
@@ -25,11 +45,10 @@ def nodal_imbalance(field: ElasticField, forces: Floats, held: Bools) -> float:
         Which components of which nodes a support bears, shape (n_nodes, 2).
 
     """
-    problem = field.problem
-    n_nodes = problem.space.n_nodes
-    internal = (problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
-    left = internal - problem.load_vector() - problem.thermal_load_vector()
-    left[:n_nodes] -= forces
+    problem, n_nodes = field.problem, len(forces)
+    left = nodal_residual(field, forces)
+    internal = left + problem.load_vector() + problem.thermal_load_vector()
+    internal[:n_nodes] += forces
     reference = max(float(np.abs(each).max(initial=0.0)) for each in (left, forces, internal))
     left[:n_nodes][held] = 0.0
     return float(np.abs(left).max()) / reference if reference > 0.0 else 0.0

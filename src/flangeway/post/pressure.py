@@ -13,6 +13,10 @@ Floats = NDArray[np.float64]
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 
+HARDLY = 0.5
+"""Share of a node's area that the primary faces below which its force counts with its neighbour's: a corner that is
+beside a node presses on a sliver, whose own pressure has no limit."""
+
 
 @dataclass(frozen=True, eq=False)
 class PressurePatch:
@@ -32,7 +36,8 @@ class PressurePatch:
         Contact forces of the nodes, shape (n,).
     pressures
         Contact forces over the nodes' areas: for node-to-segment by influence width (seed Figure 63), for
-        segment-to-segment the values of the integrated field, shape (n,).
+        segment-to-segment the values of the integrated field, shape (n,). A node of whose area the primary faces less
+        than half has the mean pressure of itself and its neighbour.
     width
         Sum of the lengths that belong to the nodes.
     secondary_point, primary_point
@@ -71,15 +76,20 @@ class PressurePatch:
 
         It is the noise of node-to-segment contact; a smooth pressure has almost none. Zero below three nodes.
         """
-        if len(self.pressures) < 3:
-            return 0.0
-        apart = self.pressures[1:-1] - (self.pressures[:-2] + self.pressures[2:]) / 2.0
-        return float(np.sqrt(np.mean(apart**2)) / self.pressures.max())
+        return scatter_of(self.pressures)
 
     @property
     def half_width(self) -> float:
         """Half of the loaded length."""
         return self.width / 2.0
+
+
+def scatter_of(pressures: Floats) -> float:
+    """Return the scatter of pressures along a surface, see `PressurePatch.scatter`."""
+    if len(pressures) < 3:
+        return 0.0
+    apart = pressures[1:-1] - (pressures[:-2] + pressures[2:]) / 2.0
+    return float(np.sqrt(np.mean(apart**2)) / pressures.max())
 
 
 def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
@@ -127,12 +137,26 @@ def _patch(
         along - share @ along,
         force[:, None] * _directions(pairs)[group],
         force,
-        force / pairs.areas[group],
+        _pressures(force, pairs.areas[group], pairs.whole_areas[group]),
         float(contact.node_areas[nodes[0] : nodes[-1] + 1].sum()) / secondary.part.body.thickness,
         share @ on_secondary,
         share @ on_primary,
         _reaches_end(nodes, len(points)) or _reaches_end(pairs.primary_edges[touched], len(primary.edges)),
     )
+
+
+def _pressures(forces: Floats, areas: Floats, whole_areas: Floats) -> Floats:
+    """Pressures of the nodes of a patch, along the surface."""
+    n = len(forces)
+    slivers = areas < HARDLY * whole_areas
+    if n == 1:
+        return forces / np.where(slivers, HARDLY * whole_areas, areas)
+    label = np.arange(n)
+    for sliver in np.flatnonzero(slivers):
+        sides = [side for side in (sliver - 1, sliver + 1) if 0 <= side < n]
+        label[label == label[sliver]] = label[max(sides, key=lambda side: areas[side])]
+    pressures: Floats = (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
+    return pressures
 
 
 def _directions(pairs: Pairs) -> Floats:

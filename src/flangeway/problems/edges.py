@@ -37,12 +37,9 @@ class EdgeQuadrature:
     normals: Floats
 
 
-def edge_quadrature(space: Space, pairs: NDArray[np.integer], n_points: int | None = None) -> EdgeQuadrature:
-    """Quadrature on edges given as pairs of points (n, 2) with the body on the left.
-
-    By default with ``order + 2`` points, exact to degree ``2 order + 3``.
-    """
-    abscissae, weights = gauss(space.order + 2 if n_points is None else n_points)
+def edge_quadrature(space: Space, pairs: NDArray[np.integer]) -> EdgeQuadrature:
+    """Quadrature, exact to degree ``2 order + 3``, on edges given as pairs of points (n, 2), body on the left."""
+    abscissae, weights = gauss(space.order + 2)
     start, end = space.mesh.points[pairs[:, 0]], space.mesh.points[pairs[:, 1]]
     along = end - start
     lengths = np.linalg.norm(along, axis=1)

@@ -60,6 +60,7 @@ class Elasticity:
     name: str = "body"
 
     def __post_init__(self) -> None:
+        self._check_types()
         object.__setattr__(self, "loads", tuple(self.loads))
         object.__setattr__(self, "supports", tuple(self.supports))
         if not (np.isfinite(self.thickness) and self.thickness > 0.0):
@@ -79,6 +80,18 @@ class Elasticity:
         if self.axisymmetric:
             self._check_axis()
         self._check_items()
+
+    def _check_types(self) -> None:
+        if not isinstance(self.space, Space):
+            raise InputError(f"Elasticity({type(self.space).__name__}, ...)", "a Space", "write Space(mesh, element)")
+        materials = self.material.values() if isinstance(self.material, Mapping) else [self.material]
+        for material in materials:
+            if not isinstance(material, Material):
+                raise InputError(
+                    f"Elasticity(material={material!r})",
+                    "a Material, or one for each cell set",
+                    "make an Elastic or an Orthotropic",
+                )
 
     def _check_axis(self) -> None:
         if self.thickness != 1.0:

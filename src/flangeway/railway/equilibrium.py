@@ -170,7 +170,8 @@ class _Search:
     def _why(self) -> str:
         if not self.state.status.converged:
             return f"the contact forces were not found: {self.state.status.message}"
-        return "the wheels left the rails; check the load and the profiles"
+        given = "" if self.free.all() else "what is prescribed, "
+        return f"the wheels left the rails; check {given}the load and the profiles"
 
     def _found(self, status: Status) -> Equilibrium:
         stable = None

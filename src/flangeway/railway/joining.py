@@ -31,6 +31,9 @@ LARGEST_GAP_MM = 4.0
 A new head that its file holds inclined by 1:40 about its top ends 3 mm from the upright body.
 """
 
+LARGEST_WEAR_MM = 12.0
+"""The same at the gauge side of a head, where the end lies inside of the nominal outline: a face that is worn."""
+
 LARGEST_RIM_GAP_MM = 15.0
 """The same at the rim of a wheel: rims differ in width."""
 
@@ -49,7 +52,17 @@ HEIGHTS_MM = (-30.0, 1.0)
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
 
+PLAIN_CUT_MM = 50.0
 MEASURED = "measured"
+
+LEANS_DEG = (0.8, 4.0)
+"""Lean of a head's field side from the nominal one that is told: inclinations are 1:60 to 1:15."""
+
+FACE_MM = 5.0
+"""Height of the face, above the end of the measured surface, whose lean is measured."""
+
+STRAIGHT_MM = 0.02
+"""Distance from a straight line below which a face counts as straight."""
 
 
 @dataclass(frozen=True)
@@ -142,6 +155,8 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         outline, joints = _closed(surface, nominal)
         notices = (*notices, f"The head is moved sideways by {aside:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
+    if isinstance(nominal, RailProfile):
+        notices = (*notices, *_lean(surface, nominal))
     title = f"{measured.title} on {nominal.title}"
     certainty = f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
     source = f"File: {measured.format}. Body: {nominal.source}"
@@ -215,8 +230,34 @@ def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfi
     return shift if abs(shift) <= LARGEST_SHIFT_MM else None
 
 
-def on_plain_body(measured: MeasuredProfile, cut_height_mm: float = 50.0) -> WheelProfile:
+def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
+    """Tell of a head whose field side, which does not wear, does not stand as that of the nominal rail."""
+    points = surface.sampled(spacing=0.1)
+    face = points[points[:, 0] > 0.0]
+    low = float(face[:, 1].min())
+    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
+    slopes = []
+    for side in (face, head[head[:, 0] > 0.0]):
+        part = side[(side[:, 1] >= low) & (side[:, 1] <= low + FACE_MM)]
+        if len(part) < FACE_MM / 0.2:
+            return ()
+        line = np.polyfit(part[:, 1], part[:, 0], 1)
+        if np.abs(np.polyval(line, part[:, 1]) - part[:, 0]).max() > STRAIGHT_MM:
+            return ()
+        slopes.append(float(np.degrees(np.arctan(line[0]))))
+    lean = slopes[1] - slopes[0]
+    if not LEANS_DEG[0] <= abs(lean) <= LEANS_DEG[1]:
+        return ()
+    what = f"The head's field side leans by {abs(lean):.1f} degrees {'to' if lean > 0.0 else 'from'} the track's middle"
+    if lean > 0.0:
+        return (f"{what}: if it was measured in the track's axes it holds the rail's inclination; give cant = 0 then.",)
+    return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and cant = 0.",)
+
+
+def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
     """Return a wheel with a measured running surface, upright faces above its ends and a level cut.
+
+    The cut is `PLAIN_CUT_MM` above the tape line, or 10 mm above the higher end of the surface if that is more.
 
     For wheels that no bundled one is like: the stresses beside the contact are those of a block of steel.
 
@@ -224,8 +265,6 @@ def on_plain_body(measured: MeasuredProfile, cut_height_mm: float = 50.0) -> Whe
     ----------
     measured
         Running surface of a wheel.
-    cut_height_mm
-        Height of the cut above the tape line; 10 mm above the higher end of the surface if that is more.
 
     Raises
     ------
@@ -238,7 +277,7 @@ def on_plain_body(measured: MeasuredProfile, cut_height_mm: float = 50.0) -> Whe
     surface = measured.surface
     _refuse_short(surface, "wheel")
     start, end = surface.segments[0].start, surface.segments[-1].end
-    high = max(cut_height_mm, start[1] + 10.0, end[1] + 10.0)
+    high = max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
     cut = [Line(end, (end[0], high)), Line((end[0], high), (start[0], high)), Line((start[0], high), start)]
     names = [*[MEASURED] * len(surface.segments), "outer_face", "cut", "back_face"]
     outline = Outline.from_segments([*surface.segments, *cut], names)
@@ -289,18 +328,19 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
     for i, (end, sense) in enumerate(((surface.segments[0].start, -1.0), (surface.segments[-1].end, 1.0))):
         segment, parameter, gap = (float(values[0]) for values in nominal.outline.closest([end]))
         foot_place = lengths[int(segment)] + parameter * nominal.outline.segments[int(segment)].length
-        if gap > limits[i]:
+        foot = point_at(nominal.outline, lengths, foot_place % total)
+        limit = LARGEST_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
+        if gap > limit:
             raise InputError(
                 f"the end of the measured surface at the {words[i]}, ({end[0]:.5g}, {end[1]:.5g}) mm, {gap:.3g} mm "
                 f"from the nominal {nominal.title}",
-                f"up to {limits[i]:g} mm",
+                f"up to {limit:g} mm",
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
         blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * gap), LARGEST_BLEND_MM)
         place = (foot_place + sense * blend) % total
         places.append(place)
-        foot = point_at(nominal.outline, lengths, foot_place % total)
         joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))
     rest = pieces_between(nominal.outline, lengths, places[1], places[0])
     chain: list[tuple[str, Segment]] = [

@@ -25,6 +25,10 @@ LARGEST_RESIDUAL = 1e-6
 YIELD_MPa = 510.0
 """Least yield strength of standard rail steel, 74 ksi (AREMA Manual for Railway Engineering, chapter 4)."""
 
+FARTHEST_WAY = 0.05
+"""Displacement over the rail's height, a mean rotation, above which linear strains of a rotation, half its square, are
+no longer small against the elastic ones: 0.00125, 260 MPa in steel."""
+
 STEEL_MPa = (190e3, 220e3)
 """Young's moduli that are taken for those of steel, whose yield strength is assumed where none is given."""
 
@@ -41,7 +45,8 @@ def judged(
     Errors, which make the status that of a failure: forces that do not balance the load, numbers that are not finite,
     contact that pulls, contact at the edge of the candidate zone or outside of it, and a penetration as large as the
     elastic sinking. Warnings: an unstable balance, a wheel in the air, a mesh too coarse for the contact, a pressure
-    that scatters, penetration that is not small, and stresses beyond the yield strength of rail steel.
+    that scatters, penetration that is not small, a rail that gives way farther than linear bodies follow, and stresses
+    beyond the yield strength of rail steel.
 
     Parameters
     ----------
@@ -57,7 +62,9 @@ def judged(
     """
     names = [f"the {side} contact" for side in SIDES]
     regions = [patch.pressure for patch in patches]
-    doubts = contact_doubts(model.system, equilibrium.state, regions, names, "lower size_scale", "raise penalty_factor")
+    in_steps = model.problem.discretisation.enforcement == "augmented-lagrange"
+    stiffer = "lower penetration_mm" if in_steps else "raise penalty_factor"
+    doubts = contact_doubts(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
     errors = [*_unbalanced(model, patches), *doubts.errors, *_outside(patches, missed)]
     if not all(np.isfinite(each).all() for each in displacements.values()):
         errors.append("displacements are not finite numbers")
@@ -71,6 +78,7 @@ def judged(
     if lost and status.converged:
         warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
     if status.converged:
+        warnings += _beyond_linear(model, displacements)
         warnings += _beyond_yield(model, displacements)
     return status, tuple(warnings)
 
@@ -104,6 +112,21 @@ def _outside(patches: Iterable["WheelRailPatch"], missed: Sequence[Side]) -> lis
             "profiles, the gauge and the load"
         )
     return errors
+
+
+def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) -> list[str]:
+    """Compare the largest displacement of each rail with its height."""
+    warnings = []
+    for side in SIDES:
+        points = model.parts[f"rail-{side}"].body.mesh.points
+        way = float(np.linalg.norm(displacements[f"rail-{side}"], axis=1).max())
+        share = way / float(np.ptp(points[:, 1]))
+        if share > FARTHEST_WAY:
+            warnings.append(
+                f"the {side} rail gives way by {way:.1f} mm, {100.0 * share:.0f} % of its height, farther than linear "
+                "bodies follow: believe neither its stresses nor the wheelset's motion"
+            )
+    return warnings
 
 
 def _beyond_yield(model: WheelsetModel, displacements: Mapping[str, Floats]) -> list[str]:

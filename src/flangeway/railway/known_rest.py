@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.railway.problem import WheelsetProblem
-from flangeway.railway.rest import RigidRest, rigid_rest
+from flangeway.railway.rest import CLIMBED_MM, CLIMBING_RAD, SCAN_MM, RigidRest, rigid_rest
 from flangeway.railway.rigid_contact import RigidWheelset
 from flangeway.railway.track import SIDES, WheelsetMotion
 from flangeway.solve.cache import Arrays, Cache, content_key
@@ -51,7 +51,8 @@ def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
         As `rigid_rest`.
 
     """
-    key = content_key("rest", problem.track, problem.wheelset, problem.load, problem.prescribed, FLANGE_MM, MARGIN_MM)
+    numbers = (FLANGE_MM, MARGIN_MM, SCAN_MM, CLIMBING_RAD, CLIMBED_MM)
+    key = content_key("rest", problem.track, problem.wheelset, problem.load, problem.prescribed, numbers)
     if cache is None or key is None:
         return _found(problem)
     arrays = cache.load(key)

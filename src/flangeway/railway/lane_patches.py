@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.post import pressure_patches
-from flangeway.post.pressure import CONSTRAINTS_APART
+from flangeway.post.pressure import CONSTRAINTS_APART, scatter_of
 from flangeway.railway.discretisation import Role
 from flangeway.railway.equilibrium import Equilibrium
 from flangeway.railway.lane_newton import LaneSide
@@ -38,6 +38,10 @@ class LanePatch:
         Centre of pressure on the undeformed profiles, in their frames.
     at_edge
         Whether it reaches an end of either surface.
+    n_constraints
+        Number of its constraints under force.
+    scatter
+        Of its pressures, see `flangeway.post.PressurePatch.scatter`.
     shear
         Largest shear stress below it in the wheel and in the rail, where that was asked for.
 
@@ -51,6 +55,8 @@ class LanePatch:
     wheel_point_mm: tuple[float, float]
     rail_point_mm: tuple[float, float]
     at_edge: bool
+    n_constraints: int
+    scatter: float
     shear: Mapping[Role, SubsurfaceExtreme] | None = None
 
     @classmethod
@@ -66,6 +72,8 @@ class LanePatch:
             (float(wheel[0]), float(wheel[1])),
             (float(rail[0]), float(rail[1])),
             patch.pressure.at_edge,
+            len(patch.pressure.pressures),
+            patch.pressure.scatter,
         )
 
 
@@ -106,16 +114,19 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
                 or touched.min() == 0
                 or touched.max() == len(primary.edges) - 1
             )
+            pressures = force / gaps.areas[lane, group]
             patches.append(
                 LanePatch(
                     side.stand.side,
                     region_of(side.stand.side, x, y),
                     (float(x), float(y)),
-                    float((force / gaps.areas[lane, group]).max()),
+                    float(pressures.max()),
                     float(widths[nodes[0] : nodes[-1] + 1].sum()) / 2.0,
                     (float(on_wheel[0]), float(on_wheel[1])),
                     (float(on_rail[0]), float(on_rail[1])),
                     bool(at_edge),
+                    len(group),
+                    scatter_of(pressures),
                 )
             )
         # the left side mirrors the right-hand form, and its chain runs the other way

@@ -2,24 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
+from weakref import WeakKeyDictionary
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.elements import monomials
-from flangeway.elements.monomials import Frame
-from flangeway.post import Stresses
-from flangeway.post.location import OUTSIDE, locate
 from flangeway.problems import Body
 from flangeway.railway.discretisation import ROLES, Role
 from flangeway.railway.lane_patches import LanePatch
+from flangeway.railway.line_stresses import Lines, LineStresses
 from flangeway.railway.prepared import PreparedWheelset
-from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, closest_on_boundary, largest_on
-from flangeway.railway.track import SIDES
-from flangeway.space import CellBatch
+from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, closest_on_boundary, largest_of_lines
+from flangeway.railway.track import SIDES, Side
+from flangeway.solve import CondensedBodies
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 N_POINTS = 201
 """Points of a line into a body, as `stresses_below` has them."""
@@ -43,11 +41,21 @@ class LoadedPatch:
     rail: Floats
 
 
-def largest_shears(prepared: PreparedWheelset, loaded: Sequence[LoadedPatch]) -> list[dict[Role, SubsurfaceExtreme]]:
+Key = tuple[Body, bytes]
+"""A body and its surface nodes: twins that are placed elsewhere share what is known of it."""
+
+_kept: WeakKeyDictionary[CondensedBodies, dict[Key, LineStresses]] = WeakKeyDictionary()
+"""What serves all lines into condensed bodies; it goes with them."""
+
+
+def largest_shears(
+    prepared: PreparedWheelset, loaded: Sequence[LoadedPatch], *, superposed: bool
+) -> list[dict[Role, SubsurfaceExtreme]]:
     """Largest in-plane shear stress in the wheel and in the rail below each region of contact.
 
     It is that of `flangeway.railway.subsurface.largest_shear`: on the line along the inward normal through the centre
-    of pressure, smoothed over the cells. The fields of all regions are recovered together.
+    of pressure, smoothed over the cells. All regions are treated together, and displacements are found only where
+    their lines run.
 
     Parameters
     ----------
@@ -55,55 +63,63 @@ def largest_shears(prepared: PreparedWheelset, loaded: Sequence[LoadedPatch]) ->
         The wheelset.
     loaded
         The regions.
+    superposed
+        Whether fields are superposed from those of unit forces, which are kept with the condensed bodies; it pays for
+        hundreds of regions over all calls.
 
     """
     found: list[dict[Role, SubsurfaceExtreme]] = [{} for _ in loaded]
+    parts = [part.name for part in prepared.model.system.parts]
     for role in ROLES:
+        twins: dict[Key, list[Side]] = {}
         for side in SIDES:
-            numbers = [number for number, each in enumerate(loaded) if each.patch.side == side]
+            surface = prepared.response.surfaces[parts.index(f"{role}-{side}")]
+            twins.setdefault((surface.body, surface.nodes.tobytes()), []).append(side)
+        for key, sides in twins.items():
+            numbers = [number for number, each in enumerate(loaded) if each.patch.side in sides]
             if not numbers:
                 continue
             patches = [loaded[number] for number in numbers]
             forces = np.stack([each.wheel if role == "wheel" else each.rail for each in patches])
-            lines = [line_below(prepared, role, each.patch) for each in patches]
-            place = [part.name for part in prepared.model.system.parts].index(f"{role}-{side}")
-            fields = prepared.response.body_fields(place, forces)
-            body = prepared.model.system.parts[place].body
-            shear = _stresses(body, fields, np.stack([points for points, _ in lines]))
-            for number, values, (_, depths) in zip(numbers, shear, lines, strict=True):
-                found[number][role] = largest_on(depths, values)
+            lines = lines_below(prepared, role, sides[0], [each.patch for each in patches])
+            solve = partial(prepared.response.body_fields, parts.index(f"{role}-{sides[0]}"))
+            stresses = _stresses(prepared.response, key, forces.shape[1])
+            shear = stresses.in_plane_shear(lines, forces, solve, superposed=superposed)
+            for number, extreme in zip(numbers, largest_of_lines(lines.depths, shear), strict=True):
+                found[number][role] = extreme
     return found
 
 
-def line_below(prepared: PreparedWheelset, role: Role, patch: LanePatch) -> tuple[Floats, Floats]:
-    """Points (n, 2) of the line into a body below a region of contact, in its frame, and their depths (n,)."""
-    problem, side = prepared.model.problem, patch.side
+def lines_below(prepared: PreparedWheelset, role: Role, side: Side, patches: Sequence[LanePatch]) -> Lines:
+    """Lines into a body below regions of contact, in the body's frame.
+
+    Parameters
+    ----------
+    prepared
+        The wheelset.
+    role, side
+        Which of its bodies.
+    patches
+        The regions, of this side or of a side with the same bodies.
+
+    """
+    problem = prepared.model.problem
     profile = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
-    point = np.array(patch.wheel_point_mm if role == "wheel" else patch.rail_point_mm)
-    number, parameter, _ = profile.running_surface.closest([point])
-    inward = -profile.running_surface.segments[int(number[0])].normal(parameter)[0]
-    start = closest_on_boundary(prepared.model.parts[f"{role}-{side}"].body.mesh, point)
-    depths = np.linspace(0.0, DEPTH * patch.half_width_mm, N_POINTS)
-    return start + depths[:, None] * inward, depths
+    points = np.array([each.wheel_point_mm if role == "wheel" else each.rail_point_mm for each in patches])
+    surface = profile.running_surface
+    numbers, parameters, _ = surface.closest(points)
+    inward = np.empty_like(points)
+    for number in np.unique(numbers):
+        here = numbers == number
+        inward[here] = -surface.segments[number].normal(parameters[here])
+    starts = closest_on_boundary(prepared.model.parts[f"{role}-{side}"].body.mesh, points)
+    lengths = DEPTH * np.array([each.half_width_mm for each in patches])
+    return Lines(starts, inward, np.linspace(0.0, lengths, N_POINTS, axis=1))
 
 
-def _stresses(body: Body, fields: Floats, points: Floats) -> Floats:
-    """Largest in-plane shear (m, n) of fields (m, n_dofs, 2) at points (m, n, 2), nan outside of the body."""
-    n_fields, n_dofs = fields.shape[:2]
-    cells = locate(body.mesh, points.reshape(-1, 2))
-    field = np.repeat(np.arange(n_fields), points.shape[1])
-    result = np.full(len(cells), np.nan)
-    place = np.full(body.mesh.n_cells, -1, dtype=np.int64)
-    for batch in body.space.batches():
-        place[batch.cells] = np.arange(len(batch.cells))
-        here = np.flatnonzero((cells != OUTSIDE) & (place[cells] >= 0))
-        if len(here):
-            columns = place[cells[here]]
-            dofs = batch.dofs[:, columns] + n_dofs * field[here]
-            chosen = CellBatch(batch.element, batch.cells[columns], batch.vertices[..., columns], dofs)
-            reconstruction, stress = body.elasticity.cell_stresses(chosen, fields.reshape(-1, 2))
-            frame = Frame(reconstruction.frame.origin, reconstruction.frame.map)
-            values = monomials.evaluate(reconstruction.order, frame.local(points.reshape(-1, 2)[here].T))
-            result[here] = Stresses(np.einsum("sae,ae->es", stress, values[: stress.shape[1]])).in_plane_shear
-        place[batch.cells] = -1
-    return result.reshape(points.shape[:2])
+def _stresses(response: CondensedBodies, key: Key, n_nodes: int) -> LineStresses:
+    """Return what is kept of a body, made if needed."""
+    kept = _kept.setdefault(response, {})
+    if key not in kept:
+        kept[key] = LineStresses(key[0], n_nodes)
+    return kept[key]

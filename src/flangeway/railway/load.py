@@ -8,6 +8,9 @@ from flangeway.errors import InputError
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of free fall."""
 
+LARGEST_SLOPE = 0.2
+"""Largest superelevation over its base width."""
+
 
 @dataclass(frozen=True)
 class Load:
@@ -57,18 +60,18 @@ class Load:
 
 
 def curve_force_N(weight_N: float, speed_km_h: float, radius_m: float) -> float:  # noqa: N802
-    """Centrifugal force of a weight in a curve, ``(W / g) v^2 / R``."""
+    """Centrifugal force of a weight in a curve, ``(W / g) v^2 / R``: to the right in a curve to the left, R > 0."""
     return weight_N / GRAVITY_M_S2 * (speed_km_h / 3.6) ** 2 / radius_m
 
 
 def balanced_superelevation_mm(speed_km_h: float, radius_m: float, base_mm: float) -> float:
-    """Superelevation at which weight and centrifugal force have no part along the track's plane."""
+    """Superelevation at which weight and centrifugal force have no part along the track's plane, signed as R."""
     return base_mm * math.sin(math.atan((speed_km_h / 3.6) ** 2 / (GRAVITY_M_S2 * radius_m)))
 
 
 def superelevation_angle(superelevation_mm: float, base_mm: float) -> float:
     """Tilt in rad of a track whose right rail is higher by `superelevation_mm`, measured over a base width."""
-    if not (base_mm > 0.0 and abs(superelevation_mm) <= 0.2 * base_mm):
+    if not (base_mm > 0.0 and abs(superelevation_mm) <= LARGEST_SLOPE * base_mm):
         raise InputError(
             f"superelevation_mm = {superelevation_mm:g} over a base of {base_mm:g} mm",
             "at most a fifth of the base width",

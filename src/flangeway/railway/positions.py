@@ -34,8 +34,11 @@ AT_ONCE = 32
 PRESSED_MM = 0.01
 """How deep rigid wheels are pressed on the rails at first: little, so that no more touches than what bears the load."""
 
-MOST_WAITING = 64
-"""Regions of contact whose fields are recovered together."""
+MOST_WAITING = 128
+"""Regions of contact that may wait for the stresses below them, which are found together."""
+
+FEWEST_SUPERPOSED = 200
+"""Positions from which on it pays to solve for unit forces: they take as long as some hundred fields."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,6 +156,7 @@ def solve_positions(
     progress: Callable[[int, int], None] = lambda _done, _all: None,
     *,
     shear: bool = False,
+    n_alike: int | None = None,
 ) -> PositionTable:
     """Bring the wheelset into balance in each of many positions.
 
@@ -170,6 +174,9 @@ def solve_positions(
         Called with the number of positions that are done and that of all.
     shear
         Whether the largest shear stress below each contact is wanted: it needs the fields of all bodies.
+    n_alike
+        Number of positions of the same bodies in this call and others together; this call alone if left out. From
+        `FEWEST_SUPERPOSED` on the fields for shear stresses are superposed, which changes nothing beyond round-off.
 
     Raises
     ------
@@ -177,7 +184,8 @@ def solve_positions(
         If the contact is not segment-to-segment with a penalty or multipliers.
 
     """
-    run = _Run(prepared, positions, progress, shear)
+    superposed = (len(positions) if n_alike is None else n_alike) >= FEWEST_SUPERPOSED
+    run = _Run(prepared, positions, progress, shear, superposed)
     run.go()
     return run.table()
 
@@ -190,6 +198,7 @@ class _Run:
     positions: Positions
     progress: Callable[[int, int], None]
     shear: bool
+    superposed: bool
     waiting: list[tuple[int, LoadedPatch]] = field(default_factory=list)
     patches: dict[int, tuple[LanePatch, ...]] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
@@ -348,13 +357,11 @@ class _Run:
     def _find_shear(self) -> None:
         """Give the patches that wait for it their largest shear stress."""
         waiting, self.waiting = self.waiting, []
-        found = largest_shears(self.prepared, [each for _, each in waiting])
-        for number in {number for number, _ in waiting}:
-            self.patches[number] = tuple(
-                replace(each.patch, shear=shear)
-                for (mine, each), shear in zip(waiting, found, strict=True)
-                if mine == number
-            )
+        found = largest_shears(self.prepared, [each for _, each in waiting], superposed=self.superposed)
+        patches: dict[int, list[LanePatch]] = {}
+        for (number, each), shear in zip(waiting, found, strict=True):
+            patches.setdefault(number, []).append(replace(each.patch, shear=shear))
+        self.patches.update({number: tuple(mine) for number, mine in patches.items()})
 
     def _solve_slowly(self, number: int) -> None:
         start = self._start(number)

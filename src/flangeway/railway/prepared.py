@@ -45,11 +45,16 @@ class PreparedWheelset:
         load, prescribed
             What differs from the problem that was prepared.
         start
-            Where rigid wheels stand; where the prepared ones rest if left out.
+            Where rigid wheels stand; where the prepared ones rest if left out. That is the second try if nothing is
+            found from a start that is given: rigid flanges climb where elastic rails give way.
 
         """
         changed = replace(self.model, problem=self.problem_with(load, prescribed))
-        return find_equilibrium(changed, self.response, start=start)
+        found = find_equilibrium(changed, self.response, start=start)
+        if start is None or found.status.converged:
+            return found
+        second = find_equilibrium(changed, self.response)
+        return second if second.status.converged else found
 
     def problem_with(self, load: Load | None, prescribed: Prescribed | None) -> WheelsetProblem:
         """Return the problem that was prepared, with another load and prescribed motion."""

@@ -26,6 +26,9 @@ WHEELS = ("AAR-1B", "S1002", "heavy-haul")
 RAILS = tuple(_RAIL_FILES)
 """Names of the bundled rails."""
 
+CROWNED = ("136RE-8", "136RE-10", "136RE-14")
+"""What `nominal_profile` calls the crowns of the 136RE."""
+
 _CUT_HEIGHTS_MM = (20.0, 100.0)
 _THROAT_RADII_MM = (10.0, 20.0)
 
@@ -128,6 +131,11 @@ class WheelProfile:
         return self.outline.part(self.running_names)
 
 
+def _advice(kind: str, name: str, known: tuple[str, ...]) -> str:
+    same = [each for each in known if each.upper() == name.upper()]
+    return f"did you mean {same[0]}?" if same else f"choose a {kind} that is there"
+
+
 def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailProfile:
     """Return a rail section.
 
@@ -145,7 +153,10 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
 
     """
     if name not in _RAIL_FILES:
-        raise InputError(f"rail '{name}'", f"one of {', '.join(sorted(_RAIL_FILES))}", "choose a rail that is there")
+        advice = _advice("rail", name, RAILS)
+        if name.upper() in CROWNED:
+            advice = f"give 136RE, and crown_radius_in = {name[6:]}"
+        raise InputError(f"rail '{name}'", f"one of {', '.join(RAILS)}, or a file of a profile", advice)
     radii = _RAIL_FILES[name]
     radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
     if radius not in radii:
@@ -217,7 +228,8 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
 
     """
     if name not in WHEELS:
-        raise InputError(f"wheel '{name}'", f"one of {', '.join(sorted(WHEELS))}", "choose a wheel that is there")
+        advice = _advice("wheel", name, WHEELS)
+        raise InputError(f"wheel '{name}'", f"one of {', '.join(WHEELS)}, or a file of a profile", advice)
     _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
     if name not in _WHEEL_FILES:
         if throat_radius_mm is not None:

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.railway.load import Load
 from flangeway.railway.problem import WheelsetProblem
-from flangeway.railway.rigid_contact import RigidWheelset, Settled, contact_locus, locus_of, settle
+from flangeway.railway.rigid_contact import ContactLocus, RigidWheelset, Settled, contact_locus, locus_of, settle
 from flangeway.railway.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 
@@ -22,10 +22,22 @@ END_MM = 2.0
 APART_MM = 0.1
 """Lateral distance below which two positions count as one."""
 
+CLIMBING_RAD = math.radians(45.0)
+"""Contact angle above which a rigid flange counts as climbing; elastic rails give way there, and no flange rises."""
+
+CLIMBED_MM = 3.0
+"""Rise of the axle from the middle of the track above which a flange has climbed."""
+
+SCAN_MM = 0.1
+"""Distance of the positions in which the flange is looked at, on the way to a prescribed lateral motion."""
+
 
 @dataclass(frozen=True, eq=False)
 class RigidRest:
     """A rigid wheelset at rest under its load, or at the lateral motion that is prescribed.
+
+    Beyond the lateral motion at which a rigid flange begins to climb it stands where it does not climb yet: rigid
+    rails would lift it by some millimetres, elastic ones let it go on.
 
     Parameters
     ----------
@@ -33,7 +45,8 @@ class RigidRest:
         Rigid curves.
     starts
         Motions of the axle's middle in which the load is in balance, or might be for elastic wheels: the one that is
-        reached first, then the others, and the middle of the track.
+        reached first, then the others, and the middle of the track. At a prescribed lateral motion: where the flange
+        does not climb yet, then, if that is elsewhere, at the lateral motion itself.
     load
         The load; None at a prescribed lateral motion.
     known
@@ -60,8 +73,9 @@ class RigidRest:
 
     @property
     def relative_curvature_per_mm(self) -> float:
-        """Sum of the curvatures of wheel and rail where the right wheel touches."""
-        return float(self._settled(0.0).right.relative_curvature[0, 0])
+        """Sum of the curvatures of wheel and rail where they touch, on the side where it is smaller."""
+        settled = self._settled(0.0)
+        return float(min(each.relative_curvature[0, 0] for each in (settled.left, settled.right)))
 
     def near_places(self, asides_mm: tuple[float, ...], margin_mm: float) -> dict[Side, tuple[Floats, Floats]]:
         """Places on wheel and rail, in their frames, that touch or are within a margin of it; two arrays (n, 2) a side.
@@ -122,7 +136,7 @@ def rigid_rest(problem: WheelsetProblem) -> RigidRest:
     wheelset = RigidWheelset.of(problem.track, problem.wheelset)
     lateral = problem.prescribed.lateral_mm
     if lateral is not None:
-        return RigidRest(wheelset, (contact_locus(wheelset, [lateral]).motion(0),), None)
+        return RigidRest(wheelset, _held_starts(wheelset, lateral), None)
     equilibrium = rigid_equilibrium(wheelset, problem.load)
     # the path of contact, which the balance has followed, need not be followed again for its middle
     middle = locus_of(wheelset, settle(wheelset, np.array([0.0]), at_axle=True)).motion(0)
@@ -137,3 +151,25 @@ def rigid_rest(problem: WheelsetProblem) -> RigidRest:
         if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
             starts.append(motion)
     return RigidRest(wheelset, tuple(starts), problem.load, equilibrium)
+
+
+def _held_starts(wheelset: RigidWheelset, lateral: float) -> tuple[WheelsetMotion, ...]:
+    """Where rigid wheels stand at a prescribed lateral motion; before it where the flange does not climb yet."""
+    ends = contact_locus(wheelset, [lateral, 0.0])
+    at_it = ends.motion(0)
+    if _steepest(ends)[0] <= CLIMBING_RAD and at_it.vertical_mm - ends.vertical_mm[1] <= CLIMBED_MM:
+        return (at_it,)
+    n_steps = max(math.ceil(abs(lateral) / SCAN_MM), 1)
+    try:
+        way = contact_locus(wheelset, lateral * np.arange(n_steps) / n_steps)
+    except InputError:
+        return (at_it,)
+    climbing = np.flatnonzero(_steepest(way) > CLIMBING_RAD)
+    last = int(climbing[0]) - 1 if len(climbing) else n_steps - 1
+    return (at_it,) if last < 0 else (way.motion(last), at_it)
+
+
+def _steepest(locus: ContactLocus) -> Floats:
+    """Contact angle of the steeper side, shape (n,)."""
+    found: Floats = np.maximum(*(locus.side(side).contact_angles_rad[:, 0] for side in SIDES))
+    return found

@@ -28,6 +28,9 @@ JUMP_MM = 0.3
 _PATH_STEP_MM = 0.1
 _FLANGE_MM = 30.0  # further lateral motion at the rails' height that is searched, while the flange climbs
 _ROUNDING_MM = 0.1 * TOUCH_TOLERANCE_MM
+_CONFORMING_MM = 1e-5
+"""Difference of the heights that is left where curves conform: the touch jumps among places of the same height."""
+
 _LARGEST_TURN_RAD = 0.02
 _FAST = 3.0  # motion of the point of contact per lateral motion, above which it may have jumped
 _MAX_ITERATIONS = 40
@@ -386,10 +389,11 @@ def _settle(
         if at_axle:
             eta[active] += np.where(done, 0.0, swing * (new - phi[active]) - offset)
         phi[active] = new
-        active = active[~done]
+        active, rest = active[~done], np.maximum(np.abs(height), np.abs(offset))[~done]
         if not len(active):
             break
-    return Settled(eta, phi, Touches(*(kept or [])[6:]), Touches(*(kept or [])[:6])), active
+    lost = active[~(rest < _CONFORMING_MM)]
+    return Settled(eta, phi, Touches(*(kept or [])[6:]), Touches(*(kept or [])[:6])), lost
 
 
 def _levers(radius: float, rail_level: Floats, roll: Floats, left: Touches, right: Touches) -> tuple[Floats, Floats]:

@@ -157,7 +157,8 @@ class RigidEquilibrium:
         if isinstance(self.outcome, InputError):
             error = self.outcome
             return Status(False, f"{error.given}; allowed is {error.allowed}; {error.advice}", 0)
-        lateral, n_points = self.outcome.motion.lateral_mm, len(self.outcome.contacts)
+        # no sign before a zero
+        lateral, n_points = round(self.outcome.motion.lateral_mm, 3) + 0.0, len(self.outcome.contacts)
         return Status(True, f"in balance at a lateral motion of {lateral:.3f} mm on {n_points} points", 0)
 
     def reached(self) -> RigidPosition:

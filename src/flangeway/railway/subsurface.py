@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.polynomial import Polynomial
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
@@ -81,7 +80,7 @@ def stresses_below(
     number, parameter, _ = surface.closest([point])
     inward = -surface.segments[int(number[0])].normal(parameter)[0]
     part = result.model.parts[f"{body}-{patch.side}"]
-    start = closest_on_boundary(part.body.mesh, point)
+    start = closest_on_boundary(part.body.mesh, point[None])[0]
     end = start + depth * inward
     field = ElasticField(part.body.elasticity, result.displacements[part.name])
     return stresses_along(field, (start[0], start[1]), (end[0], end[1]), n_points)
@@ -132,28 +131,49 @@ def largest_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> 
 
 
 def largest_on(depths: Floats, values: Floats) -> SubsurfaceExtreme:
-    """Return the largest of values (n,) over depths (n,), and where; smoothed by a cubic if that has a top.
+    """Return the largest of values (n,) over depths (n,), and where; see `largest_of_lines`."""
+    return largest_of_lines(depths[None], values[None])[0]
+
+
+def largest_of_lines(depths: Floats, values: Floats) -> list[SubsurfaceExtreme]:
+    """Return the largest value of each line, and where; smoothed by a cubic if that has a top.
 
     Parameters
     ----------
     depths
-        Rising depths in mm, shape (n,).
+        Depths in mm, rising along each line, shape (m, n).
     values
-        Stresses in MPa, shape (n,), not-a-number outside of the body.
+        Stresses in MPa, shape (m, n), not-a-number outside of the body.
 
     """
-    place = int(np.nanargmax(values))
-    depth, value = float(depths[place]), float(values[place])
-    near = np.isfinite(values) & (np.abs(depths - depth) <= SMOOTHED * depth)
-    if np.count_nonzero(near) < FEWEST:
-        return SubsurfaceExtreme(value, depth)
-    cubic = Polynomial.fit(depths[near], values[near], 3)
-    roots = cubic.deriv().roots()
-    tops: Floats = roots[np.isreal(roots)].real.astype(np.float64)
-    tops = tops[(np.abs(tops - depth) <= SMOOTHED * depth) & (cubic.deriv(2)(tops) < 0.0)]
-    if len(tops) == 0:
-        return SubsurfaceExtreme(value, depth)
-    return SubsurfaceExtreme(float(cubic(tops[0])), float(tops[0]))
+    places = np.nanargmax(values, axis=1)[:, None]
+    depth, value = (np.take_along_axis(each, places, axis=1)[:, 0] for each in (depths, values))
+    reach = SMOOTHED * depth * (1.0 + 1e-9)  # points at its very end count, whatever the last digit of their depths
+    near = np.isfinite(values) & (np.abs(depths - depth[:, None]) <= reach[:, None])
+    smoothed = np.flatnonzero(np.count_nonzero(near, axis=1) >= FEWEST)
+    tops, heights = _tops(depths[smoothed], values[smoothed], near[smoothed])
+    found = np.abs(tops - depth[smoothed]) <= reach[smoothed]  # not-a-number is not
+    depth[smoothed[found]], value[smoothed[found]] = tops[found], heights[found]
+    return [SubsurfaceExtreme(*pair) for pair in zip(value.tolist(), depth.tolist(), strict=True)]
+
+
+def _tops(depths: Floats, values: Floats, near: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+    """Places and heights (m,) of the tops of the cubics closest to the values that are near; nan for none."""
+    low, high = (np.where(near, depths, sign * np.inf) for sign in (1.0, -1.0))
+    first, last = low.min(axis=1), high.max(axis=1)
+    middle, half = (first + last) / 2.0, (last - first) / 2.0
+    place = np.where(near, (depths - middle[:, None]) / half[:, None], 0.0)
+    powers = np.where(near, place ** np.arange(4)[:, None, None], 0.0)
+    # with places from -1 to 1 the condition of the normal equations is some hundreds
+    matrix = np.einsum("amn,bmn->mab", powers, powers)
+    right = np.einsum("amn,mn->ma", powers, np.where(near, values, 0.0))
+    constant, slope, bend, twist = np.linalg.solve(matrix, right[..., None])[..., 0].T
+    # of both places with a level tangent the one where the curvature, twice the root, is negative
+    with np.errstate(invalid="ignore", divide="ignore"):
+        root = np.sqrt(bend**2 - 3.0 * slope * twist)
+        top = np.where(bend < 0.0, slope / (root - bend), -(bend + root) / (3.0 * twist))
+        top[~(root > 0.0)] = np.nan
+        return middle + half * top, constant + top * (slope + top * (bend + top * twist))
 
 
 def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[Contour, Floats]:
@@ -166,11 +186,12 @@ def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[C
     raise InputError(f"stresses_below(body={body!r})", "'wheel' or 'rail'", "name one of the two bodies in contact")
 
 
-def closest_on_boundary(mesh: PolyMesh, point: Floats) -> Floats:
-    """Closest point of the mesh's boundary: chords of the profile, which the profile itself may leave."""
-    first, second = mesh.points[mesh.boundary_edges].swapaxes(0, 1)
-    along = second - first
-    share = np.einsum("ni,ni->n", point - first, along) / np.einsum("ni,ni->n", along, along)
-    feet = first + np.clip(share, 0.0, 1.0)[:, None] * along
-    nearest: Floats = feet[np.argmin(np.linalg.norm(feet - point, axis=1))]
-    return nearest
+def closest_on_boundary(mesh: PolyMesh, points: Floats) -> Floats:
+    """Closest points (m, 2) of the mesh's boundary: chords of the profile, which the profile itself may leave."""
+    (x, y), (end_x, end_y) = np.moveaxis(mesh.points[mesh.boundary_edges], 0, -1)
+    along_x, along_y = end_x - x, end_y - y
+    from_x, from_y = points[:, :1] - x, points[:, 1:] - y
+    share = np.clip((from_x * along_x + from_y * along_y) / (along_x**2 + along_y**2), 0.0, 1.0)
+    nearest = np.argmin((from_x - share * along_x) ** 2 + (from_y - share * along_y) ** 2, axis=1)
+    share = share[np.arange(len(points)), nearest]
+    return np.stack((x[nearest] + share * along_x[nearest], y[nearest] + share * along_y[nearest]), axis=1)

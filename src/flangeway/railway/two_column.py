@@ -3,7 +3,8 @@
 A line is a point: lateral and vertical coordinate, apart by blanks, tabs, commas or semicolons; decimal commas are read
 where they are not separators as well. Comments start with ``#``, ``!``, ``%`` or ``//``. The comments
 ``# unit: mm``, ``# kind: rail``, ``# origin: top``, ``# up: yes``, ``# mirror``, ``# tape_mm: 70`` and ``# title: ...``
-are read. The first line may name the columns, with their unit: ``x_mm,y_mm`` or ``y [mm]; z [mm]``.
+are read. The first line may name the columns, with their unit: ``x_mm,y_mm`` or ``y [mm]; z [mm]``; of more than two
+columns those called x and y are taken, else those called y and z, else the first two.
 """
 
 import re
@@ -28,6 +29,7 @@ from flangeway.railway.raw_profile import (
 
 _COMMENT = re.compile(r"\s*(?:#|!|%|//)(.*)")
 _KEY = re.compile(r"\s*(unit|kind|origin|up|tape_mm|title)\s*[:=]\s*(.*?)\s*$")
+_NAMES = (("x", "y"), ("y", "z"))
 _ORIGINS = (*RAIL_ORIGINS, *WHEEL_ORIGINS)
 
 
@@ -43,7 +45,7 @@ def read_two_column(text: str) -> RawProfile:
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
     unit_of_columns = None
-    n_wide = 0
+    n_wide, columns = 0, (0, 1)
     for number, line in enumerate(text.splitlines(), 1):
         comment = _COMMENT.match(line)
         if comment:
@@ -54,9 +56,12 @@ def read_two_column(text: str) -> RawProfile:
                 header[key[1]] = (number, key[2])
         elif line.strip():
             cells = _cells(line)
-            values = _numbers(cells)
+            if not rows and len(cells) <= max(columns):
+                columns = (0, 1)  # words of a sentence, no names
+            values = _numbers(cells, columns)
             if values is None and not rows:
                 unit_of_columns = _unit_of_columns(line) or unit_of_columns
+                columns = _named_columns(cells)
             elif values is None:
                 raise InputError(
                     f"line {number}: {line.strip()[:60]!r}", "two numbers, or a comment after #", "correct this line"
@@ -66,7 +71,8 @@ def read_two_column(text: str) -> RawProfile:
                 rows.append((number, *values))
     points, lines = numbered_points(rows)
     said = _said(header)
-    notices = (f"{n_wide} lines have more than two columns; the first two are taken.",) if n_wide else ()
+    taken = "the first two are" if columns == (0, 1) else f"numbers {columns[0] + 1} and {columns[1] + 1}, by name, are"
+    notices = (f"{n_wide} lines have more than two columns; {taken} taken.",) if n_wide else ()
     unit = header["unit"][1] if "unit" in header else unit_of_columns
     return replace(said, points=points, lines=lines, unit=unit, mirrored="mirror" in header, notices=notices)
 
@@ -107,14 +113,23 @@ def _cells(line: str) -> list[str]:
     return by_blanks
 
 
-def _numbers(cells: list[str]) -> tuple[float, float] | None:
+def _numbers(cells: list[str], columns: tuple[int, int]) -> tuple[float, float] | None:
     try:
         values = [float(cell.replace("D", "e").replace("d", "e")) if cell else 0.0 for cell in cells]
     except ValueError:
         return None
-    if len(values) < 2 or not all(cells[:2]):
+    if len(values) <= max(columns) or not all(cells[column] for column in columns):
         return None
-    return values[0], values[1]
+    return values[columns[0]], values[columns[1]]
+
+
+def _named_columns(cells: list[str]) -> tuple[int, int]:
+    """Return which columns hold the coordinates according to their names, the first two if these say nothing."""
+    names = [re.split(r"[\s_\[(]", cell.strip().strip('"').lower(), maxsplit=1)[0] for cell in cells]
+    for first, second in _NAMES if len(names) > 2 else ():
+        if names.count(first) == 1 and names.count(second) == 1:
+            return names.index(first), names.index(second)
+    return 0, 1
 
 
 def _unit_of_columns(line: str) -> str | None:

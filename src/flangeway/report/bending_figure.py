@@ -10,7 +10,17 @@ from numpy.typing import NDArray
 
 from flangeway.railway.bending import FaceStresses, RailBending, rail_bending
 from flangeway.railway.track import SIDES
-from flangeway.report.drawing import GREY, HALO, INK, boundary_loops, box, equal_axes, new_figure
+from flangeway.report.drawing import (
+    GREY,
+    HALO,
+    INK,
+    Room,
+    boundary_loops,
+    box,
+    draw_title,
+    equal_axes,
+    figure_with_room,
+)
 from flangeway.report.fields import PartFields
 from flangeway.report.wheelset_figure import FACTORS
 from flangeway.study import CaseRun
@@ -25,6 +35,7 @@ ORDINATE_MM = 18.0
 
 TENSION, COMPRESSION, STEEL = "#c77700", "#7fa8d1", "#e4e7eb"
 MARGIN_MM = 8.0
+ROOM = Room(bottom=0.9, top=0.55)
 WEB_MM = 15.0
 """Height above and below the web's narrowest place that belongs to no fillet."""
 
@@ -34,29 +45,29 @@ LEAST_LABEL = 0.08
 
 def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
     """Draw both rails: undeformed with the stresses along the surface as ordinates, and dashed the deformed outline."""
-    figure = new_figure(13.0, 7.2)
+    figure, panels = figure_with_room(13.0, 7.2, ROOM, n_columns=2)
     rails = [rail_bending(run.result, side) for side in SIDES]
     fields = {part.name: part for part in parts}
     largest = max(float(np.abs(face.stresses_MPa).max(initial=0.0)) for rail in rails for face in rail.faces)
     scale = ORDINATE_MM / largest if largest > 0.0 else 0.0
     factor = _factor([fields[f"rail-{side}"] for side in SIDES])
-    for axes, rail in zip(figure.subplots(1, 2), rails, strict=True):
+    for axes, rail in zip(panels[0], rails, strict=True):
         part = fields[f"rail-{rail.side}"]
         points = part.mesh.points
         for loop in boundary_loops(part.mesh):
-            axes.add_patch(Polygon(points[loop], closed=True, facecolor=STEEL, edgecolor=INK, lw=1.0, zorder=2))
+            axes.add_artist(Polygon(points[loop], closed=True, facecolor=STEEL, edgecolor=INK, lw=1.0, zorder=2))
             axes.plot(*part.points(factor)[loop].T, color=GREY, lw=1.1, ls=(0, (4, 2)), zorder=3)
         equal_axes(axes, box([points], MARGIN_MM))
         for face in rail.faces:
             _draw_face(axes, run, rail, face, scale, largest)
-        axes.set_title(_title(rail), fontsize=10)
+        draw_title(axes, _title(rail))
     figure.legend(
         handles=[
             Patch(facecolor=TENSION, edgecolor=INK, hatch="////", label="tension"),
             Patch(facecolor=COMPRESSION, edgecolor=INK, label="compression along the free surface, MPa"),
             Patch(facecolor="none", edgecolor=GREY, ls="--", label=f"deformed, motion drawn {factor} times as large"),
         ],
-        loc="outside lower center", ncols=3, fontsize=9, frameon=False,
+        loc="lower center", ncols=3, fontsize=9, frameon=False,
     )  # fmt: skip
     return figure
 
@@ -73,7 +84,7 @@ def _draw_face(axes: Axes, run: CaseRun, rail: RailBending, face: FaceStresses, 
     feet, outwards = placement.points(face.points_mm), placement.vectors(face.outwards)
     for sign, colour, hatch in ((1.0, TENSION, "////"), (-1.0, COMPRESSION, "")):
         heads = feet + outwards * (scale * np.clip(sign * face.stresses_MPa, 0.0, None))[:, None]
-        axes.add_patch(
+        axes.add_artist(
             Polygon(np.vstack((feet, heads[::-1])), closed=True, facecolor=colour, edgecolor=INK, lw=0.4, hatch=hatch)
         )
     shown = [*_fillet_extremes(face, rail.web_height_mm, LEAST_LABEL * largest)]

@@ -2,12 +2,12 @@
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from flangeway.report.cell_patches import draw_lines
 from flangeway.report.display import display, displayed_stresses
 from flangeway.report.drawing import GREY, INK, new_figure
 from flangeway.report.plots import COLOURS
@@ -97,8 +97,8 @@ def _draw(axes: Axes, body: BodyResult, drawn: tuple[Floats, NDArray[np.int64], 
     mesh = body.field.problem.space.mesh
     moved = mesh.points + body.moved(mesh.points, body.field.displacements[: mesh.n_points])
     width = float(np.clip(12.0 / np.sqrt(mesh.n_cells), 0.1, 0.5))
-    axes.add_collection(LineCollection(list(moved[mesh.edges]), colors=GREY, linewidths=width, alpha=0.6))
-    axes.add_collection(LineCollection(list(moved[mesh.boundary_edges]), colors=INK, linewidths=0.9))
+    draw_lines(axes, moved[mesh.edges], GREY, width, alpha=0.6)
+    draw_lines(axes, moved[mesh.boundary_edges], INK, 0.9)
 
 
 def _window(points: Floats) -> Floats:

@@ -10,9 +10,10 @@ from flangeway.report.bodies_tables import (
     forces_table,
     result_rows,
     sizes_table,
+    supports_table,
     words_of,
 )
-from flangeway.report.body_fields import BodyFields
+from flangeway.report.body_steps import BodySteps
 from flangeway.report.case_text import case_text, has_tables, inputs_tables
 from flangeway.report.command import command_line
 from flangeway.report.html import Again, Page, Picture
@@ -38,7 +39,7 @@ AXES = {
 ORDERS = {1: "linear", 2: "quadratic", 3: "cubic"}
 
 
-def bodies_page(run: BodiesRun, pictures: Sequence[Picture], fields: Sequence[BodyFields]) -> Page:
+def bodies_page(run: BodiesRun, pictures: Sequence[Picture], steps: BodySteps) -> Page:
     """Return what the report of a case of bodies says.
 
     Parameters
@@ -47,8 +48,8 @@ def bodies_page(run: BodiesRun, pictures: Sequence[Picture], fields: Sequence[Bo
         The run.
     pictures
         Pictures, the most telling first.
-    fields
-        Fields of the bodies.
+    steps
+        Fields of the bodies in their load steps.
 
     """
     case, summary = run.case, run.summary
@@ -66,7 +67,7 @@ def bodies_page(run: BodiesRun, pictures: Sequence[Picture], fields: Sequence[Bo
         versions=summary["versions"],
         warnings=summary["notices"],
         assumptions=_assumptions(run),
-        scene=bodies_scene(run, fields),
+        scene=bodies_scene(run, steps),
         pictures=pictures,
         tables=_tables(run),
         axes=axes,
@@ -83,6 +84,8 @@ def _tables(run: BodiesRun) -> list[Table]:
         found.append(contacts_of_bodies(summary))
     if summary["results"].get("forces"):
         found.append(forces_table(summary))
+    if summary.get("supports"):
+        found.append(supports_table(summary))
     found.append(sizes_table(summary))
     if run.contact is not None:
         found.append(steps_table(run.contact))
@@ -115,7 +118,9 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 
 
 def _again(case: RunnableCase, run: BodiesRun) -> Again:
-    opened = "ParaView opens all bodies with `bodies.pvd`" if len(run.bodies) > 1 else "the VTU file is for ParaView"
+    opened = "the VTU file is for ParaView"
+    if run.contact is not None or len(run.bodies) > 1:
+        opened = "ParaView opens all bodies and load steps with `bodies.pvd`"
     files = f"The same numbers, for programs, are in `summary.json`; {opened}."
     if has_tables(case):
         name = f"{case.name}.toml"

@@ -52,6 +52,12 @@ def forces_table(summary: Row) -> Table:
     return Table("Forces on the bodies (x, y)", ("", "contact, N", "loads, N", "supports, N"), tuple(rows))
 
 
+def supports_table(summary: Row) -> Table:
+    """Force of each support on its body."""
+    rows = [(f"{row['number']}", row["body"], value_text(row["force_N"])) for row in summary["supports"]]
+    return Table("Supports", ("", "body", "force on it (x, y), N"), tuple(rows))
+
+
 def sizes_table(summary: Row) -> Table:
     """Sizes of the bodies' meshes, and their extreme values."""
     keys = ("max_displacement_mm", "max_von_mises_MPa", "min_principal_MPa", "max_in_plane_shear_MPa")

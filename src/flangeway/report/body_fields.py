@@ -1,7 +1,7 @@
 """Displacements and stresses of the bodies of a case, as their VTU files and the page show them."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flangeway.mesh import PolyMesh, write_vtu
 from flangeway.post import Stresses, corner_stresses
-from flangeway.report.display import display, displayed_stresses
+from flangeway.report.display import Display, display, displayed_stresses
 from flangeway.report.fields import placed_stresses
 from flangeway.report.paraview import stress_arrays
 from flangeway.study.bodies_run import BodiesRun, BodyResult
@@ -38,6 +38,8 @@ class BodyFields:
         Places below this number are on the rims of the cells of the problem, the others inside.
     cells
         Cell of the problem that each cell is a piece of, shape (n_cells,).
+    shown
+        How the cells were cut, None where they are shown as they are.
 
     """
 
@@ -48,11 +50,17 @@ class BodyFields:
     places: Ints
     n_rim_places: int
     cells: Ints
+    shown: Display | None
 
     def write(self, path: Path) -> None:
         """Write a VTU file, see `write_vtu`: motion and stresses of the points with their units, and ``cell``."""
         arrays = {"displacement_mm": self.displacement, **stress_arrays(self.stresses)}
         write_vtu(path, self.mesh, arrays, {"cell": self.cells})
+
+    def of(self, body: BodyResult) -> "BodyFields":
+        """Fields of the same body with other displacements, at the same points."""
+        motion, stresses = _values(body, self.shown)
+        return replace(self, displacement=motion, stresses=stresses)
 
 
 def bodies_fields(run: BodiesRun) -> Iterator[BodyFields]:
@@ -68,24 +76,28 @@ def body_fields(name: str, body: BodyResult, pieces: int) -> BodyFields:
     if pieces == 1:
         used, places = np.unique(mesh.cell_points, return_inverse=True)
         own = np.arange(len(places), dtype=np.int32)
-        return BodyFields(
-            name,
-            PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, own),
-            body.moved(mesh.points, body.field.displacements[: mesh.n_points])[mesh.cell_points],
-            placed_stresses(corner_stresses(body.field.problem, body.field.displacements), body.placement),
-            places,
-            len(used),
-            np.arange(mesh.n_cells),
-        )
+        corners = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, own)
+        return BodyFields(name, corners, *_values(body, None), places, len(used), np.arange(mesh.n_cells), None)
     shown = display(space, pieces)
     offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
     numbers, places = np.unique(shown.places, return_inverse=True)
     return BodyFields(
         name,
         PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel()),
-        body.moved(shown.points, shown.function(body.field.displacements)),
-        placed_stresses(displayed_stresses(body.field, shown), body.placement),
+        *_values(body, shown),
         places,
         int(np.searchsorted(numbers, mesh.n_points + mesh.n_edges * (pieces - 1))),
         shown.cells[shown.triangles[:, 0]],
+        shown,
     )
+
+
+def _values(body: BodyResult, shown: Display | None) -> tuple[Floats, Stresses]:
+    """Whole motion and stresses at the points of a display, without one at the corners of the cells."""
+    values = body.field.displacements
+    if shown is not None:
+        motion = body.moved(shown.points, shown.function(values))
+        return motion, placed_stresses(displayed_stresses(body.field, shown), body.placement)
+    mesh = body.field.problem.space.mesh
+    motion = body.moved(mesh.points, values[: mesh.n_points])[mesh.cell_points]
+    return motion, placed_stresses(corner_stresses(body.field.problem, values), body.placement)

@@ -8,12 +8,14 @@ from rich.console import Console
 
 from flangeway.report.campaign_figures import NAMES as PICTURES
 from flangeway.report.campaign_figures import campaign_figures
-from flangeway.report.files import bytes_writer, picture_writers, print_files
+from flangeway.report.console import print_files, print_notices
+from flangeway.report.picture_files import picture_writers
 from flangeway.report.sweep_animation import NAME as SWEEP
 from flangeway.report.sweep_animation import is_sweep, sweep_frames, sweep_gif
 from flangeway.study import refuse_unwritable, write_together
 from flangeway.study.campaign import Campaign, CampaignProgress, CampaignTable
 from flangeway.study.campaign.table import FORMATS, export_writers
+from flangeway.study.output import bytes_writer
 
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
@@ -79,7 +81,7 @@ def print_campaign(console: Console, end: CampaignProgress, table: CampaignTable
         for warning in json.loads(str(text or "[]")):
             warned[warning] = warned.get(warning, 0) + 1
     for warning, number in sorted(warned.items(), key=lambda each: -each[1])[:MOST_REASONS]:
-        console.print(f"Warning in {number} rows: {warning}", style="yellow", markup=False, soft_wrap=True)
+        print_notices(console, [warning], f"Warning in {number} rows")
     print_files(console, files)
 
 

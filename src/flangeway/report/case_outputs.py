@@ -3,17 +3,16 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from flangeway.report.bodies_figures import pressure_figure, stress_figure
 from flangeway.report.bodies_page import bodies_page
 from flangeway.report.bodies_tables import case_rows
 from flangeway.report.body_fields import bodies_fields
+from flangeway.report.body_steps import body_steps
 from flangeway.report.command import command_line
+from flangeway.report.console import print_files, print_notices, print_rows, print_status
 from flangeway.report.drawing import png
-from flangeway.report.files import bytes_writer, print_files, text_writer
 from flangeway.report.html import Picture, report_page
 from flangeway.report.newton_history import newton_figure
 from flangeway.report.outputs import NAMES as WHEELSET_NAMES
@@ -25,11 +24,13 @@ from flangeway.report.terminal import print_summary
 from flangeway.study import CaseRun, write_summary, write_together
 from flangeway.study.bodies_run import BodiesRun
 from flangeway.study.case import Case, Run
-from flangeway.study.output import Writer
+from flangeway.study.output import Writer, bytes_writer, text_writer
 from flangeway.study.torsion_case import TorsionCase, TorsionRun
 from flangeway.study.wheelset_case import WheelsetCase
 
 SUMMARY, REPORT, COLLECTION = "summary.json", "report.html", "bodies.pvd"
+STEPS = "steps"
+"""Folder of the earlier load steps."""
 STRESSES, PRESSURE, CONVERGENCE = "stresses.png", "pressure.png", "convergence.png"
 
 
@@ -74,18 +75,20 @@ def write_case(run: Run, folder: Path, progress: Callable[[str], None] = lambda 
 
 def _body_writers(run: BodiesRun) -> dict[str, Writer]:
     pictures = _pictures(run)
-    fields = list(bodies_fields(run))
+    steps = body_steps(run, list(bodies_fields(run)))
     writers = {name: bytes_writer(picture.png) for name, picture in pictures.items()}
-    names = {}
-    for number, body in enumerate(fields, 1):
-        # names are the user's and may not do as those of files
-        plain = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in body.name)
-        names[body.name] = f"{number}-{plain}.vtu" if len(fields) > 1 else f"{plain}.vtu"
-        writers[names[body.name]] = body.write
-    if len(names) > 1:
-        entries = [(0.0, name, file) for name, file in names.items()]
+    entries = []
+    for number, fields in zip(steps.numbers, steps.fields, strict=True):
+        for place, body in enumerate(fields, 1):
+            # names are the user's and may not do as those of files
+            plain = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in body.name)
+            stem = f"{place}-{plain}" if len(fields) > 1 else plain
+            file = f"{stem}.vtu" if number == steps.numbers[-1] else f"{STEPS}/{stem}-{number}.vtu"
+            writers[file] = body.write
+            entries.append((float(number), body.name, file))
+    if len(entries) > 1:
         writers[COLLECTION] = lambda path: write_collection(path, entries)
-    writers[REPORT] = text_writer(report_page(bodies_page(run, list(pictures.values()), fields)))
+    writers[REPORT] = text_writer(report_page(bodies_page(run, list(pictures.values()), steps)))
     return writers
 
 
@@ -124,16 +127,11 @@ def print_case(console: Console, run: Run, files: list[Path]) -> None:
         print_section(console, run.summary, files)
         return
     summary = run.summary
-    word, style = ("Converged", "bold green") if run.status.converged else ("NOT converged", "bold red")
-    console.print(f"{run.case.name}: ", end="", markup=False)
-    console.print(word, style=style, end="")
-    console.print(f", {run.status.message}", markup=False, soft_wrap=True)
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=False)
-    table.add_column()
-    table.add_column(justify="right")
-    for name, value in case_rows(summary):
-        table.add_row(name, value)
-    console.print(table)
-    for notice in summary["notices"]:
-        console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
-    print_files(console, files, summary["timings_s"]["total"])
+    print_status(console, run.case.name, summary["status"])
+    print_rows(console, case_rows(summary))
+    print_notices(console, summary["notices"])
+    folder = files[-1].parent
+    print_files(console, [file for file in files if file.parent == folder], summary["timings_s"]["total"])
+    n_earlier = sum(file.parent != folder for file in files)
+    if n_earlier:
+        console.print(f"  {folder / STEPS}: {n_earlier} files of earlier load steps", markup=False, soft_wrap=True)

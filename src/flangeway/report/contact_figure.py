@@ -12,7 +12,17 @@ from flangeway.post import Stresses
 from flangeway.railway.result import WheelRailPatch
 from flangeway.railway.track import Side
 from flangeway.report.cell_patches import fill_cells
-from flangeway.report.drawing import HALO, INK, StressColours, box, draw_outline, equal_axes, new_figure
+from flangeway.report.drawing import (
+    HALO,
+    INK,
+    Room,
+    StressColours,
+    box,
+    draw_outline,
+    draw_title,
+    equal_axes,
+    figure_with_room,
+)
 from flangeway.report.fields import PartFields
 from flangeway.study import CaseRun
 
@@ -21,8 +31,11 @@ Floats = NDArray[np.float64]
 WINDOW = 2.2  # in half widths of the contact
 MOST_ARROWS = 25
 ARROW = 0.9  # longest arrow, in half widths
-MESH_LINES = (1.0, 1.0, 1.0, 0.3)
+MESH_LINES = (1.0, 1.0, 1.0, 0.5)
 PANEL_IN = 4.3
+ROOM = Room(bottom=1.2, top=0.3, across=0.7, between=0.75)
+BAR_IN = (0.45, 0.1)
+"""Bottom and height of a bar of colours."""
 
 COLUMNS: tuple[tuple[str, Callable[[Stresses], Floats]], ...] = (
     ("von Mises stress in MPa", lambda stresses: stresses.von_mises),
@@ -50,8 +63,8 @@ def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Fig
     windows = [_window([patch]) for patch in patches] or [box([p.points() for p in parts if p.side == side], 6.0)]
     zones = [_zones(parts, side, window) for window in windows]
     shown = [*zones, *(_zones(parts, patch.side, _window([patch])) for patch in run.result.patches)]
-    figure = new_figure(3.0 * PANEL_IN, 1.1 + (PANEL_IN - 0.2) * len(windows))
-    rows = figure.subplots(len(windows), 3, squeeze=False)
+    height = 1.1 + (PANEL_IN - 0.2) * len(windows)
+    figure, rows = figure_with_room(3.0 * PANEL_IN, height, ROOM, len(windows), len(COLUMNS))
     for column, (label, values) in enumerate(COLUMNS):
         colours = StressColours(np.concatenate([values(zone.stresses) for row in shown for zone in row]))
         for number, (window, row) in enumerate(zip(windows, zones, strict=True)):
@@ -61,17 +74,19 @@ def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Fig
                 _draw(axes, zone, values, colours)
             if column:
                 axes.set_ylabel("")
-        bar = figure.colorbar(colours.mappable(), ax=list(rows[:, column]), location="bottom", aspect=40, shrink=0.95)
+        place = rows[0, column].get_position()
+        below = figure.add_axes((place.x0, BAR_IN[0] / height, place.width, BAR_IN[1] / height))
+        bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
         bar.set_label(f"{label}, means of cells", fontsize=9)
         bar.ax.tick_params(labelsize=8)
     stride = _stride(run.result.patches)
     for row, patch in zip(rows, patches, strict=False):
         _draw_forces(row[1], patch, stride)
-        row[0].set_title(_name(patch, patches), fontsize=10)
-        row[1].set_title(_force_text(patch), fontsize=10)
-        row[2].set_title("arrows: contact forces on the wheel" + _at_nodes(stride), fontsize=9)
+        draw_title(row[0], _name(patch, patches))
+        draw_title(row[1], _force_text(patch))
+        draw_title(row[2], "arrows: contact forces on the wheel" + _at_nodes(stride), 9.0)
     if not patches:
-        rows[0, 1].set_title(f"the {side} wheel does not touch its rail", fontsize=10)
+        draw_title(rows[0, 1], f"the {side} wheel does not touch its rail")
     return figure
 
 

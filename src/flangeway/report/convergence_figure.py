@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from flangeway.railway.equilibrium import ACCEPTED
-from flangeway.report.drawing import GREY, INK, new_figure
+from flangeway.report.drawing import GREY, INK, Room, figure_with_room, power_of_ten
 from flangeway.study import CaseRun
 
 SMALLEST = 1e-16
@@ -15,8 +15,7 @@ SMALLEST = 1e-16
 def convergence_figure(run: CaseRun) -> Figure:
     """Draw the errors of what is free to move (seed 7.2.2) at each position that was tried, and the accepted one."""
     history = run.result.equilibrium.history
-    figure = new_figure(13.0, 4.0)
-    axes = figure.subplots()
+    figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(top=0.15))
     steps = np.arange(len(history))
     resulting = np.maximum([balance.resulting_error for balance in history], SMALLEST)
     axes.semilogy(steps, resulting, color=INK, lw=1.6, marker="o", ms=4.5, mfc="white", label="resulting error")
@@ -33,6 +32,7 @@ def convergence_figure(run: CaseRun) -> Figure:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set_xlabel("outer iteration: positions of the wheelset tried, each with its contact solved")
     axes.set_ylabel("relative error of the balance")
+    axes.yaxis.set_major_formatter(power_of_ten)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.legend(loc="upper right", fontsize=8, framealpha=1.0)
     return figure

@@ -2,6 +2,8 @@
 
 import io
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
@@ -14,28 +16,100 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
-from PIL import Image
 
 from flangeway.mesh import PolyMesh
+from flangeway.report.few_colours import few_colours
 from flangeway.report.fields import PartFields
 
 Floats = NDArray[np.float64]
 
 DPI = 160
-N_COLOURS = 256
 INK = "#1a1a1a"
 GREY = "#777777"
 HALO = withStroke(linewidth=2.0, foreground="white")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 N_LEVELS = 10
 CONTOUR = "contour"
 LABELS_APART = 0.11  # of the width of the axes
 
 
-def new_figure(width_in: float, height_in: float) -> Figure:
-    """Return an empty figure, apart from any global state of matplotlib."""
-    figure = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white", layout="constrained")
+def new_figure(width_in: float, height_in: float, *, measured: bool = True) -> Figure:
+    """Return an empty figure, apart from any global state of matplotlib.
+
+    If it is measured, it makes room for all labels by itself when it is drawn.
+    """
+    figure = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    figure.set_layout_engine("constrained" if measured else "none")
     FigureCanvasAgg(figure)
     return figure
+
+
+@dataclass(frozen=True)
+class Room:
+    """Room about panels for labels, titles and legends, in inches.
+
+    Parameters
+    ----------
+    left, right, bottom, top
+        Beyond the outermost panels.
+    across, between
+        Between panels beside each other, and between rows.
+
+    """
+
+    left: float = 0.75
+    right: float = 0.2
+    bottom: float = 0.55
+    top: float = 0.35
+    across: float = 0.8
+    between: float = 0.8
+
+
+def figure_with_room(
+    width_in: float,
+    height_in: float,
+    room: Room,
+    n_rows: int = 1,
+    n_columns: int = 1,
+    *,
+    width_ratios: Sequence[float] | None = None,
+    sharex: bool = False,
+    sharey: bool = False,
+) -> tuple[Figure, NDArray[Any]]:
+    """Return a figure and its panels, shape (n_rows, n_columns), with given room about them.
+
+    For pictures whose labels are known beforehand: to measure them all, several times, takes as long as to draw.
+    """
+    figure = new_figure(width_in, height_in, measured=False)
+    width = (width_in - room.left - room.right - (n_columns - 1) * room.across) / n_columns
+    height = (height_in - room.bottom - room.top - (n_rows - 1) * room.between) / n_rows
+    panels = figure.subplots(
+        n_rows,
+        n_columns,
+        squeeze=False,
+        sharex=sharex,
+        sharey=sharey,
+        width_ratios=width_ratios,
+        gridspec_kw={
+            "left": room.left / width_in,
+            "right": 1.0 - room.right / width_in,
+            "bottom": room.bottom / height_in,
+            "top": 1.0 - room.top / height_in,
+            "wspace": room.across / width,
+            "hspace": room.between / height,
+        },
+    )
+    return figure, panels
+
+
+def draw_title(axes: Axes, text: str, size: float = 10.0) -> None:
+    """Set the title right above the axes; if it has to find a place, matplotlib measures all labels once more."""
+    axes.set_title(text, fontsize=size, y=1.0)
+
+
+def power_of_ten(value: float, _position: int | None = None) -> str:
+    """Label of a power of ten; matplotlib's own of logarithmic axes are formulas, which take a tenth of a second."""
+    return "10" + f"{round(np.log10(value))}".translate(SUPERSCRIPTS)
 
 
 def png(figure: Figure, dpi: int = DPI) -> bytes:
@@ -43,13 +117,11 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
 
     Figures have few, and shades hardly change: a third of the size, and drawn and packed once for file and report.
     """
-    drawn = io.BytesIO()
-    figure.savefig(drawn, format="rgba", dpi=dpi)
-    width, height = (int(side * dpi) for side in figure.get_size_inches())
-    picture = Image.frombytes("RGBA", (width, height), drawn.getvalue()).convert("RGB")
-    few = picture.quantize(N_COLOURS, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    canvas: Any = FigureCanvasAgg(figure)
+    figure.set_dpi(dpi)
+    canvas.draw()
     buffer = io.BytesIO()
-    few.save(buffer, "PNG")
+    few_colours(np.asarray(canvas.buffer_rgba())).save(buffer, "PNG")
     return buffer.getvalue()
 
 

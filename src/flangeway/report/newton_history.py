@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from flangeway.contact import ContactSolution
-from flangeway.report.drawing import GREY, INK, new_figure
+from flangeway.report.drawing import GREY, INK, Room, figure_with_room, power_of_ten
 from flangeway.report.tables import Table
 from flangeway.solve import ContactState
 
@@ -30,8 +30,7 @@ def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
 
 def newton_figure(contact: ContactSolution) -> Figure:
     """Draw residual and change of all iterations, load step by load step."""
-    figure = new_figure(13.0, 4.0)
-    axes = figure.subplots()
+    figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(bottom=0.8, top=0.15))
     steps = [(name, state.history) for name, state in load_steps(contact) if state.history]
     start, corrected = 0, False
     for number, (name, history) in enumerate(steps):
@@ -58,8 +57,9 @@ def newton_figure(contact: ContactSolution) -> Figure:
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set_xlabel("Newton's iterations" + (", load step by load step" if len(steps) > 1 else ""))
     axes.set_ylabel("relative error")
+    axes.yaxis.set_major_formatter(power_of_ten)
     axes.grid(color="#dddddd", linewidth=0.6)
-    figure.legend(loc="outside lower center", ncols=3, fontsize=8, frameon=False)
+    figure.legend(loc="lower center", ncols=3, fontsize=8, frameon=False)
     return figure
 
 

@@ -10,16 +10,16 @@ from flangeway.report.contact_figure import contact_figure
 from flangeway.report.convergence_figure import convergence_figure
 from flangeway.report.drawing import png
 from flangeway.report.fields import PartFields, part_fields
-from flangeway.report.files import bytes_writer, text_writer
 from flangeway.report.html import Picture, report_page
 from flangeway.report.paraview import write_part
 from flangeway.report.pressure_figure import pressure_figure
 from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.series import write_collection
-from flangeway.report.subsurface_figure import subsurface_figure, subsurface_table
+from flangeway.report.subsurface_figure import SubsurfaceLine, subsurface_figure, subsurface_lines, subsurface_table
 from flangeway.report.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset_page import wheelset_page
 from flangeway.study import CaseRun, write_summary, write_together
+from flangeway.study.output import bytes_writer, text_writer
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
 SUMMARY, REPORT, COLLECTION, SUBSURFACE = "summary.json", "report.html", "wheelset.pvd", "subsurface.csv"
@@ -50,7 +50,8 @@ def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = 
     """
     progress("drawing the pictures")
     fields = list(part_fields(run.result))
-    pictures = _pictures(run, fields)
+    below = subsurface_lines(run.result)
+    pictures = _pictures(run, fields, below)
     progress("writing the files")
     writers: dict[str, Callable[[Path], None]] = {
         f"{part.name}.vtu": partial(write_part, fields=part) for part in fields
@@ -58,13 +59,13 @@ def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = 
     vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     writers |= {name: bytes_writer(picture.png) for name, picture in zip(PICTURES, pictures, strict=True)}
-    writers[SUBSURFACE] = text_writer(subsurface_table(run.result))
+    writers[SUBSURFACE] = text_writer(subsurface_table(below))
     writers[REPORT] = text_writer(report_page(wheelset_page(run, pictures, fields)))
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     return write_together(folder, writers)
 
 
-def _pictures(run: CaseRun, fields: list[PartFields]) -> list[Picture]:
+def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine]) -> list[Picture]:
     """Return all pictures in the order of `PICTURES`."""
     return [
         Picture(
@@ -104,7 +105,7 @@ def _pictures(run: CaseRun, fields: list[PartFields]) -> list[Picture]:
             "Convergence: errors of the balance of forces and moment at each position of the wheelset that was tried.",
         ),
         Picture(
-            png(subsurface_figure(run)),
+            png(subsurface_figure(below)),
             "Stresses in rail and wheel over the depth below each contact, solid, and those of Hertz's line contact, "
             "dashed.",
             "Stresses along the inward normal through each centre of pressure, and those of Hertz's theory in half "

@@ -6,20 +6,19 @@ from matplotlib.figure import Figure
 
 from flangeway.railway.result import WheelRailPatch
 from flangeway.railway.track import SIDES
-from flangeway.report.drawing import GREY, INK, new_figure
+from flangeway.report.drawing import GREY, INK, Room, draw_title, figure_with_room
 from flangeway.study import CaseRun
 
 
 def pressure_figure(run: CaseRun) -> Figure:
     """Draw the nodes' pressures (seed Figure 63) against the length along the surface, side by side."""
-    figure = new_figure(13.0, 4.6)
-    both = figure.subplots(1, 2, sharey=True)
+    figure, ((*both,),) = figure_with_room(13.0, 4.6, Room(across=0.3), n_columns=2, sharey=True)
     for axes, side in zip(both, SIDES, strict=True):
         mine = [patch for patch in run.result.patches if patch.side == side]
         for patch, line in zip(mine, ("-", "-.", ":", "--"), strict=False):
             _draw_patch(axes, patch, line, patch.region if len(mine) > 1 else "nodes")
         outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"
-        axes.set_title(f"{side} contact ({outwards})".capitalize(), fontsize=10)
+        draw_title(axes, f"{side} contact ({outwards})".capitalize())
         axes.set_xlabel("length along the surface from the centre of pressure in mm")
         axes.grid(color="#dddddd", linewidth=0.6)
         axes.set_ylim(bottom=0.0)

@@ -4,14 +4,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from flangeway.errors import InputError
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.console import print_files, print_notices, print_rows
+from flangeway.report.picture_files import picture_writers
 from flangeway.report.profile_figures import curvature_figure, join_figure, shape_figure
 from flangeway.study import refuse_unwritable, write_summary, write_together
+from flangeway.study.output import text_writer
 from flangeway.study.profile import ProfileRun, converted
 
 SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
@@ -51,30 +51,16 @@ def write_profile(
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
     files = write_together(folder, writers)
     if to is not None and text is not None:
-        files += write_together(to.parent, {to.name: _text(text)})
+        files += write_together(to.parent, {to.name: text_writer(text)})
     return files
-
-
-def _text(text: str) -> Callable[[Path], None]:
-    def write(path: Path) -> None:
-        path.write_text(text, encoding="utf-8")
-
-    return write
 
 
 def print_profile(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
     """Print what was read and how it was taken, measures, what was mended or is uncertain, and the files."""
     console.print(summary["title"], style="bold", markup=False)
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=False)
-    table.add_column()
-    table.add_column(justify="right")
-    table.add_column()
-    for row in profile_rows(summary):
-        table.add_row(*row)
-    console.print(table)
+    print_rows(console, profile_rows(summary))
     console.print(f"Frame: {summary['frame']}; mm.", markup=False, soft_wrap=True)
-    for notice in summary["notices"]:
-        console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
+    print_notices(console, summary["notices"])
     for key in ("certainty", "source"):
         if summary[key]:
             console.print(f"{key.capitalize()}: {summary[key]}", markup=False, soft_wrap=True)

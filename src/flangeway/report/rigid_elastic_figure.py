@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Polygon
 from numpy.typing import NDArray
 
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
-from flangeway.report.drawing import boundary_loops, equal_axes, new_figure
+from flangeway.report.drawing import Room, boundary_loops, draw_title, equal_axes, figure_with_room
 from flangeway.report.fields import PartFields
 from flangeway.study import CaseRun
 
@@ -27,6 +27,7 @@ AROUND_MM = 4.0
 ARROW = 0.32
 """Length of the longest arrow over the height of the picture."""
 
+ROOM = Room(bottom=0.85, top=0.65, between=0.8)
 OVERVIEW_MM = np.array([[-62.0, -62.0], [62.0, 56.0]])
 """About the middle of the points of contact."""
 
@@ -48,8 +49,7 @@ class _Forces:
 
 def rigid_elastic_figure(run: CaseRun, parts: Sequence[PartFields]) -> Figure:
     """Draw both sides in true shape, the rigid outlines dashed, and below them the zones of contact enlarged."""
-    figure = new_figure(12.0, 11.0)
-    rows = figure.subplots(2, 2)
+    figure, rows = figure_with_room(12.0, 11.0, ROOM, 2, 2)
     largest = max((row["force_kN"] or 0.0 for row in _all_rows(run)), default=0.0)
     for column, side in enumerate(SIDES):
         elastic, rigid = _Forces.of(run.summary["contacts"], side), _Forces.of(run.summary["rigid"]["contacts"], side)
@@ -66,9 +66,9 @@ def rigid_elastic_figure(run: CaseRun, parts: Sequence[PartFields]) -> Figure:
             length = ARROW * float(np.ptp(window[:, 1]))
             _draw_forces(axes, rigid, RIGID, length, largest, marker="D")
             _draw_forces(axes, elastic, ELASTIC, length, largest, marker="o")
-        rows[0, column].set_title(_title(side, elastic, rigid), fontsize=10)
-        rows[1, column].set_title(f"{side} zone of contact, enlarged".capitalize(), fontsize=10)
-    figure.legend(handles=_legend(), loc="outside lower center", ncols=4, fontsize=9, frameon=False)
+        draw_title(rows[0, column], _title(side, elastic, rigid))
+        draw_title(rows[1, column], f"{side} zone of contact, enlarged".capitalize())
+    figure.legend(handles=_legend(), loc="lower center", ncols=4, fontsize=9, frameon=False)
     return figure
 
 
@@ -97,9 +97,9 @@ def _draw_bodies(axes: Axes, parts: Sequence[PartFields], outlines: list[Floats]
     for part in parts:
         points = part.points()
         for loop in boundary_loops(part.mesh):
-            axes.add_patch(Polygon(points[loop], closed=True, facecolor=STEEL, edgecolor=ELASTIC, lw=1.1, alpha=0.85))
+            axes.add_artist(Polygon(points[loop], closed=True, facecolor=STEEL, edgecolor=ELASTIC, lw=1.1, alpha=0.85))
     for outline in outlines:
-        axes.add_patch(Polygon(outline, closed=True, facecolor="none", edgecolor=RIGID, lw=1.1, ls=(0, (5, 2.5))))
+        axes.add_artist(Polygon(outline, closed=True, facecolor="none", edgecolor=RIGID, lw=1.1, ls=(0, (5, 2.5))))
 
 
 def _draw_forces(axes: Axes, forces: _Forces, colour: str, length: float, largest: float, marker: str) -> None:

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flangeway.railway.conicity import REFERENCE_AMPLITUDE_MM
-from flangeway.railway.rigid_contact import contact_locus
+from flangeway.railway.rigid_contact import ContactLocus, contact_locus
 from flangeway.railway.track import SIDES, Side
 from flangeway.report.drawing import GREY, INK, new_figure
 from flangeway.study.rigid import GeometryRun, ThroatEffect
@@ -24,8 +24,10 @@ def locus_figure(run: GeometryRun) -> Figure:
     """Draw wheels over rails with lines between their points of contact, and the points over the lateral motion."""
     figure = new_figure(9.0, 7.0)
     grid = figure.add_gridspec(2, 2, height_ratios=(0.8, 1.0))
+    reach = int(np.floor(run.case.largest_lateral_mm + 1e-9))
+    shown = contact_locus(run.wheelset, np.arange(-reach, reach + 1.0), roll=run.case.roll == "free")
     for column, side in enumerate(SIDES):
-        _draw_pairs(figure.add_subplot(grid[0, column]), run, side)
+        _draw_pairs(figure.add_subplot(grid[0, column]), run, shown, side)
     wheel_axes, rail_axes = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
     for side in SIDES:
         at = run.locus.side(side)
@@ -41,7 +43,7 @@ def locus_figure(run: GeometryRun) -> Figure:
     return figure
 
 
-def _draw_pairs(axes: Axes, run: GeometryRun, side: Side) -> None:
+def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -> None:
     """Draw a wheel above its rail, in the middle of the track, and lines between points of contact each millimetre."""
     curves, sign = run.wheelset.side(side), (-1.0 if side == "left" else 1.0)
     wheel = curves.wheel.at(np.linspace(0.0, curves.wheel.length, 1500))
@@ -49,8 +51,6 @@ def _draw_pairs(axes: Axes, run: GeometryRun, side: Side) -> None:
     height = run.wheelset.reference_height_mm + LIFT_MM
     axes.plot(sign * rail.x, rail.y, color=INK, lw=1.2)
     axes.plot(sign * wheel.x, wheel.y + height, color=INK, lw=1.2)
-    reach = int(np.floor(run.case.largest_lateral_mm + 1e-9))
-    shown = contact_locus(run.wheelset, np.arange(-reach, reach + 1.0), roll=run.case.roll == "free")
     at = shown.side(side)
     on_wheel = curves.wheel_frame.points(at.wheel_points_mm[:, 0])
     on_rail = curves.rail_frame.points(at.rail_points_mm[:, 0])

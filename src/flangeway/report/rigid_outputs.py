@@ -7,12 +7,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from flangeway.railway.track import SIDES
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.console import plain_table, print_files, print_notices
+from flangeway.report.picture_files import picture_writers
 from flangeway.report.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
 from flangeway.study import write_summary, write_together
 from flangeway.study.rigid import GeometryRun
@@ -117,16 +117,14 @@ def print_geometry(console: Console, summary: dict[str, Any], files: list[Path])
             markup=False,
             soft_wrap=True,
         )
-    for notice in summary["notices"]:
-        console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
+    print_notices(console, summary["notices"])
     print_files(console, files, summary["timings_s"]["total"])
 
 
 def _contact_table(contacts: list[dict[str, Any]]) -> Table:
-    table = Table(
-        "side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", "Hertz a mm", "Hertz p0 MPa",
-        box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False,
-    )  # fmt: skip
+    table = plain_table(
+        "side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", "Hertz a mm", "Hertz p0 MPa"
+    )
     for contact in contacts:
         hertz = contact["hertz_half_width_mm"], contact["hertz_max_pressure_MPa"]
         table.add_row(

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.post import shear_stresses
 from flangeway.report.body_fields import BodyFields, body_fields
+from flangeway.report.body_steps import BodySteps, body_steps
 from flangeway.report.fields import PartFields
 from flangeway.report.section_figures import warping_about_shear_centre
 from flangeway.report.tables import contact_name
@@ -65,35 +66,58 @@ def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[dict[str, Any
     return Scene(shown, fields, views, notes=notes)
 
 
-def bodies_scene(run: BodiesRun, fields: Sequence[BodyFields]) -> Scene:
-    """Bodies with stresses at the points of their files, and a view of each region of contact.
+def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
+    """Bodies with stresses at the points of their files, their load steps, and a view of each region of contact.
 
-    Bodies with very many points are shown with whole cells and the values at their corners.
+    Bodies with very many points are shown with whole cells and the values at their corners; see `body_steps` for what
+    is shown of very many steps.
     """
     orders = [body.field.problem.space.order for body in run.bodies.values()]
-    whole = max(orders) > 1 and sum(each.mesh.n_points for each in fields) > MOST_POINTS
+    whole = max(orders) > 1 and sum(each.mesh.n_points for each in steps.fields[-1]) > MOST_POINTS
     if whole:
-        fields = [body_fields(name, body, 1) for name, body in run.bodies.items()]
-    shown = [
-        ShownPart(
-            each.name,
-            each.mesh,
-            {DISPLACEMENT: each.displacement, "stresses": each.stresses.components},
-            places=each.places,
-            n_rim_places=each.n_rim_places,
-            cells=None if np.array_equal(each.cells, np.arange(each.mesh.n_cells)) else each.cells,
-        )
-        for each in fields
-    ]
+        steps = body_steps(run, [body_fields(name, body, 1) for name, body in run.bodies.items()])
+    shown = [_shown_body(of_body) for of_body in zip(*steps.fields, strict=True)]
     notes = [
         "Stresses are in the axes of the picture, tension positive, each from its own cell, as in the VTU files: in "
         "elements of order 1 they are the same all over a cell, in others they are read at the points that the VTU "
         "files have. Displacements are whole motions from the first place, rigid and elastic; the deformation slider "
         "multiplies them: 0 is the first place, 1 is true.",
     ]
+    several = len(steps.names) > 1
+    if several:
+        notes.append(
+            "The values of each load step are those at its end. The one scale for all "
+            "steps reaches over the ranges of each of them."
+        )
     if whole:
         notes.append("There are so many cells that only the values at their corners are shown; the files have more.")
-    return Scene(shown, _fields("Stresses", "Motion of points"), _patch_views(run), notes=notes)
+    return Scene(
+        shown,
+        _fields("Stresses", "Motion of points"),
+        _patch_views(run),
+        notes=notes,
+        steps=steps.names if several else (),
+        steps_note=steps.note,
+    )
+
+
+def _shown_body(steps: Sequence[BodyFields]) -> ShownPart:
+    """A body with its values, at each step where there are several."""
+    last = steps[-1]
+    arrays = {DISPLACEMENT: last.displacement, "stresses": last.stresses.components}
+    if len(steps) > 1:
+        arrays = {
+            DISPLACEMENT: np.stack([each.displacement for each in steps]),
+            "stresses": np.stack([each.stresses.components for each in steps]),
+        }
+    return ShownPart(
+        last.name,
+        last.mesh,
+        arrays,
+        places=last.places,
+        n_rim_places=last.n_rim_places,
+        cells=None if np.array_equal(last.cells, np.arange(last.mesh.n_cells)) else last.cells,
+    )
 
 
 def _patch_views(run: BodiesRun) -> list[View]:

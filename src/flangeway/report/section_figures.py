@@ -4,14 +4,15 @@ import textwrap
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
 from numpy.typing import NDArray
 
 from flangeway.mesh import PolyMesh
 from flangeway.post import corner_shear_stresses, shear_stresses
+from flangeway.report.cell_patches import cells_path, draw_lines
 from flangeway.report.contours import Shades, draw_boundary, draw_field
-from flangeway.report.drawing import GREY, INK, cell_corners, new_figure
+from flangeway.report.drawing import GREY, INK, new_figure
 from flangeway.study.section import SectionRun
 
 Floats = NDArray[np.float64]
@@ -36,16 +37,9 @@ def mesh_figure(run: SectionRun) -> Figure:
     figure, axes = _new(run)
     shades = ("#f2f2f2", "#c9c9c9", "#e0e0e0", "#b4b4b4")
     for number, (name, cells) in enumerate(mesh.cell_sets.items()):
-        corners = cell_corners(mesh, mesh.points)
-        axes.add_collection(
-            PolyCollection(
-                [corners[cell] for cell in cells],
-                facecolor=shades[number % len(shades)],
-                edgecolor="#8a8a8a",
-                linewidths=0.3,
-                label=name,
-            )
-        )
+        part = cells_path(mesh, mesh.points, cells)
+        shade = shades[number % len(shades)]
+        axes.add_artist(PathPatch(part, facecolor=shade, edgecolor="#8a8a8a", linewidth=0.2, label=name))
     _outline(axes, mesh)
     centroid, shear_centre = np.array(constants.centroid), np.array(constants.shear_centre)
     low, high = _frame(axes, run, shear_centre)
@@ -185,8 +179,7 @@ def _outline(axes: Axes, mesh: PolyMesh) -> None:
         for number, cells in enumerate(mesh.cell_sets.values()):
             part[cells] = number
         sides = part[mesh.edge_cells]
-        for pair in mesh.edges[inner & (sides[:, 0] != sides[:, 1])]:
-            axes.plot(*mesh.points[pair].T, color=GREY, linewidth=1.2)
+        draw_lines(axes, mesh.points[mesh.edges[inner & (sides[:, 0] != sides[:, 1])]], GREY, 1.2)
 
 
 def _spread(mesh: PolyMesh) -> NDArray[np.int64]:

@@ -6,21 +6,19 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from flangeway.mesh import write_vtu
 from flangeway.report.command import section_command
+from flangeway.report.console import print_files, print_notices, print_rows
 from flangeway.report.drawing import png
-from flangeway.report.files import bytes_writer, print_files, text_writer
 from flangeway.report.html import Picture, report_page
 from flangeway.report.scenes import section_arrays
 from flangeway.report.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
 from flangeway.report.section_page import section_page
 from flangeway.report.section_tables import section_rows, weights_sentences
 from flangeway.study import write_summary, write_together
-from flangeway.study.output import Writer
+from flangeway.study.output import Writer, bytes_writer, text_writer
 from flangeway.study.section import SectionRun
 from flangeway.study.torsion_case import TorsionCase
 
@@ -101,14 +99,8 @@ def _write_fields(run: SectionRun, path: Path) -> None:
 def print_section(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
     """Print the constants with their units, what was mended or is uncertain, and the files."""
     console.print(summary["title"], style="bold", markup=False)
-    table = Table(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=False)
-    table.add_column()
-    table.add_column(justify="right")
-    for row in section_rows(summary):
-        table.add_row(*row)
-    console.print(table)
-    for notice in summary["notices"]:
-        console.print(f"Note: {notice}", style="yellow", markup=False, soft_wrap=True)
+    print_rows(console, section_rows(summary))
+    print_notices(console, summary["notices"])
     if summary["certainty"]:
         console.print(f"Outline: {summary['certainty']}", markup=False, soft_wrap=True)
     for sentence in weights_sentences(summary):

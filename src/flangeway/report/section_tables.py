@@ -33,6 +33,7 @@ def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
             for number, value in enumerate(summary[f"principal_moments_{unit}4"], 1)
         ),
         ("angle of principal axis 1 from x, degrees", f"{0.0 if abs(angle) < 1e-7 else angle:.5g}"),
+        *_bending_rows(summary),
         (f"torsion constant J, {unit}⁴", f"{summary[f'torsion_constant_{unit}4']:.7g}"),
         (f"  {certain}: from Prandtl's function", f"{bounds[0]:.7g}"),
         ("  from the warping function", f"{bounds[1]:.7g}"),
@@ -53,6 +54,19 @@ def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
             f"{mesh['unknowns']} unknowns",
         )
     )
+    return rows
+
+
+def _bending_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
+    unit = summary["unit"]
+    radii = summary[f"radii_of_gyration_{unit}"]
+    rows = [(f"radii of gyration (about x, about y), {unit}", f"({radii['xx']:.6g}, {radii['yy']:.6g})")]
+    moduli = summary.get(f"section_moduli_{unit}3")
+    if moduli is not None:
+        rows += [
+            (f"section moduli ({one}, {other}), {unit}³", f"({moduli[one]:.6g}, {moduli[other]:.6g})")
+            for one, other in (("top", "bottom"), ("left", "right"))
+        ]
     return rows
 
 

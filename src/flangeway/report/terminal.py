@@ -4,11 +4,9 @@ import re
 from pathlib import Path
 from typing import Any
 
-from rich import box
 from rich.console import Console
-from rich.table import Table as RichTable
 
-from flangeway.report.files import print_files
+from flangeway.report.console import plain_table, print_files, print_notices, print_status
 from flangeway.report.tables import (
     Table,
     bending_table,
@@ -23,15 +21,14 @@ from flangeway.study import Convergence
 
 def print_summary(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
     """Print status, position, contacts, stresses, warnings, assumptions in short, and the files."""
-    _print_status(console, summary)
+    print_status(console, summary["case"]["name"], summary["status"])
     contacts = (contacts_table,) if summary["contacts"] else ()
     for table in (motion_table, *contacts):
         _print_table(console, table(summary))
     _print_table(console, bending_table(summary, short=True))
     for table in (stresses_table, bodies_table):
         _print_table(console, table(summary))
-    for warning in summary["warnings"]:
-        console.print(f"Warning: {warning}", style="yellow", markup=False, soft_wrap=True)
+    print_notices(console, summary["warnings"], "Warning")
     short = [re.split(r"[:;.](?: |$)", sentence)[0] for sentence in summary["assumptions"]]
     console.print(f"Assumed: {'; '.join(short)}.", markup=False)
     print_files(console, files, summary["timings_s"]["total"])
@@ -41,7 +38,7 @@ def print_convergence(console: Console, convergence: Convergence, file: Path) ->
     """Print what changed when the mesh was halved, and whether it is little enough."""
     for summary in convergence.summaries:
         if not summary["status"]["converged"]:
-            _print_status(console, summary)
+            print_status(console, summary["case"]["name"], summary["status"])
     if convergence.converged:
         _print_table(console, _convergence_table(convergence))
     verdict = "within" if convergence.within else "NOT within"
@@ -95,17 +92,10 @@ def _convergence_table(convergence: Convergence) -> Table:
     return Table("The mesh halved (left / right)", ("", *scales, "largest change"), tuple(rows))
 
 
-def _print_status(console: Console, summary: dict[str, Any]) -> None:
-    status = summary["status"]
-    word, style = ("Converged", "bold green") if status["converged"] else ("NOT converged", "bold red")
-    console.print(f"{summary['case']['name']}: ", end="", markup=False)
-    console.print(word, style=style, end="")
-    console.print(f", {status['message']}", markup=False, soft_wrap=True)
-
-
 def _print_table(console: Console, table: Table) -> None:
     # a single column of values needs no header
-    shown = RichTable(box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=any(table.header[2:]))
+    shown = plain_table()
+    shown.show_header = any(table.header[2:])
     for place, name in enumerate(table.header):
         shown.add_column(name, justify="left" if place == 0 else "right")
     for row in table.rows:

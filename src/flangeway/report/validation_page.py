@@ -12,9 +12,9 @@ from typing import Any
 from matplotlib.figure import Figure
 
 from flangeway.report.drawing import png
-from flangeway.report.files import bytes_writer
 from flangeway.report.validation_tables import PageTable, numbers_table, reasons, worst_table
 from flangeway.study import refuse_unwritable, write_together
+from flangeway.study.output import bytes_writer, text_writer
 from flangeway.study.reproductions import Reproduced
 
 PICTURES = "images"
@@ -209,7 +209,7 @@ def write_page(page: Path, sections: Sequence[Section], *, quick: bool) -> list[
     text = "\n".join([head, _verdicts(sections), "", *(section.markdown for section in sections)])
     pictures = {name: bytes_writer(data) for section in sections for name, data in section.pictures.items()}
     files = write_together(page.parent / PICTURES, pictures)
-    return [*files, *write_together(page.parent, {page.name: bytes_writer(text.encode())})]
+    return [*files, *write_together(page.parent, {page.name: text_writer(text)})]
 
 
 def _picture_names(chapter: Chapter, page: Path) -> list[str]:

@@ -7,35 +7,38 @@ from matplotlib.figure import Figure
 from flangeway.railway.track import SIDES
 from flangeway.report.cell_patches import fill_cells
 from flangeway.report.drawing import (
+    Room,
     StressColours,
     box,
     draw_contours,
     draw_outline,
+    draw_title,
     equal_axes,
-    new_figure,
+    figure_with_room,
 )
 from flangeway.report.fields import PartFields
 from flangeway.report.sketch import draw_sketch
 from flangeway.study import CaseRun
 
 DEFORMATION_SHARE = 0.025
+ROOM = Room(left=0.72, right=0.75, bottom=1.3, top=0.68, across=0.15)
 FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 
 
 def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
     """Draw the left side at the left, the right side at the right, and the sketch between them."""
-    figure = new_figure(13.0, 7.0)
-    left, middle, right = figure.subplots(1, 3, width_ratios=(1.0, 1.25, 1.0))
+    figure, ((left, middle, right),) = figure_with_room(13.0, 7.0, ROOM, n_columns=3, width_ratios=(1.0, 1.25, 1.0))
     colours = StressColours(np.concatenate([part.stresses.von_mises for part in parts]))
     factor = deformation_factor(parts)
     for axes, side in ((left, SIDES[0]), (right, SIDES[1])):
         _draw_side(axes, [part for part in parts if part.side == side], factor, colours)
-        axes.set_title(f"{side} wheel and rail".capitalize(), fontsize=10)
+        draw_title(axes, f"{side} wheel and rail".capitalize())
     right.yaxis.set_label_position("right")
     right.yaxis.tick_right()
     draw_sketch(middle, run.result)
-    middle.set_title(_title(run), fontsize=11)
-    bar = figure.colorbar(colours.mappable(), ax=[left, middle, right], location="bottom", aspect=60, shrink=0.85)
+    draw_title(middle, _title(run), 11.0)
+    below = figure.add_axes((0.12, 0.063, 0.76, 0.027))
+    bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
     bar.set_label(
         f"von Mises stress in MPa, means of cells ({_cells(run)}); motion since first touch drawn "
         f"{factor} times as large, first touch dashed"

@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems import Body
+from flangeway.solve.rigid import refuse_floating
 from flangeway.space import SymmetricMatrix, memory_left, out_of_memory
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
@@ -64,6 +65,7 @@ def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
         If the factor needs more memory than may be used.
 
     """
+    refuse_floating(body)
     try:
         return cholesky(body.stiffness, body.free_nodes, trailing)
     except NotPositiveDefiniteError as error:

@@ -168,11 +168,11 @@ def solve_contact(
         if failure is not None:
             return run.result(failure, converged=False)
         if run.penetration_is_tolerated():
-            more = f" and {correction} corrections of the forces" if correction else ""
-            return run.result(f"converged in {len(run.history)} iterations{more}", converged=True)
+            more = f" and {_counted(correction, 'correction')} of the forces" if correction else ""
+            return run.result(f"converged in {_counted(len(run.history), 'iteration')}{more}", converged=True)
         run.correct()
     return run.result(
-        f"not converged in {run.settings.max_corrections} corrections of the forces: the penetration is "
+        f"not converged in {_counted(run.settings.max_corrections, 'correction')} of the forces: the penetration is "
         f"{run.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
         converged=False,
     )
@@ -288,7 +288,7 @@ class _Run:
             more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
             advice += "; with node-to-segment contact, make the finer surface secondary or take segment-to-segment"
-        return f"not converged in {self.settings.max_iterations} iterations: {reason}; {advice}"
+        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}; {advice}"
 
     def result(self, message: str, *, converged: bool) -> ContactState:
         return ContactState(
@@ -301,6 +301,10 @@ class _Run:
             _nodal(self.current, self.forces, len(self.reference)),
             tuple(self.history),
         )
+
+
+def _counted(number: int, word: str) -> str:
+    return f"{number} {word}{'s' * (number != 1)}"
 
 
 def _is_near(start: ContactState, reference: Floats) -> bool:

@@ -5,9 +5,9 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.problems import Elasticity
+from flangeway.problems import Body, Elasticity, PrescribedDisplacement
 from flangeway.problems.supports import axes
-from flangeway.solve.constraints import Constraints
+from flangeway.solve.constraints import Constraints, find_constraints
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -43,6 +43,23 @@ def refuse_free_motions(problem: Elasticity, constraints: Constraints) -> None:
     raise InputError(
         f"a rigid handle of body `{problem.name}` that moves on its own", "handles on the body", "check its edges"
     )
+
+
+def refuse_floating(body: Body) -> None:
+    """Raise `InputError` with the motion that a body's held edges and points leave free."""
+    supports = [
+        PrescribedDisplacement(where, 0.0 if "x" in components else None, 0.0 if "y" in components else None)
+        for where, components in body.supports.items()
+    ]
+    problem = Elasticity(body.space, body.material, body.thickness, supports=supports, name=body.name)
+    try:
+        refuse_free_motions(problem, find_constraints(problem))
+    except InputError as reason:
+        raise InputError(
+            reason.given,
+            "a body in contact whose held edges and points fix both translations and the rotation of its every piece",
+            f"hold more of it in Body(held=...), now {body.held!r}; contact alone holds nothing",
+        ) from reason
 
 
 class _Rows:

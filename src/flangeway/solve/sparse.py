@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from flangeway._core import Ldlt
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
 from flangeway.solve.linear import ldlt
+from flangeway.solve.rigid import refuse_floating
 from flangeway.space import SymmetricMatrix
 
 Floats = NDArray[np.float64]
@@ -24,10 +25,17 @@ class SparseBodies(BodyResponse):
     surfaces
         Bodies with their surface nodes.
 
+    Raises
+    ------
+    InputError
+        If what is held of a body leaves a motion free.
+
     """
 
     def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
         super().__init__(surfaces)
+        for body in {surface.body for surface in self.surfaces}:
+            refuse_floating(body)
         blocks = [surface.body.stiffness.full() for surface in self.surfaces]
         sizes = [block.shape[0] for block in blocks]
         self._starts = np.concatenate(([0], np.cumsum(sizes)))

@@ -5,7 +5,7 @@ from flangeway.study.bodies_run import BodiesRun, BodyResult
 from flangeway.study.case import Case, Run, RunnableCase
 from flangeway.study.case_file import load_case
 from flangeway.study.case_template import schema, write_template
-from flangeway.study.cases import CASES, find_case, find_wheelset
+from flangeway.study.cases import CASES, find_case
 from flangeway.study.convergence import Convergence, run_halved
 from flangeway.study.cook import CookCode, CookRow, cook_row, solve_cook
 from flangeway.study.l_shape import l_shape, solve_l_shape
@@ -37,7 +37,6 @@ __all__ = [
     "adapt",
     "cook_row",
     "find_case",
-    "find_wheelset",
     "l_shape",
     "load_case",
     "refine_adaptively",

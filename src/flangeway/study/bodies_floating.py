@@ -45,7 +45,7 @@ def free_axis(name: str, mesh: PolyMesh, held: Mapping[Where, str]) -> Literal["
             rows.append(np.column_stack((ones, zeros, -arms[:, 1])))
         if "y" in components:
             rows.append(np.column_stack((zeros, ones, arms[:, 0])))
-    _, values, vectors = np.linalg.svd(np.vstack(rows))
+    _, values, vectors = np.linalg.svd(np.vstack(rows), full_matrices=False)
     free = vectors[values <= FREE * max(float(values.max()), 1.0)]
     if len(free) == 0:
         return None

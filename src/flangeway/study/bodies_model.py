@@ -7,7 +7,16 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import AugmentedLagrange, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface
+from flangeway.contact import (
+    AugmentedLagrange,
+    Contact,
+    ContactSystem,
+    Multiplier,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+    Surface,
+)
 from flangeway.contact.enforcement import Enforcement
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
@@ -153,6 +162,8 @@ class _Builder:
         contacts = tuple(
             self._contact(table, f"contacts[{n}]", bodies) for n, table in enumerate(self.case.contacts, 1)
         )
+        if contacts:
+            ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
         motion, push = self._motions(bodies)
         return BodiesModel(bodies, contacts, motion, push, tuple(self.notices))
 
@@ -230,7 +241,7 @@ class _Builder:
         if point is not None:
             if given:
                 raise InputError(f"{key}.point_mm with {' and '.join(given)}", "a point, or edges", "keep one of them")
-            return point_at(self.meshes[table.body], table.body, point, key)
+            return point_at(self.meshes[table.body], self.tables[table.body].order, table.body, point, key)
         if not given:
             raise InputError(f"{key} without a place", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "say where")
         lines = (table.at_x_mm, table.at_y_mm)

@@ -11,6 +11,7 @@ from flangeway.problems import Body
 from flangeway.study.bodies_tables import Box, PlaceTable
 from flangeway.study.case import closest
 
+Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
 
 ON_LINE = 1e-6
@@ -22,10 +23,16 @@ def keys_of_place(table: PlaceTable) -> list[str]:
     return [name for name in ("edges", "at_x_mm", "at_y_mm", "box_mm") if getattr(table, name) is not None]
 
 
-def point_at(mesh: PolyMesh, body: str, point: tuple[float, float], key: str) -> tuple[float, float]:
-    """Exact place of a point of a mesh; an InputError where there is none, which names the nearest."""
-    apart = np.hypot(*(mesh.points - point).T)
-    nearest = mesh.points[apart.argmin()]
+def edge_middles(points: Floats, pairs: Ints) -> Floats:
+    """Middles of edges, pairs of points: nodes of elements of order 2; shape (n, 2)."""
+    return 0.5 * (points[pairs[:, 0]] + points[pairs[:, 1]])
+
+
+def point_at(mesh: PolyMesh, order: int, body: str, point: tuple[float, float], key: str) -> tuple[float, float]:
+    """Exact place of a point of a mesh, of order 2 also of the middle of an edge; an InputError names the nearest."""
+    spots = mesh.points if order == 1 else np.vstack((mesh.points, edge_middles(mesh.points, mesh.edges)))
+    apart = np.hypot(*(spots - point).T)
+    nearest = spots[apart.argmin()]
     if apart.min() > ON_LINE * float(np.hypot(*np.ptp(mesh.points, axis=0))):
         raise InputError(
             f"{key}.point_mm = [{point[0]:g}, {point[1]:g}]",

@@ -3,12 +3,13 @@
 import dataclasses
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import ContactSolution
+from flangeway.contact import ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, cell_stresses, corner_stresses, pressure_patches
@@ -76,6 +77,31 @@ class BodiesRun:
     def patches(self) -> list[PressurePatch]:
         """Regions of contact."""
         return [] if self.contact is None else pressure_patches(self.contact.system, self.contact.state)
+
+    def at_step(self, step: LoadStep) -> dict[str, BodyResult]:
+        """Displacements of all bodies at one of the load steps of `contact`; those in no contact bear its share."""
+        contact, state = self.contact, step.state
+        assert contact is not None
+        found = {
+            name: BodyResult(ElasticField(body.field.problem, step.share * body.field.displacements), body.placement)
+            for name, body in self.bodies.items()
+        }
+        rotations = contact.response.rotations(state.placements)
+        fields = contact.response.fields(rotations, state.nodal_forces)
+        for part, all_loads, field, placement in zip(
+            contact.system.parts, self._fields_of_loads, fields, state.placements, strict=True
+        ):
+            # the response is that under all loads, and the bodies are linear
+            displacements = field - (1.0 - step.share) * all_loads
+            found[part.name] = BodyResult(ElasticField(self.bodies[part.name].field.problem, displacements), placement)
+        return found
+
+    @cached_property
+    def _fields_of_loads(self) -> list[Floats]:
+        """Displacements of the bodies in contact under all loads without contact forces, each (n_dofs, 2)."""
+        assert self.contact is not None
+        response, state = self.contact.response, self.contact.state
+        return response.fields(response.rotations(state.placements), np.zeros_like(state.nodal_forces))
 
 
 def summarise_bodies(

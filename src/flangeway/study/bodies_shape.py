@@ -165,7 +165,8 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
-    notices += [f"{body.name}: {notice}" for notice in read.notices]
+    told = [f"{Path(str(body.file)).name}: {notice}" for notice in read.notices]
+    notices += [notice for notice in told if notice not in notices]
     mesh = read.mesh
     if body.cells is not None:
         known = sorted(mesh.cell_sets)
@@ -174,8 +175,8 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             raise InputError(f"{key}.cells = []", f"cell sets of the file: {', '.join(known)}", "leave cells out")
         for name in wanted:
             if name not in known:
-                told = f"cell sets of the file: {', '.join(known) or 'it has none'}"
-                raise InputError(f"{key}.cells = {name!r}", told, closest(name, known) if known else "leave cells out")
+                sets = f"cell sets of the file: {', '.join(known) or 'it has none'}"
+                raise InputError(f"{key}.cells = {name!r}", sets, closest(name, known) if known else "leave cells out")
         mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
     if body.method == "fem" and (mesh.cell_sizes > 3).any():
         raise InputError(

@@ -7,7 +7,6 @@ from flangeway.study.cook_case import CookCase
 from flangeway.study.hertz_case import HertzCase
 from flangeway.study.torsion_case import TorsionCase
 from flangeway.study.two_bodies import TwoBodiesCase
-from flangeway.study.wheelset_case import WheelsetCase
 from flangeway.study.wheelset_curve import WheelsetCurveCase
 from flangeway.study.wheelset_tangent import WheelsetTangentCase
 
@@ -33,11 +32,3 @@ def find_case(name: str) -> type[RunnableCase]:
     if name not in CASES:
         raise InputError(f"a case called {name!r}", f"one of: {', '.join(CASES)}", closest(name, list(CASES)))
     return CASES[name]
-
-
-def find_wheelset(name: str) -> type[WheelsetCase]:
-    """Return the type of a case of a wheelset; errors as `find_case`."""
-    wheelsets = {key: case for key, case in CASES.items() if issubclass(case, WheelsetCase)}
-    if name not in wheelsets:
-        raise InputError(f"a case called {name!r}", f"one of: {', '.join(wheelsets)}", closest(name, list(wheelsets)))
-    return wheelsets[name]

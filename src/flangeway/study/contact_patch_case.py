@@ -1,6 +1,5 @@
 """The case of the contact patch test: two boxes under a pressure that must be uniform."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -8,10 +7,8 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.study.bodies_run import BodiesRun
-from flangeway.study.case import RunnableCase
+from flangeway.study.case import Progress, RunnableCase
 from flangeway.study.two_bodies import TwoBodiesCase
-
-Progress = Callable[[str], None]
 
 
 class ContactPatchCase(RunnableCase):

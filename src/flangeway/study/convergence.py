@@ -3,7 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-from flangeway.study.runner import Progress, run_case
+from flangeway.study.case import Progress
+from flangeway.study.runner import run_case
 from flangeway.study.wheelset_case import WheelsetCase
 
 LARGEST_APPROACH_CHANGE = 0.02

@@ -1,7 +1,6 @@
 """The case of Cook's membrane."""
 
 import time
-from collections.abc import Callable
 from typing import ClassVar, Literal
 
 from pydantic import Field
@@ -11,10 +10,8 @@ from flangeway.errors import InputError
 from flangeway.post import displacements_at
 from flangeway.solve import Status
 from flangeway.study.bodies_run import BodiesRun, BodyResult, summarise_bodies
-from flangeway.study.case import RunnableCase
+from flangeway.study.case import Progress, RunnableCase
 from flangeway.study.cook import CORNER, ENERGY, LARGEST_LEVEL, MIDDLE, CookCode, solve_cook
-
-Progress = Callable[[str], None]
 
 LETTERS = {"fem": "F", "vem": "V", "mixed": "H"}
 PUBLISHED_POISSON = 1.0 / 3.0

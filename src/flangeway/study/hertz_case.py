@@ -1,7 +1,6 @@
 """The case of a cylinder on another one or on a block, with Hertz's solution beside it."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
@@ -11,10 +10,8 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.study.bodies_run import BodiesRun
-from flangeway.study.case import RunnableCase
+from flangeway.study.case import Progress, RunnableCase
 from flangeway.study.two_bodies import TwoBodiesCase
-
-Progress = Callable[[str], None]
 
 ZONE_OF_LENS = 0.85
 """Half width of the candidate zone over that of the overlap of the rigid bodies; elastic contact takes about half."""
@@ -89,30 +86,8 @@ class HertzCase(RunnableCase):
             If the contact would be too wide for the bodies, or too narrow for the elements' size.
 
         """
-        if self.force_N is not None and "indentation_mm" in self.model_fields_set:
-            raise InputError("force_N and indentation_mm", "one of both", "leave one out")
-        radius, below = self.radius_mm, self.lower_radius_mm
-        if max(radius, below) > LARGEST_RADIUS * self.size_mm:
-            key = "radius_mm" if radius >= below else "lower_radius_mm"
-            raise InputError(
-                f"{key} = {max(radius, below):g} with elements of size_mm = {self.size_mm:g}",
-                f"radii up to {LARGEST_RADIUS:g} times size_mm",
-                'make it smaller; lower = "block" is flat',
-            )
-        zone = self._zone()
-        smallest = radius if self.lower == "block" else min(radius, below)
-        if zone > WIDEST_ZONE * smallest:
-            raise InputError(
-                f"a contact that may reach {zone:.3g} mm to either side on a radius of {smallest:g} mm",
-                f"up to {WIDEST_ZONE:g} of the radius",
-                "make size_mm and the indentation or the force smaller",
-            )
-        if zone > MOST_EDGES * self.size_mm:
-            raise InputError(
-                f"size_mm = {self.size_mm:g} for a contact that may reach {zone:.3g} mm to either side",
-                f"at most {MOST_EDGES} edges on that length",
-                "make size_mm larger",
-            )
+        self._refuse_unfit()
+        zone, radius, below = self._zone(), self.radius_mm, self.lower_radius_mm
         upper = {"disc": {"radius_mm": radius, "centre_mm": (0.0, radius), "half": "lower"}}
         lower: dict[str, Any] = {"disc": {"radius_mm": below, "centre_mm": (0.0, -below), "half": "upper"}}
         if self.lower == "block":
@@ -143,6 +118,33 @@ class HertzCase(RunnableCase):
                 "steps": {"number": self.n_steps},
             }
         )
+
+    def _refuse_unfit(self) -> None:
+        """Refuse a contact too wide for the bodies, or too narrow for the elements' size."""
+        if self.force_N is not None and "indentation_mm" in self.model_fields_set:
+            raise InputError("force_N and indentation_mm", "one of both", "leave one out")
+        radius, below = self.radius_mm, self.lower_radius_mm
+        if max(radius, below) > LARGEST_RADIUS * self.size_mm:
+            key = "radius_mm" if radius >= below else "lower_radius_mm"
+            raise InputError(
+                f"{key} = {max(radius, below):g} with elements of size_mm = {self.size_mm:g}",
+                f"radii up to {LARGEST_RADIUS:g} times size_mm",
+                'make it smaller; lower = "block" is flat',
+            )
+        zone = self._zone()
+        smallest = radius if self.lower == "block" else min(radius, below)
+        if zone > WIDEST_ZONE * smallest:
+            raise InputError(
+                f"a contact that may reach {zone:.3g} mm to either side on a radius of {smallest:g} mm",
+                f"up to {WIDEST_ZONE:g} of the radius",
+                "make size_mm and the indentation or the force smaller",
+            )
+        if zone > MOST_EDGES * self.size_mm:
+            raise InputError(
+                f"size_mm = {self.size_mm:g} for a contact that may reach {zone:.3g} mm to either side",
+                f"at most {MOST_EDGES} edges on that length",
+                "make size_mm larger",
+            )
 
     def _body(self, name: str, shape: dict[str, Any], zone: float) -> dict[str, Any]:
         upper = name == "upper"

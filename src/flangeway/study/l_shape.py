@@ -65,8 +65,6 @@ def adaptive_rows(
     mesh: PolyMesh,
     *,
     tolerance: float,
-    share: float = 0.5,
-    most_hanging: int | None = 1,
     most_steps: int = 50,
 ) -> list[RefinementRow]:
     """Refine a mesh by the recovered stresses' error estimate down to a tolerance in the energy norm."""
@@ -75,8 +73,6 @@ def adaptive_rows(
         mesh,
         _measure,
         tolerance=tolerance,
-        share=share,
-        most_hanging=most_hanging,
         most_steps=most_steps,
     )
 

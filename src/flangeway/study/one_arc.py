@@ -58,15 +58,15 @@ class OneArcContact:
     theory: LineContact
 
 
-def one_arc_rail(radius_mm: float = RAIL_RADIUS_MM) -> RailProfile:
+def one_arc_rail() -> RailProfile:
     """Return a block with a round top, the middle of its base at the origin."""
     half = 0.5 * WIDTH_MM
-    low = HEIGHT_MM - _sagitta(radius_mm, half)
+    low = HEIGHT_MM - _sagitta(RAIL_RADIUS_MM, half)
     outline = Outline.from_segments(
         [
             Line((-half, 0.0), (half, 0.0)),
             Line((half, 0.0), (half, low)),
-            Arc((half, low), (-half, low), (0.0, HEIGHT_MM - radius_mm), counter_clockwise=True),
+            Arc((half, low), (-half, low), (0.0, HEIGHT_MM - RAIL_RADIUS_MM), counter_clockwise=True),
             Line((-half, low), (-half, 0.0)),
         ],
         ["base", "field", "head", "gauge"],
@@ -74,13 +74,13 @@ def one_arc_rail(radius_mm: float = RAIL_RADIUS_MM) -> RailProfile:
     return RailProfile("block with a round top", outline, ("head",), ("base",), "exact", SOURCE)
 
 
-def one_arc_wheel(radius_mm: float = WHEEL_RADIUS_MM) -> WheelProfile:
+def one_arc_wheel() -> WheelProfile:
     """Return a block with a round bottom, the lowest point on the tape line."""
     half = 0.5 * WIDTH_MM
-    low = _sagitta(radius_mm, half)
+    low = _sagitta(WHEEL_RADIUS_MM, half)
     outline = Outline.from_segments(
         [
-            Arc((-half, low), (half, low), (0.0, radius_mm), counter_clockwise=True),
+            Arc((-half, low), (half, low), (0.0, WHEEL_RADIUS_MM), counter_clockwise=True),
             Line((half, low), (half, HEIGHT_MM)),
             Line((half, HEIGHT_MM), (-half, HEIGHT_MM)),
             Line((-half, HEIGHT_MM), (-half, low)),

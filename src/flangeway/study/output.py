@@ -52,7 +52,8 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
     folder
         Where the files go; made if needed.
     writers
-        Functions that write one file each, by the file's name; they are called and moved in this order.
+        Functions that write one file each, by the file's name, which may be in a folder of the folder; they are called
+        and moved in this order.
 
     Returns
     -------
@@ -71,13 +72,28 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
         with tempfile.TemporaryDirectory(dir=_existing(folder), prefix=".flangeway-") as name:
             stage = Path(name)
             for file, write in writers.items():
+                (stage / file).parent.mkdir(exist_ok=True)
                 write(stage / file)
-            folder.mkdir(parents=True, exist_ok=True)
             for file in writers:
+                (folder / file).parent.mkdir(parents=True, exist_ok=True)
                 os.replace(stage / file, folder / file)  # noqa: PTH105 (documented as atomic)
     except OSError as reason:
         raise _unwritable(folder, reason) from reason
     return [folder / file for file in writers]
+
+
+def bytes_writer(data: bytes) -> Writer:
+    """Return a function that writes bytes to a file."""
+
+    def write(path: Path) -> None:
+        path.write_bytes(data)
+
+    return write
+
+
+def text_writer(text: str) -> Writer:
+    """Return a function that writes text to a file, in UTF-8."""
+    return bytes_writer(text.encode("utf-8"))
 
 
 def _refuse_folders(folder: Path, names: Iterable[str]) -> None:

@@ -14,9 +14,18 @@ from flangeway.solve.loaded import LoadedBodies
 
 Floats = NDArray[np.float64]
 Progress = Callable[[str], None]
+Trial = tuple[float, float, ContactState]
+"""A distance along the push, by how much the contact resists more than it must, and the solution there."""
 
 LARGEST_ERROR = 1e-7
 """Difference of the force behind a pushed part from the wanted one, over the latter, at which the search ends."""
+NEAR = 1e-2
+"""Excess at both ends of a bracket, over the force, below which the stiffness in it is compared with the one before."""
+JUMP = 10.0
+"""Stiffness in such a bracket over that in the larger one before above which the resistance jumps there: of augmented
+Lagrange, where the number of corrections changes."""
+SLOW = 0.3
+"""Excess over the one before above which a step with one stiffness changes it."""
 MOST_TRIALS = 60
 SMALLEST_STEP = 1.0 / 1024.0
 
@@ -187,7 +196,7 @@ class _Search:
         """Contact's resistance less what it must be."""
         return -float(_force_on(self.driver.solution(state), self.part) @ self.direction) - self.wanted
 
-    def _solve(self, distance: float, start: ContactState) -> tuple[float, float, ContactState]:
+    def _solve(self, distance: float, start: ContactState) -> Trial:
         self.trials += 1
         x, y = (distance * self.direction).tolist()
         places = self.driver.placements(1.0, self.part, (x, y))
@@ -195,17 +204,18 @@ class _Search:
         excess = self._excess(state) if state.status.converged else np.nan
         return distance, excess, state
 
-    def _bracket(self) -> tuple[tuple[float, float, ContactState], tuple[float, float, ContactState]] | str:
+    def _bracket(self) -> tuple[Trial, Trial] | str:
         """Two distances of which one is too little and one too much; or why there are none."""
-        low, step = self.low, self.first_step
+        low, step, why = self.low, self.first_step, "check its direction and the bodies' places"
         sign = 1.0 if low[1] < 0.0 else -1.0
         while self.trials < MOST_TRIALS:
             free = self._free_way(low[2]) if sign > 0.0 else 0.0
             next_ = self._solve(low[0] + sign * max(step, free), low[2])
             if not next_[2].status.converged:
                 step = max(step, free) / 4.0
+                why = f"at {next_[0]:.4g} along the push: {next_[2].status.message}"
                 if step < SMALLEST_STEP * self.first_step:
-                    return f"at {next_[0]:.4g} along the push: {next_[2].status.message}"
+                    return why
                 continue
             if next_[1] * sign >= 0.0:
                 return (low, next_) if sign > 0.0 else (next_, low)
@@ -217,7 +227,7 @@ class _Search:
             if free < step:
                 step *= 2.0
             low = next_
-        return f"the force is not reached in {MOST_TRIALS} trials; check its direction and the bodies' places"
+        return f"the force is not reached in {MOST_TRIALS} trials; {why}"
 
     def _free_way(self, state: ContactState) -> float:
         """Distance that no contact is nearer than, so that nothing is passed over; zero where there is one."""
@@ -226,24 +236,50 @@ class _Search:
         gaps = np.concatenate([pairs.gaps for pairs in lin.pairs])
         return 0.0 if len(gaps) == 0 or state.forces.any() else max(float(gaps.min()), 0.0)
 
-    def _refined(self, low: tuple[float, float, ContactState], high: tuple[float, float, ContactState]) -> Pressed:
+    def _refined(self, low: Trial, high: Trial) -> Pressed:
         """Regula falsi; an end that stays twice loses half of its weight (Illinois)."""
         weights, last = [low[1], high[1]], -1
+        stiffness = (high[1] - low[1]) / (high[0] - low[0])
         best = min(low, high, key=lambda trial: abs(trial[1]))
         while abs(best[1]) > LARGEST_ERROR * self.scale and self.trials < MOST_TRIALS:
+            slope = (high[1] - low[1]) / (high[0] - low[0])
+            if max(-low[1], high[1]) > NEAR * self.scale:
+                stiffness = slope
+            elif slope > JUMP * stiffness:
+                best = self._settled(best, stiffness)
+                break
             distance = (low[0] * weights[1] - high[0] * weights[0]) / (weights[1] - weights[0])
             best = self._solve(distance, low[2] if abs(low[1]) < abs(high[1]) else high[2])
             self.driver.progress(f"pushed by {distance:.6g}: {best[2].status.message}")
             if not best[2].status.converged:
-                return self._failed(f"at {distance:.4g} along the push: {best[2].status.message}")
+                break
             side = 0 if best[1] < 0.0 else 1
             low, high = (best, high) if side == 0 else (low, best)
             weights[side] = best[1]
             weights[1 - side] /= 2.0 if side == last else 1.0
             last = side
-        distance, excess, state = best
+        return self._judged(best)
+
+    def _settled(self, best: Trial, stiffness: float) -> Trial:
+        """Newton's method with a stiffness that hardly changes, each trial from the last, whose forces it corrects."""
+        while abs(best[1]) > LARGEST_ERROR * self.scale and self.trials < MOST_TRIALS:
+            trial = self._solve(best[0] - best[1] / stiffness, best[2])
+            self.driver.progress(f"pushed by {trial[0]:.6g}: {trial[2].status.message}")
+            if not trial[2].status.converged:
+                return trial
+            ratio = trial[1] / best[1]
+            stiffness *= float(np.clip(1.0 - ratio, 0.5, 4.0)) if abs(ratio) > SLOW else 1.0
+            best = trial
+        return best
+
+    def _judged(self, trial: Trial) -> Pressed:
+        distance, excess, state = trial
+        if not state.status.converged:
+            return self._failed(f"at {distance:.4g} along the push: {state.status.message}")
         if abs(excess) > 1e-6 * self.scale:
-            return self._failed(f"the force is found to {abs(excess) / self.scale:.1e} of it only; take a finer mesh")
+            message = f"the force is found to {abs(excess) / self.scale:.1e} of it only; take a finer mesh"
+            state = replace(state, status=Status(False, message, state.status.iterations))
+            return Pressed(self.driver.solution(state), distance)
         self.driver.steps.append(LoadStep(1.0, state))
         return Pressed(self.driver.solution(state), distance)
 

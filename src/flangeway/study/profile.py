@@ -21,6 +21,7 @@ from flangeway.railway.profile_file import (
 )
 from flangeway.railway.profiles import RailProfile, WheelProfile
 from flangeway.railway.whole_outline import whole_profile
+from flangeway.space import peak_memory_bytes
 from flangeway.study.versions import versions
 
 FRAMES = {
@@ -179,7 +180,8 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
         "area_mm2": body.outline.area if body is not None else None,
         "certainty": body.certainty if body is not None else "",
         "source": body.source if body is not None else "",
-        "notices": list(profile.notices),
+        "notices": list(dict.fromkeys((*profile.notices, *(body.notices if body is not None else ())))),
+        "peak_memory_MB": peak_memory_bytes() / 1e6,
         "versions": versions(),
     }
     if smoothing is not None:

@@ -91,8 +91,6 @@ def refine_adaptively(
     measure: Measure,
     *,
     tolerance: float,
-    share: float = 0.5,
-    most_hanging: int | None = 1,
     most_steps: int = 50,
 ) -> list[RefinementRow]:
     """Refine a mesh by the recovered stresses' error estimate, see `adapt`, down to a tolerance in the energy norm."""
@@ -101,8 +99,6 @@ def refine_adaptively(
         mesh,
         lambda solution: recovered_stresses(solution).cell_errors,
         tolerance=tolerance,
-        share=share,
-        most_hanging=most_hanging,
         most_steps=most_steps,
     )
     return [_row("adaptive", step.solution, step.error, measure) for step in run.steps]

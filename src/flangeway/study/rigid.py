@@ -31,6 +31,7 @@ from flangeway.railway.rigid_equilibrium import (
 )
 from flangeway.railway.rolling import RollingRadiusDifference
 from flangeway.railway.track import SIDES
+from flangeway.space import peak_memory_bytes
 from flangeway.study.rigid_case import GEOMETRY_CASES, GeometryCase
 from flangeway.study.versions import versions
 
@@ -145,6 +146,7 @@ def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: N
         throat = throat_effect(case)
     summary = _summary(name, case, jumps, amplitudes, conicity, regression, equilibrium, notice)
     summary["timings_s"] = {"total": time.perf_counter() - start}
+    summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
     return GeometryRun(
         name, case, wheelset, locus, jumps, amplitudes, conicity, regression, equilibrium, throat, summary
     )
@@ -225,7 +227,7 @@ def _summary(
     status, position = equilibrium.status, equilibrium.position
     summary: dict[str, Any] = {
         "case": name,
-        "title": GEOMETRY_CASES[name][0] if name in GEOMETRY_CASES else name,
+        "title": _title(name, case),
         "status": {"converged": status.converged, "message": status.message},
         "inputs": case.model_dump(),
         "load_lateral_over_vertical": equilibrium.load_ratio,
@@ -255,6 +257,16 @@ def _summary(
             "regression": float(regression[at]),
         }
     return summary
+
+
+def _title(name: str, case: GeometryCase) -> str:
+    """Return what the case is, and which of its inputs are changed."""
+    if name not in GEOMETRY_CASES:
+        return name
+    title, values = GEOMETRY_CASES[name]
+    usual = GeometryCase.from_values(values).model_dump()
+    changed = [f"{key} = {value}" for key, value in case.model_dump().items() if value != usual[key]]
+    return f"{title}; changed: {', '.join(changed)}" if changed else title
 
 
 def _position_rows(position: RigidPosition, case: GeometryCase) -> dict[str, Any]:

@@ -1,10 +1,12 @@
 """Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load."""
 
+from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from flangeway.errors import InputError
+from flangeway.geometry.file_content import is_file
 from flangeway.railway.rigid_contact import RigidWheelset
 from flangeway.study.case import closest
 from flangeway.study.wheelset_inputs import WheelsetInputs
@@ -70,9 +72,8 @@ def find_geometry_case(name: str, values: dict[str, Any]) -> GeometryCase:
 
     """
     if name not in GEOMETRY_CASES:
-        raise InputError(
-            f"a geometry case called {name!r}",
-            f"one of: {', '.join(GEOMETRY_CASES)}",
-            closest(name, list(GEOMETRY_CASES)),
-        )
+        advice = closest(name, list(GEOMETRY_CASES))
+        if is_file(Path(name)):
+            advice = "choose one of these, and give the file's rail, wheel, gauge_mm, ... by --set"
+        raise InputError(f"a geometry case called {name!r}", f"one of: {', '.join(GEOMETRY_CASES)}", advice)
     return GeometryCase.from_values({**GEOMETRY_CASES[name][1], **values})

@@ -1,16 +1,14 @@
 """Run a case: from its inputs to a solved problem and the summary of it."""
 
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 from flangeway.railway.result import WheelsetResult, solve_wheelset
 from flangeway.solve import Status
+from flangeway.study.case import Progress
 from flangeway.study.summary import summarise
 from flangeway.study.wheelset_case import WheelsetCase
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)

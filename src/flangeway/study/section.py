@@ -2,7 +2,7 @@
 
 import math
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,13 +16,14 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, DrawnSection, Section, read_section
 from flangeway.geometry.outline_files import ENDINGS
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
+from flangeway.mesh.expected import expected_mesh
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.sections import bundled_section
 from flangeway.space import Space, peak_memory_bytes
+from flangeway.study.case import Progress
 from flangeway.study.versions import versions
 
 METHODS = ("fem", "vem")
-Progress = Callable[[str], None]
 
 HIGHEST_VIRTUAL_ORDER = 6
 _USUAL_TRIANGLES = 3000
@@ -193,6 +194,8 @@ def section_mesh(section: Section, options: SectionOptions) -> PolyMesh:
 
     """
     size = options.size or usual_size(section)
+    for region in section.regions:
+        expected_mesh(region, size, ())  # refuses a size before arcs are cut into chords as fine
     triangles = triangulate_section(section, size=size, refinements=_along_arcs(section, size))
     n_pieces = _n_pieces(triangles)
     if n_pieces > 1:
@@ -283,6 +286,7 @@ def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constan
         f"second_moments_{unit}4": dict(zip(("xx", "yy", "xy"), constants.second_moments, strict=True)),
         f"principal_moments_{unit}4": [largest, smallest],
         "principal_angle_deg": _angle_deg(constants.principal_angle),
+        **_bending(drawn, constants),
         f"torsion_constant_{unit}4": constants.torsion_constant,
         f"torsion_constant_prandtl_{unit}4": low,
         f"torsion_constant_warping_{unit}4": high,
@@ -312,6 +316,22 @@ def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constan
             "concerns torsion by shear modulus over its reference. Multiply by the reference for stiffnesses.",
         }
     return summary
+
+
+def _bending(drawn: DrawnSection, constants: SectionConstants) -> dict[str, dict[str, float]]:
+    """Return radii of gyration, and second moments over the distance of the outermost points on each side."""
+    unit, (xx, yy, _) = drawn.unit, constants.second_moments
+    radii = {"xx": math.sqrt(xx / constants.area), "yy": math.sqrt(yy / constants.area)}
+    found = {f"radii_of_gyration_{unit}": radii}
+    if len(drawn.section.parts) == 1:  # of several materials each has a stress of its own
+        low, high = np.abs(drawn.section.bounds() - constants.centroid).tolist()
+        found[f"section_moduli_{unit}3"] = {
+            "top": xx / high[1],
+            "bottom": xx / low[1],
+            "right": yy / high[0],
+            "left": yy / low[0],
+        }
+    return found
 
 
 def _angle_deg(angle_rad: float) -> float:

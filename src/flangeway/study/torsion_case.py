@@ -1,16 +1,13 @@
 """The case of a bar's section under torsion, with all constants of the section."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
 from flangeway.solve import Status
-from flangeway.study.case import RunnableCase
+from flangeway.study.case import Progress, RunnableCase
 from flangeway.study.section import SectionOptions, SectionRun, find_section, run_section
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True, eq=False)

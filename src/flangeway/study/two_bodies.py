@@ -1,7 +1,7 @@
 """The general case: bodies of any shape with supports, loads, motions and contacts."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -15,6 +15,7 @@ from flangeway.solve import ElasticitySolution, Status, solve_elasticity
 from flangeway.study.bodies_judgement import judged_bodies
 from flangeway.study.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.study.bodies_run import BodiesRun, BodyResult, summarise_bodies
+from flangeway.study.bodies_supports import support_rows
 from flangeway.study.bodies_tables import (
     BodyTable,
     ContactTable,
@@ -24,11 +25,10 @@ from flangeway.study.bodies_tables import (
     StepsTable,
     SupportTable,
 )
-from flangeway.study.case import RunnableCase
+from flangeway.study.case import Progress, RunnableCase
 from flangeway.study.pressing import Pressed, press_loaded
 
 Floats = NDArray[np.float64]
-Progress = Callable[[str], None]
 
 
 class TwoBodiesCase(RunnableCase):
@@ -47,7 +47,7 @@ class TwoBodiesCase(RunnableCase):
                 "method": "fem",
                 "order": 1,
                 "size_mm": 5.0,
-                "fine": [{"at_mm": [[-3.0, 0.0], [3.0, 0.0]], "size_mm": 0.15, "growth": 0.15}],
+                "fine": [{"at_mm": [[-1.5, 0.0], [1.5, 0.0]], "size_mm": 0.08, "growth": 0.15}],
             },
             {
                 "name": "block",
@@ -55,7 +55,7 @@ class TwoBodiesCase(RunnableCase):
                 "method": "vem",
                 "order": 1,
                 "size_mm": 8.0,
-                "fine": [{"at_mm": [[-3.0, 0.0], [3.0, 0.0]], "size_mm": 0.3, "growth": 0.15}],
+                "fine": [{"at_mm": [[-1.5, 0.0], [1.5, 0.0]], "size_mm": 0.1, "growth": 0.15}],
             },
         ],
         "supports": [{"body": "cylinder", "edges": "cut"}, {"body": "block", "edges": "bottom"}],
@@ -111,6 +111,7 @@ class TwoBodiesCase(RunnableCase):
         notices = [*model.notices, *_notices(contact), *doubts]
         found = {} if pressed is None else _found(pressed, model)
         summary = summarise_bodies(self, status, in_order, contact, found, timings, notices)
+        summary["supports"] = support_rows(self, model, in_order, contact) if status.converged else []
         return BodiesRun(self, status, summary, in_order, contact)
 
     def _pressed(self, model: BodiesModel, progress: Progress) -> Pressed:

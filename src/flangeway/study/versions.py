@@ -8,11 +8,12 @@ PACKAGES = ("flangeway", "numpy", "scipy", "gmsh")
 
 def versions() -> dict[str, str]:
     """Return the versions of flangeway, Python and the libraries that decide the numbers."""
-    found = {name: _version(name) for name in PACKAGES}
+    found = {name: version_of(name) for name in PACKAGES}
     return {"flangeway": found.pop("flangeway"), "python": platform.python_version(), **found}
 
 
-def _version(name: str) -> str:
+def version_of(name: str) -> str:
+    """Return the version of an installed package."""
     try:
         return version(name)
     except PackageNotFoundError:

@@ -64,6 +64,10 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         Discretisation.primary, description="body that gives the segments of contact; auto: chosen with a reason"
     )
 
+    equilibria: Literal["reached", "all"] = Field(
+        "reached", description="balances that are looked for: the one reached from the middle, or all"
+    )
+
     def check(self) -> None:
         """See `RunnableCase.check`."""
         self.problem()
@@ -73,10 +77,6 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         from flangeway.study.runner import run_case  # noqa: PLC0415 (it imports this module)
 
         return run_case(self, progress)
-
-    equilibria: Literal["reached", "all"] = Field(
-        "reached", description="balances that are looked for: the one reached from the middle, or all"
-    )
 
     def problem(self) -> WheelsetProblem:
         """Return the problem to solve.

@@ -26,5 +26,7 @@ class WheelsetCurveCase(WheelsetCase):
         description="horizontal force at the barycentre, to the right: centrifugal force of 400 m at 70 km/h",
     )
     superelevation_mm: float | Literal["from-speed"] = Field(
-        30.0, description="height of the right rail over the left one; from-speed: what balances speed and radius"
+        30.0,
+        description="height of the right rail over the left one, of the outer rail if left out; "
+        "from-speed: what balances speed and radius",
     )

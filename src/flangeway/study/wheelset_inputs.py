@@ -1,5 +1,6 @@
 """Inputs of a wheelset on two rails that the rigid and the elastic computation share."""
 
+import math
 from typing import Literal
 
 from pydantic import Field
@@ -7,6 +8,7 @@ from pydantic import Field
 from flangeway.errors import InputError
 from flangeway.railway.load import (
     GRAVITY_M_S2,
+    LARGEST_SLOPE,
     Load,
     balanced_superelevation_mm,
     curve_force_N,
@@ -18,6 +20,9 @@ from flangeway.railway.throat import with_wide_throat
 from flangeway.railway.track import Track, Wheelset
 from flangeway.study.case import Case
 from flangeway.study.wheelset_profiles import rail_named, wheel_named
+
+N_AXLES = 4
+"""Wheelsets of a usual wagon."""
 
 
 class WheelsetInputs(Case):
@@ -36,8 +41,13 @@ class WheelsetInputs(Case):
     )
     left_rail: str | None = Field(None, description="rail of the left side, likewise; as on the right if left out")
     left_wheel: str | None = Field(None, description="wheel of the left side, likewise; as on the right if left out")
-    rail_body: str = Field("136RE", description="bundled rail that gives web and foot to a file's head")
-    wheel_body: str = Field("AAR-1B", description="bundled wheel that gives the rim to a file's running surface")
+    rail_body: str | None = Field(
+        None,
+        description="bundled rail with web and foot for a file's head; if left out, the other side's or the nearest",
+    )
+    wheel_body: str | None = Field(
+        None, description="bundled wheel with the rim for a file's running surface, or plain; likewise if left out"
+    )
     gauge_mm: float = Field(Track.gauge_mm, gt=0.0, description="distance between the rails' heads")
     gauge_depth_mm: float | None = Field(
         None, gt=0.0, description="depth below the tops above which the gauge is measured; closest points if left out"
@@ -64,14 +74,16 @@ class WheelsetInputs(Case):
     car_mass_t: float | None = Field(
         None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"
     )
-    n_axles: int = Field(4, ge=1, description="wheelsets that share car_mass_t")
+    n_axles: int = Field(N_AXLES, ge=1, description="wheelsets that share car_mass_t")
     lateral_force_kN: float = Field(  # noqa: N815
         0.0, description="horizontal force at the barycentre, to the right: centrifugal force of a curve to the left"
     )
     speed_km_h: float | None = Field(
         None, ge=0.0, description="speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"
     )
-    curve_radius_m: float | None = Field(None, gt=0.0, description="radius of the curve; needs speed_km_h")
+    curve_radius_m: float | None = Field(
+        None, description="radius of the curve, positive to the left, negative to the right; needs speed_km_h"
+    )
     superelevation_mm: float | Literal["from-speed"] = Field(
         0.0, description="height of the right rail over the left one; from-speed: what balances speed and radius"
     )
@@ -103,9 +115,10 @@ class WheelsetInputs(Case):
             if "axle_load_kN" in self.model_fields_set:
                 raise InputError("axle_load_kN and car_mass_t", "one of both", "leave one out")
             weight = 1e3 * self.car_mass_t / self.n_axles * GRAVITY_M_S2
+        elif self.n_axles != N_AXLES:
+            raise InputError("n_axles without car_mass_t", "both", "give car_mass_t, or axle_load_kN alone")
         lateral = 1e3 * self.lateral_force_kN
         base = self.gauge_mm if self.superelevation_base_mm is None else self.superelevation_base_mm
-        balanced = None
         if (self.speed_km_h is None) != (self.curve_radius_m is None):
             raise InputError("one of speed_km_h and curve_radius_m", "both or neither", "give the other one as well")
         if self.speed_km_h is not None and self.curve_radius_m is not None:
@@ -113,23 +126,55 @@ class WheelsetInputs(Case):
                 raise InputError(
                     "lateral_force_kN with speed_km_h and curve_radius_m", "the force or both of these", "leave it out"
                 )
+            if self.curve_radius_m == 0.0:
+                raise InputError(
+                    "curve_radius_m = 0",
+                    "a radius above 0 for a curve to the left, below 0 for one to the right",
+                    "give it in m, or leave curve_radius_m and speed_km_h out on straight track",
+                )
             lateral = curve_force_N(weight, self.speed_km_h, self.curve_radius_m)
-            balanced = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
+        return Load(weight, lateral, superelevation_angle(self._superelevation(base), base))
+
+    def _superelevation(self, base: float) -> float:
+        """Height of the right rail over the left one in mm."""
         if self.superelevation_mm != "from-speed":
-            return Load(weight, lateral, superelevation_angle(float(self.superelevation_mm), base))
-        if balanced is None:
+            if self.cant_deficiency_mm:
+                raise InputError(
+                    f"cant_deficiency_mm with superelevation_mm = {float(self.superelevation_mm):g}",
+                    "superelevation_mm = from-speed, from which it is taken off",
+                    "give from-speed, or leave cant_deficiency_mm out: a given height lacks what it lacks",
+                )
+            height = float(self.superelevation_mm)
+            # what a case of a curve has by default is of its outer rail
+            to_the_right = self.curve_radius_m is not None and self.curve_radius_m < 0.0
+            return -height if to_the_right and "superelevation_mm" not in self.model_fields_set else height
+        if self.speed_km_h is None or self.curve_radius_m is None:
             raise InputError(
                 "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"
             )
-        height = max(balanced - self.cant_deficiency_mm, 0.0)
-        return Load(weight, lateral, superelevation_angle(height, base))
+        balanced = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
+        what = f"{abs(balanced):.4g} mm that balance {self.speed_km_h:g} km/h and {abs(self.curve_radius_m):g} m"
+        height = abs(balanced) - self.cant_deficiency_mm
+        if height < 0.0:
+            raise InputError(
+                f"cant_deficiency_mm = {self.cant_deficiency_mm:g}",
+                f"at most the {what}",
+                "lower it, or raise the speed",
+            )
+        if height > LARGEST_SLOPE * base:
+            raise InputError(
+                f"superelevation_mm = from-speed: the {what}",
+                f"at most {LARGEST_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
+                "give the superelevation that is there, or what is not balanced as cant_deficiency_mm",
+            )
+        return math.copysign(height, balanced)
 
     def track(self) -> Track:
         """Return the rails in their places."""
         left = None
         if self.left_rail not in (None, self.rail):
-            left = rail_named(str(self.left_rail), self._crown(str(self.left_rail)), self.rail_body)
-        right = rail_named(self.rail, self._crown(self.rail), self.rail_body)
+            left = rail_named(str(self.left_rail), self._crown(str(self.left_rail)), self.rail_body, self.rail)
+        right = rail_named(self.rail, self._crown(self.rail), self.rail_body, self.left_rail)
         return Track(right, self.gauge_mm, self.cant, left, self.gauge_depth_mm)
 
     def _crown(self, name: str) -> float | None:
@@ -138,10 +183,10 @@ class WheelsetInputs(Case):
         return None if name != "136RE" and "136RE" in other else self.crown_radius_in
 
     def _wheel(self, name: str) -> WheelProfile:
-        other = {self.wheel, self.left_wheel or self.wheel} - {name}
-        if name != "AAR-1B" and "AAR-1B" in other:
-            return wheel_named(name, None, self.wheel_body)
-        found = wheel_named(name, self.throat_radius_mm, self.wheel_body)
+        other = self.left_wheel if name == self.wheel else self.wheel
+        if name != "AAR-1B" and other == "AAR-1B":
+            return wheel_named(name, None, self.wheel_body, other)
+        found = wheel_named(name, self.throat_radius_mm, self.wheel_body, other)
         return found if self.wide_throat_radius_mm is None else with_wide_throat(found, self.wide_throat_radius_mm)
 
     def wheelset(self) -> Wheelset:

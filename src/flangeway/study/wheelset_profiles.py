@@ -15,8 +15,21 @@ PLAIN = "plain"
 """Body of a wheel that is like no bundled one: a block above its running surface."""
 
 
-def rail_named(name: str, crown_radius_in: float | None, body: str) -> RailProfile:
+def rail_named(
+    name: str, crown_radius_in: float | None, body: str | None = None, other: str | None = None
+) -> RailProfile:
     """Return a bundled rail, a file's running surface on the body of a bundled one, or a file's whole outline.
+
+    Parameters
+    ----------
+    name
+        Of a bundled rail, or of a file.
+    crown_radius_in
+        Radius of a 136RE's crown; None: the usual one.
+    body
+        The bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's ends.
+    other
+        The rail of the other side.
 
     Raises
     ------
@@ -27,24 +40,26 @@ def rail_named(name: str, crown_radius_in: float | None, body: str) -> RailProfi
     if not _means_file(name):
         _refuse_other_kind(name, "rail")
         return rail(name, crown_radius_in=crown_radius_in)
-    found = _from_file(name, "rail", body)
+    found = _from_file(name, "rail", body, other)
     if not isinstance(found, RailProfile):
         raise TypeError("a rail's file gives a rail")
     return found
 
 
-def wheel_named(name: str, throat_radius_mm: float | None, body: str) -> WheelProfile:
-    """Return a bundled wheel, or one from a file; errors as `rail_named`."""
+def wheel_named(
+    name: str, throat_radius_mm: float | None, body: str | None = None, other: str | None = None
+) -> WheelProfile:
+    """Return a bundled wheel, or one from a file; body, other side and errors as `rail_named`."""
     if not _means_file(name):
         _refuse_other_kind(name, "wheel")
         return wheel(name, throat_radius_mm=throat_radius_mm)
-    found = _from_file(name, "wheel", body)
+    found = _from_file(name, "wheel", body, other)
     if not isinstance(found, WheelProfile):
         raise TypeError("a wheel's file gives a wheel")
     return found
 
 
-def _from_file(name: str, kind: Kind, body: str) -> RailProfile | WheelProfile:
+def _from_file(name: str, kind: Kind, body: str | None, other: str | None) -> RailProfile | WheelProfile:
     measured = _read(name, kind)
     if measured.kind != kind:
         raise InputError(
@@ -53,6 +68,7 @@ def _from_file(name: str, kind: Kind, body: str) -> RailProfile | WheelProfile:
     if isinstance(measured.surface, Outline):
         return whole_profile(measured)
     bodies = RAILS if kind == "rail" else (*WHEELS, PLAIN)
+    body = body or _nearest_body(measured, other)
     if body == PLAIN and kind == "wheel":
         return on_plain_body(measured)
     try:
@@ -66,7 +82,7 @@ def _from_file(name: str, kind: Kind, body: str) -> RailProfile | WheelProfile:
     try:
         return joined(measured, body).profile
     except InputError as reason:
-        others = [other for other in bodies if other != body and _fits(measured, other)]
+        others = [each for each in bodies if each != body and _fits(measured, each)]
         advice = (
             f"flangeway profile {name} --join {body} shows what it is taken for; options say what the file does not"
         )
@@ -97,6 +113,20 @@ def _fits(measured: MeasuredProfile, body: str) -> bool:
     except InputError:
         return False
     return True
+
+
+def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
+    """Return the other side's body if it fits; else the bundled one that is nearest to the surface's ends."""
+    names = RAILS if measured.kind == "rail" else WHEELS
+    gaps = {}
+    for name in names:
+        try:
+            gaps[name] = max(joint.gap_mm for joint in joined(measured, name).joints)
+        except InputError:
+            continue
+    if other is not None and other in (gaps or names):
+        return other
+    return min(gaps, key=lambda name: gaps[name]) if gaps else names[0]
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:

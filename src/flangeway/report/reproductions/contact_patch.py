@@ -3,10 +3,10 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from flangeway.report.console import plain_table, print_files
 from flangeway.report.contact_patch_figures import (
     KINDS,
     comparison_figure,
@@ -14,7 +14,7 @@ from flangeway.report.contact_patch_figures import (
     pressures_figure,
     stresses_figure,
 )
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.picture_files import picture_writers
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.contact_patch import PASSED, PUBLISHED, ContactPatchReproduction, PatchRow
@@ -85,7 +85,7 @@ def print_summary(console: Console, found: ContactPatchReproduction, files: list
 
 
 def _published_table(found: ContactPatchReproduction) -> Table:
-    shown = Table("node-to-segment", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown = plain_table("node-to-segment")
     for name in ("mean", "least", "largest", "largest deviation", "root mean square", "pressure of nodes"):
         shown.add_column(name, justify="right")
     for run in found.published:

@@ -4,10 +4,10 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from flangeway.report.console import plain_table, print_files
 from flangeway.report.elasticity_figures import (
     cook_convergence_figure,
     cook_deformed_figure,
@@ -15,7 +15,7 @@ from flangeway.report.elasticity_figures import (
     incompressible_figure,
     patch_figure,
 )
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.picture_files import picture_writers
 from flangeway.report.refinement_figures import adaptive_meshes_figure, estimate_figure, refinement_convergence_figure
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
@@ -115,7 +115,7 @@ def print_summary(console: Console, found: ElasticityReproduction, files: list[P
 
 
 def _cook_table(found: ElasticityReproduction) -> Table:
-    shown = Table("Cook's membrane", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown = plain_table("Cook's membrane")
     for name in ("unknowns", "energy", "uy (48, 52)", "uy (48, 60)", "work at ν = 0.4999"):
         shown.add_column(name, justify="right")
     numbers = {(n.code, n.quantity): n for n in found.numbers if n.table == COOK}

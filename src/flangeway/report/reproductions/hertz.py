@@ -4,12 +4,12 @@ from collections.abc import Callable
 from pathlib import Path
 
 from matplotlib.figure import Figure
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from flangeway.report import hertz_figures
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.console import plain_table, print_files
+from flangeway.report.picture_files import picture_writers
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.hertz import CODES, REFERENCE_FORCE, VARIANTS, HertzReproduction, HertzRow, Variant
@@ -90,12 +90,8 @@ def _print_outside(console: Console, number: ReproducedNumber) -> None:
 
 
 def _table(rows: tuple[HertzRow, ...], variant: Variant) -> Table:
-    shown = Table(
-        "",
-        title=f"{VARIANTS[variant]}; kN, cm; oscillation and difference of the pressure from Hertz's in %",
-        box=box.SIMPLE_HEAD,
-        show_edge=False,
-        pad_edge=False,
+    shown = plain_table(
+        "", title=f"{VARIANTS[variant]}; kN, cm; oscillation and difference of the pressure from Hertz's in %"
     )
     for name in (
         "unknowns",

@@ -5,11 +5,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
-from rich import box
 from rich.console import Console
-from rich.table import Table
 
 from flangeway.errors import InputError
+from flangeway.report.console import plain_table
 from flangeway.report.validation_page import Chapter, Verdict
 from flangeway.study import refuse_unwritable
 from flangeway.study.case import closest
@@ -78,7 +77,7 @@ def find_reproductions(name: str, known: Mapping[str, Reproduction]) -> dict[str
 
 def print_verdicts(console: Console, verdicts: Mapping[str, Verdict]) -> None:
     """Print a line for each reproduction: numbers with a limit, those within, others, verdict and time."""
-    shown = Table("reproduction", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown = plain_table("reproduction")
     for name in ("with a limit", "within", "shown only", "verdict", "seconds"):
         shown.add_column(name, justify="right")
     for key, verdict in verdicts.items():

@@ -3,11 +3,11 @@
 from collections.abc import Callable
 from pathlib import Path
 
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.console import plain_table, print_files
+from flangeway.report.picture_files import picture_writers
 from flangeway.report.torsion_figures import convergence_figure, fields_figure
 from flangeway.study import write_together
 from flangeway.study.reproductions import ReproducedNumber, write_rows
@@ -65,7 +65,7 @@ def print_summary(console: Console, found: TorsionReproduction, files: list[Path
 
 
 def _rates_table(found: TorsionReproduction) -> Table:
-    shown = Table("rates over unknowns", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown = plain_table("rates over unknowns")
     for name in ("theory", "published", "computed", "over h: published", "computed"):
         shown.add_column(name, justify="right")
     for rate in found.rates:

@@ -4,13 +4,13 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from flangeway.report.console import plain_table, print_files
 from flangeway.report.contact_figure import contact_figure
 from flangeway.report.fields import part_fields
-from flangeway.report.files import picture_writers, print_files
+from flangeway.report.picture_files import picture_writers
 from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheel_rail_figures import (
     positions_figure,
@@ -101,7 +101,7 @@ def print_summary(console: Console, found: WheelRailReproduction, files: list[Pa
 
 
 def _rows_table(found: WheelRailReproduction) -> Table:
-    shown = Table("row", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown = plain_table("row")
     for name in ("vertical, mm", "lateral, mm", "roll, mrad", "error", "seconds"):
         shown.add_column(name, justify="right")
     for row in found.rows:
@@ -120,7 +120,7 @@ def _rows_table(found: WheelRailReproduction) -> Table:
 
 
 def _patches_table(found: WheelRailReproduction) -> Table:
-    shown = Table("contact", box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False)
+    shown = plain_table("contact")
     for name in ("force, kN", "pressure, MPa", "half width, mm", "rail x, mm", "shear, MPa"):
         shown.add_column(name, justify="right")
     for row in patch_rows(found.rows):

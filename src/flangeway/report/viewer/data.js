@@ -5,15 +5,15 @@ async function unpacked(header, text) {
   let start = 0;
   return header.parts.map(({ arrays, ...part }) => {
     part.arrays = {};
-    for (const [name, type, count, on, components] of arrays) {
+    for (const [name, type, count, on, components, steps] of arrays) {
       const plain = interleaved(bytes.subarray(start, start + 4 * count), count);
       const numbers = type === "f4" ? new Float32Array(plain) : new Uint32Array(plain);
-      if (on) part.arrays[name] = { on, components, numbers };
+      if (on) part.arrays[name] = { on, components, steps, numbers };
       else part[name] = numbers;
       start += 4 * count;
     }
     for (const name of ["corners", "places", "cells"]) if (part[name]) undoDifferences(part[name]);
-    if (part.places) spread(part);
+    if (part.places) part.points = spread(part, part.points, 2);
     return part;
   });
 }
@@ -44,17 +44,14 @@ function undoDifferences(numbers) {
   for (let i = 1; i < numbers.length; i++) numbers[i] += numbers[i - 1];
 }
 
-// Give each point the coordinates and values of its place.
-function spread(part) {
-  const { places, points } = part;
-  part.points = Float32Array.from({ length: 2 * places.length }, (_, i) => points[2 * places[i >> 1] + (i & 1)]);
-  for (const array of Object.values(part.arrays)) {
-    if (array.on !== "places") continue;
-    const n = points.length / 2;
-    const spread = new Float32Array(array.components * places.length);
-    for (let c = 0; c < array.components; c++) {
-      for (let i = 0; i < places.length; i++) spread[c * places.length + i] = array.numbers[c * n + places[i]];
-    }
-    array.numbers = spread;
-  }
+// Numbers of each point from those of its place, as many in a row.
+function spread({ places }, numbers, row) {
+  return Float32Array.from({ length: row * places.length }, (_, i) => numbers[row * places[Math.floor(i / row)] + (i % row)]);
+}
+
+// Numbers of an array at a step, component after component.
+function numbersAt({ numbers, steps }, step) {
+  const count = numbers.length / steps;
+  const first = count * Math.min(step, steps - 1);
+  return numbers.subarray(first, first + count);
 }

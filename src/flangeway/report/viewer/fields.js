@@ -41,28 +41,32 @@ function jumps(part, field) {
   return on === "cells" || (on === "points" && part.places !== undefined);
 }
 
-// Values of a field on a part's cells or points; each is computed once.
-function valuesOf(part, field) {
+// Values of a field on a part's cells or points at a step, by default the part's; each is computed once.
+function valuesOf(part, field, step = part.step) {
   part.values ??= new Map();
-  if (!part.values.has(field.key)) part.values.set(field.key, computed(part, field));
-  return part.values.get(field.key);
+  if (!part.values.has(field.key)) part.values.set(field.key, []);
+  const found = part.values.get(field.key);
+  found[step] ??= computed(part, field, step);
+  return found[step];
 }
 
-function computed(part, field) {
-  const { numbers, components } = part.arrays[field.array];
+function computed(part, field, step) {
+  const { on, components } = part.arrays[field.array];
+  const numbers = numbersAt(part.arrays[field.array], step);
   const of = FORMULAS[field.formula];
   const n = numbers.length / components;
   const [a, b, c, d] = [0, 1, 2, 3].map((i) => numbers.subarray(n * Math.min(i, components - 1)));
   const values = new Float32Array(n);
   for (let i = 0; i < n; i++) values[i] = of(a[i], b[i], c[i], d[i]);
-  return values;
+  return on === "places" ? spread(part, values, 1) : values;
 }
 
-// The largest number that a field's values are computed from.
-function sizeOf(part, field) {
+// The largest number that a field's values at a step are computed from.
+function sizeOf(part, field, step) {
   const array = part.arrays[field.array];
-  array.size ??= array.numbers.reduce((most, number) => Math.max(most, Math.abs(number)), 0);
-  return array.size;
+  array.sizes ??= [];
+  array.sizes[step] ??= numbersAt(array, step).reduce((most, number) => Math.max(most, Math.abs(number)), 0);
+  return array.sizes[step];
 }
 
 // Means about each point, weighted by the cells' areas: what is drawn in smooth colours.
@@ -99,4 +103,11 @@ function rangeOf(arrays, tail) {
   const last = all.length - 1;
   const skipped = Math.floor(tail * last);
   return { least: all[0], greatest: all[last], low: all[skipped], high: all[last - skipped] };
+}
+
+// The range over several ranges.
+function rangeOver(ranges) {
+  const [least, low] = ["least", "low"].map((name) => Math.min(...ranges.map((range) => range[name])));
+  const [greatest, high] = ["greatest", "high"].map((name) => Math.max(...ranges.map((range) => range[name])));
+  return { least, greatest, low, high };
 }

@@ -18,6 +18,7 @@ PROGRAM = (
     "picking.js",
     "reading.js",
     "scale.js",
+    "steps.js",
     "viewer.js",
 )
 """Files of the program, in the order in which the page holds them."""
@@ -51,9 +52,11 @@ def field_viewer(scene: Scene, instead: str = "") -> str:
         "fields": [asdict(field) for field in scene.fields],
         "views": [asdict(view) for view in scene.views],
         "unit": scene.unit,
+        "steps": list(scene.steps),
     }
     program = "\n".join(_text(name) for name in PROGRAM)
     body = _text("viewer.html").replace("$instead", escape(instead)).replace("$notes", escape(" ".join(scene.notes)))
+    body = body.replace("$steps", escape(scene.steps_note))
     return (
         f"<style>\n{_text('viewer.css')}</style>\n"
         f"{body}"

@@ -8,7 +8,7 @@ function prepare(part) {
   for (let i = 0; i < n; i++) part.cellOfCorner.fill(i, part.offsets[i], part.offsets[i + 1]);
   part.areas = Float32Array.from({ length: n }, (_, cell) => areaOf(part, cell));
   Object.assign(part, trianglesOf(part), edgesOf(part));
-  part.motion = motionOf(part);
+  stepTo(part, part.step);
   return part;
 }
 
@@ -106,19 +106,30 @@ function edgesOfKeys(keys, n, pointAtPlace) {
   return { edges: edges.slice(0, count), boundary: Uint32Array.from(boundary) };
 }
 
-// Places at first touch and motion since then, x, y, motion x, motion y of each point, from the part's origin.
+// Places at first touch and motion since then, x, y, motion x, motion y of each point, from the part's origin; the
+// motion is that at the part's step.
 function motionOf(part) {
   const { points, rigid } = part;
-  const displacement = part.arrays.displacement?.numbers ?? new Float32Array(points.length);
+  const array = part.arrays.displacement;
+  const displacement = array ? numbersAt(array, part.step) : new Float32Array(points.length);
+  const n = displacement.length / 2;
   const motion = new Float32Array(2 * points.length);
   for (let i = 0; i < points.length; i += 2) {
     for (let axis = 0; axis < 2; axis++) {
       const moved = rigid[0][axis] * points[i] + rigid[1][axis] * points[i + 1] + rigid[2][axis];
       motion[2 * i + axis] = points[i + axis] - moved;
-      motion[2 * i + 2 + axis] = moved + displacement[(axis * points.length + i) / 2];
+      const at = array?.on === "places" ? part.places[i / 2] : i / 2;
+      motion[2 * i + 2 + axis] = moved + displacement[axis * n + at];
     }
   }
   return motion;
+}
+
+// Move a part to what it is at a step.
+function stepTo(part, step) {
+  part.step = step;
+  part.motion = motionOf(part);
+  part.boxes = undefined;
 }
 
 // Where a point is drawn, along one axis, from the part's origin.

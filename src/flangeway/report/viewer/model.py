@@ -61,9 +61,10 @@ class ShownPart:
     mesh
         The cells that are drawn.
     point_arrays
-        Arrays (n_points, n_components) by name; ``displacement`` (n_points, 2) deforms the picture.
+        Arrays (n_points, n_components) by name, or (n_steps, n_points, n_components) where the scene has steps;
+        ``displacement``, with 2 components, deforms the picture.
     cell_arrays
-        Arrays (n_cells, n_components) by name.
+        Arrays (n_cells, n_components) by name, or (n_steps, n_cells, n_components).
     side
         Name of the group that the part stands with; groups may be drawn closer together than they are.
     approach
@@ -126,6 +127,10 @@ class Scene:
         Unit of all lengths.
     notes
         Sentences on what the values are.
+    steps
+        Names of the steps to choose from, such as ``1 of 4: 25 %``, the last shown first; empty where there is one.
+    steps_note
+        Sentence on steps that are left out.
 
     """
 
@@ -134,3 +139,5 @@ class Scene:
     views: Sequence[View] = ()
     unit: str = "mm"
     notes: Sequence[str] = ()
+    steps: Sequence[str] = ()
+    steps_note: str = ""

@@ -49,7 +49,16 @@ class Reading {
   tell(text = undefined) {
     clearTimeout(this.timer);
     const words = text ?? Array.from(this.output.children, (child) => child.textContent).join(": ");
-    this.timer = setTimeout(() => (this.live.textContent = words), REST_MS);
+    this.timer = setTimeout(() => {
+      this.live.textContent = [this.first, words].filter(Boolean).join("; ");
+      this.first = "";
+    }, REST_MS);
+  }
+
+  // Tell some words before the value that is told next.
+  tellFirst(words) {
+    this.first = words;
+    this.tell();
   }
 }
 

@@ -21,10 +21,9 @@ class Scale {
     }
   }
 
-  // Range of colours for arrays of values: robust, full, or the person's own while that makes sense. Differences that
+  // Range of colours for values in a range: robust, full, or the person's own while that makes sense. Differences that
   // are nothing beside the size of what the values were computed from are not shown.
-  rangeFor(arrays, size) {
-    const found = rangeOf(arrays, TAIL);
+  rangeFor(found, size) {
     let { low, high } = this.mode.value === "full" ? { low: found.least, high: found.greatest } : found;
     if (this.mode.value === "own") {
       const own = [this.low, this.high].map((input) => input.valueAsNumber);
@@ -45,7 +44,8 @@ class Scale {
     return { low, high, least: found.least, greatest: found.greatest };
   }
 
-  show(field, range, table) {
+  // `where` is the step or steps that the range is of.
+  show(field, range, table, where) {
     this.bar.style.background = cssGradient(table);
     this.title.textContent = `${field.name} in ${field.unit}`;
     this.ticks.replaceChildren();
@@ -56,7 +56,7 @@ class Scale {
       this.ticks.append(label);
     }
     const kind = this.mode.value === "robust" ? "Robust range, without the outermost 0.5 % of values at each end. " : "";
-    const values = `${kind}The shown parts have ${shown(range.least, 5)} to ${shown(range.greatest, 5)} ${field.unit}`;
+    const values = `${kind}${where ? `${where} the` : "The"} shown parts have ${shown(range.least, 5)} to ${shown(range.greatest, 5)} ${field.unit}`;
     const cut = range.least < range.low || range.greatest > range.high;
     this.note.textContent = cut ? `${values}; what lies beyond the scale has its end colour.` : `${values}.`;
   }

@@ -78,7 +78,7 @@ class Picture {
     mesh.visible = false;
     group.add(cells, mesh, outline);
     this.scene.add(group);
-    return { part, group, uniforms, mesh };
+    return { part, group, uniforms, motion, mesh };
   }
 
   drawable(kind, nodes, index, uniforms, vertexShader, fragmentShader, order) {
@@ -97,6 +97,14 @@ class Picture {
   // Put the parts where they are drawn: at their origins, shifted sideways.
   place() {
     for (const { part, group } of this.items) group.position.set(part.origin[0] + part.shift, part.origin[1], 0);
+  }
+
+  // Move the points to where they are at the step of their parts.
+  setMotion() {
+    for (const { part, motion } of this.items) {
+      motion.value.dispose();
+      motion.value = floatTexture(part.motion, 4);
+    }
   }
 
   // For each part its values, and whether they are of its cells or of its points.

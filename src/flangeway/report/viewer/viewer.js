@@ -9,7 +9,7 @@ const LONGEST_BAR = 160;
 const SIDES_APART = 0.2;
 
 class Viewer {
-  constructor(root, parts, { fields, views, unit }) {
+  constructor(root, parts, { fields, views, unit, steps }) {
     this.root = root;
     this.parts = parts;
     this.fields = fields;
@@ -20,10 +20,12 @@ class Viewer {
     this.field = fields[0];
     this.factor = 1;
     this.found = null;
+    this.ranges = new Map();
     this.picture = new Picture(this.canvas, parts);
     this.navigation = new Navigation(this.picture, this.canvas, () => this.moved());
     this.reading = new Reading(root, this);
     this.scale = new Scale(root, () => this.recolour());
+    this.steps = new Steps(root, steps, (words) => this.chooseStep(words));
     const given = views.map((view) => givenView(view, parts));
     this.views = [{ name: "whole", box: () => this.wholeBox() }, ...sidesOf(parts, this), ...given];
     this.moveSides();
@@ -117,6 +119,7 @@ class Viewer {
     on("#viewer-true", "click", () => this.deform(1));
     on("#viewer-lines", "change", () => this.showLines());
     on("#viewer-smooth", "change", () => this.recolour());
+    on("#viewer-common", "change", () => this.recolour());
     on("#viewer-closer", "change", () => {
       this.moveSides();
       this.lookAtWhole();
@@ -131,8 +134,14 @@ class Viewer {
     new ResizeObserver(() => this.resized()).observe(this.canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rethemed());
     new MutationObserver(() => this.rethemed()).observe(document.documentElement, { attributeFilter: ["data-theme"] });
-    window.addEventListener("beforeprint", () => this.rethemed("light"));
-    window.addEventListener("afterprint", () => this.rethemed());
+    window.addEventListener("beforeprint", () => {
+      this.steps.print();
+      this.rethemed("light");
+    });
+    window.addEventListener("afterprint", () => {
+      this.steps.printed();
+      this.rethemed();
+    });
   }
 
   pressed(event) {
@@ -148,6 +157,8 @@ class Viewer {
       f: () => this.nextField(1),
       F: () => this.nextField(-1),
       m: () => this.find("#viewer-lines").click(),
+      s: () => this.steps.next(1),
+      S: () => this.steps.next(-1),
     };
     const view = /^\d$/.test(event.key) ? this.views[Number(event.key)] : undefined;
     const action = view ? () => this.fly(view) : (actions[event.key] ?? actions[event.key.toLowerCase()]);
@@ -174,6 +185,13 @@ class Viewer {
     this.chooseField(fields[(fields.indexOf(this.field) + step + fields.length) % fields.length].key);
   }
 
+  chooseStep(words) {
+    for (const part of this.parts) stepTo(part, this.steps.at);
+    this.picture.setMotion();
+    this.recolour();
+    this.reading.tellFirst(words);
+  }
+
   recolour() {
     const smooth = this.find("#viewer-smooth").checked;
     this.picture.setValues(
@@ -188,14 +206,24 @@ class Viewer {
   }
 
   rerange() {
-    const parts = this.shownParts();
-    const size = Math.max(0, ...parts.map((part) => sizeOf(part, this.field)));
-    const range = this.scale.rangeFor(parts.map((part) => valuesOf(part, this.field)), size);
+    const common = this.find("#viewer-common").checked;
+    const steps = common ? Array.from({ length: this.steps.last + 1 }, (_, step) => step) : [this.steps.at];
+    const sizes = this.shownParts().flatMap((part) => steps.map((step) => sizeOf(part, this.field, step)));
+    const range = this.scale.rangeFor(rangeOver(steps.map((step) => this.rangeAt(step))), Math.max(0, ...sizes));
     const table = colourTable(this.theme ?? themeNow(), signOf(range));
     this.picture.shared.range.value = [range.low, range.high];
     this.picture.setTable(table);
-    this.scale.show(this.field, range, table);
+    const where = common ? "In all load steps" : "In this load step";
+    this.scale.show(this.field, range, table, this.steps.last > 0 ? where : "");
     this.picture.renderSoon();
+  }
+
+  // Range of the field in the shown parts at a step.
+  rangeAt(step) {
+    const parts = this.shownParts();
+    const key = [this.field.key, step, ...parts.map((part) => this.parts.indexOf(part))].join();
+    if (!this.ranges.has(key)) this.ranges.set(key, rangeOf(parts.map((part) => valuesOf(part, this.field, step)), TAIL));
+    return this.ranges.get(key);
   }
 
   deform(factor, source = null) {
@@ -257,13 +285,15 @@ class Viewer {
   left() {
     if (!this.pointer) return;
     this.pointer = undefined;
-    this.found = null;
     this.mark();
   }
 
-  // Read at the pointer, or at the cross while keys are used.
+  // Read at the pointer, or at the cross while keys are used; without both the material that was read last.
   read() {
-    if (this.pointer === undefined) return;
+    if (this.pointer === undefined) {
+      if (this.found) this.reading.show(this.found.part.hidden ? null : this.found, this.field);
+      return;
+    }
     const pixel = this.pointer ?? [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2];
     const place = this.navigation.placeAt(...pixel);
     this.found = cellAt(this.parts, ...place, this.factor);
@@ -273,7 +303,7 @@ class Viewer {
 
   // Outline the cell that is read.
   mark() {
-    const corners = this.found ? outlineOf(this.found.part, this.found.cell, this.factor) : [];
+    const corners = this.found && this.pointer !== undefined ? outlineOf(this.found.part, this.found.cell, this.factor) : [];
     const pixels = corners.map((corner) => this.navigation.pixelOf(corner).map((at) => at.toFixed(1)).join());
     this.find(".viewer-mark polygon").setAttribute("points", pixels.join(" "));
   }
@@ -362,7 +392,10 @@ async function startViewer() {
   try {
     const header = JSON.parse(document.getElementById("viewer-header").textContent);
     const parts = await unpacked(header, document.getElementById("viewer-data").textContent);
-    parts.forEach(prepare);
+    for (const part of parts) {
+      part.step = Math.max(0, header.steps.length - 1);
+      prepare(part);
+    }
     body.hidden = false;
     new Viewer(root, parts, header);
     message.hidden = true;

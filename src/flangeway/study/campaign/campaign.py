@@ -89,6 +89,8 @@ class Campaign:
         Rows in their order.
     columns
         Columns of results to export; empty: all.
+    shear
+        Whether the largest shear stresses below the contacts of wheelsets are wanted.
 
     """
 
@@ -97,6 +99,7 @@ class Campaign:
     keys: tuple[str, ...]
     rows: tuple[Row, ...]
     columns: tuple[str, ...] = ()
+    shear: bool = False
 
     def __post_init__(self) -> None:
         if not self.rows:
@@ -132,8 +135,8 @@ class Campaign:
 
     @property
     def identity(self) -> str:
-        """Hash of all rows in their order and of the version that computes them."""
-        return _hash([versions()["flangeway"], *(row.identity for row in self.rows)])
+        """Hash of all rows in their order, of what is asked for, and of the version that computes them."""
+        return _hash([versions()["flangeway"], self.shear, *(row.identity for row in self.rows)])
 
     @property
     def chunks(self) -> tuple[tuple[Row | None, tuple[Row, ...]], ...]:

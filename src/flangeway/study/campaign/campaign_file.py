@@ -7,13 +7,14 @@ from typing import Any
 from flangeway.errors import InputError, short
 from flangeway.geometry.file_content import is_file
 from flangeway.study.campaign.campaign import Campaign, Row
-from flangeway.study.campaign.columns import WHEELSET_COLUMNS
+from flangeway.study.campaign.columns import WHEELSET_COLUMNS, WHEELSET_SHEAR_COLUMNS
 from flangeway.study.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
 from flangeway.study.case import RunnableCase, closest
 from flangeway.study.case_file import FILE_KEYS, is_case_file, read_case
 from flangeway.study.toml_file import TomlFile, TomlKind
 from flangeway.study.wheelset_case import WheelsetCase
 
+RESULTS = ("columns", "subsurface_shear")
 KEYS = ("case", "table", "inputs", "vary", "results")
 
 
@@ -52,7 +53,8 @@ class _CampaignText(TomlFile):
             rows.append(Row(number, {key: _read(found, key, value) for key, value in values.items()}, found))
         self._check(rows)
         kind = type(rows[0].case)
-        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind))
+        shear = self._shear(kind)
+        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, shear), shear)
 
     def _refuse_unknown(self) -> None:
         for key, value in self.data.items():
@@ -153,11 +155,23 @@ class _CampaignText(TomlFile):
             )
         return value
 
-    def _columns(self, kind: type[RunnableCase]) -> tuple[str, ...]:
+    def _shear(self, kind: type[RunnableCase]) -> bool:
+        shear = self.data.get("results", {}).get("subsurface_shear", False)
+        place = f"{self._line('results', 'subsurface_shear')}results.subsurface_shear"
+        if not isinstance(shear, bool):
+            raise InputError(f"{place} = {short(shear)}", "true or false", "correct it")
+        if shear and not issubclass(kind, WheelsetCase):
+            raise InputError(f"{place} with case = {kind.name!r}", "a case of a wheelset", "leave it out")
+        return shear
+
+    def _columns(self, kind: type[RunnableCase], shear: bool) -> tuple[str, ...]:
         given = self.data.get("results", {})
         for key in given:
-            if key != "columns":
-                raise InputError(f"{self._line('results', key)}results.{key}", "columns", closest(key, ["columns"]))
+            if key not in RESULTS:
+                raise InputError(
+                    f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
+                )
+        known = (*WHEELSET_COLUMNS, *(WHEELSET_SHEAR_COLUMNS if shear else ()))
         columns = given.get("columns", [])
         place = self._line("results", "columns")
         if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
@@ -169,11 +183,12 @@ class _CampaignText(TomlFile):
                 "leave it out: all are kept",
             )
         for name in columns:
-            if name not in WHEELSET_COLUMNS:
+            if name not in known:
+                asks = name in WHEELSET_SHEAR_COLUMNS
                 raise InputError(
                     f"{place}results.columns with {name!r}",
-                    ", ".join(WHEELSET_COLUMNS),
-                    closest(name, list(WHEELSET_COLUMNS)),
+                    ", ".join(known),
+                    "add subsurface_shear = true under [results]" if asks else closest(name, list(known)),
                 )
         return tuple(columns)
 

@@ -29,12 +29,18 @@ class Chunk:
         row is computed alone.
     losses
         How many workers have died of it.
+    shear
+        Whether the largest shear stresses below the contacts of wheelsets are wanted.
+    n_alike
+        Number of rows of the whole campaign with the same bodies.
 
     """
 
     rows: tuple[Row, ...]
     prepared_for: Row | None = None
     losses: int = 0
+    shear: bool = False
+    n_alike: int = 1
 
 
 @dataclass(frozen=True)
@@ -70,18 +76,18 @@ def compute(chunk: Chunk) -> Outcome:
 def _results(chunk: Chunk) -> tuple[RowResult, ...]:
     if chunk.prepared_for is not None:
         try:
-            return position_rows(chunk.prepared_for, chunk.rows)
+            return position_rows(chunk.prepared_for, chunk.rows, shear=chunk.shear, n_alike=chunk.n_alike)
         except MissingLibraryError:
             raise
         except Exception as reason:
             return tuple(_failed(reason, 0.0) for _ in chunk.rows)
-    return tuple(_guarded(row.case) for row in chunk.rows)
+    return tuple(_guarded(row.case, chunk.shear) for row in chunk.rows)
 
 
-def _guarded(case: RunnableCase) -> RowResult:
+def _guarded(case: RunnableCase, shear: bool) -> RowResult:
     start = time.perf_counter()
     try:
-        return _computed(case, start)
+        return _computed(case, start, shear)
     except MissingLibraryError:
         raise
     except Exception as reason:
@@ -95,9 +101,9 @@ def _failed(reason: Exception, seconds: float) -> RowResult:
     )
 
 
-def _computed(case: RunnableCase, start: float) -> RowResult:
+def _computed(case: RunnableCase, start: float, shear: bool) -> RowResult:
     if isinstance(case, WheelsetCase):
         result = solve_wheelset(case.problem())
-        return wheelset_row(result, time.perf_counter() - start)
+        return wheelset_row(result, time.perf_counter() - start, shear=shear)
     run = case.run()
     return summary_row(run.status.converged, run.status.message, run.summary, time.perf_counter() - start)

@@ -3,12 +3,14 @@
 import json
 import math
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 from flangeway.exact import LineContact
+from flangeway.railway.discretisation import ROLES
 from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.result import WheelsetResult
+from flangeway.railway.subsurface import largest_shear
 from flangeway.railway.track import SIDES, Side
 
 Value = float | int | str | None
@@ -34,6 +36,17 @@ PATCH_COLUMNS = (
     *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
 )
 """Columns of the table of patches; they are numbered on each side from the field to the gauge."""
+
+_SHEAR = {
+    f"{role}_max_in_plane_shear_{name}": (role, field)
+    for role in ROLES
+    for name, field in (("MPa", "value_MPa"), ("depth_mm", "depth_mm"))
+}
+PATCH_SHEAR_COLUMNS = tuple(_SHEAR)
+"""Further columns of patches where the largest shear stress below the surface is asked for."""
+
+WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in _SHEAR)
+"""Further results of wheelsets then: the largest of each side's patches, in the wheel and in the rail."""
 
 _SKIPPED = ("timings_s", "case", "versions", "published", "status")
 
@@ -84,11 +97,14 @@ class RowResult:
     seconds: float = 0.0
 
 
-def wheelset_row(result: WheelsetResult, seconds: float) -> RowResult:
-    """Return the numbers of a wheelset in balance."""
+def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False) -> RowResult:
+    """Return the numbers of a wheelset in balance, with the largest shear stresses below its patches or without."""
     if not result.status.converged:
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
-    patches = [PatchNumbers(LanePatch.of(patch), patch.hertz) for patch in result.patches]
+    patches = []
+    for patch in result.patches:
+        below = {role: largest_shear(result, patch, role) for role in ROLES} if shear else None
+        patches.append(PatchNumbers(replace(LanePatch.of(patch), shear=below), patch.hertz))
     values, rows = numbers_of(result.equilibrium.motion.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
@@ -120,7 +136,12 @@ def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
         values["max_pressure_MPa"] = max(float(patch["max_pressure_MPa"] or 0.0) for patch in patches)
         most = max(patches, key=lambda patch: float(patch["normal_force_N"] or 0.0))
         values |= {name: most[name] for name in _SIDE if name not in values}
-    return {f"{side}_{name}": values.get(name) for name in _SIDE}
+        for role in ROLES:
+            value, depth = (name for name, (of, _) in _SHEAR.items() if of == role)
+            if value in most:
+                worst = max(patches, key=lambda patch: float(patch[value] or 0.0))
+                values |= {value: worst[value], depth: worst[depth]}
+    return {f"{side}_{name}": values.get(name) for name in (*_SIDE, *(name for name in _SHEAR if name in values))}
 
 
 def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str, Value]:
@@ -141,6 +162,8 @@ def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str
     }
     for name, (x, y) in (("wheel", patch.wheel_point_mm), ("rail", patch.rail_point_mm)):
         values |= {f"{name}_x_mm": x, f"{name}_y_mm": y}
+    if patch.shear is not None:
+        values |= {name: getattr(patch.shear[role], field) for name, (role, field) in _SHEAR.items()}
     return {name: _plain(value) for name, value in values.items()}
 
 

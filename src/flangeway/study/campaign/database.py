@@ -10,7 +10,14 @@ from typing import IO
 
 from flangeway.errors import InputError
 from flangeway.study.campaign.campaign import Campaign, Row
-from flangeway.study.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS, RowResult, as_cell
+from flangeway.study.campaign.columns import (
+    PATCH_COLUMNS,
+    PATCH_SHEAR_COLUMNS,
+    WHEELSET_COLUMNS,
+    WHEELSET_SHEAR_COLUMNS,
+    RowResult,
+    as_cell,
+)
 from flangeway.study.versions import versions
 from flangeway.study.wheelset_case import WheelsetCase
 
@@ -151,9 +158,11 @@ class CampaignDatabase:
 
     def _create(self, campaign: Campaign) -> None:
         results = WHEELSET_COLUMNS if issubclass(campaign.case, WheelsetCase) else ()
+        patches = [*PATCH_COLUMNS, *(PATCH_SHEAR_COLUMNS if campaign.shear else ())]
         columns = [*campaign.keys, *(name for name in results if name not in campaign.keys)]
+        columns += WHEELSET_SHEAR_COLUMNS if campaign.shear else ()
         with self._transaction():
-            for statement in _TABLES.format(patches=", ".join(map(quoted, PATCH_COLUMNS))).split(";")[:-1]:
+            for statement in _TABLES.format(patches=", ".join(map(quoted, patches))).split(";")[:-1]:
                 self._connection.execute(statement)
             for name in columns:
                 self._connection.execute(f"ALTER TABLE rows ADD COLUMN {quoted(name)}")
@@ -191,7 +200,7 @@ class CampaignDatabase:
         if version != versions()["flangeway"]:
             return f"it was begun with flangeway {version}, this is {versions()['flangeway']}"
         if stored == wanted:
-            return "the same rows in another order"
+            return "the same rows in another order, or with other results"
         return (
             f"{len(wanted - stored)} of {len(wanted)} rows are not in it, {len(stored - wanted)} of it are not wanted"
         )

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flangeway.post.contact_doubts import roughness
 from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.load import Load
 from flangeway.railway.positions import Positions, PositionTable, solve_positions
@@ -24,7 +25,7 @@ KEPT = 2
 _prepared: OrderedDict[str, PreparedWheelset] = OrderedDict()
 
 
-def position_rows(prepared_for: Row, rows: Sequence[Row]) -> tuple[RowResult, ...]:
+def position_rows(prepared_for: Row, rows: Sequence[Row], *, shear: bool, n_alike: int) -> tuple[RowResult, ...]:
     """Compute positions of the same bodies.
 
     Parameters
@@ -33,6 +34,10 @@ def position_rows(prepared_for: Row, rows: Sequence[Row]) -> tuple[RowResult, ..
         Row whose weight the bodies are prepared with: the same for all chunks, so that meshes are.
     rows
         The rows; they differ in position and load only.
+    shear
+        Whether the largest shear stresses below the contacts are wanted.
+    n_alike
+        Number of rows of the whole campaign with these bodies.
 
     """
     problems = [_problem(row) for row in rows]
@@ -51,7 +56,7 @@ def position_rows(prepared_for: Row, rows: Sequence[Row]) -> tuple[RowResult, ..
             np.array([problems[number].load.vertical_N for number in numbers]),
             np.array([problems[number].load.lateral_N for number in numbers]),
         )
-        table = solve_positions(prepared, positions)
+        table = solve_positions(prepared, positions, shear=shear, n_alike=n_alike)
         seconds = (time.perf_counter() - start) / len(numbers)
         for place, number in enumerate(numbers):
             results[number] = _row(prepared, table, place, seconds)
@@ -94,10 +99,12 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
         )
         return RowResult("not converged", message, seconds=seconds)
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
-    warnings = (f"the {' and '.join(lost)} wheel does not touch its rail",) if lost else ()
+    warnings = [f"the {' and '.join(lost)} wheel does not touch its rail"] if lost else []
+    for patch in patches:  # segment-to-segment has one constraint for each segment
+        warnings += roughness(patch.n_constraints, patch.scatter, f"the {patch.side} contact", "lower size_scale")
     lateral, vertical, roll = table.motion[place].tolist()
     values, rows = numbers_of((lateral, vertical, roll), [_numbers(prepared, patch) for patch in patches])
-    return RowResult("converged", "contact forces balance the load", warnings, values, rows, seconds)
+    return RowResult("converged", "contact forces balance the load", tuple(warnings), values, rows, seconds)
 
 
 def _numbers(prepared: PreparedWheelset, patch: LanePatch) -> PatchNumbers:

@@ -131,8 +131,11 @@ class _Run:
     def __init__(self, campaign: Campaign, store: CampaignDatabase, progress: Progress) -> None:
         waiting = store.waiting()
         # a chunk is stored at once, so either all of its rows wait or none, but for those that were split
+        alike = Counter(row.bodies for row in campaign.rows)
         self.chunks = deque(
-            Chunk(rows, first) for first, rows in campaign.chunks if any(row.number in waiting for row in rows)
+            Chunk(rows, first, shear=campaign.shear, n_alike=alike[rows[0].bodies])
+            for first, rows in campaign.chunks
+            if any(row.number in waiting for row in rows)
         )
         self._store, self._progress = store, progress
         self._n_rows, self._n_before = len(campaign.rows), len(campaign.rows) - len(waiting)
@@ -184,7 +187,7 @@ class _Run:
         if losses < MOST_LOSSES - 1 or (losses < MOST_LOSSES and len(chunk.rows) == 1):
             self.chunks.appendleft(replace(chunk, losses=losses))
         elif len(chunk.rows) > 1:
-            alone = [Chunk((row,), chunk.prepared_for, MOST_LOSSES - 1) for row in chunk.rows]
+            alone = [replace(chunk, rows=(row,), losses=MOST_LOSSES - 1) for row in chunk.rows]
             self.chunks.extendleft(reversed(alone))
         else:
             reason = f"{losses} workers died while they computed this row; the last one: {lost.reason}"

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.study.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS, Value
+from flangeway.study.campaign.columns import WHEELSET_COLUMNS, Value
 from flangeway.study.campaign.database import OWN_COLUMNS, WAITING, quoted, refuse_other_file, unusable
 
 Columns = dict[str, list[Value]]
@@ -104,7 +104,8 @@ def results(database: str | Path) -> CampaignTable:
             inputs = json.loads(facts["inputs"])
             wanted = _wanted(names, keys, json.loads(facts["columns"]))
             rows = _columns(connection, "rows", wanted, '"row"')
-            patches = _columns(connection, "patches", list(PATCH_COLUMNS), '"row", side, number')
+            of_patches = [name for _, name, *_ in connection.execute("PRAGMA table_info(patches)")]
+            patches = _columns(connection, "patches", of_patches, '"row", side, number')
     except (sqlite3.Error, KeyError) as reason:
         raise unusable(path, reason) from reason
     return CampaignTable(facts["name"], facts["case"], keys, inputs, rows, patches)

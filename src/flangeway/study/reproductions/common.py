@@ -1,13 +1,11 @@
 """What all reproductions share: a published number beside the computed one, and the files of both."""
 
 import csv
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from importlib.resources import files
 from pathlib import Path
 from typing import Any, Protocol
-
-Progress = Callable[[str], None]
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ friction: the uniform state has a shear stress on it.
 """
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
@@ -30,11 +30,11 @@ from flangeway.contact.contact import Pairing
 from flangeway.contact.enforcement import Enforcement
 from flangeway.post import Stresses, cell_stresses, corner_stresses
 from flangeway.post.pressure import PressurePatch, pressure_patches
-from flangeway.study.contact_cases import STEEL, ContactCase, Discretisation, Method, pressed_boxes
+from flangeway.study.case import Progress
+from flangeway.study.pressed_boxes import STEEL, ContactCase, Discretisation, Method, pressed_boxes
 from flangeway.study.reproductions.common import ReproducedNumber, percent
 
 Floats = NDArray[np.float64]
-Progress = Callable[[str], None]
 Weighting = Literal["standard", "dual"]
 
 PUBLISHED = -1125.0

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from flangeway.elements import Virtual
+from flangeway.study.case import Progress
 from flangeway.study.closed_form import ClosedFormValue, closed_form_values
 from flangeway.study.cook import (
     NEARLY_INCOMPRESSIBLE,
@@ -21,7 +22,7 @@ from flangeway.study.cook import (
 from flangeway.study.l_shape import adaptive_rows, l_shape, uniform_rows
 from flangeway.study.patch_test import PatchRow, patch_codes, patch_row
 from flangeway.study.refinement import RefinementRow
-from flangeway.study.reproductions.common import Progress, ReproducedNumber, percent, published_rows
+from flangeway.study.reproductions.common import ReproducedNumber, percent, published_rows
 
 COOK = "Section 5.3.2"
 METHODS = ("F", "V", "H")

@@ -22,9 +22,10 @@ from flangeway.exact import LineContact
 from flangeway.post import StressLine, stresses_along
 from flangeway.problems import ElasticField
 from flangeway.solve import Status
+from flangeway.study.case import Progress
 from flangeway.study.half_disc import Cells, HalfDisc, Method
 from flangeway.study.hertz import HertzProblem, HertzSolution, SurfacePressure, solve_hertz
-from flangeway.study.reproductions.common import Progress, ReproducedNumber, percent, published_rows
+from flangeway.study.reproductions.common import ReproducedNumber, percent, published_rows
 
 Floats = NDArray[np.float64]
 Variant = Literal["printed", "halved", "segments"]

@@ -11,7 +11,8 @@ from flangeway.mesh import dual, triangulate
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space
-from flangeway.study.reproductions.common import Progress, ReproducedNumber, percent, published_rows
+from flangeway.study.case import Progress
+from flangeway.study.reproductions.common import ReproducedNumber, percent, published_rows
 from flangeway.study.torsion import (
     SQUARE_EDGES,
     TRIANGLE_EDGES,

@@ -15,9 +15,10 @@ from flangeway.materials import Elastic
 from flangeway.railway.discretisation import Discretisation
 from flangeway.railway.result import WheelsetResult
 from flangeway.railway.subsurface import largest_shear
+from flangeway.study.case import Progress
 from flangeway.study.contact_refinement import DIVISORS, RefinedContact, refine_contact
 from flangeway.study.one_arc import OneArcContact, approach_curvature, one_arc_contacts
-from flangeway.study.reproductions.common import Progress, ReproducedNumber, percent, published_rows
+from flangeway.study.reproductions.common import ReproducedNumber, percent, published_rows
 from flangeway.study.rigid_limit import FACTORS, StiffenedWheelset, extrapolated_differences_mm, rigid_limit
 from flangeway.study.runner import CaseRun, run_case
 from flangeway.study.wheelset_curve import WheelsetCurveCase

@@ -8,6 +8,10 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks import growth
+from benchmarks.measurement import fastest, fastest_in_turns
+from benchmarks.peers import PeerMissingError
+
 ROOT = Path(__file__).parents[1]
 KEYS = {"work", "peer", "ours_s", "peer_s", "ratio", "ours_accuracy", "peer_accuracy", "versions"}
 
@@ -52,3 +56,30 @@ def test_an_unknown_name_is_refused(tmp_path: Path) -> None:
     done = run("--quick", "cache", cache=tmp_path)
     assert done.returncode == 2
     assert "torsion-assembly" in done.stderr
+
+
+def test_growth_tells_exponents() -> None:
+    """Small sizes solve to round-off, and an exponent is the slope of the logarithms."""
+    *sizes, last = growth.quick()
+    assert len(sizes) == len(growth.QUICK)
+    assert all(size.ours_accuracy is not None and size.ours_accuracy < 1e-9 for size in sizes)
+    assert all(size.more["peak_mb"] >= size.more["before_mb"] > 0 for size in sizes)
+    assert set(last.more["exponents"]) == {"assembly", "factor", "solve", "total", "peak_mb"}
+    powers = [{"unknowns": n, "total": n**1.5} for n in (10, 100, 1000)]
+    assert growth.exponent(powers, "total") == pytest.approx(1.5)
+
+
+def test_the_fastest_run_counts_and_a_missing_peer_is_told() -> None:
+    """Of runs in turns the fastest is kept; of several runs of a peer too, unless one tells that it is missing."""
+    times = iter([3.0, 1.0, 2.0])
+
+    def missing() -> float:
+        raise PeerMissingError("not there")
+
+    found = fastest_in_turns({"ours": lambda: next(times), "peer": missing}, {"ours": 3, "peer": 2}, float)
+    assert found["ours"] == 1.0
+    peer = found["peer"]
+    assert isinstance(peer, PeerMissingError)
+    runs: list[float | PeerMissingError] = [2.0, 1.5, 4.0]
+    assert fastest(runs, float) == 1.5
+    assert fastest([*runs, peer], float) is peer

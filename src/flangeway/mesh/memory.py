@@ -1,0 +1,150 @@
+"""How much memory may be used; work that needs more is refused before it begins.
+
+``FLANGEWAY_MEMORY_GB`` limits what a process holds, in units of 1e9 bytes; left out it is what the machine, or the
+control group of the process, has left. A limit of the address space counts in any case.
+"""
+
+import os
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from flangeway.errors import InputError, OutOfMemoryError
+
+LIMIT = "FLANGEWAY_MEMORY_GB"
+GB = 1e9
+UNLIMITED = 2**63 - 1
+SMALL = 10_000_000
+"""Bytes that every machine has: to ask the system takes longer than small work."""
+
+
+def memory_left() -> int:
+    """Bytes that this process may still take.
+
+    Raises
+    ------
+    InputError
+        If ``FLANGEWAY_MEMORY_GB`` is not a positive number.
+
+    """
+    return max(0, min(bytes_left for bytes_left, _ in _bounds()))
+
+
+def refuse_beyond_memory(work: str, needed: int) -> None:
+    """Raise an `OutOfMemoryError` where some work needs more bytes than may be taken."""
+    if needed < SMALL and LIMIT not in os.environ:
+        return
+    if needed > memory_left():
+        raise out_of_memory(work, needed)
+
+
+def refuse_large_mesh(work: str, needed: int) -> None:
+    """Do the same for work on meshes, of which what needs less than `SMALL` is let through under any limit.
+
+    Where a limit leaves no room for that, later work is refused, which tells more.
+    """
+    if needed >= SMALL:
+        refuse_beyond_memory(work, needed)
+
+
+def out_of_memory(work: str, needed: int | None) -> OutOfMemoryError:
+    """Error of work that needs so many bytes, or more entries than can be counted (None)."""
+    if needed is None:
+        return OutOfMemoryError(f"{work}, which needs more than 2^31 - 1 entries", "a problem with fewer")
+    left, why = min(_bounds())
+    return OutOfMemoryError(f"{work}, which needs about {_size(needed)} of memory", f"{_size(max(0, left))}, {why}")
+
+
+def peak_memory_bytes() -> int:
+    """Most memory that this process has held at a time, in bytes; 0 where the system does not tell."""
+    told = _status("VmHWM")
+    if told is not None:
+        return told
+    try:
+        import resource  # noqa: PLC0415 (not on every system)
+    except ImportError:
+        return 0
+    unit = 1 if sys.platform == "darwin" else 1024
+    return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * unit
+
+
+def _bounds() -> Iterator[tuple[int, str]]:
+    """Bytes left by each limit, and in words what limits."""
+    yield UNLIMITED, "since the system does not tell"
+    held = _status("VmRSS") or 0
+    given = os.environ.get(LIMIT, "")
+    if given:
+        limit = _limit(given)
+        yield limit - held, f"what {LIMIT} or --memory ({limit / GB:g} GB) leaves beside {_size(held)} in use"
+    else:
+        yield from _machine(held)
+        yield from ((left, "what the control group of this process has left") for left in _control_groups(Path("/")))
+    address_space = _address_space()
+    if address_space is not None:
+        yield address_space, "what the limit of the address space (ulimit -v) leaves"
+
+
+def _limit(given: str) -> int:
+    try:
+        gigabytes = float(given)
+    except ValueError:
+        gigabytes = -1.0
+    if not (np.isfinite(gigabytes) and gigabytes > 0.0):
+        raise InputError(f"{LIMIT}={given}", "a positive number of gigabytes", "correct it, or leave it out")
+    return int(GB * gigabytes)
+
+
+def _machine(held: int) -> Iterator[tuple[int, str]]:
+    found = re.search(r"^MemAvailable:\s+(\d+) kB", _text(Path("/proc/meminfo")), re.MULTILINE)
+    if found:
+        yield 1024 * int(found[1]), "what this machine has left"
+    elif hasattr(os, "sysconf") and "SC_PHYS_PAGES" in os.sysconf_names:
+        total = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+        yield total - held, "what this machine has beside what is in use"
+
+
+def _control_groups(root: Path) -> Iterator[int]:
+    """Bytes left in each control group (of either version) that this process is in."""
+    for line in _text(root / "proc/self/cgroup").splitlines():
+        _, controllers, path = line.split(":", 2)
+        if controllers and "memory" not in controllers.split(","):
+            continue
+        top = root / "sys/fs/cgroup" / ("memory" if controllers else "")
+        names = ("memory.limit_in_bytes", "memory.usage_in_bytes") if controllers else ("memory.max", "memory.current")
+        folder = top / path.lstrip("/")
+        for group in (folder, *(parent for parent in folder.parents if parent.is_relative_to(top))):
+            limit, used = (_text(group / name).strip() for name in names)
+            if limit.isdigit() and used.isdigit():
+                cached = re.search(r"^(?:total_)?inactive_file (\d+)", _text(group / "memory.stat"), re.MULTILINE)
+                yield int(limit) - int(used) + (int(cached[1]) if cached else 0)
+
+
+def _address_space() -> int | None:
+    try:
+        import resource  # noqa: PLC0415 (not on every system)
+    except ImportError:
+        return None
+    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+    if limit == resource.RLIM_INFINITY:
+        return None
+    return int(limit) - (_status("VmSize") or 0)
+
+
+def _status(name: str) -> int | None:
+    """Bytes of an entry of Linux's table of this process."""
+    found = re.search(rf"^{name}:\s+(\d+) kB", _text(Path("/proc/self/status")), re.MULTILINE)
+    return 1024 * int(found[1]) if found else None
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_text(encoding="utf-8")
+    except OSError:
+        return ""
+
+
+def _size(n_bytes: int) -> str:
+    return f"{n_bytes / GB:.3g} GB" if n_bytes >= GB else f"{n_bytes / 1e6:.3g} MB"

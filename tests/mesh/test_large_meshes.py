@@ -1,0 +1,273 @@
+"""Large meshes: counted before they are made, refused beyond the memory, announced, and ended by Ctrl-C."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError, OutOfMemoryError
+from flangeway.geometry import Arc, Line, Outline, Placement, Region, Section, circle, polygon, rectangle, square
+from flangeway.mesh import (
+    Refinement,
+    dual,
+    gmsh_session,
+    long_meshes,
+    long_meshes_told,
+    rectangle_grid,
+    refined,
+    triangulate,
+    triangulate_section,
+)
+from flangeway.mesh.expected import expected_mesh
+from flangeway.mesh.own_process import in_own_process
+
+BOTTOM = [(-0.5, -0.5), (0.5, -0.5)]
+AROUND = [*BOTTOM, (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)]
+HALF_DISC = Outline.from_segments(
+    [Line((-1.0, 0.0), (1.0, 0.0)), Arc((1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), True)], ["cut", "round"]
+)
+RIM = HALF_DISC.segments[1].point(np.linspace(0.3, 0.7, 20))
+TEETH = [
+    (x + dx, y)
+    for x in np.arange(0.9, 0.0, -0.1).tolist()
+    for dx, y in ((0.1, 1.0), (0.05, 1.0), (0.05, 0.1), (0.0, 0.1))
+]
+COMB = polygon([(0.0, 0.0), (1.0, 0.0), *TEETH])
+SHAPES = {
+    "a square": (square(1.0), 0.02, [], ()),
+    "a disc with a hole": (circle(1.0), 0.04, [], (circle(0.4, (0.2, 0.1)),)),
+    "a strip five elements wide": (rectangle(50.0, 0.5), 0.1, [], ()),
+    "a comb": (COMB, 0.01, [], ()),
+    "a side": (square(1.0), 0.05, [Refinement(BOTTOM, 0.002, 0.15)], ()),
+    "all sides": (square(1.0), 0.1, [Refinement(AROUND, 0.005, 0.3)], ()),
+    "the round of a half disc": (HALF_DISC, 0.2, [Refinement(RIM, 0.004, 0.13)], ()),
+    "a place inside": (square(1.0), 0.1, [Refinement([(0.1, 0.2)], 1e-5, 0.08)], ()),
+    "a corner": (square(1.0), 0.1, [Refinement([(0.5, 0.5)], 1e-4, 0.1)], ()),
+    "places on each other": (square(1.0), 0.1, [Refinement([(0.1, 0.2)], 1e-4, 0.1)] * 3, ()),
+    "a line beyond the body": (square(1.0), 0.1, [Refinement([(0.0, -0.5), (0.0, -9.0)], 0.01, 0.1)], ()),
+}
+MEASURED = """
+import os, re
+import gmsh
+from flangeway.geometry import Region, Section, rectangle, square
+from flangeway.mesh import Refinement, triangulate, triangulate_section
+from flangeway.mesh.expected import expected_mesh
+from flangeway.mesh.section_mesher import _expected
+
+def resident(name):
+    return 1024 * int(re.search(name + r":\\s+(\\d+)", open("/proc/self/status").read())[1])
+
+def compare(expected, make):
+    if os.fork():
+        return os.wait()
+    triangulate_section(two, size=0.3)  # loads what all need
+    before = resident("VmRSS")
+    open("/proc/self/clear_refs", "w").write("5")  # the peak counts from here
+    make()
+    print(expected.n_bytes / (resident("VmHWM") - before), flush=True)
+    os._exit(0)
+
+whole, side = square(1.0), Refinement([(-0.5, -0.5), (0.5, -0.5)], 0.0007, 0.15)
+two = Section({"left": Region(rectangle(1.0, 1.0)), "right": Region(rectangle(1.0, 1.0, (1.0, 0.0)))})
+for size, fine, algorithm in [
+    (0.014, (), "delaunay"), (0.009, (), "delaunay"), (0.006, (), "delaunay"),
+    (0.009, (), "frontal-delaunay"), (0.05, (side,), "delaunay"),
+]:
+    expected = expected_mesh(Region(whole), size, fine, algorithm)
+    compare(expected, lambda: triangulate(whole, size=size, refinements=fine, algorithm=algorithm))
+compare(_expected(two, 0.012, (), "delaunay"), lambda: triangulate_section(two, size=0.012))
+"""
+NEEDS_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory and processes are looked at as in Linux")
+
+
+def same(first, second):
+    """Whether two meshes are equal to the last bit."""
+    arrays = [[mesh.points, mesh.cell_offsets, mesh.cell_points] for mesh in (first, second)]
+    for sets in ("cell_sets", "edge_sets"):
+        one, other = getattr(first, sets), getattr(second, sets)
+        if list(one) != list(other):
+            return False
+        arrays[0] += one.values()
+        arrays[1] += other.values()
+    return all(a.dtype == b.dtype and np.array_equal(a, b) for a, b in zip(*arrays, strict=True))
+
+
+@pytest.mark.parametrize(("outline", "size", "refinements", "holes"), SHAPES.values(), ids=SHAPES)
+def test_the_counts_are_near_the_truth(outline, size, refinements, holes):
+    """Triangles are estimated to 20 % and edges of the boundary to 8 %, for growths up to 0.3."""
+    mesh = triangulate(outline, size=size, refinements=refinements, holes=holes)
+    expected = expected_mesh(Region(outline, holes), size, refinements)
+    assert expected.n_triangles == pytest.approx(mesh.n_cells, rel=0.2)
+    assert expected.n_boundary_edges == pytest.approx(len(mesh.boundary_edges), rel=0.08)
+    assert expected.n_seeds == sum(len(refinement.seeds()) for refinement in refinements)
+
+
+def test_a_growth_of_one_is_counted_to_a_factor_of_two():
+    """Where the size grows faster than triangles can, fewer are estimated than made, but half of them at least."""
+    line = Refinement(BOTTOM, 0.002, 1.0)
+    made = triangulate(square(1.0), size=0.1, refinements=[line]).n_cells
+    assert 0.5 < expected_mesh(Region(square(1.0)), 0.1, [line]).n_triangles / made < 1.0
+
+
+@NEEDS_LINUX
+def test_the_memory_is_near_what_is_measured():
+    """Gmsh's memory is estimated to 20 % of the measured peak, at three sizes, by both algorithms and for sections.
+
+    About a refinement along a side up to half more is estimated.
+    """
+    done = subprocess.run([sys.executable, "-c", MEASURED], capture_output=True, text=True, check=True, timeout=120)
+    ratios = [float(line) for line in done.stdout.splitlines()]
+    assert ratios.pop(4) == pytest.approx(1.25, abs=0.25)
+    assert ratios == pytest.approx([1.0] * 5, abs=0.2)
+
+
+def no_gmsh():
+    raise AssertionError("Gmsh was called")
+
+
+@pytest.fixture
+def little_memory(monkeypatch):
+    """Leave nothing to work that is compared, and let no work reach Gmsh."""
+    monkeypatch.setenv("FLANGEWAY_MEMORY_GB", "0.001")
+    monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)
+
+
+HALVES = Section({"left": Region(rectangle(1.0, 1.0)), "right": Region(rectangle(1.0, 1.0, (1.0, 0.0)))})
+GRID = rectangle_grid(1.0, 1.0, 120, 120)
+WORKS = {
+    "the triangulation into about 26,000 triangles": lambda: triangulate(square(1.0), size=0.01),
+    "the triangulation into about 53,000 triangles": lambda: triangulate_section(HALVES, size=0.01),
+    "the dual polygons of 28,800 triangles": lambda: dual(GRID),
+    "the refinement of 28,800 cells": lambda: refined(GRID),
+    "the refinement of 9,999 cells": lambda: refined(GRID, np.arange(9999)),
+    "a grid of 400 by 300 squares": lambda: rectangle_grid(1.0, 1.0, 400, 300),
+}
+
+
+@pytest.mark.parametrize(("told", "work"), WORKS.items(), ids=WORKS)
+def test_what_needs_more_memory_is_refused_before_it_begins(told, work, little_memory):
+    """Beyond the limit Gmsh is not called: the error says what, how much it needs, what is left, and what to do."""
+    with pytest.raises(OutOfMemoryError) as caught:
+        work()
+    message = str(caught.value)
+    assert re.match(rf"{told}, which needs about [\d.]+ MB of memory\n  allowed: 0 MB, what FLANGEWAY_M", message)
+    assert "what to do: make the elements larger" in message
+
+
+def test_small_meshes_are_made_under_any_limit(monkeypatch):
+    """What needs less than 10 MB is not compared with the limit."""
+    monkeypatch.setenv("FLANGEWAY_MEMORY_GB", "0.001")
+    assert dual(triangulate(square(1.0), size=0.1)).n_cells > 100
+
+
+FAR_TOO_LARGE = {
+    "triangles": (square(1.0), 1e-4, []),
+    "edges along one side": (rectangle(1e5, 0.1), 0.1, []),
+    "edges along one side ": (square(1.0), 0.1, [Refinement(BOTTOM, 5e-6, 0.15)]),
+    "points along refinements": (square(1.0), 0.1, [Refinement(BOTTOM, 5e-6, 3.0)] * 9),
+    "triangles ": (square(1.0), 0.1, [Refinement(BOTTOM, 1e-5, 0.01)]),
+    "triangles  ": (square(1.0), 0.1, [Refinement([(0.0, 0.0), (0.1, 0.1)], 1e-6, 0.05)]),
+}
+
+
+@pytest.mark.parametrize(("kind", "given"), FAR_TOO_LARGE.items(), ids=FAR_TOO_LARGE)
+def test_what_would_take_hours_is_refused(kind, given, monkeypatch):
+    """Too many triangles, edges along a side or points of refinements are told at once, with the number allowed."""
+    monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)
+    outline, size, refinements = given
+    with pytest.raises(InputError) as caught:
+        triangulate(outline, size=size, refinements=refinements)
+    assert re.search(rf"about [\d.e+]+ {kind.strip()}$", caught.value.given)
+    assert re.fullmatch(rf"sizes that make up to \d+000 {kind.strip()}", caught.value.allowed)
+
+
+def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
+    """A long triangulation is told of, and made by another process, the same to the last bit; a short one is not."""
+    told = []
+
+    def both():
+        with long_meshes_told(told.append):
+            hole = square(0.3).transformed(Placement(0.3, (3.0, 2.0)))
+            fine = Refinement([(3.0, 3.0)], 0.02, 0.2)
+            yield triangulate(circle(1.0, (3.0, 2.0)), size=0.2, refinements=[fine], holes=[hole])
+            yield triangulate_section(HALVES, size=0.1, algorithm="frontal-delaunay")
+
+    here = list(both())
+    assert told == []
+    monkeypatch.setattr(long_meshes, "LONG", 0.0)
+    monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)  # of this process
+    for mine, other in zip(here, both(), strict=True):
+        assert same(mine, other)
+    assert len(told) == 2
+    assert all(
+        re.fullmatch(r"triangulating: about [\d,]+ triangles, which take about 0 seconds", line) for line in told
+    )
+
+
+def test_errors_come_back_from_the_other_process():
+    """An InputError is the same; a defect and an end without an answer are told as what they are."""
+    with pytest.raises(InputError) as caught:
+        in_own_process(rectangle, -1.0, 1.0)
+    with pytest.raises(InputError) as here:
+        rectangle(-1.0, 1.0)
+    assert str(caught.value) == str(here.value)
+    with pytest.raises(RuntimeError, match="TypeError"):
+        in_own_process(square, "wide", "high", "deep", "long")
+    with pytest.raises(InputError, match="its process ended with status 3"):
+        in_own_process(os._exit, 3)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are those of other systems")
+def test_a_killed_process_is_told():
+    """If the system kills the process, memory has ended; if the terminal interrupts it, this one is interrupted."""
+    with pytest.raises(OutOfMemoryError, match="killed"):
+        in_own_process(signal.raise_signal, signal.SIGKILL)
+    with pytest.raises(KeyboardInterrupt):
+        in_own_process(signal.raise_signal, signal.SIGINT)
+
+
+def children(process):
+    """Numbers of the processes that a process has begun."""
+    return Path(f"/proc/{process.pid}/task/{process.pid}/children").read_text().split()
+
+
+def working(folder, width):
+    """Begin a check that meshes for a long time; return it when its other process works, with that one's number."""
+    command = ["-c", "from flangeway.cli import main; main()", "check", "contact-patch", "--set", f"width_mm={width}"]
+    process = subprocess.Popen(
+        [sys.executable, *command], cwd=folder, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    )
+    end = time.monotonic() + 60.0
+    while not (begun := children(process)) and process.poll() is None and time.monotonic() < end:
+        time.sleep(0.05)
+    time.sleep(0.5)
+    return process, begun[0]
+
+
+@NEEDS_LINUX
+@pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGKILL])
+def test_an_end_while_gmsh_works_is_prompt(with_signal, tmp_path):
+    """Ctrl-C ends a long triangulation at once with status 130 and the usual words; a kill ends both processes."""
+    process, other = working(tmp_path, 1e5)
+    process.send_signal(with_signal)
+    begun = time.monotonic()
+    out, err = process.communicate(timeout=60)
+    assert time.monotonic() - begun < 5.0
+    interrupted = with_signal == signal.SIGINT
+    assert process.returncode == (130 if interrupted else -signal.SIGKILL)
+    told = "flangeway: interrupted; nothing was written\n"
+    assert err.endswith(told if interrupted else "")
+    assert err.count("flangeway: ") == interrupted
+    assert "Traceback" not in err
+    assert out == ""
+    assert list(tmp_path.iterdir()) == []
+    end = time.monotonic() + 5.0
+    while Path(f"/proc/{other}").exists() and "Z" not in Path(f"/proc/{other}/stat").read_text():
+        assert time.monotonic() < end, "the other process still works"
+        time.sleep(0.05)
