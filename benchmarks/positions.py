@@ -8,6 +8,7 @@ import os
 import time
 from collections.abc import Iterator
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 from multiprocessing.synchronize import Barrier
 from pathlib import Path
@@ -16,7 +17,7 @@ from tempfile import TemporaryDirectory
 import numpy as np
 from numpy.typing import NDArray
 
-from benchmarks.measurement import Measurement
+from benchmarks.measurement import ITSELF, Measurement, timed
 from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
 from flangeway.railway.lane_patches import patches_of
 from flangeway.railway.load import Load
@@ -29,9 +30,6 @@ from flangeway.solve import Cache
 from flangeway.study import WheelsetTangentCase
 
 Floats = NDArray[np.float64]
-
-FULL_SEARCH = "flangeway"
-"""The peer is the other path of the same program."""
 
 PAIRS = {"S1002 on 60E1": ({"wheel": "S1002", "rail": "60E1"}, 11.5), "AAR-1B on 136RE": ({}, 9.6)}
 """Inputs of the case, and lateral motion in mm up to which positions are solved: the flange touches."""
@@ -60,19 +58,13 @@ def _pair(name: str) -> Iterator[Measurement]:
     loads = np.linspace(*LOADS_N, N_LOADS)
     shares = [Positions.grid(part, loads) for part in np.array_split(lateral, N_PROCESSES)]
     with TemporaryDirectory() as folder:
-        start = time.perf_counter()
-        prepared = prepare(_problem(name), cache=Cache(Path(folder), 10**9))
-        condensing = time.perf_counter() - start
+        condensing, prepared = timed(lambda: prepare(_problem(name), cache=Cache(Path(folder), 10**9)))
         context = get_context("spawn")
         ready = (name, folder, context.Barrier(N_PROCESSES))
         with ProcessPoolExecutor(N_PROCESSES, context, _make_ready, ready) as pool:
             list(pool.map(_is_ready, [name] * N_PROCESSES))
-            start = time.perf_counter()
-            found = list(pool.map(_solve, [name] * N_PROCESSES, shares, [False] * N_PROCESSES))
-            seconds = time.perf_counter() - start
-            start = time.perf_counter()
-            with_shear = list(pool.map(_solve, [name] * N_PROCESSES, shares, [True] * N_PROCESSES))
-            shear_seconds = time.perf_counter() - start
+            seconds, found = timed(lambda: list(pool.map(partial(_solve, name, shear=False), shares)))
+            shear_seconds, with_shear = timed(lambda: list(pool.map(partial(_solve, name, shear=True), shares)))
     tables = [table for table, _ in found]
     n_positions = sum(len(table.positions) for table in tables)
     processor, with_shear_processor = (sum(each for _, each in run) / n_positions for run in (found, with_shear))
@@ -83,7 +75,7 @@ def _pair(name: str) -> Iterator[Measurement]:
     worst, pressure, full_s = _checked(prepared, tables)
     yield Measurement(
         f"{n_positions} positions of {name}, lateral motion by load, after condensation, {N_PROCESSES} processes",
-        FULL_SEARCH,
+        ITSELF,
         seconds,
         full_s * n_positions / N_PROCESSES,
         worst,
@@ -106,7 +98,7 @@ def _is_ready(name: str) -> int:
     return len(_prepared[name].stands)
 
 
-def _solve(name: str, positions: Positions, shear: bool) -> tuple[PositionTable, float]:
+def _solve(name: str, positions: Positions, *, shear: bool) -> tuple[PositionTable, float]:
     start = time.process_time()
     return solve_positions(_prepared[name], positions, shear=shear), time.process_time() - start
 

@@ -39,6 +39,10 @@ class InputError(FlangewayError):
         self.allowed = allowed
         self.advice = advice
 
+    def __reduce__(self) -> tuple[type, tuple[str, ...]]:
+        """Parts, not the message made of them, so that another process can raise it."""
+        return type(self), (self.given, self.allowed, self.advice)
+
 
 class MissingLibraryError(FlangewayError):
     """A shared library of the system is missing; the message names the packages that bring it."""
@@ -65,3 +69,7 @@ class OutOfMemoryError(FlangewayError, MemoryError):
         super().__init__(f"{given}\n  allowed: {allowed}\n  what to do: {self.advice}")
         self.given = given
         self.allowed = allowed
+
+    def __reduce__(self) -> tuple[type, tuple[str, ...]]:
+        """See `InputError.__reduce__`."""
+        return type(self), (self.given, self.allowed)

@@ -25,6 +25,7 @@ from flangeway.mesh import (
     triangulate_section,
 )
 from flangeway.mesh.expected import expected_mesh
+from flangeway.mesh.memory import refuse_beyond_memory
 from flangeway.mesh.own_process import in_own_process
 
 BOTTOM = [(-0.5, -0.5), (0.5, -0.5)]
@@ -211,12 +212,16 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
 
 
 def test_errors_come_back_from_the_other_process():
-    """An InputError is the same; a defect and an end without an answer are told as what they are."""
+    """Errors have the same message; a defect and an end without an answer are told as what they are."""
     with pytest.raises(InputError) as caught:
         in_own_process(rectangle, -1.0, 1.0)
     with pytest.raises(InputError) as here:
         rectangle(-1.0, 1.0)
     assert str(caught.value) == str(here.value)
+    with pytest.raises(OutOfMemoryError) as lacking:
+        in_own_process(refuse_beyond_memory, "the work", 10**18)
+    assert str(lacking.value).startswith("the work, which needs about 1e+09 GB of memory\n  allowed: ")
+    assert str(lacking.value).count("allowed: ") == 1
     with pytest.raises(RuntimeError, match="TypeError"):
         in_own_process(square, "wide", "high", "deep", "long")
     with pytest.raises(InputError, match="its process ended with status 3"):

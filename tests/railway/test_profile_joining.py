@@ -226,8 +226,7 @@ def test_pieces_of_outlines(first, last):
 )
 def test_a_head_that_holds_its_inclination_is_told(slope, depth, words, tmp_path):
     """A head with the rail's inclination in its points says so, and to which side: with a cant it would lean twice."""
-    nominal = rail("60E1")
-    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.3) - [0.0, 172.0]
+    head = head_points()
     worn = head - [0.0, 3.0] * np.exp(-(((head[:, :1] + 25.0) / 15.0) ** 2))
     angle = np.arctan(slope)
     turned = worn @ np.array([[np.cos(angle), np.sin(angle)], [-np.sin(angle), np.cos(angle)]])
@@ -241,8 +240,7 @@ def test_a_head_that_holds_its_inclination_is_told(slope, depth, words, tmp_path
 @pytest.mark.parametrize(("wear", "depth"), [(8.0, 20.0), (6.0, 28.0), (10.0, 34.0)])
 def test_a_side_worn_head_is_joined(wear, depth, tmp_path):
     """A gauge face worn by millimetres, measured to some depth, is kept as it is and makes a section that meshes."""
-    nominal = rail("60E1")
-    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.3) - [0.0, 172.0]
+    head = head_points()
     worn = head.copy()
     worn[:, 0] = np.maximum(worn[:, 0], -36.0 + wear + 0.15 * (worn[:, 1] + 14.0))
     worn = worn[(worn[:, 1] > -depth) & (np.hypot(*np.gradient(worn, axis=0).T) > 0.0)]

@@ -11,6 +11,13 @@ from flangeway.railway.result import WheelsetResult, solve_wheelset
 from flangeway.railway.rigid_contact import contact_locus
 from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
 
+S1002_ON_60E1: dict[str, str | float] = {
+    "rail": "60E1",
+    "wheel": "S1002",
+    "gauge_mm": 1435.0,
+    "back_to_back_mm": 1360.0,
+}
+
 
 def solve(case, **values) -> WheelsetResult:
     return solve_wheelset(case.from_values({"size_scale": 2.0, **values}).problem())
@@ -67,8 +74,7 @@ def test_a_prescribed_shift_is_held_by_a_force_at_the_axle() -> None:
 @pytest.mark.parametrize("lateral", [7.5, -7.5])
 def test_elastic_rails_let_a_flange_go_on_where_rigid_ones_lift_it(lateral: float) -> None:
     """S1002 on 60E1 held beyond the place where a rigid flange climbs: found, the same on both sides, not climbed."""
-    values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0, "size_scale": 6.0}
-    result = solve(WheelsetTangentCase, lateral_mm=lateral, **values)
+    result = solve(WheelsetTangentCase, lateral_mm=lateral, **S1002_ON_60E1, size_scale=6.0)
     assert result.status.converged, result.status.message
     motion, flange = result.equilibrium.motion, "right" if lateral > 0.0 else "left"
     assert motion.roll_rad * np.sign(lateral) == pytest.approx(0.29e-3, abs=0.05e-3)
@@ -78,8 +84,7 @@ def test_elastic_rails_let_a_flange_go_on_where_rigid_ones_lift_it(lateral: floa
 
 def test_many_positions_fall_back_on_the_middle_of_the_track() -> None:
     """Whole surfaces, S1002 on 60E1 at 8 mm: begun where a rigid flange has climbed, the search finds the balance."""
-    values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0, "size_scale": 12.0}
-    prepared = prepare(WheelsetTangentCase.from_values(values).problem())
+    prepared = prepare(WheelsetTangentCase.from_values(S1002_ON_60E1 | {"size_scale": 12.0}).problem())
     climbed = contact_locus(prepared.model.rest.wheelset, [8.0]).motion(0)
     assert climbed.vertical_mm > 3.0
     found = prepared.solve(prescribed=Prescribed(8.0), start=climbed)
@@ -89,9 +94,15 @@ def test_many_positions_fall_back_on_the_middle_of_the_track() -> None:
 
 def test_mirrored_loads_have_mirrored_results() -> None:
     """S1002 on 60E1 in a curve to the left and to the right: the same numbers with sides exchanged, to 1e-7."""
-    values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0, "size_scale": 6.0}
     left, right = (
-        solve(WheelsetTangentCase, **values, speed_km_h=80.0, curve_radius_m=radius, superelevation_mm=0.0)
+        solve(
+            WheelsetTangentCase,
+            **S1002_ON_60E1,
+            size_scale=6.0,
+            speed_km_h=80.0,
+            curve_radius_m=radius,
+            superelevation_mm=0.0,
+        )
         for radius in (500.0, -500.0)
     )
     assert left.equilibrium.motion.lateral_mm > 4.0

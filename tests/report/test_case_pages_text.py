@@ -34,8 +34,13 @@ def hertz():
 
 
 @pytest.fixture(scope="module")
-def hertz_text(hertz):
-    return report_page(bodies_page(hertz, [], body_steps(hertz, list(bodies_fields(hertz)))))
+def hertz_steps(hertz):
+    return body_steps(hertz, list(bodies_fields(hertz)))
+
+
+@pytest.fixture(scope="module")
+def hertz_text(hertz, hertz_steps):
+    return report_page(bodies_page(hertz, [], hertz_steps))
 
 
 def headings(text):
@@ -54,13 +59,11 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     assert "$" not in hertz_text.split("<script")[0]
 
 
-def test_a_failure_and_notices_are_marked(hertz):
+def test_a_failure_and_notices_are_marked(hertz, hertz_steps):
     """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
     status = Status(False, "a <b> & c", 3)
     summary = hertz.summary | {"notices": ["x < y"]}
-    page = report_page(
-        bodies_page(replace(hertz, status=status, summary=summary), [], body_steps(hertz, list(bodies_fields(hertz))))
-    )
+    page = report_page(bodies_page(replace(hertz, status=status, summary=summary), [], hertz_steps))
     assert 'class="status failed"' in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page
@@ -134,12 +137,11 @@ def test_only_the_sides_of_cells_are_mesh_lines(hertz):
         assert len(lines) == 2 * mesh.n_edges
 
 
-def test_very_many_points_are_shown_as_whole_cells(hertz, monkeypatch):
+def test_very_many_points_are_shown_as_whole_cells(hertz, hertz_steps, monkeypatch):
     """Beyond the largest number of points the page shows each cell once, with the values at its corners."""
-    steps = body_steps(hertz, list(bodies_fields(hertz)))
-    assert all(part.cells is not None for part in scenes.bodies_scene(hertz, steps).parts)
-    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.mesh.n_points for each in steps.fields[-1]) - 1)
-    scene = scenes.bodies_scene(hertz, steps)
+    assert all(part.cells is not None for part in scenes.bodies_scene(hertz, hertz_steps).parts)
+    monkeypatch.setattr(scenes, "MOST_POINTS", sum(each.mesh.n_points for each in hertz_steps.fields[-1]) - 1)
+    scene = scenes.bodies_scene(hertz, hertz_steps)
     for part in scene.parts:
         body = hertz.bodies[part.name]
         mesh = body.field.problem.space.mesh

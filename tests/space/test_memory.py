@@ -14,10 +14,11 @@ from flangeway.errors import FlangewayError, InputError, OutOfMemoryError
 from flangeway.geometry import square
 from flangeway.materials import Elastic
 from flangeway.mesh import memory, triangulate
+from flangeway.mesh.memory import memory_left, peak_memory_bytes, refuse_beyond_memory
 from flangeway.problems import Body, Elasticity, Torsion, fixed
 from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes, solve_elasticity, solve_torsion
 from flangeway.solve.linear import cholesky, ldlt
-from flangeway.space import Space, memory_left, peak_memory_bytes, refuse_beyond_memory
+from flangeway.space import Space
 from flangeway.space.memory import BYTES_AN_ENTRY
 
 LIMIT = "FLANGEWAY_MEMORY_GB"

@@ -102,7 +102,7 @@ def test_cases_are_found_by_name_and_a_wrong_name_gets_the_nearest():
 
 def test_every_input_is_explained():
     """The list of inputs gives a default, what is allowed and a meaning for each."""
-    rows = WheelsetTangentCase.inputs()
+    _, rows = WheelsetTangentCase.tables_of_inputs()[0]
     assert [row[0] for row in rows] == list(WheelsetTangentCase.model_fields)
     assert all(all(row) for row in rows)
 

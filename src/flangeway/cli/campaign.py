@@ -1,6 +1,5 @@
 """``flangeway campaign``."""
 
-import sys
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -10,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, INTERRUPTED, Out, complain, errors_as_exit_status, stdout
+from flangeway.cli.common import DONE, FAILED, INTERRUPTED, Out, complain, errors_as_exit_status, say, stdout
 
 if TYPE_CHECKING:
     from flangeway.study.campaign import CampaignProgress
@@ -77,13 +76,9 @@ def campaign(
         if export is not None and had_all:
             files = write_export(table, folder, export)
         else:
-            files = write_campaign(wanted, table, folder, export or "csv", _say)
+            files = write_campaign(wanted, table, folder, export or "csv", say)
         print_campaign(stdout(), end, table, [database, *files])
         raise typer.Exit(DONE if end.all_converged else FAILED)
-
-
-def _say(sentence: str) -> None:
-    print(sentence, file=sys.stderr, flush=True)
 
 
 @contextmanager
@@ -116,7 +111,7 @@ def _lines() -> Callable[["CampaignProgress"], None]:
         nonlocal last
         if time.monotonic() - last >= LINE_EVERY_S or now.n_done == now.n_rows:
             last = time.monotonic()
-            _say(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
+            say(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
 
     return show
 

@@ -70,10 +70,6 @@ def progress_shown() -> Iterator[Progress]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-
-        def say(sentence: str) -> None:
-            print(sentence, file=sys.stderr, flush=True)
-
         with long_meshes_told(say):
             yield say
         return
@@ -86,6 +82,11 @@ def progress_shown() -> Iterator[Progress]:
 
         with long_meshes_told(show):
             yield show
+
+
+def say(sentence: str) -> None:
+    """Show a sentence on stderr, in a line of its own."""
+    print(sentence, file=sys.stderr, flush=True)
 
 
 def stdout() -> Any:

@@ -48,7 +48,7 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         for number, line in enumerate(text.splitlines(), 1)
         if line.strip() and not line.strip().startswith("#")
     ]
-    header, in_header = parse_header(lines[0][1] if lines else "", lines[0][0] if lines else 1)
+    header, in_header = parse_header(lines)
     in_comment = [match[1] for line in comments if (match := re.fullmatch(r"unit:\s*(\w+)", line))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
     rows = parse_rows(header, lines[1:])
@@ -75,8 +75,9 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), agreed, notices=tuple(notices))
 
 
-def parse_header(line: str, number: int = 1) -> tuple[list[str], str | None]:
-    """Return the names of columns without units, and the unit that they carry."""
+def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:
+    """Return the names of columns in the first of numbered lines, without units, and the unit that they carry."""
+    number, line = lines[0] if lines else (1, "")
     names = csv_cells(line, number)
     units = {name.rpartition("_")[2] for name in names if name.rpartition("_")[0] in _COORDINATES}
     if len(units) > 1 or not units <= set(UNITS):

@@ -72,8 +72,7 @@ def in_own_process(work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
     if kind == "mesh":
         return PolyMesh(*content)
     if kind == "error":
-        error, told = content
-        raise error(*told)
+        raise content
     raise RuntimeError(content)
 
 
@@ -88,10 +87,8 @@ def serve() -> NoReturn:
         mesh = work(*arguments)
         sets = (dict(mesh.cell_sets), dict(mesh.edge_sets))
         answer: tuple[str, Any] = ("mesh", (mesh.points, mesh.cell_offsets, mesh.cell_points, *sets))
-    except InputError as error:
-        answer = ("error", (InputError, (error.given, error.allowed, error.advice)))
     except (FlangewayError, MemoryError) as error:
-        answer = ("error", (type(error), error.args))
+        answer = ("error", error)
     except Exception:  # a defect, told in the other process
         answer = ("defect", traceback.format_exc())
     answers.write(pickle.dumps(answer))

@@ -22,11 +22,7 @@ def nodal_residual(field: ElasticField, forces: Floats) -> Floats:
         Further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
 
     """
-    problem = field.problem
-    left: Floats = (problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
-    left -= problem.load_vector() + problem.thermal_load_vector()
-    left[: len(forces)] -= forces
-    return left
+    return _internal_and_left(field, forces)[1]
 
 
 def nodal_imbalance(field: ElasticField, forces: Floats, held: Bools) -> float:
@@ -45,10 +41,16 @@ def nodal_imbalance(field: ElasticField, forces: Floats, held: Bools) -> float:
         Which components of which nodes a support bears, shape (n_nodes, 2).
 
     """
-    problem, n_nodes = field.problem, len(forces)
-    left = nodal_residual(field, forces)
-    internal = left + problem.load_vector() + problem.thermal_load_vector()
-    internal[:n_nodes] += forces
+    internal, left = _internal_and_left(field, forces)
     reference = max(float(np.abs(each).max(initial=0.0)) for each in (left, forces, internal))
-    left[:n_nodes][held] = 0.0
+    left[: len(forces)][held] = 0.0
     return float(np.abs(left).max()) / reference if reference > 0.0 else 0.0
+
+
+def _internal_and_left(field: ElasticField, forces: Floats) -> tuple[Floats, Floats]:
+    """Forces of the stiffness on the unknowns, and what is left of them beside all others, each (n_dofs, 2)."""
+    problem = field.problem
+    internal: Floats = (problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
+    left = internal - (problem.load_vector() + problem.thermal_load_vector())
+    left[: len(forces)] -= forces
+    return internal, left

@@ -50,15 +50,14 @@ def deepest_overlap(one: PolyMesh, other: PolyMesh) -> Overlap | None:
 def _deepest(points_of: PolyMesh, inside_of: PolyMesh) -> Overlap | None:
     """Deepest of the points on one boundary within another body."""
     edges = points_of.boundary_edges
-    lengths = np.zeros(points_of.n_points)
-    for side in range(2):
-        np.maximum.at(lengths, edges[:, side], np.linalg.norm(np.diff(points_of.points[edges], axis=1)[:, 0], axis=1))
     numbers = np.unique(edges)
-    points = points_of.points[numbers]
-    inside = locate(inside_of, points) != OUTSIDE
-    if not inside.any():
+    numbers = numbers[locate(inside_of, points_of.points[numbers]) != OUTSIDE]
+    if len(numbers) == 0:
         return None
-    points, lengths = points[inside], lengths[numbers[inside]]
+    lengths = np.zeros(points_of.n_points)
+    edge_lengths = np.linalg.norm(np.diff(points_of.points[edges], axis=1)[:, 0], axis=1)
+    np.maximum.at(lengths, edges, edge_lengths[:, None])
+    points, lengths = points_of.points[numbers], lengths[numbers]
     start, end = inside_of.points[inside_of.boundary_edges].swapaxes(0, 1)
     nearest, nearest_length = np.full(len(points), np.inf), np.zeros(len(points))
     for a, b in zip(start, end, strict=True):

@@ -84,8 +84,7 @@ class Elasticity:
     def _check_types(self) -> None:
         if not isinstance(self.space, Space):
             raise InputError(f"Elasticity({type(self.space).__name__}, ...)", "a Space", "write Space(mesh, element)")
-        materials = self.material.values() if isinstance(self.material, Mapping) else [self.material]
-        for material in materials:
+        for material in self.materials:
             if not isinstance(material, Material):
                 raise InputError(
                     f"Elasticity(material={material!r})",

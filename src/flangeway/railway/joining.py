@@ -16,10 +16,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry import Contour, Line, Outline, Placement, Point, Segment
+from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment
 from flangeway.railway.pieces import lengths_along, pieces_between, point_at
 from flangeway.railway.profile_file import MeasuredProfile, frame_origin
-from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.profiles import CROWNED, RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
 from flangeway.railway.raw_profile import Kind
 
 LEAST_BLEND_MM = 1.0
@@ -155,8 +155,6 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         outline, joints = _closed(surface, nominal)
         notices = (*notices, f"The head is moved sideways by {aside:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
-    if isinstance(nominal, RailProfile):
-        notices = (*notices, *_lean(surface, nominal))
     title = f"{measured.title} on {nominal.title}"
     certainty = f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
     source = f"File: {measured.format}. Body: {nominal.source}"
@@ -173,6 +171,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         )
         return Joined(wheel_profile, nominal, surface, joints)
     names = _running(outline, nominal.head_names)[::-1]
+    notices = (*notices, *_lean(surface, nominal))
     rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices)
     return Joined(rail_profile, nominal, surface, joints)
 
@@ -187,7 +186,7 @@ def nominal_profile(name: str) -> RailProfile | WheelProfile:
 
     """
     rail_name, _, radius = name.upper().partition("-")
-    if rail_name == "136RE" and radius in ("", "8", "10", "14"):
+    if rail_name == "136RE" and (not radius or name.upper() in CROWNED):
         return rail("136RE", crown_radius_in=float(radius) if radius else None)
     known = {each.upper(): each for each in (*RAILS, *WHEELS)}
     if name.upper() not in known:
@@ -221,8 +220,7 @@ def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfi
         return None
     ends = (surface.segments[0].start, surface.segments[-1].end)
     x, y = max(ends)
-    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
-    face = head[head[:, 0] > 0.0]
+    face = _field_side(nominal.outline.part(nominal.head_names))
     face = face[np.argsort(face[:, 1])]
     if not face[0, 1] - LARGEST_GAP_MM <= y <= face[-1, 1]:
         return None
@@ -230,14 +228,18 @@ def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfi
     return shift if abs(shift) <= LARGEST_SHIFT_MM else None
 
 
+def _field_side(head: Contour) -> FloatArray:
+    """Points (n, 2) of a head away from the track's middle."""
+    points = head.sampled(spacing=0.1)
+    return points[points[:, 0] > 0.0]
+
+
 def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
     """Tell of a head whose field side, which does not wear, does not stand as that of the nominal rail."""
-    points = surface.sampled(spacing=0.1)
-    face = points[points[:, 0] > 0.0]
-    low = float(face[:, 1].min())
-    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
+    sides = [_field_side(each) for each in (surface, nominal.outline.part(nominal.head_names))]
+    low = float(sides[0][:, 1].min())
     slopes = []
-    for side in (face, head[head[:, 0] > 0.0]):
+    for side in sides:
         part = side[(side[:, 1] >= low) & (side[:, 1] <= low + FACE_MM)]
         if len(part) < FACE_MM / 0.2:
             return ()

@@ -13,7 +13,7 @@ from flangeway.railway.discretisation import ROLES, Role
 from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.line_stresses import Lines, LineStresses
 from flangeway.railway.prepared import PreparedWheelset
-from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, closest_on_boundary, largest_of_lines
+from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, inward_from, largest_of_lines
 from flangeway.railway.track import SIDES, Side
 from flangeway.solve import CondensedBodies
 
@@ -106,13 +106,7 @@ def lines_below(prepared: PreparedWheelset, role: Role, side: Side, patches: Seq
     problem = prepared.model.problem
     profile = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
     points = np.array([each.wheel_point_mm if role == "wheel" else each.rail_point_mm for each in patches])
-    surface = profile.running_surface
-    numbers, parameters, _ = surface.closest(points)
-    inward = np.empty_like(points)
-    for number in np.unique(numbers):
-        here = numbers == number
-        inward[here] = -surface.segments[number].normal(parameters[here])
-    starts = closest_on_boundary(prepared.model.parts[f"{role}-{side}"].body.mesh, points)
+    starts, inward = inward_from(profile.running_surface, prepared.model.parts[f"{role}-{side}"].body.mesh, points)
     lengths = DEPTH * np.array([each.half_width_mm for each in patches])
     return Lines(starts, inward, np.linspace(0.0, lengths, N_POINTS, axis=1))
 

@@ -45,7 +45,7 @@ def read_segment_csv(text: str) -> RawProfile:
     # what comments say is checked there; the point is a stand-in
     said = read_two_column("\n".join([*comments, "0 0"]))
     rows = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.strip().startswith("#")]
-    header, unit = outline_csv.parse_header(rows[0][1] if rows else "", rows[0][0] if rows else 1)
+    header, unit = outline_csv.parse_header(rows)
     drawn = [outline_csv.parse_segment(row, number) for number, row in outline_csv.parse_rows(header, rows[1:])]
     if unit is not None and said.unit is not None and unit != said.unit:
         raise InputError(f"columns in {unit} under a comment that says {said.unit}", "one unit", "correct one of them")

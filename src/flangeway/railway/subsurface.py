@@ -77,10 +77,8 @@ def stresses_below(
     if not (np.isfinite(depth) and depth > 0.0):
         raise InputError(f"stresses_below(depth_mm={depth_mm})", "a positive length in mm", "leave it out")
     surface, point = _place(result, patch, body)
-    number, parameter, _ = surface.closest([point])
-    inward = -surface.segments[int(number[0])].normal(parameter)[0]
     part = result.model.parts[f"{body}-{patch.side}"]
-    start = closest_on_boundary(part.body.mesh, point[None])[0]
+    (start,), (inward,) = inward_from(surface, part.body.mesh, point[None])
     end = start + depth * inward
     field = ElasticField(part.body.elasticity, result.displacements[part.name])
     return stresses_along(field, (start[0], start[1]), (end[0], end[1]), n_points)
@@ -184,6 +182,16 @@ def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[C
     if body == "wheel":
         return problem.wheelset.wheel_of(patch.side).running_surface, patch.wheel_point_mm
     raise InputError(f"stresses_below(body={body!r})", "'wheel' or 'rail'", "name one of the two bodies in contact")
+
+
+def inward_from(surface: Contour, mesh: PolyMesh, points: Floats) -> tuple[Floats, Floats]:
+    """Where lines below points (m, 2) begin, on the boundary, and inward normals of the profile there, each (m, 2)."""
+    numbers, parameters, _ = surface.closest(points)
+    inward = np.empty_like(points)
+    for number in np.unique(numbers):
+        here = numbers == number
+        inward[here] = -surface.segments[number].normal(parameters[here])
+    return closest_on_boundary(mesh, points), inward
 
 
 def closest_on_boundary(mesh: PolyMesh, points: Floats) -> Floats:

@@ -99,19 +99,16 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         for key, value in summary["results"].items()
         if isinstance(value, float)
     ]
-    if any("pressure" in name for _, name in facts) or not summary["contacts"]:
-        more = []
-    else:
-        more = [
+    if not any("pressure" in name for _, name in facts):
+        facts += [
             (f"{each['max_pressure_MPa']:.5g} MPa", f"largest pressure, {each['secondary']} on {each['primary']}")
             for each in summary["contacts"]
         ]
     bodies = summary["bodies"]
     largest = max(bodies, key=lambda body: float(body["max_von_mises_MPa"]))
     place = f", {largest['name']}" if len(bodies) > 1 else ""
-    facts = [*facts, *more][:MOST_FACTS]
     return [
-        *facts,
+        *facts[:MOST_FACTS],
         (f"{max(body['max_displacement_mm'] for body in bodies):.4g} mm", "largest displacement"),
         (f"{largest['max_von_mises_MPa']:.4g} MPa", f"largest von Mises stress{place}"),
     ]
@@ -131,7 +128,7 @@ def _again(case: RunnableCase, run: BodiesRun) -> Again:
 def _elements(run: BodiesRun) -> str:
     words = {name: _element_words(body.field.problem.space) for name, body in run.bodies.items()}
     if len(set(words.values())) == 1:
-        return f"{next(iter(words.values()))}"
+        return next(iter(words.values()))
     return "; ".join(f"{name}: {text}" for name, text in words.items())
 
 

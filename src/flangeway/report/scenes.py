@@ -42,7 +42,7 @@ def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[dict[str, Any
     views = []
     for contact in contacts:
         x, y = contact["space_position_mm"]
-        alone = contact_name(contact, list(contacts)) == contact["side"]
+        alone = contact_name(contact, contacts) == contact["side"]
         name = f"{contact['side']} {'contact' if alone else contact['region']}"
         views.append(View(name, (x, y), VIEW_WIDTHS * contact["half_width_mm"]))
     shown = [
@@ -102,14 +102,12 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
 
 
 def _shown_body(steps: Sequence[BodyFields]) -> ShownPart:
-    """A body with its values, at each step where there are several."""
+    """A body with its values at each step."""
     last = steps[-1]
-    arrays = {DISPLACEMENT: last.displacement, "stresses": last.stresses.components}
-    if len(steps) > 1:
-        arrays = {
-            DISPLACEMENT: np.stack([each.displacement for each in steps]),
-            "stresses": np.stack([each.stresses.components for each in steps]),
-        }
+    arrays = {
+        DISPLACEMENT: np.stack([each.displacement for each in steps]),
+        "stresses": np.stack([each.stresses.components for each in steps]),
+    }
     return ShownPart(
         last.name,
         last.mesh,

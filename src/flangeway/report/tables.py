@@ -1,6 +1,6 @@
 """Tables of a summary: one list of columns for the terminal and for the page."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,7 +56,7 @@ def contacts_table(summary: Row) -> Table:
     return Table("Contacts", ("", *(contact_name(c, contacts) for c in contacts)), tuple(rows))
 
 
-def contact_name(contact: Row, contacts: list[Row]) -> str:
+def contact_name(contact: Row, contacts: Sequence[Row]) -> str:
     """Side of a contact, with its region where the side has several."""
     alone = sum(other["side"] == contact["side"] for other in contacts) == 1
     return str(contact["side"]) if alone else f"{contact['side']}, {contact['region']}"

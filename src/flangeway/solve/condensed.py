@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from flangeway._core import Cholesky
+from flangeway.mesh.memory import refuse_beyond_memory
 from flangeway.problems import Body
 from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components
 from flangeway.solve.cache import Cache, content_key
 from flangeway.solve.linear import factorise
-from flangeway.space import refuse_beyond_memory
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -61,7 +61,7 @@ class CondensedBody:
         n = len(self._loose)
         refuse_beyond_memory(f"the flexibility of a surface with {n} unknowns", DENSE_COPIES * 8 * n**2)
         factor = cho_factor(self._factor.schur(), lower=True)
-        inverse = cho_solve(factor, np.eye(len(self._loose)))
+        inverse = cho_solve(factor, np.eye(n))
         flexibility: Floats = np.zeros((len(self._numbers), len(self._numbers)))
         flexibility[np.ix_(self._loose, self._loose)] = (inverse + inverse.T) / 2.0
         return {"flexibility": flexibility}
@@ -156,7 +156,7 @@ class CondensedBodies(BodyResponse):
         free = np.zeros(loads.shape)
         blocks = self._blocks(rotations, touched)
         for here, flexibility in blocks:
-            free[here] = (_rows_turned(loads, here) @ flexibility).T
+            free[here] = (_rows_transposed(loads, here) @ flexibility).T
         bent = np.flatnonzero(np.diff(geometric.indptr))
         if len(bent) == 0:
             return free
@@ -170,7 +170,7 @@ class CondensedBodies(BodyResponse):
             mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
             among = bent[mine] - here.start
             rows = flexibility[among]
-            matrix[:, mine] = _rows_turned(inner, mine) @ rows[:, among]
+            matrix[:, mine] = _rows_transposed(inner, mine) @ rows[:, among]
             bodies.append((here, mine, rows))
         matrix[np.diag_indices(len(bent))] += 1.0
         bend = np.linalg.solve(matrix, inner @ free[bent])
@@ -207,7 +207,7 @@ class CondensedBodies(BodyResponse):
         return self._kept
 
 
-def _rows_turned(matrix: sp.csr_array, rows: slice) -> sp.csc_array:
+def _rows_transposed(matrix: sp.csr_array, rows: slice) -> sp.csc_array:
     """Transpose of some rows of a matrix."""
     start, end = matrix.indptr[rows.start], matrix.indptr[rows.stop]
     entries = matrix.data[start:end], matrix.indices[start:end], matrix.indptr[rows.start : rows.stop + 1] - start

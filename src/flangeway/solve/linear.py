@@ -5,9 +5,10 @@ from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError
 from flangeway.errors import InputError
+from flangeway.mesh.memory import memory_left, out_of_memory
 from flangeway.problems import Body
 from flangeway.solve.rigid import refuse_floating
-from flangeway.space import SymmetricMatrix, memory_left, out_of_memory
+from flangeway.space import SymmetricMatrix
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
 NO_UNKNOWNS.setflags(write=False)

@@ -1,5 +1,7 @@
 """Rigid motions that the supports of a body leave free."""
 
+from dataclasses import replace
+
 import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
@@ -51,7 +53,7 @@ def refuse_floating(body: Body) -> None:
         PrescribedDisplacement(where, 0.0 if "x" in components else None, 0.0 if "y" in components else None)
         for where, components in body.supports.items()
     ]
-    problem = Elasticity(body.space, body.material, body.thickness, supports=supports, name=body.name)
+    problem = replace(body.elasticity, supports=supports)
     try:
         refuse_free_motions(problem, find_constraints(problem))
     except InputError as reason:

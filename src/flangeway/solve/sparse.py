@@ -34,7 +34,7 @@ class SparseBodies(BodyResponse):
 
     def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
         super().__init__(surfaces)
-        for body in {surface.body for surface in self.surfaces}:
+        for body in dict.fromkeys(surface.body for surface in self.surfaces):
             refuse_floating(body)
         blocks = [surface.body.stiffness.full() for surface in self.surfaces]
         sizes = [block.shape[0] for block in blocks]

@@ -1,6 +1,5 @@
 """Spaces of discrete functions on a mesh."""
 
-from flangeway.mesh.memory import memory_left, out_of_memory, peak_memory_bytes, refuse_beyond_memory
 from flangeway.space.condensation import CondensedMatrix, assemble_condensed
 from flangeway.space.functions import interpolate, load_vector
 from flangeway.space.space import CellBatch, Space
@@ -14,8 +13,4 @@ __all__ = [
     "assemble_condensed",
     "interpolate",
     "load_vector",
-    "memory_left",
-    "out_of_memory",
-    "peak_memory_bytes",
-    "refuse_beyond_memory",
 ]

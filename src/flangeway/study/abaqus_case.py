@@ -1,7 +1,7 @@
 """The general case from an Abaqus deck: materials, supports, loads and contact pairs as they stand in it."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -129,12 +129,17 @@ class _Deck:
 
     def _materials(self, piece: Ints) -> dict[str, dict[str, float]]:
         """Material of each section's element set that is in a piece."""
-        sections = {name: each for name, each in self._sections.items() if np.isin(self._cells(name), piece).any()}
-        covered = [np.intersect1d(self._cells(name), piece) for name in sections]
-        count = np.bincount(np.concatenate([*covered, np.zeros(0, dtype=np.int64)]), minlength=self.mesh.n_cells)[piece]
-        if (count != 1).any():
-            x, y = self.mesh.cell_centroids[piece[(count != 1).argmax()]]
-            how = "without" if not count[(count != 1).argmax()] else "with more than one"
+        sections: dict[str, DeckBlock] = {}
+        count = np.zeros(len(piece), dtype=np.int64)
+        for name, section in self._sections.items():
+            covered = np.isin(piece, self._cells(name))
+            count += covered
+            if covered.any():
+                sections[name] = section
+        wrong = np.flatnonzero(count != 1)
+        if len(wrong):
+            x, y = self.mesh.cell_centroids[piece[wrong[0]]]
+            how = "without" if count[wrong[0]] == 0 else "with more than one"
             raise InputError(
                 f"{self.file} {how} *SOLID SECTION for the element at ({x:g}, {y:g})",
                 "a section with a material for every element",
@@ -151,13 +156,11 @@ class _Deck:
 
     def _of_material(self, section: DeckBlock, keyword: str) -> DeckBlock:
         """Keyword of a section's material."""
-        wanted, current = section.parameters.get("MATERIAL", "").upper(), ""
-        for block in self.blocks:
-            if block.keyword == "MATERIAL":
-                current = block.parameters.get("NAME", "").upper()
-            elif block.keyword == keyword and current == wanted:
-                return block
-        raise self.wrong(section, f"the material {wanted!r} without *{keyword}", f"a material with *{keyword}")
+        wanted = section.parameters.get("MATERIAL", "").upper()
+        found = next(self._under("MATERIAL", wanted, keyword), None)
+        if found is None:
+            raise self.wrong(section, f"the material {wanted!r} without *{keyword}", f"a material with *{keyword}")
+        return found
 
     def _hypothesis(self) -> str:
         """Plane strain or stress, from the types of elements; line elements only name edges."""
@@ -310,22 +313,27 @@ class _Deck:
 
     def _enforcement(self, interaction: str) -> dict[str, Any]:
         """How the contact of a surface interaction keeps penetration off: hard, or a linear pressure-overclosure."""
-        current = ""
-        for block in self.blocks:
-            if block.keyword == "SURFACE INTERACTION":
-                current = block.parameters.get("NAME", "").upper()
-            elif block.keyword == "SURFACE BEHAVIOR" and current == interaction.upper():
-                kind = block.parameters.get("PRESSURE-OVERCLOSURE", "HARD").upper()
-                if kind == "LINEAR":
-                    return {"enforcement": "penalty", "penalty_MPa_mm": self._number(block, 0, 0)}
-                if kind != "HARD":
-                    raise self.wrong(block, f"PRESSURE-OVERCLOSURE={kind}", "HARD or LINEAR")
+        for block in self._under("SURFACE INTERACTION", interaction.upper(), "SURFACE BEHAVIOR"):
+            kind = block.parameters.get("PRESSURE-OVERCLOSURE", "HARD").upper()
+            if kind == "LINEAR":
+                return {"enforcement": "penalty", "penalty_MPa_mm": self._number(block, 0, 0)}
+            if kind != "HARD":
+                raise self.wrong(block, f"PRESSURE-OVERCLOSURE={kind}", "HARD or LINEAR")
         return {"enforcement": "multiplier"}
 
     # words
 
     def _all(self, keyword: str) -> list[DeckBlock]:
         return [block for block in self.blocks if block.keyword == keyword]
+
+    def _under(self, keyword: str, name: str, wanted: str) -> Iterator[DeckBlock]:
+        """Blocks of the wanted keyword that stand below another one, such as ``*MATERIAL``, of a name in capitals."""
+        current = ""
+        for block in self.blocks:
+            if block.keyword == keyword:
+                current = block.parameters.get("NAME", "").upper()
+            elif block.keyword == wanted and current == name:
+                yield block
 
     def _cells(self, name: str) -> NDArray[np.int32]:
         return self.mesh.cell_sets[name]

@@ -1,7 +1,7 @@
 """Where the sets and surfaces of an Abaqus deck are on its bodies."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
 import numpy as np
@@ -20,7 +20,7 @@ Ints = NDArray[np.int64]
 Place = tuple[float, float]
 
 
-def named(word: str, known: Sequence[str]) -> str | None:
+def named(word: str, known: Collection[str]) -> str | None:
     """Name among those known that a word of a deck means, capitals or not, without its instance."""
     name = word.strip('"').rpartition(".")[2]
     if name in known:
@@ -59,13 +59,13 @@ class DeckPlaces:
         self.parts = [part_of_mesh(mesh, piece) for piece in pieces]
         self.point_sets = drawn.point_sets
         for sets in (drawn.point_sets, mesh.cell_sets, mesh.edge_sets):
-            self._refuse_twins(list(sets))
+            self._refuse_twins(sets)
         rows = [row for block in history.blocks if block.keyword == "NODE" for row in block.rows]
         self.row_of_node = {int(row[0]): place for place, row in enumerate(rows)}
         self.second_order: set[int] = set()
         self.place_of_row = self._places_of_rows(drawn)
 
-    def _refuse_twins(self, names: Sequence[str]) -> None:
+    def _refuse_twins(self, names: Iterable[str]) -> None:
         """Raise `InputError` for names that differ by capitals alone: for Abaqus they are one set."""
         first: dict[str, str] = {}
         for name in names:
@@ -84,7 +84,7 @@ class DeckPlaces:
     def supports(self, where: str, block: DeckBlock) -> list[dict[str, Any]]:
         """A set's edges, and the points of it that are on none of them; nodes of no element are left out."""
         members = self.spots(where, block)
-        name = named(where, list(self.point_sets))
+        name = named(where, self.point_sets)
         tables: list[dict[str, Any]] = []
         covered: set[tuple[int, Place]] = set()
         for number, part in enumerate(self.parts):
@@ -144,7 +144,7 @@ class DeckPlaces:
 
     def _rows(self, where: str, block: DeckBlock) -> list[int]:
         """Nodes of a set, or a node by its number, as rows of the deck's list."""
-        name = named(where, list(self.point_sets))
+        name = named(where, self.point_sets)
         if name is not None:
             return [int(row) for row in self.point_sets[name]]
         if where.isdigit() and int(where) in self.row_of_node:

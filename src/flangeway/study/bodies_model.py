@@ -212,7 +212,7 @@ class _Builder:
                 "make each a [[loads]] of its own" if given else "add one of them",
             )
         kind = given[0]
-        if (table.cells is not None) != (kind == "body_force_N_mm3" and table.cells is not None):
+        if table.cells is not None and kind != "body_force_N_mm3":
             raise InputError(f"{key}.cells with {kind}", "cells with body_force_N_mm3", "leave cells out")
         if kind == "body_force_N_mm3":
             if keys_of_place(table) or table.point_mm is not None:

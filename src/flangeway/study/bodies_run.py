@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from flangeway.contact import ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
+from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.post import PressurePatch, cell_stresses, corner_stresses, pressure_patches
 from flangeway.problems import ElasticField
 from flangeway.solve import Status
-from flangeway.space import peak_memory_bytes
 from flangeway.study.case import Case
 from flangeway.study.summary import plain_numbers
 from flangeway.study.versions import versions

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.contact import ContactSolution
 from flangeway.post import nodal_residual
-from flangeway.problems import ElasticField, Elasticity
+from flangeway.problems import ElasticField, Elasticity, PrescribedDisplacement
 from flangeway.study.bodies_model import BodiesModel, BodyModel
 from flangeway.study.bodies_run import BodyResult
 
@@ -39,14 +39,13 @@ def _reactions(body: BodyModel, result: BodyResult, contact: ContactSolution | N
     if body.part is not None and contact is not None:
         forces = result.placement.inverse().vectors(contact.nodal_forces(body.part))
     left = nodal_residual(ElasticField(problem, result.field.displacements), forces)[: problem.space.n_nodes]
-    held = [_held(problem, number) for number in range(len(problem.prescribed))]
+    held = [_held(problem, support) for support in problem.prescribed]
     shares = left / np.maximum(np.sum(held, axis=0), 1)
     return result.placement.vectors([(shares * mine).sum(axis=0) for mine in held]).tolist() if held else []
 
 
-def _held(problem: Elasticity, number: int) -> NDArray[np.int64]:
+def _held(problem: Elasticity, support: PrescribedDisplacement) -> NDArray[np.int64]:
     """Which components of which nodes a support holds: 1 or 0, shape (n_nodes, 2)."""
-    support = problem.prescribed[number]
     held = np.zeros((problem.space.n_nodes, 2), dtype=np.int64)
     nodes = problem.support_nodes(support)
     for component, value in enumerate((support.x, support.y)):

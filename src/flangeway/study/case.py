@@ -84,13 +84,8 @@ class Case(Table):
             raise _input_error(cls, reason, where) from None
 
     @classmethod
-    def inputs(cls) -> list[tuple[str, str, str, str]]:
-        """Key, default, what is allowed, and meaning of every input."""
-        return [row for _, rows in _inputs_of(cls, "")[:1] for row in rows]
-
-    @classmethod
     def tables_of_inputs(cls) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
-        """Inputs as in `inputs`, those inside tables apart, each group with the path of its table."""
+        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
         return _inputs_of(cls, "")
 
 

@@ -1,6 +1,6 @@
 """Parts pressed together by loads, by given motions, or by a force behind one of them."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -11,9 +11,9 @@ from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve import CondensedBodies, ContactState, Status, StepSettings, follow, solve_contact
 from flangeway.solve.loaded import LoadedBodies
+from flangeway.study.case import Progress
 
 Floats = NDArray[np.float64]
-Progress = Callable[[str], None]
 Trial = tuple[float, float, ContactState]
 """A distance along the push, by how much the contact resists more than it must, and the solution there."""
 

@@ -8,6 +8,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Outline
+from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.railway.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
 from flangeway.railway.measures import measures
 from flangeway.railway.orientation import Orientation
@@ -21,7 +22,6 @@ from flangeway.railway.profile_file import (
 )
 from flangeway.railway.profiles import RailProfile, WheelProfile
 from flangeway.railway.whole_outline import whole_profile
-from flangeway.space import peak_memory_bytes
 from flangeway.study.versions import versions
 
 FRAMES = {

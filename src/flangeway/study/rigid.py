@@ -2,7 +2,6 @@
 
 import math
 import time
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,6 +11,7 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.materials import Elastic
+from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.railway.conicity import REFERENCE_AMPLITUDE_MM, conicity_by_regression, equivalent_conicity
 from flangeway.railway.rigid_contact import (
     ContactJump,
@@ -31,12 +31,11 @@ from flangeway.railway.rigid_equilibrium import (
 )
 from flangeway.railway.rolling import RollingRadiusDifference
 from flangeway.railway.track import SIDES
-from flangeway.space import peak_memory_bytes
+from flangeway.study.case import Progress
 from flangeway.study.rigid_case import GEOMETRY_CASES, GeometryCase
 from flangeway.study.versions import versions
 
 Floats = NDArray[np.float64]
-Progress = Callable[[str], None]
 
 THROAT_RADII_MM = (10.0, 12.0, 14.2875, 17.4625, 20.0)
 """Radii of the throat's narrow arc that the figure compares."""

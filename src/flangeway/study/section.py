@@ -17,9 +17,10 @@ from flangeway.geometry import Arc, DrawnSection, Section, read_section
 from flangeway.geometry.outline_files import ENDINGS
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.mesh.expected import expected_mesh
+from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.sections import bundled_section
-from flangeway.space import Space, peak_memory_bytes
+from flangeway.space import Space
 from flangeway.study.case import Progress
 from flangeway.study.versions import versions
 

@@ -5,11 +5,11 @@ import math
 from pathlib import Path
 from typing import Any
 
+from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.post import cell_stresses
 from flangeway.railway.balance import Balance
 from flangeway.railway.result import WheelsetResult
 from flangeway.railway.track import SIDES, Side
-from flangeway.space import peak_memory_bytes
 from flangeway.study.summary_rows import (
     bending_rows,
     contact_row,

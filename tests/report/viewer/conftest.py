@@ -5,6 +5,7 @@ import os
 import shutil
 from functools import cache
 
+import numpy as np
 import pytest
 from matplotlib.image import imread
 from playwright.sync_api import sync_playwright
@@ -73,6 +74,10 @@ class Opened:
         """Colours of an element's pixels, (height, width, 3) from 0 to 1."""
         self.page.mouse.move(1.0, 1.0)
         return imread(io.BytesIO(self.page.locator(selector).screenshot()))[:, :, :3]
+
+    def changed(self, before):
+        """Share of the picture's pixels that differ from those of an earlier one."""
+        return (np.abs(before - self.shot()).max(axis=2) > 0.02).mean()
 
     def point(self, x, y):
         """Point at a pixel of the picture, and return what is read there by name, or nothing."""

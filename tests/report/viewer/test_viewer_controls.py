@@ -8,36 +8,31 @@ from flangeway.post import Stresses
 from flangeway.report.fields import PartFields
 
 
-def changed(before, after):
-    """Share of the pixels that differ."""
-    return (np.abs(before - after).max(axis=2) > 0.02).mean()
-
-
 def test_fields_parts_lines_and_deformation_change_the_picture(opened):
     """Each control changes the pixels, and back again gives the first picture."""
     page, first = opened.page, opened.shot()
     opened.choose("stress_xy_MPa")
-    assert changed(first, opened.shot()) > 0.05
+    assert opened.changed(first) > 0.05
     opened.choose("von_mises_MPa")
-    assert changed(first, opened.shot()) == 0.0
+    assert opened.changed(first) == 0.0
     page.fill("#viewer-factor", "150")
-    assert changed(first, opened.shot()) > 0.01
+    assert opened.changed(first) > 0.01
     assert float(page.input_value("#viewer-slider")) > 600
     page.locator("#viewer-slider").evaluate("s => { s.value = 0; s.dispatchEvent(new Event('input')); }")
     assert float(page.input_value("#viewer-factor")) == 0.0
     page.get_by_role("button", name="true", exact=True).click()
-    assert changed(first, opened.shot()) == 0.0
+    assert opened.changed(first) == 0.0
     for control in ("#viewer-lines", "#viewer-smooth"):
         page.check(control)
-        assert changed(first, opened.shot()) > 0.01
+        assert opened.changed(first) > 0.01
         page.uncheck(control)
     page.uncheck(".viewer-parts input[value=rail-left]")
-    assert changed(first, opened.shot()) > 0.03
+    assert opened.changed(first) > 0.03
     page.check(".viewer-parts input[value=rail-left]")
     page.uncheck("#viewer-closer")
-    assert changed(first, opened.shot()) > 0.1
+    assert opened.changed(first) > 0.1
     page.check("#viewer-closer")
-    assert changed(first, opened.shot()) == 0.0
+    assert opened.changed(first) == 0.0
 
 
 def test_a_hidden_part_is_not_read(opened):
@@ -63,7 +58,7 @@ def test_the_range_of_colours_can_be_chosen(opened):
     page.fill("#viewer-high", "123")
     page.keyboard.press("Enter")
     assert page.input_value("#viewer-range") == "own"
-    assert changed(first, opened.shot()) > 0.03
+    assert opened.changed(first) > 0.03
     page.fill("#viewer-high", "-5")
     page.keyboard.press("Enter")
     assert page.get_attribute("#viewer-high", "aria-invalid") == "true"
@@ -126,7 +121,7 @@ def test_two_fingers_zoom(open_page, viewer_page):
         send(kind, right)
     send("touchEnd")
     opened.page.wait_for_timeout(100)
-    assert changed(before, opened.shot()) > 0.2
+    assert opened.changed(before) > 0.2
 
 
 def test_keys_do_what_the_mouse_does(opened):
@@ -192,7 +187,7 @@ def test_two_hundred_thousand_cells(open_page, page_of):
         return frame().then(frame).then(() => performance.now() - start);
     }""")
     assert took < 10_000.0
-    assert changed(before, opened.shot()) > 0.2
+    assert opened.changed(before) > 0.2
     box = opened.canvas.bounding_box()
     found = opened.point(0.45 * box["width"], 0.4 * box["height"])
     assert found["value"] == pytest.approx(stresses.components[int(found["cell"]), 0], rel=1e-6)

@@ -61,7 +61,7 @@ class ShownPart:
     mesh
         The cells that are drawn.
     point_arrays
-        Arrays (n_points, n_components) by name, or (n_steps, n_points, n_components) where the scene has steps;
+        Arrays (n_points, n_components) by name, or (n_steps, n_points, n_components);
         ``displacement``, with 2 components, deforms the picture.
     cell_arrays
         Arrays (n_cells, n_components) by name, or (n_steps, n_cells, n_components).

@@ -15,7 +15,7 @@ class Steps {
     [this.slider, this.output, this.play] = ["#viewer-step", "#viewer-step-name", "#viewer-play"].map((selector) =>
       root.querySelector(selector)
     );
-    this.buttons = new Map([-1, 1].map((way, i) => [way, root.querySelector(["#viewer-previous", "#viewer-next"][i])]));
+    this.buttons = new Map([[-1, root.querySelector("#viewer-previous")], [1, root.querySelector("#viewer-next")]]);
     const several = names.length > 1;
     for (const selector of [".viewer-steps", ".viewer-step-keys"]) root.querySelector(selector).hidden = !several;
     root.querySelector("#viewer-common").parentElement.hidden = !several;

@@ -37,15 +37,11 @@ PATCH_COLUMNS = (
 )
 """Columns of the table of patches; they are numbered on each side from the field to the gauge."""
 
-_SHEAR = {
-    f"{role}_max_in_plane_shear_{name}": (role, field)
-    for role in ROLES
-    for name, field in (("MPa", "value_MPa"), ("depth_mm", "depth_mm"))
-}
-PATCH_SHEAR_COLUMNS = tuple(_SHEAR)
+_SHEAR = {role: (f"{role}_max_in_plane_shear_MPa", f"{role}_max_in_plane_shear_depth_mm") for role in ROLES}
+PATCH_SHEAR_COLUMNS = tuple(name for names in _SHEAR.values() for name in names)
 """Further columns of patches where the largest shear stress below the surface is asked for."""
 
-WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in _SHEAR)
+WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in PATCH_SHEAR_COLUMNS)
 """Further results of wheelsets then: the largest of each side's patches, in the wheel and in the rail."""
 
 _SKIPPED = ("timings_s", "case", "versions", "published", "status")
@@ -136,12 +132,11 @@ def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
         values["max_pressure_MPa"] = max(float(patch["max_pressure_MPa"] or 0.0) for patch in patches)
         most = max(patches, key=lambda patch: float(patch["normal_force_N"] or 0.0))
         values |= {name: most[name] for name in _SIDE if name not in values}
-        for role in ROLES:
-            value, depth = (name for name, (of, _) in _SHEAR.items() if of == role)
+        for value, depth in _SHEAR.values():
             if value in most:
                 worst = max(patches, key=lambda patch: float(patch[value] or 0.0))
                 values |= {value: worst[value], depth: worst[depth]}
-    return {f"{side}_{name}": values.get(name) for name in (*_SIDE, *(name for name in _SHEAR if name in values))}
+    return {f"{side}_{name}": value for name, value in (dict.fromkeys(_SIDE) | values).items()}
 
 
 def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str, Value]:
@@ -163,7 +158,8 @@ def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str
     for name, (x, y) in (("wheel", patch.wheel_point_mm), ("rail", patch.rail_point_mm)):
         values |= {f"{name}_x_mm": x, f"{name}_y_mm": y}
     if patch.shear is not None:
-        values |= {name: getattr(patch.shear[role], field) for name, (role, field) in _SHEAR.items()}
+        for role, (value, depth) in _SHEAR.items():
+            values |= {value: patch.shear[role].value_MPa, depth: patch.shear[role].depth_mm}
     return {name: _plain(value) for name, value in values.items()}
 
 
