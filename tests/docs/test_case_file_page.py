@@ -1,10 +1,7 @@
 """The how-to on case files, followed to the letter: files saved, commands and scripts run, outputs compared."""
 
-import json
 import re
 from pathlib import Path
-
-import pytest
 
 from flangeway.study import CASES, load_case
 from flangeway.study.case_file import FORMAT
@@ -22,17 +19,9 @@ def block(kind, start):
 
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
     """Every file is saved, every command ends with status 0, every script runs, and what is shown is printed."""
-    rest = block("text", "*SOLID SECTION")
-    (tmp_path / "blocks_with_steps.inp").write_text(block("inp", "*NODE") + rest, encoding="utf-8")
-    done = follow("how-to/write-a-case-file.md", tolerance=0.01, skip=[rest, "flangeway: cylinders.toml"])
-    assert done == {"toml": 3, "inp": 1, "sh": 5, "text": 2, "python": 2}
+    done = follow("how-to/write-a-case-file.md", tolerance=0.01, skip=["flangeway: cylinders.toml"])
+    assert done == {"toml": 3, "inp": 1, "sh": 4, "text": 2, "python": 2}
     assert (tmp_path / "out" / "mine" / "summary.json").is_file()
-    forces = [
-        json.loads((tmp_path / "out" / name / "summary.json").read_text()) for name in ("blocks", "blocks_with_steps")
-    ]
-    first, second = (summary["contacts"][0]["force_on_secondary_N"] for summary in forces)
-    assert first == pytest.approx(second)
-    assert load_case(tmp_path / "steps.toml").bodies[0].cells == "LOWER"
     assert load_case(tmp_path / "curve.toml").rail == "60E1"
     shortest = re.search(r"Save as `curve.toml`.*?```toml\n(.*?)```", TEXT, flags=re.DOTALL)[1]
     assert len(shortest.splitlines()) < 10

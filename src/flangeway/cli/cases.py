@@ -16,15 +16,10 @@ if TYPE_CHECKING:
 
 CaseOrFile = Annotated[
     str,
-    typer.Argument(
-        metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), a case file, or an Abaqus deck."
-    ),
+    typer.Argument(metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), or a case file."),
 ]
 CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
-NewName = Annotated[
-    str,
-    typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them. Or an Abaqus deck (.inp)."),
-]
+NewName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them.")]
 To = Annotated[
     Path | None, typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False)
 ]
@@ -146,18 +141,13 @@ def cases(case: ListedName = None) -> None:
 
 @app.command()
 def init(name: NewName, to: To = None) -> None:
-    """Write a case file to begin with: every key with its meaning, unit, range and default; or what a deck says."""
+    """Write a case file to begin with: every key with its meaning, unit, range and default."""
     with errors_as_exit_status():
-        from flangeway.study import find_case, load_case, write_together  # noqa: PLC0415
-        from flangeway.study.abaqus_case import ENDING  # noqa: PLC0415
-        from flangeway.study.case_template import write_case_file, write_template  # noqa: PLC0415
+        from flangeway.study import find_case, write_template, write_together  # noqa: PLC0415
         from flangeway.study.output import text_writer  # noqa: PLC0415
 
-        file = to or Path(f"{Path(name).stem if name.endswith(ENDING) else name}.toml")
-        if name.endswith(ENDING):
-            text = write_case_file(load_case(name), file.parent)
-        else:
-            text = write_template(find_case(name))
+        text = write_template(find_case(name))
+        file = to or Path(f"{name}.toml")
         _refuse_existing(file, "choose another name with --to, or remove it")
         write_together(file.parent, {file.name: text_writer(text)})
         stdout().print(f"{file}: edit it, then flangeway run {file}", markup=False, soft_wrap=True)

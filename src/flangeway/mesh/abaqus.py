@@ -2,13 +2,13 @@
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import LONGEST_VALUE, InputError, short
 from flangeway.mesh.abaqus_assembly import DeckBlock, flat_blocks
 from flangeway.mesh.mending import DrawnMesh
 
@@ -16,8 +16,21 @@ Ints = NDArray[np.int64]
 
 _PLANE = re.compile(r"(?:CPE|CPS|CAX|CPEG|CGAX|M3D|S|STRI|R3D)(3|4|6|8|9|65)(?:[A-Z0-9]*)$")
 _LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3, "R2D2": 2, "RAX2": 2}
-_GENERATING = ("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "INCLUDE", "SYSTEM")
-_READ = ("NODE", "ELEMENT", "NSET", "ELSET", "SURFACE", "INSTANCE", *_GENERATING)
+_GENERATING = (
+    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "INCLUDE", "SYSTEM"),
+    *("PARAMETER", "IMPERFECTION", "IMPORT", "IMPORT NSET", "IMPORT ELSET"),
+)
+_READ = {
+    "NODE": ("NSET", "SYSTEM"),
+    "ELEMENT": ("TYPE", "ELSET"),
+    "NSET": ("NSET", "ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"),
+    "ELSET": ("ELSET", "GENERATE", "INSTANCE", "INTERNAL"),
+    "SURFACE": ("NAME", "TYPE", "INTERNAL"),
+    "INSTANCE": ("NAME", "PART"),
+}
+"""Keywords that are read, with the parameters that are known."""
+MOST_NAMED = 30
+_SILENT = ("HEADING", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE")
 
 
 @dataclass
@@ -45,7 +58,8 @@ def read_abaqus(path: Path) -> DrawnMesh:
     Raises
     ------
     InputError
-        If the file generates or includes nodes, has several instances, elements that are not plane, or is broken.
+        If the file generates, includes or moves nodes, has elements that are not plane, or is broken;
+        and if a keyword that is read has a parameter that is not. Keywords that are not read are named in a notice.
 
     """
     try:
@@ -55,9 +69,18 @@ def read_abaqus(path: Path) -> DrawnMesh:
     if "\0" in text:
         raise InputError(f"{path}, which is binary", "an Abaqus input file, which is text", "export it as .inp")
     model = _Model()
+    left: dict[str, None] = {}
     for block in flat_blocks(text):
-        if block.keyword in _READ:
+        if block.keyword in _READ or block.keyword in _GENERATING:
             _take(model, block)
+        elif block.keyword not in _SILENT:
+            left[f"*{block.keyword[:LONGEST_VALUE]}"] = None
+    if left:
+        named = ", ".join([*left][:MOST_NAMED]) + (f" and {len(left) - MOST_NAMED} others" * (len(left) > MOST_NAMED))
+        model.notices.append(
+            f"Only nodes, elements, sets and surfaces are read; not {named}: give materials, supports, loads and "
+            "contacts in the case."
+        )
     if not model.nodes:
         raise InputError(f"{path} without *NODE", "an Abaqus input file with nodes and elements", "export the mesh")
     return _drawn(model)
@@ -66,6 +89,13 @@ def read_abaqus(path: Path) -> DrawnMesh:
 def _take(model: _Model, block: DeckBlock) -> None:
     if block.keyword in _GENERATING:
         raise InputError(block.place, "a file that lists its nodes and elements", "export the mesh as plain lists")
+    for name in block.parameters:
+        if name not in _READ[block.keyword]:
+            raise InputError(
+                f"{block.place} with the parameter {short(name)}",
+                f"the parameters {', '.join(_READ[block.keyword])}",
+                "export the mesh as plain lists, without it",
+            )
     if block.keyword == "NODE":
         _take_nodes(model, block)
     elif block.keyword == "ELEMENT":
@@ -73,7 +103,12 @@ def _take(model: _Model, block: DeckBlock) -> None:
     elif block.keyword in ("NSET", "ELSET"):
         sets = model.node_sets if block.keyword == "NSET" else model.element_sets
         name = block.parameters.get(block.keyword, "")
-        sets.setdefault(name, []).extend(_members(sets, block))
+        found = _members(sets, block)
+        if block.keyword == "NSET" and "ELSET" in block.parameters:
+            elements = _members(model.element_sets, replace(block, rows=((block.parameters["ELSET"],),)))
+            of_element = model.cells | model.lines
+            found = [node for each in elements for node in of_element.get(each, ())]
+        sets.setdefault(name, []).extend(found)
     elif block.keyword == "SURFACE":
         _take_surface(model, block)
     else:

@@ -1,7 +1,6 @@
 """The inputs of a case as the text of a case file, and as tables of the page."""
 
 from collections.abc import Iterator, Mapping
-from pathlib import Path
 from typing import Any
 
 from flangeway.report.tables import Table
@@ -20,7 +19,7 @@ def case_text(case: RunnableCase) -> str:
     there if they are not the defaults.
     """
     if has_tables(case):
-        return write_case_file(case, Path())
+        return write_case_file(case)
     lines = [f"flangeway = {FORMAT}", f"case = {toml_value(case.name)}"]
     for key in type(case).model_fields:
         value = getattr(case, key)

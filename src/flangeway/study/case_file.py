@@ -8,12 +8,9 @@ from typing import Any
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.file_content import is_file
-from flangeway.study.abaqus_case import ENDING as DECK_ENDING
-from flangeway.study.abaqus_case import abaqus_values
 from flangeway.study.case import Key, RunnableCase, key_text
 from flangeway.study.cases import find_case
 from flangeway.study.toml_file import TomlFile, TomlKind
-from flangeway.study.two_bodies import TwoBodiesCase
 from flangeway.study.versions import versions
 
 FORMAT = 1
@@ -22,25 +19,24 @@ ENDING = ".toml"
 
 FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file")
 """Inputs that may name a file; paths in a case file are relative to its folder."""
-FILE_ENDINGS = (
-    *(".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".toml", ".mpt"),
-    *(".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas"),
-)
+PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".csv", ".dxf", ".mpt")
+MESH_ENDINGS = (".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas")
+FILE_ENDINGS = (ENDING, ".txt", ".dat", *PROFILE_ENDINGS, *MESH_ENDINGS)
 
 
 def is_case_file(name: str | Path) -> bool:
     """Whether a name means a case file, not a case."""
     path = Path(name)
-    return path.suffix.lower() in (ENDING, DECK_ENDING) or is_file(path)
+    return path.suffix.lower() in (ENDING, *PROFILE_ENDINGS, *MESH_ENDINGS) or is_file(path)
 
 
 def load_case(name_or_file: str | Path, **settings: Any) -> RunnableCase:
-    """Return the case of a name with its defaults, or that of a case file or of an Abaqus deck (.inp).
+    """Return the case of a name with its defaults, or that of a case file.
 
     Parameters
     ----------
     name_or_file
-        Name of a case, a TOML file, or an Abaqus deck, see `flangeway.study.abaqus_case.abaqus_values`.
+        Name of a case, or a TOML file.
     settings
         Inputs that go before those of the file.
 
@@ -68,8 +64,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
     given = dict(settings or {})
     if not is_case_file(name_or_file):
         return _by_name(str(name_or_file), given)
-    if Path(name_or_file).suffix.lower() == DECK_ENDING:
-        return _read_deck(Path(name_or_file), given)
+    _refuse_other_file(Path(name_or_file))
     text = _CaseText.read(Path(name_or_file))
     case, values = text.case()
     inputs = _set(text.resolved(values), given)
@@ -94,14 +89,18 @@ def _by_name(name: str, settings: Mapping[str, Any]) -> RunnableCase:
     return case.from_values(values)
 
 
-def _read_deck(file: Path, settings: Mapping[str, Any]) -> RunnableCase:
-    try:
-        values = abaqus_values(file)
-    except InputError as reason:
-        if str(file) in reason.given:
-            raise
-        raise InputError(f"{file}, {reason.given}", reason.allowed, reason.advice) from reason
-    return TwoBodiesCase.from_values(_set(values, settings), lambda _: f"{file}: ")
+def _refuse_other_file(file: Path) -> None:
+    """Refuse meshes, outlines and profiles, which are inputs of a case and no case themselves."""
+    ending = file.suffix.lower()
+    if ending in MESH_ENDINGS or ending in PROFILE_ENDINGS:
+        what, case, key = ("a mesh or a deck", "two-bodies", "file")
+        if ending in PROFILE_ENDINGS:
+            what, case, key = ("an outline or a profile", "wheelset-tangent", "rail, wheel or file")
+        raise InputError(
+            f"{file}, which is {what}, not a case",
+            "the name of a case, or a case file (.toml), which gives materials, supports, loads and contacts",
+            f'name it in a case file: `flangeway init {case}` writes one, {key} = "{file.name}" names it there',
+        )
 
 
 def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
@@ -111,8 +110,7 @@ def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
     except InputError as reason:
         if file is None:
             raise
-        deck = Path(file).suffix.lower() == DECK_ENDING
-        place = f"{file}: " if deck else _CaseText.read(Path(file)).place(_key_in(reason.given))
+        place = _CaseText.read(Path(file)).place(_key_in(reason.given))
         raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
 
 

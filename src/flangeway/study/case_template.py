@@ -4,7 +4,6 @@ import json
 import math
 import os
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any
 
 from pydantic.fields import FieldInfo
@@ -48,17 +47,8 @@ def write_template(case: type[RunnableCase]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def write_case_file(case: RunnableCase, folder: Path) -> str:
-    """Return the text of a case file with the inputs of a case that are not the defaults.
-
-    Parameters
-    ----------
-    case
-        The case.
-    folder
-        Where the file will be: names of files are written as seen from there.
-
-    """
+def write_case_file(case: RunnableCase) -> str:
+    """Return the text of a case file in the current folder with the inputs of a case that are not the defaults."""
     lines = [f"# {case.title}.", "", f"flangeway = {FORMAT}", f'case = "{case.name}"']
     tables: list[str] = []
     for key, value in case.model_dump(exclude_defaults=True).items():
@@ -68,7 +58,7 @@ def write_case_file(case: RunnableCase, folder: Path) -> str:
         for item in value if isinstance(value, list) else [value]:
             tables += ["", f"[[{key}]]" if isinstance(value, list) else f"[{key}]"]
             for name, each in item.items():
-                seen = os.path.relpath(each, folder) if name in FILE_KEYS else each
+                seen = os.path.relpath(each) if name in FILE_KEYS else each
                 tables.append(f"{name} = {toml_value(seen)}")
     return "\n".join([*lines, *tables]) + "\n"
 
