@@ -8,6 +8,7 @@ import pytest
 PACKAGE = Path(__file__).parents[2] / "src" / "flangeway"
 ORDER = (
     "errors",
+    "checks",
     "exact",
     "geometry",
     "mesh",

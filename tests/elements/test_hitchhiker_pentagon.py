@@ -127,7 +127,7 @@ def test_gram_matrix_is_the_product_and_projectors_are_idempotent(order):
     [
         ([(0, 0), (0, 1), (1, 0)], 1, "counter-clockwise"),
         ([(0, 0), (1, 1)], 1, "three or more"),
-        ([(0, 0), (1, 0), (0, 1)], 0, "1 or more"),
+        ([(0, 0), (1, 0), (0, 1)], 0, "1 to 10"),
     ],
 )
 def test_wrong_cells_are_refused(points, order, message):

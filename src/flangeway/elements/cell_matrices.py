@@ -5,10 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import check_integer
 from flangeway.elements import monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.projection import Polygons
+from flangeway.elements.virtual import HIGHEST_ORDER
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import as_points
 
 Floats = NDArray[np.float64]
 
@@ -98,14 +101,13 @@ def cell_matrices(points: ArrayLike, order: int) -> CellMatrices:
     Raises
     ------
     InputError
-        If there are fewer than three points, the area is not positive, or the order is below 1.
+        If there are fewer than three points, the area is not positive, or the order is not from 1 to 10.
 
     """
-    corners = np.asarray(points, dtype=np.float64)
-    if corners.ndim != 2 or corners.shape[1:] != (2,) or len(corners) < 3:
+    corners = as_points(points)
+    if len(corners) < 3:
         raise InputError(f"points of shape {corners.shape}", "three or more rows of x and y", "give the vertices")
-    if order < 1:
-        raise InputError(f"order={order}", "1 or more", "choose order=1")
+    order = check_integer("cell_matrices", "order", order, 1, HIGHEST_ORDER, advice="choose order=1")
     centroid, area = _centroid_and_area(corners)
     if not area > 0.0:
         raise InputError(f"a polygon with signed area {area:g}", "counter-clockwise vertices", "reverse the points")

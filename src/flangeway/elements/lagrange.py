@@ -6,6 +6,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_integer
 from flangeway.elements import monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto, triangle
@@ -34,12 +35,8 @@ class Lagrange(Element):
     order: int
 
     def __post_init__(self) -> None:
-        if self.order not in range(1, HIGHEST_ORDER + 1):
-            raise InputError(
-                f"Lagrange(order={self.order})",
-                f"orders 1 to {HIGHEST_ORDER}",
-                "choose one of these, or Virtual(order) for higher orders",
-            )
+        advice = "choose one of these, or Virtual(order) for higher orders"
+        check_integer("Lagrange", "order", self.order, 1, HIGHEST_ORDER, f"orders 1 to {HIGHEST_ORDER}", advice)
 
     def n_interior(self) -> int:
         """Nodes inside the triangle: none, none, and the centroid."""

@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.elements import batched
 from flangeway.elements.reconstruction import Reconstruction
-from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -23,11 +23,6 @@ class Stabilisation(ABC):
     @abstractmethod
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats | None:
         """Matrices of cells; arguments and result as in `Element.stabilise`."""
-
-
-def _refuse_not_positive(owner: str, name: str, value: float) -> None:
-    if not (np.isfinite(value) and value > 0.0):
-        raise InputError(f"{owner}({name}={value})", "a positive number", "leave the default")
 
 
 def _mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
@@ -55,7 +50,7 @@ class IdentityStabilisation(Stabilisation):
     factor: float = 1.0
 
     def __post_init__(self) -> None:
-        _refuse_not_positive("IdentityStabilisation", "factor", self.factor)
+        check_positive("IdentityStabilisation", "factor", self.factor, advice="leave the default")
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
@@ -108,7 +103,7 @@ class DiagonalStabilisation(Stabilisation):
     factor: float = 1.0
 
     def __post_init__(self) -> None:
-        _refuse_not_positive("DiagonalStabilisation", "factor", self.factor)
+        check_positive("DiagonalStabilisation", "factor", self.factor, advice="leave the default")
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
@@ -134,7 +129,7 @@ class TraceStabilisation(Stabilisation):
     factor: float = 0.5
 
     def __post_init__(self) -> None:
-        _refuse_not_positive("TraceStabilisation", "factor", self.factor)
+        check_positive("TraceStabilisation", "factor", self.factor, advice="leave the default")
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_integer, refused
 from flangeway.elements import monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.elements.polygon_quadrature import polygon_quadrature
@@ -51,12 +52,10 @@ class Virtual(Element):
     stabilisation: Stabilisation | None = None
 
     def __post_init__(self) -> None:
-        if self.order not in range(1, HIGHEST_ORDER + 1):
-            raise InputError(
-                f"Virtual(order={self.order})",
-                f"orders 1 to {HIGHEST_ORDER}; above, monomials lose all digits",
-                "choose order=1 or order=2, and a finer mesh",
-            )
+        allowed = f"orders 1 to {HIGHEST_ORDER}; above, monomials lose all digits"
+        check_integer("Virtual", "order", self.order, 1, HIGHEST_ORDER, allowed, "choose 1 or 2, and a finer mesh")
+        if not (self.stabilisation is None or isinstance(self.stabilisation, Stabilisation)):
+            raise refused("Virtual", "stabilisation", self.stabilisation, "None or a Stabilisation", "leave it out")
 
     def n_interior(self) -> int:
         """Moments inside the cell: the dimension of the polynomials of degree k - 2."""

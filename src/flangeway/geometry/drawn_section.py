@@ -4,7 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
 
-from flangeway.errors import InputError
+from flangeway.checks import is_finite
+from flangeway.errors import InputError, short
 from flangeway.geometry.region import Section
 
 UNITS = ("mm", "cm", "m", "in", "ft")
@@ -34,10 +35,10 @@ class PartMaterial:
 
     def __post_init__(self) -> None:
         """Check the ranges."""
-        if not 0.0 < self.young_MPa < float("inf"):
-            raise InputError(f"young_MPa = {self.young_MPa}", "a positive number", "correct it")
-        if not -1.0 < self.poisson < 0.5:
-            raise InputError(f"poisson = {self.poisson}", "a number above -1 and below 0.5", "correct it")
+        if not (is_finite(self.young_MPa) and self.young_MPa > 0.0):
+            raise InputError(f"young_MPa = {short(self.young_MPa)}", "a positive number", "correct it")
+        if not (is_finite(self.poisson) and -1.0 < self.poisson < 0.5):
+            raise InputError(f"poisson = {short(self.poisson)}", "a number above -1 and below 0.5", "correct it")
 
     @property
     def shear_modulus_MPa(self) -> float:  # noqa: N802 (the unit megapascal)

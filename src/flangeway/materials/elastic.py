@@ -5,17 +5,19 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.checks import check_finite, check_positive, refused
 from flangeway.materials.material import (
+    LEAST_STIFFNESS,
     Hypothesis,
     Material,
     check_density,
-    check_finite,
     check_hypothesis,
     no_expansion,
 )
 
 Floats = NDArray[np.float64]
+NEAR = 0.01
+"""Distance of ``1 - 2 nu`` from zero that means a nearly incompressible material."""
 
 
 @dataclass(frozen=True)
@@ -27,7 +29,7 @@ class Elastic(Material):
     young
         Young's modulus E > 0, in the unit of stress.
     poisson
-        Poisson's ratio, -1 < nu < 1/2.
+        Poisson's ratio, -1 < nu < 1/2, at least 1e-10 from -1 and 5e-11 from 1/2; 1/2 itself in plane stress too.
     hypothesis
         ``"plane_strain"`` (no strain out of the plane), ``"plane_stress"`` (no stress out of it) or ``"axisymmetric"``
         (x is the radius, y the axis of revolution).
@@ -35,6 +37,11 @@ class Elastic(Material):
         Mass per volume, for gravity.
     expansion
         Coefficient of thermal expansion, per unit of temperature.
+
+    Raises
+    ------
+    InputError
+        If a value is no number, or out of its range.
 
     """
 
@@ -45,21 +52,29 @@ class Elastic(Material):
     expansion: float | None = None
 
     def __post_init__(self) -> None:
-        if not (np.isfinite(self.young) and self.young > 0.0):
-            raise InputError(
-                f"Elastic(young={self.young})",
-                "a positive number",
-                "give Young's modulus in the unit of stress, 210000 MPa for steel",
-            )
-        if not -1.0 < self.poisson < 0.5:
-            raise InputError(
-                f"Elastic(poisson={self.poisson})",
-                "-1 < poisson < 0.5",
-                "for nearly incompressible materials take 0.4999 and elements of order 2",
-            )
+        advice = "give Young's modulus in the unit of stress, 210000 MPa for steel"
+        check_positive("Elastic", "young", self.young, advice=advice)
         check_hypothesis("Elastic", self.hypothesis)
+        self._check_poisson()
         check_density("Elastic", self.density)
-        check_finite("Elastic", "expansion", self.expansion)
+        if self.expansion is not None:
+            check_finite("Elastic", "expansion", self.expansion, "a finite number, or None")
+
+    def _check_poisson(self) -> None:
+        plane_stress = self.hypothesis == "plane_stress"
+        allowed = "-1 < poisson <= 0.5" if plane_stress else "-1 < poisson < 0.5"
+        advice = "give Poisson's ratio, 0.3 for steel"
+        poisson = check_finite("Elastic", "poisson", self.poisson, allowed, advice)
+        least = min(1.0 + poisson, 1.0 - 2.0 * poisson)
+        if plane_stress and 0.0 <= poisson <= 0.5:
+            least = 1.0
+        if least >= LEAST_STIFFNESS:
+            return
+        if abs(least) < NEAR and poisson > 0.0:
+            advice = "for nearly incompressible materials take 0.4999 and elements of order 2"
+        if least > 0.0:
+            allowed += f", with 1 - 2 poisson and 1 + poisson of {LEAST_STIFFNESS:g} or more"
+        raise refused("Elastic", "poisson", self.poisson, allowed, advice)
 
     @property
     def shear_modulus(self) -> float:
@@ -75,7 +90,9 @@ class Elastic(Material):
 
     @property
     def spatial_matrix(self) -> Floats:
-        """See `Material.spatial_matrix`."""
+        """See `Material.spatial_matrix`; an InputError for Poisson's ratio 1/2, of which it is infinite."""
+        if self.poisson == 0.5:
+            raise refused("Elastic", "poisson", 0.5, "plane stress only", "take 0.4999 for other hypotheses")
         return self._matrix(self.young * self.poisson / ((1.0 + self.poisson) * (1.0 - 2.0 * self.poisson)))
 
     @property

@@ -6,11 +6,15 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive, refused
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
 MOST_BULK = 5.0
 """Bulk over shear modulus in the plane above which stabilisations no longer grow: that of nu = 0.4 in plane strain."""
+
+LEAST_STIFFNESS = 1e-10
+"""Smallest ``1 - 2 nu`` and ``1 + nu``: every decade below 1 costs solutions one of their sixteen digits."""
 
 Hypothesis = Literal["plane_strain", "plane_stress", "axisymmetric"]
 
@@ -78,27 +82,16 @@ class Material(ABC):
 def check_hypothesis(owner: str, hypothesis: str) -> None:
     """Refuse an unknown hypothesis."""
     if hypothesis not in get_args(Hypothesis):
-        raise InputError(
-            f"{owner}(hypothesis={hypothesis!r})",
-            " or ".join(repr(name) for name in get_args(Hypothesis)),
-            "choose one of these",
+        raise refused(
+            owner, "hypothesis", hypothesis, " or ".join(map(repr, get_args(Hypothesis))), "choose one of these"
         )
 
 
 def check_density(owner: str, density: float | None) -> None:
-    """Refuse a density that is not positive."""
-    if density is not None and not (np.isfinite(density) and density > 0.0):
-        raise InputError(
-            f"{owner}(density={density})",
-            "a positive number, or None",
-            "give the mass per volume in the units of the model, 7.85e-9 t/mm3 for steel in mm, N and MPa",
-        )
-
-
-def check_finite(owner: str, name: str, value: float | None) -> None:
-    """Refuse a number that is not finite; None is allowed."""
-    if value is not None and not np.isfinite(value):
-        raise InputError(f"{owner}({name}={value})", "a finite number, or None", "correct the value")
+    """Refuse a density that is not positive; None is allowed."""
+    if density is not None:
+        advice = "give the mass per volume in the units of the model, 7.85e-9 t/mm3 for steel in mm, N and MPa"
+        check_positive(owner, "density", density, "a positive number, or None", advice)
 
 
 def no_expansion(owner: str) -> InputError:

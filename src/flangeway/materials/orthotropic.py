@@ -5,12 +5,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import are_finite, check_finite, check_positive, refused
 from flangeway.errors import InputError
 from flangeway.materials.material import (
+    LEAST_STIFFNESS,
     Hypothesis,
     Material,
     check_density,
-    check_finite,
     check_hypothesis,
     no_expansion,
 )
@@ -52,37 +53,27 @@ class Orthotropic(Material):
     expansion: Triple | None = None
 
     def __post_init__(self) -> None:
-        self._check_shapes()
         check_hypothesis("Orthotropic", self.hypothesis)
         check_density("Orthotropic", self.density)
-        check_finite("Orthotropic", "angle", self.angle)
-        for name, values in (("young", self.young), ("shear", (self.shear,))):
-            if not all(np.isfinite(value) and value > 0.0 for value in values):
-                raise InputError(
-                    f"Orthotropic({name}={getattr(self, name)})",
-                    "positive numbers",
-                    "give moduli in the unit of stress",
-                )
-        if not np.isfinite(self.poisson).all():
-            raise InputError(f"Orthotropic(poisson={self.poisson})", "finite numbers", "correct the values")
+        check_finite("Orthotropic", "angle", self.angle, "a finite angle in radians")
+        for name in ("young", "poisson", "expansion"):
+            values = getattr(self, name)
+            if not (are_finite(values, 3) or (name == "expansion" and values is None)):
+                allowed = "three numbers, finite, for the axes 1, 2 and 3"
+                raise refused("Orthotropic", name, values, allowed, "give all three")
+        for name, moduli in (("young", self.young), ("shear", (self.shear,))):
+            for value in moduli:
+                check_positive("Orthotropic", name, value, "positive numbers", "give moduli in the unit of stress")
         least = float(np.linalg.eigvalsh(self._scaled_compliance).min())
-        if least <= 1e-12:
+        if self.hypothesis == "plane_stress" and least > -LEAST_STIFFNESS:
+            least = 1.0 - abs(self._scaled_compliance[0, 1])
+        if not least >= LEAST_STIFFNESS:
             raise InputError(
                 f"Orthotropic(young={self.young}, poisson={self.poisson}) with a strain of no or negative energy",
                 "constants whose compliance is positive definite, so nu12^2 < E1 / E2, nu23^2 < E2 / E3, "
                 "nu13^2 < E1 / E3 and more",
                 "check that nu12, nu23, nu13 go with stresses along the first index; nu21 = nu12 E2 / E1",
             )
-
-    def _check_shapes(self) -> None:
-        for name in ("young", "poisson", "expansion"):
-            values = getattr(self, name)
-            if name == "expansion" and values is None:
-                continue
-            if np.shape(values) != (3,):
-                raise InputError(
-                    f"Orthotropic({name}={values})", "three numbers, for the axes 1, 2 and 3", "give all three"
-                )
 
     @property
     def _scaled_compliance(self) -> Floats:
@@ -110,10 +101,19 @@ class Orthotropic(Material):
     @property
     def spatial_matrix(self) -> Floats:
         """See `Material.spatial_matrix`."""
-        root = np.sqrt(np.array(self.young))
-        normal = np.linalg.inv(self._scaled_compliance) * np.outer(root, root)
+        return self._matrix(np.array([0, 1, 3]))
+
+    @property
+    def matrix(self) -> Floats:
+        """See `Material.matrix`; plane stress from the compliance in the plane, which keeps its digits."""
+        return self._matrix(np.array([0, 1])) if self.hypothesis == "plane_stress" else self.spatial_matrix
+
+    def _matrix(self, places: NDArray[np.int64]) -> Floats:
+        """Stiffness where there are normal stresses at some places of xx, yy, xy, zz only."""
+        n = len(places)
+        root = np.sqrt(np.array(self.young, dtype=np.float64))[:n]
+        normal = np.linalg.inv(self._scaled_compliance[:n, :n]) * np.outer(root, root)
         matrix = np.zeros((4, 4))
-        places = np.array([0, 1, 3])
         matrix[np.ix_(places, places)] = (normal + normal.T) / 2.0
         matrix[2, 2] = self.shear
         turned: Floats = self._to_axes.T @ matrix @ self._to_axes

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import is_finite
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.problems import Torsion
@@ -99,7 +100,7 @@ def section_constants(
         If the input of `Torsion` is wrong or Poisson's ratio out of range.
 
     """
-    if not 0.0 <= poisson <= 0.5:
+    if not (is_finite(poisson) and 0.0 <= poisson <= 0.5):
         raise InputError(f"poisson={poisson}", "0 to 0.5", "leave 0 for Trefftz's shear centre")
     warping = solve_torsion(Torsion(space, shear_modulus, "warping"))
     prandtl = solve_torsion(Torsion(space, shear_modulus, "prandtl"))

@@ -8,6 +8,7 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError
 from flangeway.materials import Material
@@ -59,6 +60,7 @@ class Body:
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
+        check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
         materials = self.material.values() if isinstance(self.material, Mapping) else (self.material,)
         if any(material.hypothesis == "axisymmetric" for material in materials):

@@ -7,6 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, polygon_quadrature
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError
@@ -63,12 +64,7 @@ class Elasticity:
         self._check_types()
         object.__setattr__(self, "loads", tuple(self.loads))
         object.__setattr__(self, "supports", tuple(self.supports))
-        if not (np.isfinite(self.thickness) and self.thickness > 0.0):
-            raise InputError(
-                f"Elasticity(thickness={self.thickness})",
-                "a positive length",
-                "take 1 for forces per length",
-            )
+        check_positive("Elasticity", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         _ = self.cell_material
         hypotheses = sorted({material.hypothesis for material in self.materials})
         if len(hypotheses) > 1:

@@ -5,7 +5,8 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.checks import are_finite, is_finite
+from flangeway.errors import InputError, short
 
 Floats = NDArray[np.float64]
 Scalar = float | Callable[[Floats], Floats]
@@ -18,17 +19,18 @@ def check_scalar(owner: str, value: Scalar) -> None:
     """Refuse what is neither a finite number nor a function."""
     if callable(value):
         return
-    if isinstance(value, (str, bytes)) or np.shape(value) != () or not np.isfinite(value):
-        raise InputError(f"{owner} = {value!r}", "a finite number, or a function of points (n, 2)", "correct the value")
+    if not is_finite(value):
+        allowed = "a finite number, or a function of points (n, 2)"
+        raise InputError(f"{owner} = {short(value)}", allowed, "correct the value")
 
 
 def check_vector(owner: str, value: Vector) -> None:
     """Refuse what is neither two finite numbers nor a function."""
     if callable(value):
         return
-    if isinstance(value, (str, bytes)) or np.shape(value) != (2,) or not np.isfinite(np.asarray(value)).all():
+    if not are_finite(value, 2):
         raise InputError(
-            f"{owner} = {value!r}",
+            f"{owner} = {short(value)}",
             "two finite numbers, for x and y, or a function of points (n, 2)",
             "give both components, 0 for none",
         )

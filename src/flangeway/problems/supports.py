@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.checks import are_finite, is_finite
+from flangeway.errors import InputError, short
 from flangeway.problems.given import Scalar, check_scalar, check_vector
 
 Floats = NDArray[np.float64]
@@ -13,13 +14,13 @@ Point = tuple[float, float]
 
 
 def _check_place(owner: str, where: str | Point) -> None:
-    if not isinstance(where, str) and (np.shape(where) != (2,) or not np.isfinite(np.asarray(where)).all()):
-        raise InputError(f"{owner} at {where!r}", "the name of an edge set, or a point (x, y)", "correct it")
+    if not isinstance(where, str) and not are_finite(where, 2):
+        raise InputError(f"{owner} at {short(where)}", "the name of an edge set, or a point (x, y)", "correct it")
 
 
 def _check_angle(owner: str, angle: float) -> None:
-    if not np.isfinite(angle):
-        raise InputError(f"{owner}: angle={angle}", "a finite angle in radians", "correct it")
+    if not is_finite(angle):
+        raise InputError(f"{owner}: angle={short(angle)}", "a finite angle in radians", "correct it")
 
 
 def axes(angle: float) -> Floats:
@@ -93,7 +94,7 @@ class Spring:
         owner = f"Spring({self.where!r})"
         _check_place(owner, self.where)
         _check_angle(owner, self.angle)
-        if not all(np.isfinite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
+        if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
             raise InputError(
                 f"{owner}: stiffnesses x={self.x}, y={self.y}",
                 "numbers >= 0, and one of them positive",

@@ -12,6 +12,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
@@ -87,12 +88,8 @@ class Torsion:
         given = self.shear_modulus
         parts = given.items() if isinstance(given, Mapping) else ((None, given),)
         for name, modulus in parts:
-            if not (np.isfinite(modulus) and modulus > 0.0):
-                raise InputError(
-                    f"shear modulus {modulus} of {name or 'the section'}",
-                    "a positive number",
-                    "correct the value",
-                )
+            owner = "Torsion" if name is None else f"Torsion, cell set {name!r}"
+            check_positive(owner, "shear_modulus", modulus)
             cells = slice(None) if name is None else mesh.cell_set(name)
             moduli[cells] = modulus
             times[cells] += 1

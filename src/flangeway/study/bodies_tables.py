@@ -41,7 +41,7 @@ class MaterialTable(Table):
     """Isotropic linear elastic material."""
 
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio")
+    poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
 
 
 def elastic(table: "MaterialTable | BodyTable", hypothesis: HypothesisName) -> Elastic:
@@ -78,7 +78,7 @@ class BodyTable(Table):
     )
     fine: list[FineTable] = Field([], description="places with smaller triangles")
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")  # noqa: N815
-    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio")
+    poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
     materials: dict[str, MaterialTable] = Field({}, description="materials by the cell sets of a mesh, for several")
 
 

@@ -1,0 +1,102 @@
+"""Checks of the numbers that a user gives: a number is a number, not a text, not a truth value."""
+
+import math
+from collections.abc import Sequence
+from numbers import Integral, Real
+
+import numpy as np
+
+from flangeway.errors import InputError, short
+
+SMALLEST, LARGEST = 1e-100, 1e100
+"""Limits of positive numbers, beyond any unit's choice: products of a few of them neither vanish nor overflow."""
+
+
+def is_number(value: object) -> bool:
+    """Whether a value is one real number, of Python or of NumPy, an array without axes included."""
+    if isinstance(value, np.ndarray):
+        return value.shape == () and value.dtype.kind in "iuf"
+    return isinstance(value, Real) and not isinstance(value, bool)
+
+
+def is_finite(value: object) -> bool:
+    """Whether a value is one finite number."""
+    try:
+        return is_number(value) and math.isfinite(float(value))  # type: ignore[arg-type]
+    except OverflowError:  # an integer of hundreds of digits
+        return False
+
+
+def are_finite(values: object, n: int) -> bool:
+    """Whether values are a sequence or an array of n finite numbers."""
+    if isinstance(values, np.ndarray):
+        return values.shape == (n,) and all(map(is_finite, values))
+    return isinstance(values, Sequence) and len(values) == n and all(map(is_finite, values))
+
+
+def check_finite(
+    owner: str, name: str, value: object, allowed: str = "a finite number", advice: str = "correct the value"
+) -> float:
+    """Return a finite number as a float.
+
+    Parameters
+    ----------
+    owner, name
+        The class or function and its argument, for the message.
+    value
+        What was given.
+    allowed, advice
+        What the message says is allowed, and what to do.
+
+    Raises
+    ------
+    InputError
+        If the value is a text, a truth value, anything else that is not one number, or not finite.
+
+    """
+    if not is_finite(value):
+        raise refused(owner, name, value, allowed, advice)
+    return float(value)  # type: ignore[arg-type]
+
+
+def check_positive(
+    owner: str, name: str, value: object, allowed: str = "a positive number", advice: str = "correct the value"
+) -> float:
+    """Return a number from `SMALLEST` to `LARGEST`; see `check_finite`."""
+    number = check_finite(owner, name, value, allowed, advice)
+    if number > 0.0 and not SMALLEST <= number <= LARGEST:
+        raise refused(owner, name, value, f"{allowed} from {SMALLEST:g} to {LARGEST:g}", "choose other units")
+    if number <= 0.0:
+        raise refused(owner, name, value, allowed, advice)
+    return number
+
+
+def check_integer(
+    owner: str,
+    name: str,
+    value: object,
+    least: int,
+    most: int | None = None,
+    allowed: str = "",
+    advice: str = "correct the value",
+) -> int:
+    """Return a whole number from `least` to `most`; 2.0 and True are none, see `check_finite`.
+
+    Parameters
+    ----------
+    owner, name, value, allowed, advice
+        As for `check_finite`; without `allowed` the message gives the limits.
+    least, most
+        Limits; None for no upper one.
+
+    """
+    number = int(value) if isinstance(value, Integral) and is_number(value) else None
+    if number is None or number < least or (most is not None and number > most):
+        upto = " or more" if most is None else f" to {most}"
+        raise refused(owner, name, value, allowed or f"a whole number, {least}{upto}", advice)
+    return number
+
+
+def refused(owner: str, name: str, value: object, allowed: str, advice: str) -> InputError:
+    """The error of a value that is not allowed."""
+    return InputError(f"{owner}({name}={short(value)})", allowed, advice)
