@@ -38,15 +38,27 @@ def solve(matrices: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
 
     """
     factor = cholesky(matrices)
-    n = factor.shape[0]
+    return solve_upper(factor, solve_lower(factor, rhs, out), out)
+
+
+def solve_lower(factor: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
+    """Solve ``L x = rhs`` with factors of `cholesky`; arguments and result as of `solve`."""
     x = np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
     x[:] = rhs
-    for j in range(n):
+    for j in range(len(factor)):
         if j:
             x[j] -= np.einsum("ke,kme->me", factor[j, :j], x[:j])
         x[j] /= factor[j, j]
-    for j in reversed(range(n)):
-        if j + 1 < n:
+    return x
+
+
+def solve_upper(factor: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
+    """Solve ``L^T x = rhs``, likewise; `out` may be `rhs`."""
+    x = np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
+    if x is not rhs:
+        x[:] = rhs
+    for j in reversed(range(len(factor))):
+        if j + 1 < len(factor):
             x[j] -= np.einsum("ke,kme->me", factor[j + 1 :, j], x[j + 1 :])
         x[j] /= factor[j, j]
     return x

@@ -24,16 +24,16 @@ class CondensedCells:
     ----------
     outer, inner
         Unknowns on the cells' edges (n_outer, n_cells) and inside them (n_inner, n_cells).
-    flexibility
-        Inverse of the block of the internal unknowns, shape (n_inner, n_inner, n_cells).
+    factor
+        Lower Cholesky factor L of the block of the internal unknowns, shape (n_inner, n_inner, n_cells).
     coupling
-        The flexibility times the block that couples them with the edges, shape (n_inner, n_outer, n_cells).
+        ``L^-1 K_ib``, K_ib the block that couples them with the edges, shape (n_inner, n_outer, n_cells).
 
     """
 
     outer: NDArray[np.int32]
     inner: NDArray[np.int32]
-    flexibility: Floats
+    factor: Floats
     coupling: Floats
 
 
@@ -66,6 +66,7 @@ class CondensedMatrix:
         for cells in self.cells:
             inside = flat[cells.inner]
             if inside.any():
+                inside = batched.solve_lower(cells.factor, inside[:, None])[:, 0]
                 moved = np.einsum("ibe,ie->be", cells.coupling, inside)
                 result -= np.bincount(cells.outer.ravel(), moved.ravel(), minlength=len(result))
         return result.reshape(-1, self.n_components)
@@ -77,8 +78,8 @@ class CondensedMatrix:
         for cells in self.cells:
             inside = -np.einsum("ibe,be->ie", cells.coupling, result[cells.outer])
             if load is not None:
-                inside += np.einsum("ije,je->ie", cells.flexibility, load.ravel()[cells.inner])
-            result[cells.inner] = inside
+                inside += batched.solve_lower(cells.factor, load.ravel()[cells.inner][:, None])[:, 0]
+            result[cells.inner] = batched.solve_upper(cells.factor, inside[:, None])[:, 0]
         return result.reshape(-1, self.n_components)
 
 
@@ -86,6 +87,9 @@ def assemble_condensed(
     space: Space, cell_matrices: Callable[[CellBatch], Floats], n_components: int
 ) -> CondensedMatrix:
     """Add up symmetric matrices of cells with their internal unknowns eliminated.
+
+    Elimination is the first part of Cholesky's method for the cell's matrix, whose round-off is that of a small change
+    of the matrix itself; it never forms an inverse, with which digits would be lost as the unknowns' scales part.
 
     Parameters
     ----------
@@ -113,10 +117,8 @@ def assemble_condensed(
         if n_outer < len(numbers):
             condensed = _condensed(batch, matrix, numbers, n_outer)
             cells.append(condensed)
-            coupling = matrix[:n_outer, n_outer:]
-            matrix = matrix[:n_outer, :n_outer] - batched.symmetric_product(
-                np.ascontiguousarray(coupling.swapaxes(0, 1)), condensed.coupling
-            )
+            coupling = condensed.coupling
+            matrix = matrix[:n_outer, :n_outer] - batched.symmetric_product(coupling, coupling)
             numbers = condensed.outer
         dofs.append(np.ascontiguousarray(numbers))
         matrices.append(np.ascontiguousarray(matrix))
@@ -127,16 +129,14 @@ def assemble_condensed(
 
 
 def _condensed(batch: CellBatch, matrix: Floats, numbers: NDArray[np.int32], n_outer: int) -> CondensedCells:
-    n_inner = len(numbers) - n_outer
     with np.errstate(invalid="ignore", divide="ignore"):
-        identity = np.eye(n_inner)[:, :, None]
-        flexibility = batched.solve(matrix[n_outer:, n_outer:], np.broadcast_to(identity, (n_inner, n_inner, 1)))
-    broken = ~np.isfinite(flexibility).all(axis=(0, 1))
+        factor = batched.cholesky(matrix[n_outer:, n_outer:])
+        coupling = batched.solve_lower(factor, matrix[n_outer:, :n_outer])
+    broken = ~np.isfinite(coupling).all(axis=(0, 1))
     if broken.any():
         raise InputError(
             f"cell {batch.cells[broken.argmax()]}, whose internal unknowns can move without energy",
             "elements with a stabilisation, on cells without zero area",
             "check the mesh with flangeway.mesh.check, and leave the element's stabilisation as published",
         )
-    coupling = np.einsum("ije,jbe->ibe", flexibility, matrix[n_outer:, :n_outer])
-    return CondensedCells(numbers[:n_outer], numbers[n_outer:], flexibility, coupling)
+    return CondensedCells(numbers[:n_outer], numbers[n_outer:], factor, coupling)
