@@ -21,13 +21,13 @@ from typing import Any
 import numpy as np
 import scipy.sparse as sp
 
-from benchmarks.measurement import Measurement, fastest, fastest_in_turns, taken, timed
+from benchmarks.measurement import ITSELF, Measurement, fastest, fastest_in_turns, taken, timed
 from benchmarks.peers import PeerMissingError, run_python, threads_tried
 from benchmarks.samples import load_mesh, resident_mb, sample, save_mesh
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, dual, triangulate
+from flangeway.mesh import PolyMesh, check, dual, triangulate
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.solve.constraints import find_constraints
 from flangeway.space import Space, SymmetricMatrix
@@ -50,6 +50,7 @@ def measurements(*, coarser: float = 1.0) -> Iterator[Measurement]:
         save_mesh(folder / "polygons.npz", dual(triangulate(square(1.0), size=POLYGON_SIZE * coarser)))
         yield from _assembly(folder)
         yield from _factors(folder)
+        yield from _checks(folder)
 
 
 def quick() -> Iterator[Measurement]:
@@ -97,6 +98,15 @@ def _factors(folder: Path) -> Iterator[Measurement]:
         yield _measurement(work, "scipy", ours, found[job], f"SuperLU {name}", asked)
     best = fastest([found[job] for job in jobs if job.startswith("cholmod")], _seconds)
     yield _measurement(work, "cvxopt", ours, best, "CHOLMOD, supernodal, as in CVXOPT's wheel", 1.0)
+
+
+def _checks(folder: Path) -> Iterator[Measurement]:
+    for name in ("triangles", "polygons"):
+        ours = _sample(f"check {name}", folder)
+        yield Measurement(
+            f"check of a mesh of {ours['cells']} {name} beside the assembly of order 1", ITSELF, ours["seconds"],
+            ours["assembly"], None, None, "both on a mesh with numbered edges", asked=20.0,
+        )  # fmt: skip
 
 
 def _measurement(
@@ -176,6 +186,17 @@ def _local_matrices(folder: Path, order: int) -> Run:
     return {"seconds": seconds, "cells": n_cells, "accuracy": None, "peak_mb": resident_mb()}
 
 
+def _check(folder: Path, name: str, element: Element) -> Run:
+    stored = load_mesh(folder / f"{name}.npz")
+    checks, assemblies = [], []
+    for _ in range(ROUNDS):
+        mesh = PolyMesh(stored.points, stored.cell_offsets, stored.cell_points)  # not known to be sound
+        _ = mesh.n_edges
+        checks.append(timed(partial(check, mesh))[0])
+        assemblies.append(timed(_problem(mesh, element).stiffness)[0])
+    return {"seconds": min(checks), "assembly": min(assemblies), "cells": stored.n_cells}
+
+
 def _compare(folder: Path) -> Run:
     """Largest difference of both stiffnesses, unknowns matched by place and component."""
     from scipy.spatial import cKDTree  # noqa: PLC0415
@@ -244,6 +265,8 @@ JOBS: dict[str, Callable[[Path], Run]] = {
     "assemble": _ours,
     "local matrices 1": lambda folder: _local_matrices(folder, 1),
     "local matrices 2": lambda folder: _local_matrices(folder, 2),
+    "check triangles": lambda folder: _check(folder, "triangles", Lagrange(1)),
+    "check polygons": lambda folder: _check(folder, "polygons", Virtual(1)),
     "compare assembly": _compare,
     "store matrix": _store,
     "factor": _factor,

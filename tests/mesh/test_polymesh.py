@@ -151,8 +151,8 @@ def test_arrays_are_read_only_copies():
         ({"cell_offsets": [0]}, "cell_offsets"),
         ({"cell_sets": {"a": [1]}}, "cell set 'a'"),
         ({"edge_sets": {"a": [0, 1]}}, "edge set 'a'"),
-        ({"edge_sets": {"a": [[0, 1], [0, 4]]}}, "2 edges leave point 0"),
-        ({"edge_sets": {"a": [[0, 1], [2, 1]]}}, "2 edges reach point 1"),
+        ({"edge_sets": {"a": [[0, 2], [0, 3]]}}, "2 edges leave point 0"),
+        ({"edge_sets": {"a": [[0, 2], [1, 2]]}}, "2 edges reach point 2"),
     ],
 )
 def test_wrong_arrays_are_refused(change, word):

@@ -1,22 +1,32 @@
 """Checks of a mesh's geometry, each with a message that names the place."""
 
-from itertools import combinations
+from collections.abc import Collection, Iterable
+from weakref import WeakSet
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray, point_text
+from flangeway.geometry.arrays import BoolArray, IntArray, point_text
+from flangeway.mesh.meeting import TOUCHING, Meeting, layers, meeting
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import IndexArray, row_numbers
+from flangeway.mesh.ragged import IndexArray, next_in_row, offsets_of, row_numbers
 
-TOUCHING = 1e-9
-"""Distance, relative to the size of mesh or edge, below which points count as touching."""
+FLAT = 1e-14
+"""Area of a cell over the sum of its squared distances from its middle, up to which it counts as flat."""
+
+SHORT = 1e-9
+"""Area between a side and the middle of a cell, over the cell's, below which the side is looked at more closely; and
+length of a side over the cell's size below which its ends count as one point."""
+
+CELLS_AT_A_TIME = 10_000  # their corners stay in cache
+
+_sound: WeakSet[PolyMesh] = WeakSet()
 
 
 def check(
     mesh: PolyMesh,
     *,
+    cracks: Collection[str] = (),
     region_area: float | None = None,
     area_tolerance: float = 1e-9,
     allow_hanging: bool = False,
@@ -24,10 +34,19 @@ def check(
 ) -> None:
     """Check that cells are simple, positive, and fit together without gap or overlap.
 
+    Cells that are simple and counter-clockwise, with at most one of them on each side of an edge, lie on each other
+    only where their boundary crosses itself or encloses itself more than once. So beyond cells and edges the boundary
+    is looked at, and every fault is found. A `Space` checks its mesh so; a mesh is checked once.
+
+    Bodies may touch at a point that they share, which is a hinge. Points of their own at one place, and points on edges
+    of other cells, are faults of merging, except along the faces of closed cracks, which are named.
+
     Parameters
     ----------
     mesh
         What to check.
+    cracks
+        Edge sets, along which the boundary may touch itself.
     region_area
         Area that the cells must fill, if known.
     area_tolerance
@@ -36,25 +55,26 @@ def check(
     allow_hanging
         Whether points may lie inside edges of other cells.
     allow_coincident
-        Whether several points may be at the same place, as where bodies touch or a crack is closed.
+        Whether several points may be at the same place.
 
     Raises
     ------
     InputError
         If a point is unused or there twice; a cell passes a point twice, crosses itself or has no
-        positive area; an edge has two cells on one side; the areas do not sum up; a point hangs on
-        an edge; or an edge set leaves the boundary. The message names the cell or point and where
-        it is.
+        positive area; an edge has two cells on one side; cells lie on each other; the areas do not sum up; a point
+        hangs on an edge; or an edge set leaves the boundary. The message names the cell or point and where it is.
 
     """
-    _check_points(mesh, allow_coincident=allow_coincident)
-    _check_cells(mesh)
-    _check_sides(mesh)
+    if mesh not in _sound:
+        _check_points(mesh)
+        _check_cells(mesh)
+        _check_sides(mesh)
+        _check_edge_sets(mesh)
+        _check_boundary(mesh, cracks, allow_hanging=allow_hanging, allow_coincident=allow_coincident)
+        if not (cracks or allow_hanging or allow_coincident):
+            _sound.add(mesh)
     if region_area is not None:
         _check_sum(mesh, region_area, area_tolerance)
-    if not allow_hanging:
-        _check_hanging(mesh)
-    _check_edge_sets(mesh)
 
 
 def _cell(mesh: PolyMesh, cell: int) -> str:
@@ -62,7 +82,7 @@ def _cell(mesh: PolyMesh, cell: int) -> str:
     return f"cell {cell} near {point_text(middle.mean(axis=0))}"
 
 
-def _check_points(mesh: PolyMesh, *, allow_coincident: bool) -> None:
+def _check_points(mesh: PolyMesh) -> None:
     used = np.bincount(mesh.cell_points, minlength=mesh.n_points)
     if used.min() == 0:
         point = int(used.argmin())
@@ -71,76 +91,95 @@ def _check_points(mesh: PolyMesh, *, allow_coincident: bool) -> None:
             "points that a cell uses",
             "remove it",
         )
-    if allow_coincident:
-        return
-    size = float(np.hypot(*np.ptp(mesh.points, axis=0)))
-    distances, nearest = cKDTree(mesh.points).query(mesh.points, k=2)
-    if distances[:, 1].min() <= TOUCHING * size:
-        point = int(distances[:, 1].argmin())
-        other = next(int(p) for p in nearest[point] if p != point)
-        raise InputError(
-            f"points {point} and {other} at the same place {point_text(mesh.points[point])}",
-            "points that differ",
-            "use one point for both",
-        )
 
 
 def _check_cells(mesh: PolyMesh) -> None:
-    rows = row_numbers(mesh.cell_offsets)
-    order = np.lexsort((mesh.cell_points, rows))
-    twice = (np.diff(rows[order]) == 0) & (np.diff(mesh.cell_points[order]) == 0)
+    """Refuse flat and clockwise cells, and those that cross themselves.
+
+    A cell whose sides all turn counter-clockwise about its middle, once in total, is simple; few are not like that.
+    """
+    others = []
+    x_of, y_of = np.ascontiguousarray(mesh.points.T)
+    sizes = mesh.batches()
+    for n_vertices, batch in sizes:
+        rows = mesh.batch_points(n_vertices, batch) if len(sizes) > 1 else mesh.cell_points.reshape(-1, n_vertices)
+        for start in range(0, len(batch), CELLS_AT_A_TIME):
+            cells = batch[start : start + CELLS_AT_A_TIME]
+            corners = np.ascontiguousarray(rows[start : start + CELLS_AT_A_TIME].T)
+            x, y = x_of[corners], y_of[corners]
+            if n_vertices == 3:  # about the first corner, where two sides have no area
+                x, y = x[1:] - x[0], y[1:] - y[0]
+                areas = x[0] * y[1] - x[1] * y[0]
+            else:
+                x -= x.mean(axis=0)
+                y -= y.mean(axis=0)
+                following = [*range(1, n_vertices), 0]
+                twice = x * y[following] - x[following] * y  # area of side and middle
+                areas = twice.sum(axis=0)
+            flat = areas <= 2.0 * FLAT * (x * x + y * y).sum(axis=0)
+            if flat.any():
+                cell = int(cells[flat.argmax()])
+                if n_vertices > 3:
+                    _check_sides_of(mesh, cells[flat][:1])  # a crossing says more
+                raise InputError(
+                    f"{_cell(mesh, cell)} with area {0.5 * areas[flat.argmax()]:.3g}",
+                    "counter-clockwise cells with positive areas",
+                    "reverse its points, or remove it if it is flat",
+                )
+            if n_vertices > 3:  # a triangle is simple
+                once = ((y < 0.0) & (y[following] >= 0.0)).sum(axis=0) == 1
+                star = once & (twice.min(axis=0) > SHORT * areas)
+                others.append(cells[~star])
+    if others:
+        _check_sides_of(mesh, np.sort(np.concatenate(others)))
+
+
+def _check_sides_of(mesh: PolyMesh, cells: IntArray) -> None:
+    """Refuse cells that pass a point twice or cross themselves."""
+    if not len(cells):
+        return
+    offsets = offsets_of(mesh.cell_sizes[cells].astype(np.int64))
+    rows = row_numbers(offsets)
+    entries = np.arange(len(rows)) + (mesh.cell_offsets[cells].astype(np.int64) - offsets[:-1])[rows]
+    corners = mesh.cell_points[entries]
+    sides = np.column_stack([corners, corners[next_in_row(offsets)]])
+    order = np.lexsort((corners, rows))
+    twice = (np.diff(rows[order]) == 0) & (np.diff(corners[order]) == 0)
     if twice.any():
         where = order[twice.argmax()]
         raise InputError(
-            f"{_cell(mesh, int(rows[where]))} passes point {mesh.cell_points[where]} twice",
+            f"{_cell(mesh, int(cells[rows[where]]))} passes point {corners[where]} twice",
             "polygons that pass a point once",
             "divide the cell there",
         )
-    least = 1e-14 * mesh.cell_diameters**2
-    if np.any(mesh.cell_areas <= least):
-        cell = int(np.argmax(mesh.cell_areas <= least))
+    lengths = np.hypot(*(mesh.points[sides[:, 1]] - mesh.points[sides[:, 0]]).T)
+    short = lengths <= SHORT * np.maximum.reduceat(lengths, offsets[:-1])[rows]
+    if short.any():
+        raise _same_place(mesh, *sides[short.argmax()])
+    found = meeting(mesh.points, sides, rows)
+    pairs = np.vstack([np.column_stack([found.on, found.of]), found.crossing])
+    if len(pairs):
+        pair = pairs[0]
+        i, j = np.sort(pair - offsets[rows[pair[0]]])
         raise InputError(
-            f"{_cell(mesh, cell)} with area {mesh.cell_areas[cell]:.3g}",
-            "counter-clockwise cells with positive areas",
-            "reverse its points, or remove it if it is flat",
+            f"{_cell(mesh, int(cells[rows[pair[0]]]))}: its sides {i} and {j} cross",
+            "polygons that do not cross themselves",
+            "reorder its points",
         )
-    for n_vertices, cells in mesh.batches():
-        corners = mesh.points[mesh.batch_points(n_vertices, cells)]
-        for i, j in combinations(range(n_vertices), 2):
-            if j - i in (1, n_vertices - 1):
-                continue
-            crossed = _cross(corners, i, j)
-            if crossed.any():
-                raise InputError(
-                    f"{_cell(mesh, int(cells[crossed.argmax()]))}: its sides {i} and {j} cross",
-                    "polygons that do not cross themselves",
-                    "reorder its points",
-                )
 
 
-def _cross(corners: FloatArray, i: int, j: int) -> BoolArray:
-    """Return whether the sides i and j of polygons (n, n_vertices, 2) have a point in common."""
-    n = corners.shape[1]
-    a, b, c, d = (corners[:, k % n] for k in (i, i + 1, j, j + 1))
-
-    def side(p: FloatArray, q: FloatArray, r: FloatArray) -> FloatArray:
-        u, v = q - p, r - p
-        turn: FloatArray = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-        return turn
-
-    apart = (side(a, b, c) * side(a, b, d) > 0.0) | (side(c, d, a) * side(c, d, b) > 0.0)
-    low = np.maximum(np.minimum(a, b), np.minimum(c, d))
-    high = np.minimum(np.maximum(a, b), np.maximum(c, d))
-    crossed: BoolArray = ~apart & np.all(low <= high, axis=1)
-    return crossed
+def _same_place(mesh: PolyMesh, one: int, other: int) -> InputError:
+    return InputError(
+        f"points {one} and {other} at the same place {point_text(mesh.points[one])}",
+        "points that differ, or both on faces of a crack",
+        "use one point for both, as read_mesh does; for a crack name its faces, Space(..., cracks=['face', ...])",
+    )
 
 
 def _check_sides(mesh: PolyMesh) -> None:
     """Refuse an edge that two cells travel in the same direction: they overlap."""
-    directed = mesh.edges[mesh.cell_edges][:, 0] == mesh.cell_points
-    counts = np.bincount(2 * mesh.cell_edges.astype(np.int64) + directed)
-    if counts.max() > 1:
-        edge = int(counts.argmax()) // 2
+    if len(mesh.doubled_edges):
+        edge = int(mesh.doubled_edges[0])
         cells = row_numbers(mesh.cell_offsets)[mesh.cell_edges == edge]
         a, b = mesh.edges[edge]
         raise InputError(
@@ -160,51 +199,89 @@ def _check_sum(mesh: PolyMesh, region_area: float, tolerance: float) -> None:
         )
 
 
-def _check_hanging(mesh: PolyMesh) -> None:
-    edges, points = hanging_points(mesh)
-    if len(points):
-        start, end = mesh.boundary_edges[edges[0]]
-        raise InputError(
-            f"point {points[0]} at {point_text(mesh.points[points[0]])} hangs on the edge ({start}, {end})",
-            "points at the ends of edges",
-            "add the point to the cell of that edge, which may be a polygon with one side more; see `conforming`",
-        )
-
-
 def hanging_points(mesh: PolyMesh) -> tuple[IndexArray, IndexArray]:
     """Return rows of ``mesh.boundary_edges`` and the points (n,) that lie inside them.
 
     Of two cells that meet along an edge with a hanging point, both have edges with one cell only:
     so it is enough to look at boundary edges and their points.
     """
-    pairs = mesh.boundary_edges
-    rim = np.unique(pairs)
-    a, b = mesh.points[pairs[:, 0]], mesh.points[pairs[:, 1]]
-    lengths = np.hypot(*(b - a).T)
-    near = cKDTree(mesh.points[rim]).query_ball_point(0.5 * (a + b), 0.5 * lengths)
-    counts = np.array([len(found) for found in near])
-    edges = np.repeat(np.arange(len(pairs)), counts)
-    points = rim[np.concatenate([np.asarray(found, dtype=np.int64) for found in near])].astype(np.int64)
-    rays = mesh.points[points] - a[edges]
-    steps = (b - a)[edges]
-    off = np.abs(steps[:, 0] * rays[:, 1] - steps[:, 1] * rays[:, 0]) / lengths[edges]
-    own = (points == pairs[edges, 0]) | (points == pairs[edges, 1])
-    hanging = ~own & (off <= TOUCHING * lengths[edges])
-    return edges[hanging], points[hanging]
+    found = meeting(mesh.points, mesh.boundary_edges)
+    inside = ~_at_end(mesh, found)[0]
+    _, first = np.unique(found.on[inside] * mesh.n_points + found.points[inside], return_index=True)
+    return found.on[inside][first], found.points[inside][first]
+
+
+def _at_end(mesh: PolyMesh, found: Meeting) -> tuple[BoolArray, IndexArray]:
+    """Whether each touching point lies at an end of the edge, and that end."""
+    rim = mesh.boundary_edges
+    ends = rim[found.on]
+    apart = np.hypot(*np.moveaxis(mesh.points[ends] - mesh.points[found.points][:, None], 2, 0))
+    lengths = np.hypot(*np.moveaxis(np.diff(mesh.points[rim], axis=1)[:, 0], 1, 0))
+    at_end: BoolArray = apart.min(axis=1) <= TOUCHING * np.minimum(lengths[found.on], lengths[found.of])
+    return at_end, ends[np.arange(len(ends)), apart.argmin(axis=1)].astype(np.int64)
+
+
+def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: bool, allow_coincident: bool) -> None:
+    """Refuse a boundary that touches itself where it is not meant to, crosses itself or encloses itself."""
+    rim = mesh.boundary_edges
+    found = meeting(mesh.points, rim)
+    if len(found.crossing):
+        (a, b), (c, d) = rim[found.crossing[0]]
+        raise InputError(
+            f"the boundary edges ({a}, {b}) and ({c}, {d}) near {point_text(mesh.points[a])} cross",
+            "cells that do not lie on each other",
+            "remove or move the cells that overlap",
+        )
+    if len(found.on):
+        at_end, ends = _at_end(mesh, found)
+        meant = _meant(mesh, found, at_end, ends, cracks) | np.where(at_end, allow_coincident, allow_hanging)
+        if not meant.all():
+            row = int(np.argmin(meant))
+            point = int(found.points[row])
+            if at_end[row]:
+                raise _same_place(mesh, *sorted((point, int(ends[row]))))
+            start, end = rim[found.on[row]]
+            raise InputError(
+                f"point {point} at {point_text(mesh.points[point])} hangs on the edge ({start}, {end})",
+                "points at the ends of edges",
+                "add the point to the cell of that edge, which may be a polygon with one side more; see `conforming`",
+            )
+    rows, numbers = layers(mesh.points, rim)
+    if (numbers != 1).any():
+        a, b = rim[rows[np.argmax(numbers != 1)]]
+        raise InputError(
+            f"the boundary edge ({a}, {b}) near {point_text(mesh.points[a])} lies inside another part of the mesh",
+            "cells that do not lie on each other",
+            "remove or move the cells that overlap",
+        )
+
+
+def _meant(mesh: PolyMesh, found: Meeting, at_end: BoolArray, ends: IndexArray, cracks: Iterable[str]) -> BoolArray:
+    """Whether a point may touch an edge or another point: both have an edge of a crack's face."""
+    faces = np.zeros(len(mesh.boundary_edges), dtype=bool)
+    for name in cracks:
+        faces |= np.isin(_keys(mesh, mesh.boundary_edges), _keys(mesh, mesh.edge_set(name)))
+    # a touch is found once for each pair of edges there, of which one is enough
+    low, high = np.minimum(found.points, ends), np.maximum(found.points, ends)
+    place = np.where(at_end, low * mesh.n_points + high, -1 - (found.on * mesh.n_points + found.points))
+    _, touch = np.unique(place, return_inverse=True)
+    meant: BoolArray = np.bincount(touch, weights=faces[found.on] & faces[found.of])[touch] > 0
+    return meant
+
+
+def _keys(mesh: PolyMesh, pairs: IntArray) -> IndexArray:
+    joined: IndexArray = pairs[:, 0].astype(np.int64) * mesh.n_points + pairs[:, 1]
+    return joined
 
 
 def _check_edge_sets(mesh: PolyMesh) -> None:
-    def keys(pairs: IntArray) -> IntArray:
-        joined: IntArray = pairs[:, 0].astype(np.int64) * mesh.n_points + pairs[:, 1]
-        return joined
-
-    allowed = keys(mesh.boundary_edges)
+    allowed = _keys(mesh, mesh.boundary_edges)
     for name, pairs in mesh.edge_sets.items():
-        wrong = ~np.isin(keys(pairs), allowed)
+        wrong = ~np.isin(_keys(mesh, pairs), allowed)
         if wrong.any():
             a, b = pairs[wrong.argmax()]
             raise InputError(
-                f"edge set '{name}': ({a}, {b}) near {point_text(mesh.points[a])}",
-                "edges of the boundary, with the body on the left",
-                "choose among boundary_edges, or use with_edge_set, which turns them",
+                f"edge set '{name}': ({a}, {b}) near {point_text(mesh.points[a])} is inside the body, or no edge",
+                "edges of the boundary",
+                "choose among boundary_edges",
             )

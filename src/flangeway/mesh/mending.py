@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, IntArray
-from flangeway.mesh.checks import TOUCHING, check, hanging_points
+from flangeway.mesh.checks import check, hanging_points
 from flangeway.mesh.conforming import conforming
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import offsets_of
@@ -176,7 +176,7 @@ def _first_of_equal(points: FloatArray, cells: list[Ints], notices: list[str]) -
     """For each point the first one at its place; only points of cells count."""
     used = np.unique(np.concatenate(cells))
     size = float(np.hypot(*np.ptp(points[used], axis=0)))
-    pairs = used[cKDTree(points[used]).query_pairs(TOUCHING * size, output_type="ndarray")]
+    pairs = used[cKDTree(points[used]).query_pairs(1e-9 * size, output_type="ndarray")]
     numbers = np.arange(len(points))
     if not len(pairs):
         return numbers

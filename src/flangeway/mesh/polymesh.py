@@ -13,7 +13,8 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, IntArray, as_points
 from flangeway.geometry.placement import Placement
 from flangeway.mesh.chains import chain_starts, ordered_pairs
-from flangeway.mesh.ragged import next_in_row, row_numbers, rows_reversed
+from flangeway.mesh.numbering import EdgeNumbers, number_edges
+from flangeway.mesh.ragged import IndexArray, next_in_row, row_numbers, rows_reversed
 
 
 def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
@@ -30,6 +31,19 @@ def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
     return _frozen(given.astype(np.int32))
 
 
+def _with_the_body_on_the_left(pairs: IntArray, cell_points: IntArray, offsets: IntArray) -> IntArray:
+    """Pairs (m, 2) turned where a cell passes them from the second point to the first, and none the other way."""
+    near = np.zeros(max(int(cell_points.max()), int(pairs.max())) + 1, dtype=bool)
+    near[pairs] = True
+    entries = np.flatnonzero(near[cell_points])
+    after = entries + 1
+    rows = np.searchsorted(offsets, entries, side="right") - 1
+    after = np.where(after == offsets[rows + 1], offsets[rows], after)
+    sides = cell_points[entries].astype(np.int64) * len(near) + cell_points[after]
+    ahead, back = (np.isin(a.astype(np.int64) * len(near) + b, sides) for a, b in (pairs.T, pairs.T[::-1]))
+    return np.where((back & ~ahead)[:, None], pairs[:, ::-1], pairs)
+
+
 def _frozen(values: NDArray[Any]) -> NDArray[Any]:
     values.setflags(write=False)
     return values
@@ -44,7 +58,7 @@ class PolyMesh:
     """Polygons with any number of sides; a triangle is a polygon with three points.
 
     All arrays are copied and read-only; a change returns a new mesh. The constructor checks shapes
-    and index ranges only; `flangeway.mesh.check` checks the geometry.
+    and index ranges only; a `Space` checks the geometry, as `flangeway.mesh.check` does.
 
     Parameters
     ----------
@@ -57,8 +71,8 @@ class PolyMesh:
     cell_sets
         Cell numbers by name; they are stored in rising order, each once.
     edge_sets
-        Pairs of points (m, 2) by name: boundary edges with the body on the left. They are stored in
-        order along the boundary.
+        Pairs of points (m, 2) by name: boundary edges in either direction. They are stored with the body on the left,
+        in order along the boundary.
 
     Raises
     ------
@@ -101,7 +115,11 @@ class PolyMesh:
                     "pairs of points (m, 2), one or more",
                     "give start and end of every edge",
                 )
-            edge_sets[name] = _frozen(ordered_pairs(pairs, name))
+            try:
+                ordered = ordered_pairs(_with_the_body_on_the_left(pairs, cell_points, offsets), name)
+            except InputError:  # as where a cell is clockwise, which is for a check of the mesh to say
+                ordered = ordered_pairs(pairs, name)
+            edge_sets[name] = _frozen(ordered)
         for name, value in (
             ("points", points),
             ("cell_offsets", offsets),
@@ -130,7 +148,7 @@ class PolyMesh:
     @property
     def n_edges(self) -> int:
         """Number of edges."""
-        return len(self.edges)
+        return len(self._numbered.keys)
 
     @cached_property
     def cell_sizes(self) -> IntArray:
@@ -138,10 +156,9 @@ class PolyMesh:
         return _frozen(np.diff(self.cell_offsets))
 
     @cached_property
-    def _directed(self) -> IntArray:
-        """Edges as the cells travel them (len(cell_points), 2)."""
-        after = self.cell_points[next_in_row(self.cell_offsets)]
-        return np.column_stack([self.cell_points, after])
+    def _following(self) -> IndexArray:
+        """Position in `cell_points` of the point after each one in its cell."""
+        return next_in_row(self.cell_offsets)
 
     def _keys(self, pairs: IntArray) -> NDArray[np.int64]:
         low, high = np.sort(pairs.astype(np.int64), axis=1).T
@@ -149,21 +166,19 @@ class PolyMesh:
         return keys
 
     @cached_property
-    def _numbered(self) -> tuple[NDArray[np.int64], IntArray]:
-        """Sorted keys of the edges, and the edge number of every directed edge."""
-        keys, numbers = np.unique(self._keys(self._directed), return_inverse=True)
-        return keys, _frozen(numbers.astype(np.int32))
+    def _numbered(self) -> EdgeNumbers:
+        return number_edges(self.cell_points, self.cell_points[self._following], self.n_points)
 
     @cached_property
     def edges(self) -> IntArray:
         """Pairs of points (n_edges, 2), the lower number first, in sorted order."""
-        low, high = np.divmod(self._numbered[0], self.n_points)
+        low, high = np.divmod(self._numbered.keys, self.n_points)
         return _frozen(np.column_stack([low, high]).astype(np.int32))
 
     @property
     def cell_edges(self) -> IntArray:
         """Edge numbers, ragged like `cell_points`: from its point to the next one of the cell."""
-        return self._numbered[1]
+        return self._numbered.numbers
 
     @cached_property
     def edge_cells(self) -> IntArray:
@@ -195,8 +210,13 @@ class PolyMesh:
     @cached_property
     def boundary_edges(self) -> IntArray:
         """Edges with one cell, as pairs of points (m, 2) with the body on the left."""
-        counts = np.bincount(self.cell_edges, minlength=self.n_edges)
-        return _frozen(self._directed[counts[self.cell_edges] == 1])
+        entries = self._numbered.single
+        return _frozen(np.column_stack([self.cell_points[entries], self.cell_points[self._following[entries]]]))
+
+    @property
+    def doubled_edges(self) -> IndexArray:
+        """Numbers of the edges that two cells travel in the same direction, or more than two cells: none if sound."""
+        return self._numbered.doubled
 
     def edge_numbers(self, pairs: ArrayLike) -> IntArray:
         """Return the numbers (m,) of the edges with the given ends (m, 2), in either direction.
@@ -208,7 +228,7 @@ class PolyMesh:
 
         """
         given = _index_array(pairs, "pairs", self.n_points).reshape(-1, 2)
-        keys, wanted = self._numbered[0], self._keys(given)
+        keys, wanted = self._numbered.keys, self._keys(given)
         numbers = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
         missing = keys[numbers] != wanted
         if missing.any():
@@ -230,7 +250,7 @@ class PolyMesh:
     def _cross(self) -> FloatArray:
         """Twice the signed areas of the triangles of every edge with the cell's first point."""
         a = self._local_corners
-        b = a[next_in_row(self.cell_offsets)]
+        b = a[self._following]
         cross: FloatArray = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         return cross
 
@@ -243,7 +263,7 @@ class PolyMesh:
     def cell_centroids(self) -> FloatArray:
         """Centroids (n_cells, 2)."""
         a = self._local_corners
-        weighted = (a + a[next_in_row(self.cell_offsets)]) * self._cross[:, None]
+        weighted = (a + a[self._following]) * self._cross[:, None]
         sums = np.add.reduceat(weighted, self.cell_offsets[:-1], axis=0)
         first = self.points[self.cell_points[self.cell_offsets[:-1]]]
         return _frozen(first + sums / (6.0 * self.cell_areas[:, None]))
@@ -262,6 +282,8 @@ class PolyMesh:
 
     @cached_property
     def _batches(self) -> tuple[tuple[int, IntArray], ...]:
+        if self.cell_sizes.min() == self.cell_sizes.max():
+            return ((int(self.cell_sizes[0]), _frozen(np.arange(self.n_cells, dtype=np.int32))),)
         order = np.argsort(self.cell_sizes, kind="stable").astype(np.int32)
         sizes, starts = np.unique(self.cell_sizes[order], return_index=True)
         groups = np.split(order, starts[1:])

@@ -1,6 +1,6 @@
 """Discrete spaces: the numbering of unknowns on a mesh, and assembly."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from flangeway._core import Pattern, n_threads
 from flangeway.elements import Element
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.errors import InputError, OutOfMemoryError
-from flangeway.mesh import PolyMesh
+from flangeway.errors import InputError, OutOfMemoryError, short
+from flangeway.mesh import PolyMesh, check
 from flangeway.space.memory import refuse_large_assembly
 from flangeway.space.symmetric import SymmetricMatrix
 
@@ -64,13 +64,28 @@ class Space:
         The mesh.
     element
         One element for all cells, or one for each named cell set, which must then cover the mesh once.
+    cracks
+        Names of the mesh's edge sets that are faces of closed cracks, or of bodies that touch without being joined.
+        Elsewhere points that are there twice, or lie on an edge of another cell, are an error.
+
+    Raises
+    ------
+    InputError
+        If `flangeway.mesh.check` refuses the mesh, or the elements do not fit it.
 
     """
 
     mesh: PolyMesh
     element: Element | Mapping[str, Element]
+    cracks: Collection[str] = ()
 
     def __post_init__(self) -> None:
+        """Check the mesh and that elements fit it."""
+        if not isinstance(self.mesh, PolyMesh):
+            raise InputError(
+                f"Space({short(self.mesh)}, ...)", "a PolyMesh", "read or make one: triangulate, read_mesh"
+            )
+        check(self.mesh, cracks=self.cracks)
         orders = {element.order for element, _ in self._regions}
         if len(orders) != 1:
             raise InputError(
@@ -86,6 +101,13 @@ class Space:
     def _regions(self) -> tuple[tuple[Element, NDArray[np.int64]], ...]:
         if isinstance(self.element, Element):
             return ((self.element, np.arange(self.mesh.n_cells)),)
+        elements = list(self.element.values()) if isinstance(self.element, Mapping) else [self.element]
+        if not elements or not all(isinstance(element, Element) for element in elements):
+            raise InputError(
+                f"Space(mesh, {short(self.element)})",
+                "an element, or one for each name of a cell set",
+                "write Lagrange(2), Virtual(1) or {'name of the set': Virtual(1)}",
+            )
         times = np.zeros(self.mesh.n_cells, dtype=np.int64)
         regions = []
         for name, element in self.element.items():

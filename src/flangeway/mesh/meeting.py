@@ -1,0 +1,168 @@
+"""Segments that touch or cross, found by a sweep, and how many cells of a mesh lie on each other."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+
+from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray
+from flangeway.mesh.ragged import IndexArray
+
+TOUCHING = 1e-6
+"""Distance of a point from a segment, over the shorter of it and the point's own, up to which they touch."""
+
+DIRECTIONS = (0.6, 1.4, 2.2, 3.0)
+"""Angles in radians of the sweeps, of which the one with the fewest candidates is taken."""
+
+MOST_CANDIDATES = 2_000_000
+"""Pairs of segments that are examined at a time."""
+
+
+@dataclass(frozen=True, eq=False)
+class Meeting:
+    """Where segments come together other than at a common end.
+
+    Parameters
+    ----------
+    on
+        Segments on which a point of another one lies (n_touches,).
+    of
+        The other segments (n_touches,).
+    points
+        The points (n_touches,), each an end of ``of`` and not of ``on``.
+    crossing
+        Pairs (n_crossings, 2) of segments that cross and do not touch.
+
+    """
+
+    on: IndexArray
+    of: IndexArray
+    points: IndexArray
+    crossing: IndexArray
+
+
+def meeting(points: FloatArray, segments: IntArray, groups: IndexArray | None = None) -> Meeting:
+    """Find the segments that touch or cross.
+
+    Parameters
+    ----------
+    points
+        Coordinates (n_points, 2).
+    segments
+        Numbers of start and end (n, 2). At a point with a number of its own in both they may meet.
+    groups
+        Number of a group for each segment (n,): only segments of one group are compared.
+
+    """
+    parts = [_examined(points, segments, i, j) for i, j in _candidates(points[segments], groups)]
+    on, of, met, crossing = (np.concatenate(part) for part in zip(*parts, strict=True))
+    return Meeting(on, of, met, crossing)
+
+
+def _candidates(ends: FloatArray, groups: IndexArray | None) -> list[tuple[IndexArray, IndexArray]]:
+    """Pairs of segments whose shadows overlap in the direction with the fewest, in parts of limited size."""
+    n = len(ends)
+    low, high = ends.min(axis=1), ends.max(axis=1)
+    reach = TOUCHING * np.hypot(*(high - low).T)
+    best: tuple[int, IndexArray, IndexArray] | None = None
+    middle = 0.5 * (low.min(axis=0) + high.max(axis=0))
+    size = float((high - low).max()) + float(np.ptp(high, axis=0).max())
+    for angle in DIRECTIONS:
+        shadow = (ends - middle) @ np.array([np.cos(angle), np.sin(angle)])
+        if groups is not None:  # one after the other, so that no two overlap
+            shadow = shadow + 3.0 * size * groups[:, None]
+        start, stop = shadow.min(axis=1), shadow.max(axis=1)
+        order = np.argsort(start)
+        margin = reach[order] + 1e-12 * np.abs(shadow).max()
+        last = np.searchsorted(start[order], stop[order] + margin, side="right")
+        counts = np.maximum(last - np.arange(n) - 1, 0)
+        if best is None or counts.sum() < best[0]:
+            best = (int(counts.sum()), order, counts)
+    assert best is not None
+    _, order, counts = best
+    parts = []
+    bounds = np.searchsorted(np.cumsum(counts), np.arange(0, best[0], MOST_CANDIDATES), side="left").tolist()
+    for first, stop_row in zip(bounds, [*bounds[1:], n], strict=True):
+        mine = counts[first:stop_row]
+        rows = np.repeat(np.arange(first, stop_row), mine)
+        others = rows + 1 + np.arange(len(rows)) - np.repeat(np.cumsum(mine) - mine, mine)
+        i, j = order[rows], order[others]
+        margin = reach[i, None]
+        near = np.all((low[i] <= high[j] + margin) & (low[j] <= high[i] + margin), axis=1)
+        parts.append((i[near], j[near]))
+    return parts or [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))]
+
+
+def _examined(
+    points: FloatArray, segments: IntArray, i: IndexArray, j: IndexArray
+) -> tuple[IndexArray, IndexArray, IndexArray, IndexArray]:
+    """Touches (on, of, point) and crossings of the pairs (i, j)."""
+    (a, b), (c, d) = segments[i].T, segments[j].T
+    u, v = points[b] - points[a], points[d] - points[c]
+    reach = TOUCHING * np.minimum(np.hypot(*u.T), np.hypot(*v.T))
+    touched = np.zeros(len(i), dtype=bool)
+    found = []
+    turns = []
+    for on, of, p, start, end, step in ((i, j, c, a, b, u), (i, j, d, a, b, u), (j, i, a, c, d, v), (j, i, b, c, d, v)):
+        away = points[p] - points[start]
+        turns.append(step[:, 0] * away[:, 1] - step[:, 1] * away[:, 0])
+        along = np.einsum("ni,ni->n", away, step) / np.maximum(np.einsum("ni,ni->n", step, step), 1e-300)
+        off = away - np.clip(along, 0.0, 1.0)[:, None] * step
+        touches = (np.hypot(*off.T) <= reach) & (p != start) & (p != end)
+        touched |= touches
+        found.append((on[touches], of[touches], p[touches]))
+    shared = (a == c) | (a == d) | (b == c) | (b == d)
+    crosses = (turns[0] * turns[1] < 0.0) & (turns[2] * turns[3] < 0.0) & ~touched & ~shared
+    on, of, met = (np.concatenate(part).astype(np.int64) for part in zip(*found, strict=True))
+    return on, of, met, np.column_stack([i[crosses], j[crosses]])
+
+
+def layers(points: FloatArray, rim: IntArray) -> tuple[IndexArray, IndexArray]:
+    """Count the cells that lie on each other along the boundary.
+
+    Cells that are positive and fit together edge by edge cover a place as many times as the boundary, with the body on
+    its left, goes around it. Where its edges do not cross, this number is constant along a chain of edges.
+
+    Parameters
+    ----------
+    points
+        Coordinates (n_points, 2).
+    rim
+        Boundary edges (m, 2) with the body on the left, which do not cross.
+
+    Returns
+    -------
+    rows, numbers
+        One edge of each chain between points where the boundary touches itself, and the number of cells that lie
+        beside it on its left; 1 is right.
+
+    """
+    m = len(rim)
+    leaving, counts = np.zeros(len(points), dtype=np.int64), np.bincount(rim[:, 0], minlength=len(points))
+    leaving[rim[:, 0]] = np.arange(m)
+    simple = counts[rim[:, 1]] == 1
+    links = (np.ones(int(simple.sum())), (np.flatnonzero(simple), leaving[rim[simple, 1]]))
+    n_chains, chain = connected_components(coo_array(links, shape=(m, m)), directed=False)
+    if n_chains == 1:  # one closed curve, which positive cells fill once
+        return np.zeros(1, dtype=np.int64), np.ones(1, dtype=np.int64)
+    angle = DIRECTIONS[0]
+    turned = points[rim] @ np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
+    start, step = turned[:, 0], turned[:, 1] - turned[:, 0]
+    order = np.lexsort((-np.abs(step[:, 0]), chain))
+    rows = order[np.searchsorted(chain[order], np.arange(n_chains))]
+    rows = rows[np.argsort(turned[rows].mean(axis=1)[:, 0])]
+    places = turned[rows].mean(axis=1)
+    first = np.searchsorted(places[:, 0], turned[..., 0].min(axis=1))
+    hits = np.searchsorted(places[:, 0], turned[..., 0].max(axis=1)) - first
+    edge = np.repeat(np.arange(m), hits)
+    probe = np.repeat(first - np.cumsum(hits) + hits, hits) + np.arange(len(edge))
+    away = places[probe] - start[edge]
+    height = step[edge, 0] * away[:, 1] - step[edge, 1] * away[:, 0]  # times the edge's length: of the probe over it
+    forward = np.sign(step[edge, 0])
+    own = np.sign(step[rows, 0])[probe]  # the ray goes to the left: up where the probe's edge goes forward
+    lengths = np.hypot(*step.T)
+    aside = np.abs(height) > 2.0 * TOUCHING * lengths[edge] * lengths[rows][probe]
+    hit: BoolArray = aside & (np.sign(height) * forward * own < 0.0)
+    sums = np.bincount(probe, weights=np.where(hit, -own * forward, 0.0), minlength=len(rows))
+    return rows, np.rint(sums).astype(np.int64)
