@@ -221,6 +221,27 @@ class Elasticity:
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (seed 3.93) plus stabilisation, (2 n_local, 2 n_local, n_cells)."""
+        result, stabilisation = self._cell_parts(batch)
+        if stabilisation is not None:
+            by_component = result.transpose(1, 3, 0, 2, 4)
+            by_component[0, 0] += stabilisation
+            by_component[1, 1] += stabilisation
+        result *= self._depth_factor
+        return result.reshape(2 * len(result), 2 * len(result), -1)
+
+    def cell_stabilisation(self, batch: CellBatch) -> Floats:
+        """The stabilisation alone, shape as `cell_stiffness`; zero for elements without one."""
+        consistency, stabilisation = self._cell_parts(batch)
+        result = np.zeros_like(consistency)
+        if stabilisation is not None:
+            result[:, 0, :, 0] = result[:, 1, :, 1] = self._depth_factor * stabilisation
+        return result.reshape(2 * len(result), 2 * len(result), -1)
+
+    def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats | None]:
+        """Consistency (n_local, 2, n_local, 2, n_cells), and stabilisation of a component (n_local, n_local, n_cells).
+
+        Both without the depth.
+        """
         reconstruction = batch.element.reconstruct(batch.vertices)
         n = reconstruction.n_local
         result = np.zeros((n, 2, n, 2, len(batch.cells)))
@@ -229,10 +250,7 @@ class Elasticity:
         stabilisation = batch.element.stabilise(reconstruction, by_component)
         if stabilisation is not None:
             stabilisation *= self._of_cells(self._stabilisation_factors, batch)
-            by_component[0, 0] += stabilisation
-            by_component[1, 1] += stabilisation
-        result *= self._depth_factor
-        return result.reshape(2 * n, 2 * n, -1)
+        return result, stabilisation
 
     def _add_consistency(self, by_component: Floats, strains: StrainOperators, matrices: Floats) -> None:
         """Add the strain energy of the projected strains to the blocks (2, 2, n_local, n_local, n_cells)."""
