@@ -14,10 +14,11 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.spawn import get_executable
-from typing import Any, NoReturn
+from typing import Any, NoReturn, TypeVar
 
 from flangeway.errors import FlangewayError, InputError, OutOfMemoryError
-from flangeway.mesh.polymesh import PolyMesh
+
+Result = TypeVar("Result")
 
 BYTES = 120_000_000
 """Memory of a process that has loaded NumPy, SciPy and Gmsh; measured 104 to 115 MB."""
@@ -31,8 +32,8 @@ serve()
 """
 
 
-def in_own_process(work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
-    """Return the mesh that some work makes, done by a new process of the same Python.
+def in_own_process(work: Callable[..., Result], *arguments: Any) -> Result:
+    """Return what some work returns, done by a new process of the same Python.
 
     The process ends when this one does, however it ends.
 
@@ -69,11 +70,12 @@ def in_own_process(work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
     if not answer:
         _raise_lost(status)
     kind, content = pickle.loads(answer)
-    if kind == "mesh":
-        return PolyMesh(*content)
     if kind == "error":
         raise content
-    raise RuntimeError(content)
+    if kind == "defect":
+        raise RuntimeError(content)
+    result: Result = content
+    return result
 
 
 def serve() -> NoReturn:
@@ -84,9 +86,7 @@ def serve() -> NoReturn:
     work, arguments = pickle.load(sys.stdin.buffer)
     threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
-        mesh = work(*arguments)
-        sets = (dict(mesh.cell_sets), dict(mesh.edge_sets))
-        answer: tuple[str, Any] = ("mesh", (mesh.points, mesh.cell_offsets, mesh.cell_points, *sets))
+        answer: tuple[str, Any] = ("result", work(*arguments))
     except (FlangewayError, MemoryError) as error:
         answer = ("error", error)
     except Exception:  # a defect, told in the other process

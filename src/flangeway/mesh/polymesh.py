@@ -129,6 +129,10 @@ class PolyMesh:
         ):
             object.__setattr__(self, name, value)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        sets = (dict(self.cell_sets), dict(self.edge_sets))  # read-only views cannot be pickled
+        return PolyMesh, (self.points, self.cell_offsets, self.cell_points, *sets)
+
     # counts and connections
 
     def __repr__(self) -> str:

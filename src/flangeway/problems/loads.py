@@ -5,34 +5,50 @@ and per thickness; in a body of revolution they act all around the axis.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.elements import polygon_quadrature
+from flangeway.elements import Reconstruction, polygon_quadrature
 from flangeway.errors import InputError
+from flangeway.materials import Material
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.given import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
-
-if TYPE_CHECKING:
-    from flangeway.problems.elasticity import Elasticity
+from flangeway.space import CellBatch, Space
 
 Floats = NDArray[np.float64]
 Point = tuple[float, float]
+
+
+class LoadedProblem(Protocol):
+    """What loads ask of the problem that they act on: see the same names of `flangeway.problems.Elasticity`."""
+
+    @property
+    def space(self) -> Space: ...  # noqa: D102
+    @property
+    def materials(self) -> tuple[Material, ...]: ...  # noqa: D102
+    @property
+    def cell_material(self) -> NDArray[np.int64]: ...  # noqa: D102
+    def depth(self, points: Floats) -> Floats | float: ...  # noqa: D102
+    def node_at(self, point: Sequence[float]) -> int: ...  # noqa: D102
+    def cells_in(self, name: str | None) -> NDArray[np.bool_]: ...  # noqa: D102
+    def thermal_forces(  # noqa: D102
+        self, batch: CellBatch, reconstruction: Reconstruction, loads: "Sequence[TemperatureChange]"
+    ) -> Floats: ...
 
 
 class Load(ABC):
     """A load; its subclasses are final."""
 
     @abstractmethod
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """Raise `InputError` where the load does not fit the problem."""
 
     @abstractmethod
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """Forces on all unknowns, shape (n_dofs, 2)."""
 
 
@@ -55,11 +71,11 @@ class Traction(Load):
     def __post_init__(self) -> None:
         check_vector(f"Traction on {self.edges!r}", self.value)
 
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
         problem.space.mesh.edge_set(self.edges)
 
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
         name = f"Traction on {self.edges!r}"
         return _edge_forces(problem, self.edges, lambda points, _: vector_at(name, self.value, points))
@@ -84,11 +100,11 @@ class Pressure(Load):
     def __post_init__(self) -> None:
         check_scalar(f"Pressure on {self.edges!r}", self.value)
 
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
         problem.space.mesh.edge_set(self.edges)
 
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
         name = f"Pressure on {self.edges!r}"
         return _edge_forces(
@@ -96,7 +112,7 @@ class Pressure(Load):
         )
 
 
-def _edge_forces(problem: "Elasticity", edges: str, traction: Callable[[Floats, Floats], Floats]) -> Floats:
+def _edge_forces(problem: LoadedProblem, edges: str, traction: Callable[[Floats, Floats], Floats]) -> Floats:
     """Forces of a traction, a function of points and normals (n, 2)."""
     rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(edges))
     n_edges, n_points, _ = rule.points.shape
@@ -133,11 +149,11 @@ class PointForce(Load):
         if callable(self.at) or callable(self.force):
             raise InputError("PointForce with a function", "two numbers", "take Traction for distributed forces")
 
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
         problem.node_at(self.at)
 
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
         forces = np.zeros((problem.space.n_dofs, 2))
         forces[problem.node_at(self.at)] = self.force
@@ -163,12 +179,12 @@ class BodyForce(Load):
     def __post_init__(self) -> None:
         check_vector("BodyForce", self.value)
 
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
         if self.cells is not None:
             problem.space.mesh.cell_set(self.cells)
 
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
         factors = problem.cells_in(self.cells).astype(np.float64)
         return _volume_forces(problem, self.value, factors)
@@ -192,15 +208,15 @@ class Gravity(Load):
         if callable(self.acceleration):
             raise InputError("Gravity with a function", "two numbers", "take BodyForce")
 
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
         _ = self._densities(problem)
 
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
         return _volume_forces(problem, self.acceleration, self._densities(problem))
 
-    def _densities(self, problem: "Elasticity") -> Floats:
+    def _densities(self, problem: LoadedProblem) -> Floats:
         densities = []
         for material in problem.materials:
             if material.density is None:
@@ -209,7 +225,7 @@ class Gravity(Load):
         return np.array(densities)[problem.cell_material]
 
 
-def _volume_forces(problem: "Elasticity", value: Vector, factors: Floats) -> Floats:
+def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Floats:
     """Forces of a force per volume times a factor of each cell (n_cells,), on the projected functions (seed 3.81)."""
     space = problem.space
     # a constant is of degree 0, times the radius of degree 1
@@ -250,7 +266,7 @@ class TemperatureChange(Load):
     def __post_init__(self) -> None:
         check_scalar("TemperatureChange", self.change)
 
-    def check(self, problem: "Elasticity") -> None:
+    def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
         cells = problem.cells_in(self.cells)
         for number in np.unique(problem.cell_material[cells]):
@@ -260,7 +276,7 @@ class TemperatureChange(Load):
         """Rise of temperature at points (n, 2), shape (n,)."""
         return scalar_at("TemperatureChange", self.change, points)
 
-    def forces(self, problem: "Elasticity") -> Floats:
+    def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
         forces = np.zeros((problem.space.n_dofs, 2))
         for batch in problem.space.batches():
