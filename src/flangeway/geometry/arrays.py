@@ -35,6 +35,11 @@ def as_points(values: ArrayLike, name: str = "points") -> FloatArray:
 
     """
     try:
+        kinds = {np.asarray(values).dtype.kind}
+        if not isinstance(values, np.ndarray):  # a list of numbers and truth values becomes numbers
+            kinds |= {"b" for value in np.asarray(values, dtype=object).flat if isinstance(value, bool | np.bool_)}
+        if not kinds <= set("iuf"):
+            raise TypeError("texts, truth values or objects")
         points = np.atleast_2d(np.asarray(values, dtype=np.float64))
     except (TypeError, ValueError) as reason:
         raise InputError(

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import FloatArray, Point, as_point, as_points
 from flangeway.geometry.placement import Placement
 
@@ -135,10 +135,16 @@ class Arc:
     start: Point
     end: Point
     centre: Point
-    counter_clockwise: bool
+    counter_clockwise: bool | None = None
 
     def __post_init__(self) -> None:
         """Check the points and move the centre onto the bisector of the ends."""
+        if not isinstance(self.counter_clockwise, bool | np.bool_):
+            raise InputError(
+                f"Arc(counter_clockwise={short(self.counter_clockwise)})",
+                "True or False: which way it runs from start to end about the centre",
+                "give counter_clockwise; both directions join the same ends",
+            )
         start = as_point(self.start, "start of an arc")
         end = as_point(self.end, "end of an arc")
         given = as_point(self.centre, "centre of an arc")

@@ -125,16 +125,20 @@ def _take_nodes(model: _Model, block: DeckBlock) -> None:
     if block.parameters.get("SYSTEM", "R").upper() != "R":
         raise InputError(f"{block.place} in another system", "rectangular coordinates", "export them as such")
     for row in block.rows:
-        number = _numbers(block, row[:1])[0]
         try:
+            number = int(row[0])
             coordinates = [float(word.upper().replace("D", "E")) for word in row[1:4]]
         except ValueError as reason:
-            raise InputError(f"{block.place}: {', '.join(row)}", "a number and coordinates", "repair it") from reason
+            raise InputError(
+                f"{block.place_of(row)}: {', '.join(row)}", "a number and coordinates", "repair it"
+            ) from reason
         if len(coordinates) < 2:
-            raise InputError(f"{block.place}: node {number} with {len(coordinates)} coordinates", "2 or 3", "repair it")
+            raise InputError(
+                f"{block.place_of(row)}: node {number} with {len(coordinates)} coordinates", "2 or 3", "repair it"
+            )
         if number in model.nodes:
             raise InputError(
-                f"{block.place}: node {number} for the second time",
+                f"{block.place_of(row)}: node {number} for the second time",
                 "one part, with each number once",
                 "export each part by itself",
             )

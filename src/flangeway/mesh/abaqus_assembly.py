@@ -29,6 +29,8 @@ class DeckBlock:
         Words of each data line.
     line
         Its line in the text.
+    lines
+        The line of each row in the text, where rows come from there.
 
     """
 
@@ -36,17 +38,25 @@ class DeckBlock:
     parameters: dict[str, str]
     rows: tuple[tuple[str, ...], ...]
     line: int
+    lines: tuple[int, ...] = ()
 
     @property
     def place(self) -> str:
         """How messages call it."""
         return f"*{self.keyword} in line {self.line}"
 
+    def place_of(self, entry: tuple[str, ...] | str) -> str:
+        """How messages call one of its rows, or the row of one of its words."""
+        rows = zip(self.lines, self.rows, strict=False)
+        line = next((line for line, row in rows if row is entry or any(word is entry for word in row)), 0)
+        return f"line {line} in the block of {self.place}" if line else self.place
+
 
 def _blocks(text: str) -> Iterator[DeckBlock]:
     """Keywords of a deck with their data lines, comments left out."""
     keyword, parameters, rows, line = "", {}, [], 0  # type: tuple[str, dict[str, str], list[tuple[str, ...]], int]
     pending = ""
+    lines: list[int] = []
     for number, raw in enumerate(text.splitlines(), 1):
         row = pending + raw.strip()
         pending = ""
@@ -56,18 +66,19 @@ def _blocks(text: str) -> Iterator[DeckBlock]:
             if keyword:
                 words = [word.strip() for word in row.split(",")]
                 rows.append(tuple(words[:-1] if words[-1] == "" else words))
+                lines.append(number)
             continue
         if row.endswith(","):
             pending = row
             continue
         if keyword:
-            yield DeckBlock(keyword, parameters, tuple(rows), line)
+            yield DeckBlock(keyword, parameters, tuple(rows), line, tuple(lines))
         words = [word.strip() for word in row[1:].split(",")]
         pairs = [word.partition("=") for word in words[1:] if word]
         parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
-        keyword, rows, line = " ".join(words[0].upper().split()), [], number
+        keyword, rows, lines, line = " ".join(words[0].upper().split()), [], [], number
     if keyword:
-        yield DeckBlock(keyword, parameters, tuple(rows), line)
+        yield DeckBlock(keyword, parameters, tuple(rows), line, tuple(lines))
 
 
 def flat_blocks(text: str) -> list[DeckBlock]:
@@ -125,7 +136,7 @@ class _Flattener:
             yield from self._in_assembly(block)
         for block in self.model:
             rows = tuple(tuple(self._global(word) for word in row) for row in block.rows)
-            yield DeckBlock(block.keyword, block.parameters, rows, block.line)
+            yield DeckBlock(block.keyword, block.parameters, rows, block.line, block.lines)
 
     def _sort(self, blocks: list[DeckBlock]) -> None:
         place: list[DeckBlock] = self.model
@@ -206,7 +217,7 @@ class _Flattener:
             key: instance.names.get(value, value) if key in ("NSET", "ELSET", "NAME") else value
             for key, value in block.parameters.items()
         }
-        yield DeckBlock(block.keyword, parameters, tuple(rows), block.line)
+        yield DeckBlock(block.keyword, parameters, tuple(rows), block.line, block.lines)
 
     def _in_assembly(self, block: DeckBlock) -> Iterator[DeckBlock]:
         parameters = {key: value for key, value in block.parameters.items() if key != "INSTANCE"}
@@ -217,7 +228,7 @@ class _Flattener:
             return  # reference points: no element has them
         else:
             rows = tuple(tuple(self._global(word) for word in row) for row in block.rows)
-        yield DeckBlock(block.keyword, parameters, rows, block.line)
+        yield DeckBlock(block.keyword, parameters, rows, block.line, block.lines)
 
     def _moved(self, row: tuple[str, ...], instance: _Instance, generated: bool) -> tuple[str, ...]:
         """Members of a set with the numbers and names of an instance; the step of a range stays."""
@@ -247,14 +258,16 @@ def _whole(word: str, block: DeckBlock) -> int:
     try:
         return int(word)
     except ValueError as reason:
-        raise InputError(f"{block.place}: {word[:40]}", "whole numbers", "repair the line") from reason
+        raise InputError(f"{block.place_of(word)}: {word[:40]}", "whole numbers", "repair the line") from reason
 
 
 def _real(word: str, block: DeckBlock) -> float:
     try:
         value = float(word.upper().replace("D", "E"))
     except ValueError as reason:
-        raise InputError(f"{block.place}: {word[:40]}", "a number and coordinates", "repair it") from reason
+        raise InputError(f"{block.place_of(word)}: {word[:40]}", "a number and coordinates", "repair it") from reason
     if not abs(value) <= LARGEST_COORDINATE:
-        raise InputError(f"{block.place}: {word[:40]}", f"coordinates up to {LARGEST_COORDINATE:g}", "repair it")
+        raise InputError(
+            f"{block.place_of(word)}: {word[:40]}", f"coordinates up to {LARGEST_COORDINATE:g}", "repair it"
+        )
     return value

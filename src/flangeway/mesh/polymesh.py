@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray, as_points
+from flangeway.geometry.arrays import FloatArray, IntArray, as_points, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.mesh.chains import chain_starts, ordered_pairs
 from flangeway.mesh.numbering import EdgeNumbers, number_edges
@@ -199,7 +199,7 @@ class PolyMesh:
         if counts.max() > 2:
             a, b = self.edges[counts.argmax()]
             raise InputError(
-                f"edge ({a}, {b}) near {self.points[a]} with {counts.max()} cells",
+                f"edge ({a}, {b}) near {point_text(self.points[a])} with {counts.max()} cells",
                 "one or two cells at an edge",
                 "remove the cells that overlap",
             )
@@ -237,7 +237,9 @@ class PolyMesh:
         missing = keys[numbers] != wanted
         if missing.any():
             a, b = given[missing.argmax()]
-            raise InputError(f"points {a} and {b}, near {self.points[a]}", "the ends of an edge", "correct them")
+            raise InputError(
+                f"points {a} and {b}, near {point_text(self.points[a])}", "the ends of an edge", "correct them"
+            )
         return numbers.astype(np.int32)
 
     # geometry
@@ -344,7 +346,7 @@ class PolyMesh:
             pairs = ordered_pairs(pairs, " + ".join(names))
         starts = chain_starts(pairs)
         if len(starts) != 1:
-            places = ", ".join(str(tuple(self.points[p].tolist())) for p in pairs[starts, 0][:4])
+            places = ", ".join(point_text(self.points[p]) for p in pairs[starts, 0][:4])
             raise InputError(
                 f"edge set {' + '.join(names)} is {len(starts)} chains, from {places}",
                 "edges that follow each other without a gap",
@@ -384,7 +386,7 @@ class PolyMesh:
         if inner.any():
             a, b = self.edges[numbers[inner.argmax()]]
             raise InputError(
-                f"edge set '{name}': edge ({a}, {b}) near {self.points[a]} is inside the body",
+                f"edge set '{name}': edge ({a}, {b}) near {point_text(self.points[a])} is inside the body",
                 "edges of the boundary",
                 "choose among boundary_edges",
             )
