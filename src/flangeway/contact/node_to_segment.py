@@ -141,15 +141,17 @@ class NodeToSegment:
         secondary, primary
             The surfaces.
         positions
-            Current positions of the secondary nodes, shape (n_nodes, 2).
+            Current positions of the secondary nodes and, after them, of its edges' middles that stand for a curve, see
+            `Surface.contact_places`, shape (n_points, 2).
         primary_edges
-            Current positions of the primary edges' nodes, shape (n_edges, order + 1, 2).
+            Current positions of the primary edges' points, shape (n_edges, order + 1, 2).
         kept
             Partner that each constraint had before, -1 for none, shape (n_keys,).
         settle
             Whether pairs are kept within ``overhang`` of their edge, not within ``slack``.
 
         """
+        positions = positions[: len(secondary.nodes)]
         nodes, edges, kinematics = self.find(positions, secondary.edge_places, primary_edges, kept, settle=settle)
         return NodePairs(nodes, edges, self.node_areas(secondary)[nodes], kinematics)
 

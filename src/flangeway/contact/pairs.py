@@ -41,11 +41,11 @@ class Pairs(Protocol):
 
     @property
     def secondary_members(self) -> Ints:
-        """Places in the secondary surface of the nodes of each term, shape (p, w_secondary)."""
+        """Places in the secondary surface of the points of each term, see `Surface.contact_places`: (p, w)."""
 
     @property
     def primary_edges(self) -> Ints:
-        """Primary edge of each term, shape (p,); its nodes follow the secondary ones."""
+        """Primary edge of each term, shape (p,); its points follow the secondary ones."""
 
     @property
     def rows(self) -> Ints:
@@ -53,10 +53,10 @@ class Pairs(Protocol):
 
     @property
     def gradients(self) -> Floats:
-        """What it adds to the derivatives of their gaps by the positions of its nodes, shape (p, r, w, 2)."""
+        """What it adds to the derivatives of their gaps by the positions of its points, shape (p, r, w, 2)."""
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """Terms under load, shape (q,), and their ``sum force * second derivative``, shape (q, 2 w, 2 w)."""
 
     def opposite_points(self, edges: Floats) -> Floats:
-        """Points that the constraints touch on primary edges with nodes ``edges`` (n_edges, order + 1, 2): (m, 2)."""
+        """Points that the constraints touch on primary edges with points ``edges`` (n_edges, order + 1, 2): (m, 2)."""

@@ -88,10 +88,11 @@ class ContactSolution:
         lin = self.state.linearisation
         assert isinstance(lin, ContactLinearisation)
         result = np.zeros((len(self.system.contacts), 2, 3))
-        for number, (pairs, terms) in enumerate(zip(lin.pairs, lin.term_nodes, strict=True)):
+        positions = lin.points(self.state.positions)
+        for number, (pairs, terms) in enumerate(zip(lin.pairs, lin.term_points, strict=True)):
             normal = self.state.forces[lin.starts[number] : lin.starts[number + 1]]
             at_terms = np.einsum("pr,prwi->pwi", normal[pairs.rows], pairs.gradients)
-            points = self.state.positions[lin.nodes[terms]]
+            points = positions[terms]
             moments = points[..., 0] * at_terms[..., 1] - points[..., 1] * at_terms[..., 0]
             each = np.concatenate((at_terms, moments[..., None]), axis=-1)
             width = pairs.secondary_members.shape[1]

@@ -151,7 +151,7 @@ class SegmentToSegment:
         hats = secondary.hats
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
-        edges = positions[secondary.edge_places]
+        edges = positions[secondary.contact_places]
         depth = (
             self.depth or min(float(np.linalg.norm(np.ptp(side, axis=(0, 1)))) for side in (edges, primary_edges)) / 2.0
         )
@@ -178,7 +178,7 @@ class SegmentToSegment:
         np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals))
         return SegmentPairs(
             pieces, found, keys, hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
-            secondary.edge_places[pieces.edges], rows, weights,
+            secondary.contact_places[pieces.edges], rows, weights,
         )  # fmt: skip
 
     def _functions(self, pieces: Pieces, found: PieceIntegrals, edge_lengths: Floats) -> Floats:

@@ -62,6 +62,11 @@ def as_complex(vectors: Floats) -> Complex:
     return numbers
 
 
+def as_vectors(numbers: Complex) -> Floats:
+    """Complex numbers (...) as vectors (..., 2)."""
+    return np.stack((numbers.real, numbers.imag), axis=-1)
+
+
 def edge_series(edges: Floats) -> Complex:
     """Coefficients of the powers of the parameter for points of edges (..., order + 1, 2), shape (order + 1, ...)."""
     coefficients = _coefficients(edges.shape[-2] - 1)

@@ -31,8 +31,10 @@ class ContactLinearisation:
         First constraint of each contact, and the number of all.
     nodes, keys, partners, gaps, jacobian, compliances, tolerances
         See `flangeway.solve.Linearisation`.
-    term_nodes
-        Places in ``nodes`` of the nodes of each contact's terms, arrays (p, w).
+    term_points
+        Places among the touched points of those of each contact's terms, arrays (p, w).
+    spread
+        Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
 
     """
 
@@ -45,7 +47,8 @@ class ContactLinearisation:
     jacobian: sp.csr_array
     compliances: Floats
     tolerances: Floats
-    term_nodes: tuple[Ints, ...]
+    term_points: tuple[Ints, ...]
+    spread: sp.csr_array | None = None
 
     def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap`` over the constraints."""
@@ -55,15 +58,21 @@ class ContactLinearisation:
             if not mine.any():
                 continue
             loaded, found = pairs.curvatures(mine)
-            dofs = _components(self.term_nodes[number][loaded]).reshape(len(loaded), -1)
+            dofs = _components(self.term_points[number][loaded]).reshape(len(loaded), -1)
             rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
             columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())
             values.append(found.ravel())
-        shape = (2 * len(self.nodes), 2 * len(self.nodes))
         if not values:
-            return sp.csr_array(shape)
+            return sp.csr_array((2 * len(self.nodes), 2 * len(self.nodes)))
+        n = 2 * len(self.nodes) if self.spread is None else self.spread.shape[0]
         entries = np.concatenate(rows), np.concatenate(columns)
-        return sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
+        found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(n, n)))
+        return found if self.spread is None else sp.csr_array(self.spread.T @ found @ self.spread)
+
+    def points(self, positions: Floats) -> Floats:
+        """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
+        touched = positions[self.nodes]
+        return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
 
 
 class ContactSystem:
@@ -101,6 +110,7 @@ class ContactSystem:
         self._first_key = np.concatenate(([0], np.cumsum(sizes)))
         edges = [len(contact.primary.edges) for contact in self.contacts]
         self._first_edge = np.concatenate(([0], np.cumsum(edges)))
+        self._points, self._spread = self._middles()
 
     def nodes_of(self, surface: Surface) -> Ints:
         """Numbers of a surface's nodes among the surface nodes of all parts, along the surface."""
@@ -114,14 +124,15 @@ class ContactSystem:
         """Pair all surfaces at positions (n_nodes, 2) of the surface nodes; see `flangeway.solve.Constraints`."""
         all_pairs: list[Pairs] = []
         members = []
+        points = positions if self._spread is None else (self._spread @ positions.ravel()).reshape(-1, 2)
         for number, contact in enumerate(self.contacts):
-            secondary = self.nodes_of(contact.secondary)
-            edges = self.nodes_of(contact.primary)[contact.primary.edge_places]
+            secondary = self._points[id(contact.secondary)]
+            edges = self._points[id(contact.primary)][contact.primary.contact_places]
             pairs = contact.pairing.pair(
                 contact.secondary,
                 contact.primary,
-                positions[secondary],
-                positions[edges],
+                points[secondary],
+                points[edges],
                 self._kept(number, previous),
                 settle=settle,
             )
@@ -150,8 +161,8 @@ class ContactSystem:
 
     def _assembled(self, all_pairs: list[Pairs], members: list[Ints]) -> ContactLinearisation:
         starts = np.concatenate(([0], np.cumsum([len(pairs.keys) for pairs in all_pairs])))
-        nodes = np.unique(np.concatenate([member.ravel() for member in members]))
-        places = tuple(np.searchsorted(nodes, member) for member in members)
+        points = np.unique(np.concatenate([member.ravel() for member in members]))
+        places = tuple(np.searchsorted(points, member) for member in members)
         rows, columns, values = [], [], []
         for start, pairs, place in zip(starts, all_pairs, places, strict=False):
             gradients = pairs.gradients
@@ -159,8 +170,14 @@ class ContactSystem:
             columns.append(np.broadcast_to(_components(place)[:, None], gradients.shape).ravel())
             values.append(gradients.ravel())
         entries = (np.concatenate(rows), np.concatenate(columns))
-        shape = (int(starts[-1]), 2 * len(nodes))
+        shape = (int(starts[-1]), 2 * len(points))
         jacobian = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
+        nodes, spread = points, None
+        if self._spread is not None:
+            rows_of_points = self._spread[_components(points).ravel()]
+            nodes = np.unique(rows_of_points.indices // 2).astype(np.int64)
+            spread = sp.csr_array(rows_of_points[:, _components(nodes).ravel()])
+            jacobian = sp.csr_array(jacobian @ spread)
         laws = [contact.enforcement for contact in self.contacts]
         return ContactLinearisation(
             tuple(all_pairs),
@@ -173,7 +190,36 @@ class ContactSystem:
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
+            spread,
         )
+
+    def _middles(self) -> tuple[dict[int, Ints], sp.csr_array | None]:
+        """Numbers of each surface's points by its id, and the positions of all points by those of the surface nodes.
+
+        Points are the nodes of all surfaces, then the middles of the edges that stand for a curve.
+        """
+        n = int(self._first_node[-1])
+        surfaces = {id(each): each for contact in self.contacts for each in (contact.secondary, contact.primary)}
+        numbers: dict[int, Ints] = {}
+        ends, bends = [], []
+        count = n
+        for key, surface in surfaces.items():
+            numbers[key] = self.nodes_of(surface)
+            if surface.bends is not None:
+                ends.append(numbers[key][surface.edge_places])
+                # in space a mirrored body's edges bend to the other side
+                bends.append(surface.bends.conj() if surface.part.placement.mirrored else surface.bends)
+                numbers[key] = np.append(numbers[key], count + np.arange(len(surface.bends)))
+                count += len(surface.bends)
+        if count == n:
+            return numbers, None
+        bend = np.concatenate(bends)
+        factors = np.stack((0.5 - bend, 0.5 + bend), axis=1)  # complex: shares of both ends
+        turns = np.stack((np.stack((factors.real, -factors.imag), -1), np.stack((factors.imag, factors.real), -1)), -2)
+        columns = np.broadcast_to(_components(np.concatenate(ends))[:, :, None, :], turns.shape)
+        rows = np.broadcast_to(_components(np.arange(count - n))[:, None, :, None], turns.shape)
+        middles = sp.coo_array((turns.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * (count - n), 2 * n))
+        return numbers, sp.csr_array(sp.vstack((sp.eye_array(2 * n), middles)))
 
 
 def _refuse_twice(first: Contact, second: Contact) -> None:

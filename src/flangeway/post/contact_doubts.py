@@ -58,8 +58,9 @@ def contact_doubts(
 
     Errors: forces or positions that are not finite, nodes that pull, and a penetration of the size of the elastic
     sinking p a / E* (largest pressure, half width, modulus of contact; for Hertz's contact it is the height of the
-    circle over the half width). Warnings: a penetration above 5 % of that, regions of fewer than 8 segments, and a
-    pressure that scatters from node to node.
+    circle over the half width). Warnings: a penetration above 5 % of that, straight edges in contact whose distance
+    h^2 / 8 R from the curve they stand for is above it, regions of fewer than 8 segments, and a pressure that scatters
+    from node to node.
 
     Parameters
     ----------
@@ -94,6 +95,13 @@ def contact_doubts(
                 f"sink; {stiffer}"
             )
             (errors if depth > LARGEST_PENETRATION * sinking else warnings).append(sentence)
+        facets = _facet_depth(contact, lin.pairs[number], np.flatnonzero(forces > 0.0))
+        if facets > SMALL_PENETRATION * sinking:
+            warnings.append(
+                f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they stand for, "
+                f"{100.0 * facets / sinking:.0f} % of what the surfaces sink, which makes its pressures wrong; "
+                f"give its surfaces their drawn curves (curved) or {finer}"
+            )
         for patch in mine:
             warnings += roughness(len(patch.pressures) / _per_segment(contact), patch.scatter, name, finer)
     return ContactDoubts(tuple(errors), tuple(warnings))
@@ -135,6 +143,14 @@ def roughness(n_segments: float, scatter: float, name: str, finer: str) -> list[
     if scatter > LARGEST_SCATTER:
         return [f"the pressure of {name} scatters by {100.0 * scatter:.0f} % from node to node; {finer}"]
     return []
+
+
+def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> float:
+    """Sum of the largest distances of both sides' edges in contact from the curves they stand for."""
+    secondary = np.isin(contact.secondary.edge_places, pairs.nodes[loaded]).any(axis=1)
+    primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
+    depths = contact.secondary.facet_depth[secondary], contact.primary.facet_depth[primary]
+    return sum(float(each.max(initial=0.0)) for each in depths)
 
 
 def _per_segment(contact: Contact) -> int:

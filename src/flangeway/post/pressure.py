@@ -129,7 +129,7 @@ def _patch(
 
     secondary, primary = contact.secondary, contact.primary
     on_secondary = secondary.part.body.space.nodes[secondary.nodes[nodes]]
-    on_primary = pairs.opposite_points(primary.part.body.space.nodes[primary.edge_nodes])[group]
+    on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
     return PressurePatch(
         number,

@@ -175,7 +175,9 @@ def build_model(
         primary, secondary = f"rail-{side}", f"wheel-{side}"
         if problem.primary[0] == "wheel":
             primary, secondary = secondary, primary
-        second, first = (Surface(parts[name], edges[name], curves[name]) for name in (secondary, primary))
+        second, first = (
+            Surface(parts[name], edges[name], curves[name], nodes_only=True) for name in (secondary, primary)
+        )
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
     return WheelsetModel(problem, known.rest, hertz, ContactSystem(contacts), parts, zones)
 

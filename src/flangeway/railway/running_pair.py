@@ -195,7 +195,9 @@ class RunningPair:
             )
         given = (contact.secondary, contact.primary)
         # in the right-hand form, whichever side it is of
-        surfaces = [Surface(Part(each.part.name, each.part.body), each.edges, each.curve) for each in given]
+        surfaces = [
+            Surface(Part(each.part.name, each.part.body), each.edges, each.curve, each.nodes_only) for each in given
+        ]
         chains = [
             _chain(surface, response.flexibility(system.parts.index(each.part)), system)
             for surface, each in zip(surfaces, given, strict=True)

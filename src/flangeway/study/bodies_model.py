@@ -333,25 +333,27 @@ class _Builder:
                 "and are left out of the contact."
             )
         pairs = free
-        curve = self._curve(name, edges, table.curved, f"{key}.curved")
+        points = self.meshes[name].points[np.unique(pairs)]
+        curve = self._curve(name, edges, points, table.curved, f"{key}.curved")
         try:
             return Surface(part, pairs, curve)
         except InputError as reason:
             raise InputError(f"{key}.{role}: {reason.given}", reason.allowed, reason.advice) from reason
 
-    def _curve(self, name: str, edges: str | list[str] | None, wanted: bool | None, key: str) -> Contour | None:
-        """Drawn curve of a surface, if it is wanted, or is left out and has arcs."""
+    def _curve(
+        self, name: str, edges: str | list[str] | None, points: Floats, wanted: bool | None, key: str
+    ) -> Contour | None:
+        """Drawn curve of a surface through points (n, 2), unless it is not wanted, or is left out and has no arcs."""
         if wanted is False:
             return None
-        names = [edges] if isinstance(edges, str) else edges
-        curve = self.shapes[name].curve(names) if names else None
+        curve = self.shapes[name].curve([edges] if isinstance(edges, str) else edges, points)
         if curve is None and wanted:
             raise InputError(
-                f"{key} = true for {name!r} along {names}",
-                "sides that are named, of an outline in mm",
-                "name the edges of both surfaces, or leave curved out",
+                f"{key} = true for {name!r}, whose mesh came without an outline",
+                "bodies whose outlines are given",
+                "give its shape as an outline, or leave curved out and take elements far smaller than its radii",
             )
-        if curve is not None and not wanted and not any(isinstance(segment, Arc) for segment in curve.segments):
+        if curve is None or not (wanted or any(isinstance(segment, Arc) for segment in curve.segments)):
             return None
         return curve
 

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, read_section, rectangle
+from flangeway.geometry.arrays import Point
 from flangeway.geometry.outline_files import ENDINGS
 from flangeway.geometry.outline_toml import outline_region
 from flangeway.geometry.region import Region
+from flangeway.geometry.segments import Segment
 from flangeway.mesh import PolyMesh, Refinement, dual, read_mesh, triangulate
 from flangeway.study.bodies_tables import BodyTable, DiscTable, FineTable
 from flangeway.study.case import closest
@@ -32,24 +34,22 @@ class BodyShape:
     mesh
         The mesh.
     loops
-        Its outlines; none of a mesh file, or of a file in another unit than mm.
+        Its outlines; none of a mesh file.
 
     """
 
     mesh: PolyMesh
     loops: tuple[Outline, ...] = ()
 
-    def curve(self, names: Sequence[str]) -> Contour | None:
-        """Drawn curve of named sides, None where no outline has them all in one chain."""
-        for loop in self.loops:
-            if set(names) == set(loop.names):
-                return loop
-            if set(names) < set(loop.names):
-                try:
-                    return loop.part(names)
-                except InputError:
-                    return None
-        return None
+    def curve(self, names: Sequence[str] | None, points: NDArray[np.float64]) -> Contour | None:
+        """Drawn curve along points (n, 2) of one outline; of named sides alone where these are one chain."""
+        if not self.loops:
+            return None
+        loop = min(self.loops, key=lambda each: float(each.closest(points)[2].max()))
+        try:
+            return loop if names is None else loop.part([name for name in names if name in loop.names])
+        except InputError:
+            return loop
 
 
 def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
@@ -90,7 +90,7 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     fine = [_refinement(each, f"{key}.fine[{n}]", region, factor) for n, each in enumerate(body.fine, 1)]
     triangles = _scaled(triangulate(outline, size=size, holes=holes, refinements=fine), factor)
     mesh = (triangles if body.method == "fem" else dual(triangles)).placed(place)
-    return BodyShape(mesh, tuple(loop.transformed(place) for loop in region.loops) if factor == 1.0 else ())
+    return BodyShape(mesh, tuple(_scaled_outline(loop, factor).transformed(place) for loop in region.loops))
 
 
 def _region(body: BodyTable, key: str, notices: list[str]) -> tuple[Region, float]:
@@ -210,6 +210,20 @@ def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
     cell_sets = {name: place[members][place[members] >= 0] for name, members in mesh.cell_sets.items()}
     cell_sets = {name: members for name, members in cell_sets.items() if len(members)}
     return PolyMesh(bare.points, bare.cell_offsets, bare.cell_points, cell_sets, edge_sets)
+
+
+def _scaled_outline(outline: Outline, factor: float) -> Outline:
+    def scaled(point: Point) -> Point:
+        return factor * point[0], factor * point[1]
+
+    segments: list[Segment] = []
+    for each in outline.segments:
+        start, end = scaled(each.start), scaled(each.end)
+        if isinstance(each, Line):
+            segments.append(Line(start, end))
+        else:
+            segments.append(Arc(start, end, scaled(each.centre), each.counter_clockwise))
+    return Outline.from_segments(segments, outline.names)
 
 
 def _scaled(mesh: PolyMesh, factor: float) -> PolyMesh:

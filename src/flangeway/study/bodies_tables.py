@@ -135,8 +135,8 @@ class ContactTable(Table):
     primary_box_mm: Box | None = Field(None, description="its edges inside x_min, y_min, x_max, y_max only")
     curved: bool | None = Field(
         None,
-        description="whether gaps are measured between the drawn arcs, not between the meshes' straight edges; if left "
-        "out, yes where outlines with named edges have arcs",
+        description="whether gaps are measured between the drawn arcs, not between the meshes' straight edges; if "
+        "left out, yes for bodies whose outlines are given",
     )
     pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
         "segment-to-segment", description="how the surfaces are compared"
