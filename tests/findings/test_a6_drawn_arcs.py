@@ -7,12 +7,13 @@ import pytest
 
 from flangeway.contact import Contact, ContactSystem, Multiplier, NodeToSegment, SegmentToSegment, Surface
 from flangeway.elements import Element, Lagrange, Virtual
-from flangeway.geometry import Placement, circle, rectangle
+from flangeway.geometry import Arc, Line, Outline, Placement, circle, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, triangulate
 from flangeway.problems import Body, Part
 from flangeway.study.two_bodies import TwoBodiesCase
 
+STEEL = Elastic(210e3, 0.3)
 INTERFERENCE, LAME_MPA = 0.02, 54.087
 """Rings of radii 10, 20 and 30 mm in plane strain: p = E' delta / (r ((b^2 + r^2) / (b^2 - r^2) + ...))."""
 
@@ -89,6 +90,23 @@ def test_a6_straight_edges_that_matter_are_named() -> None:
     assert not any("straight edges" in notice for notice in shrink_fit().run().summary["notices"])
 
 
+def test_a6_edges_know_their_distance_from_the_curve_they_stand_for() -> None:
+    """Edges of a circle without its curve are R (1 - cos(t / 2)) off it; long straight sides are no curve."""
+    sides = Line((-10.0, -2.0), (10.0, -2.0)), Line((10.0, 2.0), (-10.0, 2.0))
+    ends = [Arc(a.end, b.start, (a.end[0], 0.0), counter_clockwise=True) for a, b in (sides, sides[::-1])]
+    slot = Outline.from_segments([sides[0], ends[0], sides[1], ends[1]], ["slot"] * 4)
+    for outline in (circle(5.0), slot):
+        mesh = triangulate(outline, size=0.6)
+        name = outline.names[0]
+        body = Body("pin", mesh.with_edge_set("held", mesh.edge_set(name)[:1]), Lagrange(1), STEEL, "held")
+        depth = Surface(Part("pin", body), mesh.edge_set(name)).facet_depth
+        radius = 5.0 if name == "circle" else 2.0
+        assert depth.max() == pytest.approx(0.6**2 / 8.0 / radius, rel=0.15)
+        if name == "circle":
+            assert Surface(Part("pin", body), mesh.edge_set(name), outline).facet_depth.max() == 0.0
+            assert depth.min() > 0.8 * depth.max()
+
+
 def element(method: str, order: int) -> Element:
     return Lagrange(order) if method == "fem" else Virtual(order)
 
@@ -100,7 +118,7 @@ def test_a6_the_clearance_of_a_pin_is_the_same_all_around(
     method: str, order: int, pairing: Any, mirrored: bool
 ) -> None:
     """A pin in a hole with 0.01 mm clearance has gaps of 0.01 mm within 3 % on edges whose chords take 0.06 mm."""
-    steel, clearance, radius = Elastic(210e3, 0.3), 0.01, 5.0
+    clearance, radius = 0.01, 5.0
     place = Placement(0.3, (1.0, 2.0), mirrored)
     meshes = (
         triangulate(circle(radius), size=1.5),
@@ -110,7 +128,7 @@ def test_a6_the_clearance_of_a_pin_is_the_same_all_around(
     for name, mesh, curve in zip(("pin", "plate"), meshes, (circle(radius), circle(radius + clearance)), strict=True):
         cells = mesh if method == "fem" else dual(mesh)
         held = cells.edge_set("circle")[:1] if name == "pin" else cells.edge_set("bottom")
-        body = Body(name, cells.with_edge_set("held", held), element(method, order), steel, "held")
+        body = Body(name, cells.with_edge_set("held", held), element(method, order), STEEL, "held")
         edges = cells.edge_set("circle")
         lower = edges[(cells.points[edges][..., 1] < 1e-9).all(axis=1)]
         surfaces.append(Surface(Part(name, body, place), lower, curve))

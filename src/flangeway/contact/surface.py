@@ -24,6 +24,9 @@ FAR = 0.25
 COLLINEAR = 1e-6
 """Turn between edges, in rad, below which they are one line."""
 
+LONGEST = 1.5
+"""Length of an edge that stands for a curve over that of the longer neighbour."""
+
 STRAIGHT = 1e-9
 """Distance of the curve from the edges' middles, over the edges, below which it is straight."""
 
@@ -183,6 +186,8 @@ class Surface:
             return depth
         line = (np.cumsum(~(np.abs(turns) < COLLINEAR)) - 1) % len(starts)
         lengths = np.bincount(line, np.abs(chords))
+        # a line that is drawn as such is far longer than the edges of the arcs beside it
+        lengths = np.minimum(lengths, LONGEST * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
         before, after = turns[starts], np.roll(turns[starts], -1)
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)

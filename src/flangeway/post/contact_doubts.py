@@ -6,19 +6,13 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, SegmentToSegment, Surface
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
 from flangeway.contact.pairs import Pairs
-from flangeway.post.pressure import PressurePatch
+from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
 from flangeway.problems import Body
 from flangeway.solve import ContactState
 
 Floats = NDArray[np.float64]
-
-FEWEST_SEGMENTS = 8
-"""Segments in a region of contact below which its largest pressure depends on where the nodes happen to lie."""
-
-LARGEST_SCATTER = 0.1
-"""See `PressurePatch.scatter`; the meshes of the default cases have 0.02."""
 
 SMALL_PENETRATION = 0.05
 """Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
@@ -97,13 +91,14 @@ def contact_doubts(
             (errors if depth > LARGEST_PENETRATION * sinking else warnings).append(sentence)
         facets = _facet_depth(contact, lin.pairs[number], np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
+            drawn = contact.secondary.curve is not None and contact.primary.curve is not None
             warnings.append(
                 f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they stand for, "
                 f"{100.0 * facets / sinking:.0f} % of what the surfaces sink, which makes its pressures wrong; "
-                f"give its surfaces their drawn curves (curved) or {finer}"
+                f"{'' if drawn else 'give its surfaces their drawn curves (curved), or '}{finer}"
             )
         for patch in mine:
-            warnings += roughness(len(patch.pressures) / _per_segment(contact), patch.scatter, name, finer)
+            warnings += roughness(patch.n_segments, patch.scatter, name, finer)
     return ContactDoubts(tuple(errors), tuple(warnings))
 
 
@@ -137,12 +132,12 @@ def roughness(n_segments: float, scatter: float, name: str, finer: str) -> list[
         What it is called, and how to get a finer mesh.
 
     """
+    remark = pressure_remark(n_segments, scatter)
+    if remark is None:
+        return []
     if n_segments < FEWEST_SEGMENTS:
-        wide = f"{n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
-        return [f"{name} is only {wide}, fewer than {FEWEST_SEGMENTS}; {finer} for a pressure to trust"]
-    if scatter > LARGEST_SCATTER:
-        return [f"the pressure of {name} scatters by {100.0 * scatter:.0f} % from node to node; {finer}"]
-    return []
+        return [f"{name} is {remark}, fewer than {FEWEST_SEGMENTS}; {finer} for a pressure to trust"]
+    return [f"the pressure of {name} {remark} from node to node; {finer}"]
 
 
 def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> float:
@@ -151,11 +146,6 @@ def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> f
     primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
     depths = contact.secondary.facet_depth[secondary], contact.primary.facet_depth[primary]
     return sum(float(each.max(initial=0.0)) for each in depths)
-
-
-def _per_segment(contact: Contact) -> int:
-    """Number of constraints of a segment: one for each end that it shares, or one for each node."""
-    return 1 if isinstance(contact.pairing, SegmentToSegment) else contact.secondary.edge_nodes.shape[1] - 1
 
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:

@@ -5,13 +5,23 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.solve import ContactState
 
 Floats = NDArray[np.float64]
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
+
+FEWEST_SEGMENTS = 8
+"""Segments in a region of contact below which its largest pressure depends on where the nodes happen to lie."""
+
+LARGEST_SCATTER = 0.1
+"""Scatter of pressures, see `scatter_of`, above which none of them is to be relied on; the meshes of the default cases
+have 0.02."""
+
+FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
+"""Fourth difference: hardly anything of smooth pressures, and 16 times the amplitude of the finest wave."""
 
 HARDLY = 0.5
 """Share of a node's area that the primary faces below which its force counts with its neighbour's: a corner that is
@@ -44,6 +54,8 @@ class PressurePatch:
         Centres of pressure on the undeformed bodies, in their own frames, shape (2,).
     at_edge
         Whether the patch reaches an end of either surface, so that contact may go on outside.
+    per_segment
+        Number of constraints of a segment of the surface.
 
     """
 
@@ -57,6 +69,7 @@ class PressurePatch:
     secondary_point: Floats
     primary_point: Floats
     at_edge: bool
+    per_segment: int = 1
 
     @property
     def force(self) -> Floats:
@@ -72,11 +85,18 @@ class PressurePatch:
 
     @property
     def scatter(self) -> float:
-        """Root mean square distance of a node's pressure from the mean of its neighbours', over the largest pressure.
-
-        It is the noise of node-to-segment contact; a smooth pressure has almost none. Zero below three nodes.
-        """
+        """Change of the pressure from one node to the next and back, over the mean around them; see `scatter_of`."""
         return scatter_of(self.pressures)
+
+    @property
+    def n_segments(self) -> float:
+        """Number of segments of the secondary surface that it is wide."""
+        return len(self.pressures) / self.per_segment
+
+    @property
+    def remark(self) -> str | None:
+        """Why its pressures are not to be relied on, see `pressure_remark`."""
+        return pressure_remark(self.n_segments, self.scatter)
 
     @property
     def half_width(self) -> float:
@@ -85,11 +105,42 @@ class PressurePatch:
 
 
 def scatter_of(pressures: Floats) -> float:
-    """Return the scatter of pressures along a surface, see `PressurePatch.scatter`."""
-    if len(pressures) < 3:
+    """Change of pressures from one node to the next and back, over the mean around them.
+
+    It is the noise of node-to-segment contact; smooth pressures have almost none, and a peak at an edge hides none: a
+    pressure whose nodes have 1 - a and 1 + a in turn has 2 a. The root mean square is weighted with the pressures; the
+    nodes at both ends, where pressures may have no limit, are left out.
+
+    Parameters
+    ----------
+    pressures
+        Of the nodes along the surface, >= 0, shape (n,); the scatter of fewer than seven is 0.
+
+    """
+    inner = pressures[1:-1]
+    if len(inner) < len(FOURTH):
         return 0.0
-    apart = pressures[1:-1] - (pressures[:-2] + pressures[2:]) / 2.0
-    return float(np.sqrt(np.mean(apart**2)) / pressures.max())
+    wave = np.convolve(inner, FOURTH / 8.0, "valid")
+    mean = np.convolve(inner, np.abs(FOURTH) / 16.0, "valid")
+    return float(np.sqrt((wave**2 / mean).sum() / mean.sum()))
+
+
+def pressure_remark(n_segments: float, scatter: float) -> str | None:
+    """Return why a region's pressures are not to be relied on, to stand beside them; None if they are.
+
+    Parameters
+    ----------
+    n_segments
+        Number of segments that the region is wide; at least `FEWEST_SEGMENTS` are wanted.
+    scatter
+        Of its pressures, see `scatter_of`; at most `LARGEST_SCATTER` is.
+
+    """
+    if n_segments < FEWEST_SEGMENTS:
+        return f"only {n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
+    if scatter > LARGEST_SCATTER:
+        return f"scatters by {100.0 * scatter:.0f} %"
+    return None
 
 
 def pressure_patches(system: ContactSystem, state: ContactState) -> list[PressurePatch]:
@@ -142,6 +193,7 @@ def _patch(
         share @ on_secondary,
         share @ on_primary,
         _reaches_end(nodes, len(points)) or _reaches_end(pairs.primary_edges[touched], len(primary.edges)),
+        1 if isinstance(contact.pairing, SegmentToSegment) else secondary.edge_nodes.shape[1] - 1,
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.post import pressure_patches
-from flangeway.post.pressure import CONSTRAINTS_APART, scatter_of
+from flangeway.post.pressure import CONSTRAINTS_APART, pressure_remark, scatter_of
 from flangeway.railway.discretisation import Role
 from flangeway.railway.equilibrium import Equilibrium
 from flangeway.railway.lane_newton import LaneSide
@@ -38,8 +38,8 @@ class LanePatch:
         Centre of pressure on the undeformed profiles, in their frames.
     at_edge
         Whether it reaches an end of either surface.
-    n_constraints
-        Number of its constraints under force.
+    n_segments
+        Number of segments of the secondary surface that it is wide.
     scatter
         Of its pressures, see `flangeway.post.PressurePatch.scatter`.
     shear
@@ -55,9 +55,14 @@ class LanePatch:
     wheel_point_mm: tuple[float, float]
     rail_point_mm: tuple[float, float]
     at_edge: bool
-    n_constraints: int
+    n_segments: float
     scatter: float
     shear: Mapping[Role, SubsurfaceExtreme] | None = None
+
+    @property
+    def remark(self) -> str | None:
+        """Why its pressure is not to be relied on, see `flangeway.post.pressure.pressure_remark`."""
+        return pressure_remark(self.n_segments, self.scatter)
 
     @classmethod
     def of(cls, patch: WheelRailPatch) -> Self:
@@ -72,7 +77,7 @@ class LanePatch:
             (float(wheel[0]), float(wheel[1])),
             (float(rail[0]), float(rail[1])),
             patch.pressure.at_edge,
-            len(patch.pressure.pressures),
+            patch.pressure.n_segments,
             patch.pressure.scatter,
         )
 
@@ -125,7 +130,7 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
                     (float(on_wheel[0]), float(on_wheel[1])),
                     (float(on_rail[0]), float(on_rail[1])),
                     bool(at_edge),
-                    len(group),
+                    float(len(group)),  # segment-to-segment has one constraint for each segment
                     scatter_of(pressures),
                 )
             )

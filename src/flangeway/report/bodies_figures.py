@@ -11,6 +11,7 @@ from flangeway.report.cell_patches import draw_lines
 from flangeway.report.display import display, displayed_stresses
 from flangeway.report.drawing import GREY, INK, new_figure
 from flangeway.report.plots import COLOURS
+from flangeway.report.tables import marked
 from flangeway.study.bodies_run import BodiesRun, BodyResult
 
 Floats = NDArray[np.float64]
@@ -65,7 +66,7 @@ def pressure_figure(run: BodiesRun) -> Figure:
         label = f"{contact.secondary.part.name} on {contact.primary.part.name}"
         axes.plot(
             patch.along, patch.pressures, color=INK, lw=1.0, ls=("-", "-.", ":", "--")[number % 4], marker="o", ms=3.0,
-            mfc="white", label=f"{label}: largest {patch.pressures.max():.4g} MPa",
+            mfc="white", label=f"{label}: largest {marked(f'{patch.pressures.max():.4g} MPa', patch.remark)}",
         )  # fmt: skip
     if run.theory is not None:
         x = run.theory.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))

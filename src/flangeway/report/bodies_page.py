@@ -8,6 +8,7 @@ from flangeway.materials import Elastic, Material
 from flangeway.report.bodies_tables import (
     contacts_of_bodies,
     forces_table,
+    remark_of,
     result_rows,
     sizes_table,
     supports_table,
@@ -19,7 +20,7 @@ from flangeway.report.command import command_line
 from flangeway.report.html import Again, Page, Picture
 from flangeway.report.newton_history import steps_table
 from flangeway.report.scenes import bodies_scene
-from flangeway.report.tables import Table, timings_table
+from flangeway.report.tables import Table, marked, timings_table
 from flangeway.space import Space
 from flangeway.study.bodies_run import BodiesRun
 from flangeway.study.case import RunnableCase
@@ -95,13 +96,16 @@ def _tables(run: BodiesRun) -> list[Table]:
 def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
     """Numbers that the case is about, or what there is of every case."""
     facts = [
-        (" ".join((f"{value:.5g}", *words_of(key)[1:])), words_of(key)[0])
+        (marked(" ".join((f"{value:.5g}", *words_of(key)[1:])), remark_of(summary["results"], key)), words_of(key)[0])
         for key, value in summary["results"].items()
         if isinstance(value, float)
     ]
     if not any("pressure" in name for _, name in facts):
         facts += [
-            (f"{each['max_pressure_MPa']:.5g} MPa", f"largest pressure, {each['secondary']} on {each['primary']}")
+            (
+                marked(f"{each['max_pressure_MPa']:.5g} MPa", each["max_pressure_remark"]),
+                f"largest pressure, {each['secondary']} on {each['primary']}",
+            )
             for each in summary["contacts"]
         ]
     bodies = summary["bodies"]

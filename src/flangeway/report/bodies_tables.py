@@ -3,9 +3,11 @@
 from collections.abc import Callable
 from typing import Any
 
-from flangeway.report.tables import Row, Table
+from flangeway.report.tables import Row, Table, marked
 
 UNITS = {"_N_mm_per_mm": "N mm per mm", "_MPa": "MPa", "_mm": "mm", "_N": "N", "_rad": "rad", "_deg": "degrees"}
+
+REMARK = "_remark"
 
 
 def case_rows(summary: Row) -> list[tuple[str, str]]:
@@ -14,7 +16,7 @@ def case_rows(summary: Row) -> list[tuple[str, str]]:
     for each in summary["contacts"]:
         name = f"{each['secondary']} on {each['primary']}"
         rows.append((f"{name}: force on {each['secondary']} (x, y), N", value_text(each["force_on_secondary_N"])))
-        rows.append((f"{name}: largest pressure, MPa", value_text(each["max_pressure_MPa"])))
+        rows.append((f"{name}: largest pressure, MPa", _pressure(each)))
         rows.append((f"{name}: half width of contact, mm", _half_widths(each)))
     for body in summary["bodies"]:
         rows.append((f"{body['name']}: largest displacement, mm", value_text(body["max_displacement_mm"])))
@@ -25,8 +27,18 @@ def case_rows(summary: Row) -> list[tuple[str, str]]:
 
 def result_rows(summary: Row) -> list[tuple[str, str]]:
     """Names with units and values of what a case is about."""
-    results = summary["results"].items()
-    return [(", ".join(words_of(key)), value_text(value)) for key, value in results if key != "forces"]
+    results = summary["results"]
+    return [
+        (", ".join(words_of(key)), marked(value_text(value), remark_of(results, key)))
+        for key, value in results.items()
+        if key != "forces" and not key.endswith(REMARK)
+    ]
+
+
+def remark_of(results: Row, key: str) -> str | None:
+    """Why the value of a key is not to be relied on; None if it is, or nothing is said."""
+    remark = results.get(key.removesuffix("_MPa") + REMARK)
+    return None if remark is None else str(remark)
 
 
 def contacts_of_bodies(summary: Row) -> Table:
@@ -34,7 +46,7 @@ def contacts_of_bodies(summary: Row) -> Table:
     contacts = summary["contacts"]
     quantities: list[tuple[str, Callable[[Row], str]]] = [
         ("force on the first (x, y), N", lambda c: value_text(c["force_on_secondary_N"])),
-        ("largest pressure, MPa", lambda c: value_text(c["max_pressure_MPa"])),
+        ("largest pressure, MPa", _pressure),
         ("half width of contact, mm", _half_widths),
         ("centre of pressure (x, y), mm", lambda c: _of_patches(c, "centre_mm")),
         ("reaches an end of the surface", lambda c: _of_patches(c, "reaches_an_end")),
@@ -84,6 +96,10 @@ def value_text(value: Any) -> str:
     if isinstance(value, list):
         return f"({', '.join(value_text(each) for each in value)})"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _pressure(contact: Row) -> str:
+    return marked(value_text(contact["max_pressure_MPa"]), contact["max_pressure_remark"])
 
 
 def _half_widths(contact: Row) -> str:

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from flangeway.railway.result import WheelRailPatch
 from flangeway.railway.track import SIDES
 from flangeway.report.drawing import GREY, INK, Room, draw_title, figure_with_room
+from flangeway.report.tables import marked
 from flangeway.study import CaseRun
 
 
@@ -33,7 +34,8 @@ def _draw_patch(axes: Axes, patch: WheelRailPatch, line: str, name: str) -> None
     along = np.copysign(1.0, pressure.points[-1, 0] - pressure.points[0, 0]) * pressure.along
     axes.plot(
         along, pressure.pressures, color=INK, lw=1.0, ls=line, marker="o", ms=3.5, mfc="white",
-        label=f"{name}: largest {pressure.pressures.max():.0f} MPa, half width {pressure.half_width:.2f} mm",
+        label=f"{name}: largest {marked(f'{pressure.pressures.max():.0f} MPa', pressure.remark)}, half width "
+        f"{pressure.half_width:.2f} mm",
     )  # fmt: skip
     if patch.hertz is None:
         return

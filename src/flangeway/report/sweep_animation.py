@@ -14,6 +14,7 @@ from flangeway.railway.problem import WheelsetProblem
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 from flangeway.report.campaign_figures import COLOURS, numeric_keys
 from flangeway.report.drawing import GREY, INK, new_figure
+from flangeway.report.tables import marked
 from flangeway.study.campaign import Campaign, CampaignTable
 from flangeway.study.wheelset_case import WheelsetCase
 
@@ -150,7 +151,7 @@ def _draw_side(axes: Axes, frame: SweepFrame, side: Side, highest: float) -> Non
     for patch in frame.patches:
         if patch["side"] == side:
             _draw_patch(axes, frame, side, patch, highest)
-            told.append(f"{patch['max_pressure_MPa']:.0f} MPa")
+            told.append(marked(f"{patch['max_pressure_MPa']:.0f} MPa", patch["max_pressure_remark"]))
     middle = float(on_rail.points(np.array([[0.0, 0.0]]))[0, 0])
     axes.set_xlim(middle - WIDTH_MM, middle + WIDTH_MM)
     axes.set_ylim(-BELOW_MM, ABOVE_MM)

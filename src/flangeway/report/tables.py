@@ -40,7 +40,7 @@ def contacts_table(summary: Row) -> Table:
         ("contact angle, degrees", lambda c: number(c["contact_angle_deg"], 2)),
         ("place on the rail (x, y), mm", lambda c: _place(c["rail_position_mm"])),
         ("place on the wheel (x, y), mm", lambda c: _place(c["wheel_position_mm"])),
-        ("largest pressure, MPa", lambda c: number(c["max_pressure_MPa"], 1)),
+        ("largest pressure, MPa", lambda c: marked(number(c["max_pressure_MPa"], 1), c["max_pressure_remark"])),
         ("  Hertz, MPa", lambda c: number(c["hertz_pressure_MPa"], 1)),
         ("  scatter of the nodes, %", lambda c: number(100.0 * c["pressure_scatter"], 2)),
         ("half width, mm", lambda c: number(c["half_width_mm"], 3)),
@@ -215,6 +215,11 @@ def timings_table(summary: Row) -> Table:
     """Seconds of each stage."""
     rows = [(name.replace("_", "-"), number(t, 2)) for name, t in summary["timings_s"].items()]
     return Table("Time", ("", "s"), tuple(rows))
+
+
+def marked(text: str, remark: str | None) -> str:
+    """Return the text of a value, with why it is not to be relied on, if there is a reason."""
+    return text if remark is None else f"about {text} ({remark})"
 
 
 def number(value: float | None, digits: int) -> str:

@@ -12,6 +12,7 @@ from flangeway.report.tables import (
     bending_table,
     bodies_table,
     contacts_table,
+    marked,
     motion_table,
     number,
     stresses_table,
@@ -78,7 +79,10 @@ def _convergence_table(convergence: Convergence) -> Table:
         ),
         (
             "largest pressure, MPa",
-            *(contact(s, "max_pressure_MPa", 1) for s in (coarse, fine)),
+            *(
+                " / ".join(marked(number(c["max_pressure_MPa"], 1), c["max_pressure_remark"]) for c in s["contacts"])
+                for s in (coarse, fine)
+            ),
             percent("max_pressure_change"),
         ),
         (

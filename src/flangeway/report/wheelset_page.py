@@ -14,6 +14,7 @@ from flangeway.report.tables import (
     bodies_table,
     contact_name,
     contacts_table,
+    marked,
     motion_table,
     number,
     rigid_table,
@@ -95,7 +96,10 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
         side, place = contact["side"], contact_name(contact, summary["contacts"])
         facts += [
             (number(contact["force_kN"], 2) + " kN", f"force on the {side} wheel" + place.removeprefix(side)),
-            (number(contact["max_pressure_MPa"], 0) + " MPa", f"largest pressure, {place}"),
+            (
+                marked(number(contact["max_pressure_MPa"], 0) + " MPa", contact["max_pressure_remark"]),
+                f"largest pressure, {place}",
+            ),
         ]
     error = summary["balance"]["resulting_error"]
     facts.append(("–" if error is None else f"{error:.0e}", "resulting error of the balance"))

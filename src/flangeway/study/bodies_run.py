@@ -170,18 +170,21 @@ def _contacts(contact: ContactSolution) -> list[dict[str, Any]]:
     rows = []
     for number, each in enumerate(contact.system.contacts):
         mine = [patch for patch in patches if patch.contact == number]
+        most = max(mine, key=lambda patch: float(patch.pressures.max()), default=None)
         rows.append(
             {
                 "secondary": each.secondary.part.name,
                 "primary": each.primary.part.name,
                 "force_on_secondary_N": contact.forces[number],
                 "initial_penetration_mm": contact.initial_penetration[number],
-                "max_pressure_MPa": max((patch.pressures.max() for patch in mine), default=0.0),
+                "max_pressure_MPa": 0.0 if most is None else most.pressures.max(),
+                "max_pressure_remark": None if most is None else most.remark,
                 "patches": [
                     {
                         "centre_mm": patch.centre,
                         "half_width_mm": patch.half_width,
                         "max_pressure_MPa": patch.pressures.max(),
+                        "max_pressure_remark": patch.remark,
                         "force_N": patch.force,
                         "reaches_an_end": patch.at_edge,
                     }

@@ -194,6 +194,7 @@ class HertzCase(RunnableCase):
         return {
             **found,
             "max_pressure_MPa": largest,
+            "max_pressure_remark": patch.remark,
             "hertz_max_pressure_MPa": theory.max_pressure,
             "max_pressure_difference": largest / theory.max_pressure - 1.0,
             "half_width_mm": patch.half_width,

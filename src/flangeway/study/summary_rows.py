@@ -34,6 +34,7 @@ def contact_row(result: WheelsetResult, patch: WheelRailPatch) -> Row:
         "space_position_mm": patch.pressure.centre,
         "half_width_mm": patch.pressure.half_width,
         "max_pressure_MPa": patch.pressure.pressures.max(),
+        "max_pressure_remark": patch.pressure.remark,
         "pressure_scatter": patch.pressure.scatter,
         "hertz_half_width_mm": hertz.half_width if hertz else None,
         "hertz_pressure_MPa": hertz.max_pressure if hertz else None,

@@ -24,7 +24,7 @@ POSITION_KEYS = (
 _MOTION = ("lateral_mm", "vertical_mm", "roll_rad")
 _SIDE = (
     *("n_patches", "normal_force_N", "lateral_force_N", "vertical_force_N", "lateral_over_vertical"),
-    *("max_pressure_MPa", "half_width_mm", "contact_angle_deg"),
+    *("max_pressure_MPa", "max_pressure_remark", "half_width_mm", "contact_angle_deg"),
     *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
 )
 WHEELSET_COLUMNS = (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in _SIDE))
@@ -32,7 +32,7 @@ WHEELSET_COLUMNS = (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in _
 
 PATCH_COLUMNS = (
     *("row", "side", "number", "region", "normal_force_N", "lateral_force_N", "vertical_force_N", "max_pressure_MPa"),
-    *("half_width_mm", "hertz_pressure_MPa", "hertz_half_width_mm", "contact_angle_deg"),
+    *("max_pressure_remark", "half_width_mm", "hertz_pressure_MPa", "hertz_half_width_mm", "contact_angle_deg"),
     *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
 )
 """Columns of the table of patches; they are numbered on each side from the field to the gauge."""
@@ -129,7 +129,8 @@ def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
     ratio = (lateral if side == "left" else -lateral) / vertical if vertical > 0.0 else None
     values: dict[str, Value] = {"n_patches": len(patches), **sums, "lateral_over_vertical": ratio}
     if patches:
-        values["max_pressure_MPa"] = max(float(patch["max_pressure_MPa"] or 0.0) for patch in patches)
+        highest = max(patches, key=lambda patch: float(patch["max_pressure_MPa"] or 0.0))
+        values |= {name: highest[name] for name in ("max_pressure_MPa", "max_pressure_remark")}
         most = max(patches, key=lambda patch: float(patch["normal_force_N"] or 0.0))
         values |= {name: most[name] for name in _SIDE if name not in values}
         for value, depth in _SHEAR.values():
@@ -150,6 +151,7 @@ def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str
         "lateral_force_N": lateral,
         "vertical_force_N": vertical,
         "max_pressure_MPa": patch.max_pressure_MPa,
+        "max_pressure_remark": patch.remark,
         "half_width_mm": patch.half_width_mm,
         "hertz_pressure_MPa": hertz.max_pressure if hertz else None,
         "hertz_half_width_mm": hertz.half_width if hertz else None,
@@ -164,8 +166,8 @@ def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str
 
 
 def summary_row(converged: bool, message: str, summary: Mapping[str, Any], seconds: float) -> RowResult:
-    """Return all single numbers of a summary, named by their paths with underscores."""
-    warnings = tuple(str(text) for text in summary.get("warnings", ()))
+    """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
+    warnings = tuple(str(text) for key in ("warnings", "notices") for text in summary.get(key, ()))
     if not converged:
         return RowResult("not converged", message, warnings, seconds=seconds)
     values = {name: _plain(value) for name, value in _numbers(summary, "") if value is not None}
@@ -180,7 +182,7 @@ def _numbers(value: Any, path: str) -> Iterable[tuple[str, Value]]:
     elif isinstance(value, list | tuple):
         for number, inner in enumerate(value, 1):
             yield from _numbers(inner, f"{path}_{number}")
-    elif isinstance(value, float | int):
+    elif isinstance(value, float | int) or (value is not None and path.endswith("_remark")):
         yield path, value
 
 
