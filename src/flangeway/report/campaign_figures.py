@@ -23,6 +23,7 @@ NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
 
 COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 MOST_LABELLED = 8
+ROUGH = "not to be relied on, see its remark"
 SMALLEST_POINT, LARGEST_POINT = 3.0, 40.0
 
 
@@ -107,7 +108,9 @@ def pressure_map(table: CampaignTable, first: str, second: str) -> Figure:
         drawn = _draw_map(panel, places, values, limits)
         failed = ~np.isfinite(values)
         panel.plot(*places[failed].T, "x", color=INK, ms=4, label="no contact, or no result" if failed.any() else None)
-        if failed.any():
+        rough = np.unique(groups.ravel()[_remarked(table, f"{side}_max_pressure_MPa")])
+        panel.plot(*places[rough].T, "+", color=INK, ms=5, label=ROUGH if len(rough) else None)
+        if failed.any() or len(rough):
             panel.legend(frameon=False, fontsize=8)
         panel.set_title(f"{side} side", fontsize=9)
         panel.set_xlabel(first)
@@ -178,6 +181,12 @@ def _series(table: CampaignTable, x: str) -> Iterator[_Series]:
         yield _Series(label, place / max(len(groups) - 1, 1), rows[np.argsort(along[rows], kind="stable")])
 
 
+def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
+    """Rows whose value in a column is not to be relied on, shape (n_rows,)."""
+    remarks = table.rows.get(f"{column.removesuffix('_MPa')}_remark", [None] * len(table.rows["row"]))
+    return np.array([remark is not None for remark in remarks], dtype=np.bool_)
+
+
 def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
     """Draw a line for each series; rows without a result leave a gap."""
     along, values = table.numbers(x), table.numbers(column)
@@ -186,6 +195,9 @@ def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
         marker = "o" if len(y) <= 40 else None
         colour = mpl.colormaps["viridis"](0.85 * each.shade)
         axes.plot(along[each.rows], y, color=colour, lw=1.2, marker=marker, ms=3, label=each.label)
+    rough = _remarked(table, column)
+    if rough.any():
+        axes.plot(along[rough], values[rough], "x", color=INK, ms=5, label=ROUGH)
     axes.set_xlabel(x)
     axes.grid(color="#dddddd", lw=0.5)
     if axes.get_legend_handles_labels()[0]:
