@@ -20,7 +20,8 @@ SHAPE = {
 }
 CONTACT = {
     "side", "region", "force_kN", "lateral_force_kN", "vertical_force_kN", "rail_position_mm", "wheel_position_mm",
-    "space_position_mm", "contact_angle_deg", "half_width_mm", "max_pressure_MPa", "pressure_scatter",
+    "space_position_mm", "contact_angle_deg", "half_width_mm", "max_pressure_MPa", "max_pressure_remark",
+    "pressure_scatter",
     "hertz_half_width_mm", "hertz_pressure_MPa", "hertz_in_plane_shear_MPa", "hertz_in_plane_shear_depth_mm", "n_nodes",
     "in_rail", "in_wheel",
 }  # fmt: skip
