@@ -19,7 +19,7 @@ def zigzag_mesh() -> PolyMesh:
     """Two by two cells of a square that meet along zigzag lines."""
     half = [(0.0, 0.0), (0.125, 0.09), (0.25, 0.0), (0.375, -0.09), (0.5, 0.0)]
     along = np.array([*half, *[(x + 0.5, y) for x, y in half[1:]]])
-    lines = {"x": along + [0.0, 0.5], "y": along[:, ::-1] + [0.5, 0.0]}
+    lines = {"x": np.add(along, (0.0, 0.5)), "y": np.add(along[:, ::-1], (0.5, 0.0))}
     points = np.vstack([[(0, 0), (0.5, 0), (1, 0), (0, 1), (0.5, 1), (1, 1)], lines["x"], lines["y"]])
     points, number = np.unique(np.round(points, 12), axis=0, return_inverse=True)
     number = number.ravel()

@@ -3,9 +3,13 @@
 import numpy as np
 import pytest
 
+from flangeway.elements import Virtual
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Line
-from flangeway.mesh import PolyMesh, read_mesh, rectangle_grid
+from flangeway.geometry import Arc, Line, Placement
+from flangeway.mesh import PolyMesh, read_mesh, rectangle_grid, write_vtu
+from flangeway.space import Space
+from flangeway.study.bodies_shape import body_shape
+from flangeway.study.bodies_tables import BodyTable
 
 
 @pytest.mark.parametrize("direction", [None, "left", 1, 0.0])
@@ -49,3 +53,35 @@ def test_c_messages_write_places_as_numbers():
         assert "[" not in str(caught.value)
         assert "np." not in str(caught.value)
         assert "near (" in str(caught.value)
+
+
+@pytest.mark.parametrize("size", [1.0, 1e-4])
+@pytest.mark.parametrize("gap", [0.0, 1e-8, 9e-7, -9e-7])
+def test_c_reading_joins_what_a_space_refuses(tmp_path, gap, size):
+    """Points that touch within the tolerance of the check are joined with a notice; those beyond it stay apart."""
+    square = rectangle_grid(size, size, 2, 2)
+    for distance, n_points in ((0.5 * gap * size, 15), (4e-6 * size, 18)):
+        both = square.merged(square.placed(Placement(0.0, (size + distance, 0.3 * distance))))
+        far = rectangle_grid(1.0, 1.0, 1, 1).placed(Placement(0.0, (5.0, 0.0)))
+        write_vtu(tmp_path / "two.vtu", both.merged(far))
+        read = read_mesh(tmp_path / "two.vtu")
+        assert read.mesh.n_points == n_points + 4
+        assert ["made one" in notice for notice in read.notices] == [True] * (n_points == 15)
+        Space(read.mesh, Virtual(1))
+
+
+def test_c_cell_sets_of_one_body_are_joined(tmp_path):
+    """Blocks with points of their own at one place, named together as one body of a case, are one body."""
+    x, lines = [0.0, 1.0, 1.0 + 3e-7, 2.0], ["*NODE"]
+    lines += [f"{4 * j + i + 1}, {x[i]:.9f}, {j}.0" for j in (0, 1) for i in range(4)]
+    lines += ["*ELEMENT, TYPE=CPE4, ELSET=ONE", "1, 1, 2, 6, 5", "*ELEMENT, TYPE=CPE4, ELSET=OTHER", "2, 3, 4, 8, 7"]
+    lines += ["*NSET, NSET=BASE", "1, 2, 3, 4"]
+    (tmp_path / "a.inp").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    notices: list[str] = []
+    table = BodyTable(name="a", file=str(tmp_path / "a.inp"), cells=["ONE", "OTHER"], method="vem")
+    mesh = body_shape(table, "bodies.1", notices).mesh
+    assert (mesh.n_points, mesh.n_cells) == (6, 2)
+    assert len(mesh.edge_set("BASE")) == 2
+    assert set(mesh.cell_sets) == {"ONE", "OTHER"}
+    assert any("made one" in notice for notice in notices)
+    Space(mesh, Virtual(1))

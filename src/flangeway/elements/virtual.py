@@ -33,12 +33,12 @@ class Virtual(Element):
     degree k - 1, whose symmetric part is the projection onto strains of Artioli et al. (2017, Comput. Mech. 60,
     eq. 14; seed 3.84 to 3.88). Monomials are written in the cell's principal axes, so that a stretch costs no digits.
 
-    What breaks first is the conditioning of the monomials, however far the cell is from the origin and however short its
-    edges. Solutions of plane elasticity reproduce polynomials, at nu = 0.3, to 1e-12 for k <= 4, to 1e-11 for k = 6,
-    to 1e-6 for k = 8 and to 2e-3 for k = 10 (measured on squares, Voronoi cells, zigzag cells and stars whose dents reach
-    to 2/5 of the way from the centre to a side; on cells without dents eight digits are left for k = 10). Towards
-    nu = 1/2 they lose a digit for every decade of ``1 - 2 nu``; cells stretched 1:1000 obliquely to the axes, and stars
-    with thin rays, lose two to three digits more, and above k = 6 all of them.
+    What breaks first is the conditioning of the monomials, however far the cell is from the origin and however short
+    its edges. Solutions of plane elasticity reproduce polynomials, at nu = 0.3, to 1e-12 for k <= 4, to 1e-11 for
+    k = 6, to 1e-6 for k = 8 and to 2e-3 for k = 10 (measured on squares, Voronoi cells, zigzag cells and stars whose
+    dents reach to 2/5 of the way from the centre to a side; on cells without dents eight digits are left for k = 10).
+    Towards nu = 1/2 they lose a digit for every decade of ``1 - 2 nu``; cells stretched 1:1000 obliquely to the axes,
+    and stars with thin rays, lose two to three digits more, and above k = 6 all of them.
 
     Parameters
     ----------

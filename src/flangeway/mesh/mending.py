@@ -13,8 +13,9 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, IntArray
 from flangeway.mesh.checks import check, hanging_points
 from flangeway.mesh.conforming import conforming
+from flangeway.mesh.meeting import TOUCHING
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import offsets_of
+from flangeway.mesh.ragged import next_in_row, offsets_of
 
 Ints = NDArray[np.int64]
 
@@ -54,9 +55,9 @@ class DrawnMesh:
 
     points: FloatArray
     cells: list[Ints]
-    cell_sets: Mapping[str, Ints] = field(default_factory=dict)
-    edge_sets: Mapping[str, Ints] = field(default_factory=dict)
-    point_sets: Mapping[str, Ints] = field(default_factory=dict)
+    cell_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    edge_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    point_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
     notices: tuple[str, ...] = ()
     middles: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
@@ -88,7 +89,7 @@ def mended_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     drawn
         What was read.
     merge_points
-        Whether points at the same place become one.
+        Whether points at the same place become one: nearer than `TOUCHING` times the longest side at either.
 
     Raises
     ------
@@ -173,10 +174,19 @@ def _plane(points: FloatArray, notices: list[str]) -> FloatArray:
 
 
 def _first_of_equal(points: FloatArray, cells: list[Ints], notices: list[str]) -> Ints:
-    """For each point the first one at its place; only points of cells count."""
-    used = np.unique(np.concatenate(cells))
-    size = float(np.hypot(*np.ptp(points[used], axis=0)))
-    pairs = used[cKDTree(points[used]).query_pairs(1e-9 * size, output_type="ndarray")]
+    """For each point the first one at its place, as `check` sees it; only points of cells count."""
+    flat = np.concatenate(cells)
+    following = flat[next_in_row(offsets_of(np.array([len(cell) for cell in cells])))]
+    lengths = np.hypot(*(points[following] - points[flat]).T)
+    reach = np.zeros(len(points))
+    for ends in (flat, following):
+        np.maximum.at(reach, ends, TOUCHING * lengths)
+    used = np.unique(flat)
+    near = used[cKDTree(points[used]).query(points[used], k=2)[0][:, 1] <= reach[used]]
+    pairs = np.zeros((0, 2), dtype=np.int64)
+    if len(near):
+        pairs = near[cKDTree(points[near]).query_pairs(reach[near].max(), output_type="ndarray")]
+        pairs = pairs[np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T) <= reach[pairs].min(axis=1)]
     numbers = np.arange(len(points))
     if not len(pairs):
         return numbers

@@ -15,6 +15,7 @@ from flangeway.geometry.outline_toml import outline_region
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Segment
 from flangeway.mesh import PolyMesh, Refinement, dual, read_mesh, triangulate
+from flangeway.mesh.mending import DrawnMesh, mended_mesh
 from flangeway.study.bodies_tables import BodyTable, DiscTable, FineTable
 from flangeway.study.case import closest
 
@@ -165,9 +166,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
-    told = [f"{Path(str(body.file)).name}: {notice}" for notice in read.notices]
-    notices += [notice for notice in told if notice not in notices]
-    mesh = read.mesh
+    told, mesh = list(read.notices), read.mesh
     if body.cells is not None:
         known = sorted(mesh.cell_sets)
         wanted = [body.cells] if isinstance(body.cells, str) else body.cells
@@ -178,6 +177,12 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
                 sets = f"cell sets of the file: {', '.join(known) or 'it has none'}"
                 raise InputError(f"{key}.cells = {name!r}", sets, closest(name, known) if known else "leave cells out")
         mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
+        cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
+        joined = mended_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
+        told += [f"body {body.name}: {notice}" for notice in joined.notices]
+        mesh = joined.mesh
+    told = [f"{Path(str(body.file)).name}: {notice}" for notice in told]
+    notices += [notice for notice in told if notice not in notices]
     if body.method == "fem" and (mesh.cell_sizes > 3).any():
         raise InputError(
             f"{key}.method = 'fem' for {body.file}, whose cells have up to {mesh.cell_sizes.max()} corners",
