@@ -1,6 +1,7 @@
 """What several folders of tests share: the command line in this process, and small contact problems."""
 
 import os
+import signal
 import sys
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,6 +33,17 @@ settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 RADIUS = 50.0
 STEEL = Elastic(210e3, 0.3)
+
+
+@pytest.fixture
+def interruptible():
+    """Give processes that a test starts the usual end by Ctrl-C, also where the tests themselves ignore it.
+
+    A shell makes what it runs in the background ignore it, and children inherit that.
+    """
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.fixture

@@ -17,10 +17,10 @@ the flow of data: `exact`, `geometry`, `mesh`, `elements`, `space`, `materials`,
 """
 
 from importlib import import_module
-from importlib.metadata import version
-from typing import TYPE_CHECKING
 
+TYPE_CHECKING = False  # as that of typing, which takes longer to import than this package
 if TYPE_CHECKING:
+    __version__: str
     from flangeway import elements as elements
     from flangeway import exact as exact
     from flangeway import geometry as geometry
@@ -72,8 +72,6 @@ _HOMES = {
 }
 _PACKAGE_OF = {name: package for package, names in _HOMES.items() for name in names}
 
-__version__ = version("flangeway")
-
 __all__ = [
     "Body",
     "Contact",
@@ -114,6 +112,8 @@ __all__ = [
 if not TYPE_CHECKING:  # type checkers read the names above, and know of no others
 
     def __getattr__(name: str) -> object:
+        if name == "__version__":
+            return import_module("importlib.metadata").version("flangeway")
         if name in _PACKAGES:
             return import_module(f"flangeway.{name}")
         if name not in _PACKAGE_OF:

@@ -3,13 +3,22 @@
 Every message says three things: what was given, what is allowed, and what to do next.
 """
 
+import os
+import traceback
+from datetime import date, time
+from pathlib import Path
+
 LONGEST_VALUE = 80
+DEBUG_VARIABLE = "FLANGEWAY_DEBUG"
+"""Environment variable that ``--debug`` sets for this process and its workers."""
 
 
 def short(value: object) -> str:
     """Write a value for a message, cut where it is longer than `LONGEST_VALUE` characters."""
+    if isinstance(value, bool):
+        return str(value).lower()
     try:
-        text = repr(value)
+        text = value.isoformat() if isinstance(value, date | time) else repr(value)
     except ValueError:  # Python writes no integer of more than some thousands of digits
         return "a number of thousands of digits"
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
@@ -42,6 +51,35 @@ class InputError(FlangewayError):
     def __reduce__(self) -> tuple[type, tuple[str, ...]]:
         """Parts, not the message made of them, so that another process can raise it."""
         return type(self), (self.given, self.allowed, self.advice)
+
+
+class UnforeseenError(RuntimeError):
+    """A defect of flangeway in another process; the message is the sentence of `unforeseen`."""
+
+
+def unforeseen(error: BaseException) -> str:
+    """Return one sentence on an error that nobody foresaw: what and where it is, and where to report it.
+
+    With `DEBUG_VARIABLE` the traceback stands below it.
+    """
+    if isinstance(error, UnforeseenError):
+        return str(error)
+    package = Path(__file__).parent
+    places = [
+        f"{Path(frame.f_code.co_filename).relative_to(package)}, line {line}"
+        for frame, line in traceback.walk_tb(error.__traceback__)
+        if Path(frame.f_code.co_filename).is_relative_to(package)
+    ]
+    why = " ".join(str(error).split())
+    why = why if len(why) <= 2 * LONGEST_VALUE else f"{why[: 2 * LONGEST_VALUE]}..."
+    sentence = (
+        f"an error that nobody foresaw, {type(error).__name__}{f' ({why})' if why else ''} in "
+        f"{places[-1] if places else 'flangeway'}: please report it as an issue of the project flangeway, with the "
+        "command, its files and what `flangeway --version` prints; --debug shows more"
+    )
+    if os.environ.get(DEBUG_VARIABLE):
+        sentence += "\n" + "".join(traceback.format_exception(error)).rstrip()
+    return sentence
 
 
 class MissingLibraryError(FlangewayError):

@@ -213,7 +213,7 @@ def test_dxf_units_come_from_the_drawing_or_the_option(read_drawing):
     assert read_drawing(draw, units=0, unit="cm").unit == "cm"
     with pytest.raises(InputError, match="without a unit of length"):
         read_drawing(draw, units=0)
-    with pytest.raises(InputError, match="leave --unit out"):
+    with pytest.raises(InputError, match="leave the unit out"):
         read_drawing(draw, units=1, unit="mm")
 
 

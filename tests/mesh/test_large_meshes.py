@@ -229,7 +229,7 @@ def test_errors_come_back_from_the_other_process():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of other systems")
-def test_a_killed_process_is_told():
+def test_a_killed_process_is_told(interruptible):
     """If the system kills the process, memory has ended; if the terminal interrupts it, this one is interrupted."""
     with pytest.raises(OutOfMemoryError, match="killed"):
         in_own_process(signal.raise_signal, signal.SIGKILL)
@@ -257,12 +257,16 @@ def working(folder, width):
 
 @NEEDS_LINUX
 @pytest.mark.parametrize("with_signal", [signal.SIGINT, signal.SIGKILL])
-def test_an_end_while_gmsh_works_is_prompt(with_signal, tmp_path):
+def test_an_end_while_gmsh_works_is_prompt(with_signal, tmp_path, interruptible):
     """Ctrl-C ends a long triangulation at once with status 130 and the usual words; a kill ends both processes."""
     process, other = working(tmp_path, 1e5)
-    process.send_signal(with_signal)
-    begun = time.monotonic()
-    out, err = process.communicate(timeout=60)
+    try:
+        process.send_signal(with_signal)
+        begun = time.monotonic()
+        out, err = process.communicate(timeout=60)
+    finally:  # whatever happens, no process and no open file is left to the next test
+        process.kill()
+        process.communicate()
     assert time.monotonic() - begun < 5.0
     interrupted = with_signal == signal.SIGINT
     assert process.returncode == (130 if interrupted else -signal.SIGKILL)

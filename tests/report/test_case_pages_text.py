@@ -20,6 +20,7 @@ from flangeway.report.newton_history import load_steps, newton_figure, steps_tab
 from flangeway.report.section_page import section_page
 from flangeway.solve import Status
 from flangeway.study import CASES
+from flangeway.study.case import GivenText
 from flangeway.study.case_file import read_case
 from flangeway.study.torsion_case import TorsionCase
 
@@ -89,7 +90,7 @@ def test_the_command_and_the_case_file_give_the_same_case(tmp_path, name, values
     keys = {"--method": "method", "--order": "order"}
     pairs = zip(words[3::2], words[4::2], strict=True)
     given = dict(value.split("=") if option == "--set" else (keys[option], value) for option, value in pairs)
-    assert CASES[name].from_values(given) == case
+    assert CASES[name].from_values({key: GivenText(text) for key, text in given.items()}) == case
 
 
 def test_the_case_file_of_bodies_gives_the_same_case(tmp_path):

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from flangeway.errors import InputError
 from flangeway.study import CASES, WheelsetCurveCase, WheelsetTangentCase, load_case, schema, write_template
+from flangeway.study.case import GivenText
 from flangeway.study.case_file import FORMAT, check_case, read_case
 from flangeway.study.case_template import toml_value
 
@@ -92,7 +93,8 @@ def test_files_are_found_beside_the_case_file(tmp_path, monkeypatch):
 def test_settings_go_before_the_file(tmp_path):
     """A setting replaces the file's value, also inside tables, by number or by name."""
     path = file_of(tmp_path, write_template(CASES["two-bodies"]))
-    case = read_case(path, {"thickness_mm": "3", "bodies.block.poisson": "0.25", "motions.1.push_N": "[0.0, -5.0]"})
+    given = {"thickness_mm": "3", "bodies.block.poisson": "0.25", "motions.1.push_N": "[0.0, -5.0]"}
+    case = read_case(path, {key: GivenText(text) for key, text in given.items()})
     assert case.thickness_mm == 3.0
     assert [body.poisson for body in case.bodies] == [0.3, 0.25]
     assert case.motions[0].push_N == (0.0, -5.0)

@@ -8,6 +8,7 @@ import pytest
 from flangeway.errors import InputError
 from flangeway.railway.profiles import rail, wheel
 from flangeway.study import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
+from flangeway.study.case import GivenText
 
 
 def test_defaults_are_the_published_measures():
@@ -56,7 +57,7 @@ def test_every_input_reaches_the_problem():
 
 def test_text_and_numbers_give_the_same_case():
     """Values from the command line, which are text, are read as numbers."""
-    given = WheelsetTangentCase.from_values({"gauge_mm": "1435", "method": "vem"})
+    given = WheelsetTangentCase.from_values({"gauge_mm": GivenText("1435"), "method": GivenText("vem")})
     assert given == WheelsetTangentCase.from_values({"gauge_mm": 1435.0, "method": "vem"})
 
 

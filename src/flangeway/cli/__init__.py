@@ -5,13 +5,21 @@ Exit status 0: done; 1: not converged, a check failed, or a library is missing; 
 
 # ruff: noqa: I001 (the order of imports is that of the commands)
 import os
+import sys
 
 # dense matrices here are small: on a busy machine the threads of BLAS wait for each other longer than they compute.
 # Assembly and sparse factorisation use all cores. Read by OpenBLAS when NumPy is imported; a user's own setting stays.
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-# each adds its commands, in the order in which help lists them
-from flangeway.cli import cases, campaign, geometry, section, profile, reproduce
-from flangeway.cli.app import app, main
+# pictures go to files: a backend for windows, which a user may have set, is not needed
+os.environ["MPLBACKEND"] = "agg"
+
+try:
+    # each adds its commands, in the order in which help lists them
+    from flangeway.cli import cases, campaign, geometry, section, profile, reproduce
+    from flangeway.cli.app import app, main
+except KeyboardInterrupt:
+    print("flangeway: interrupted; nothing was written", file=sys.stderr)
+    sys.exit(130)
 
 __all__ = ["app", "campaign", "cases", "geometry", "main", "profile", "reproduce", "section"]

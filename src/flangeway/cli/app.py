@@ -3,24 +3,47 @@
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
+from io import TextIOWrapper
 from typing import Annotated, Any, cast
 
 import typer
 from typer.core import TyperGroup
 
-from flangeway.cli.common import DONE, INTERRUPTED, WRONG_INPUT, complain, errors_as_exit_status
-from flangeway.errors import InputError
+from flangeway.cli.common import (
+    DONE,
+    FAILED,
+    INTERRUPTED,
+    NOTHING_WRITTEN,
+    WRONG_INPUT,
+    complain,
+    errors_as_exit_status,
+    interruption_told,
+)
+from flangeway.errors import DEBUG_VARIABLE, InputError, unforeseen
 
 MEMORY = "--memory"
 MEMORY_VARIABLE = "FLANGEWAY_MEMORY_GB"
+DEBUG = "--debug"
 
 
 class Program(TyperGroup):
-    """All commands; ``--memory`` may stand behind the command as well as before it."""
+    """All commands; ``--memory`` and ``--debug`` may stand behind the command as well as before it."""
+
+    def make_context(self, *arguments: Any, **named: Any) -> Any:
+        """Read the arguments, for which libraries are loaded."""
+        with interruption_told():
+            return super().make_context(*arguments, **named)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Run the command."""
+        with interruption_told():
+            return super().invoke(ctx)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Take ``--memory GB`` to the front."""
+        """Take ``--memory GB`` and ``--debug`` to the front."""
+        if _wants_debugging(args):
+            args = [DEBUG, *(word for word in args if word != DEBUG)]
         ends = args.index("--") if "--" in args else len(args)
         for place, word in enumerate(args[:ends]):
             if word == MEMORY or word.startswith(f"{MEMORY}="):
@@ -61,7 +84,15 @@ def _common(
             MEMORY, metavar="GB", help="Most memory to use; what the machine has left if left out.", show_default=False
         ),
     ] = None,
+    debug: Annotated[  # noqa: ARG001 (`main` looks for it)
+        bool, typer.Option(DEBUG, help="Show the traceback of an error that nobody foresaw.")
+    ] = False,
 ) -> None:
+    if any(name.startswith("RAYON_") for name in os.environ):  # else the core is not needed yet
+        with errors_as_exit_status():
+            from flangeway.space.threads import refuse_many_threads  # noqa: PLC0415
+
+            refuse_many_threads()
     if memory is not None:
         context.with_resource(_memory_limited(memory))
 
@@ -72,29 +103,57 @@ def _memory_limited(gigabytes: float) -> Iterator[None]:
     with errors_as_exit_status():
         if not gigabytes > 0.0:
             raise InputError(f"{MEMORY} {gigabytes:g}", "a positive number of gigabytes", "correct it, or leave it out")
-    before = os.environ.get(MEMORY_VARIABLE)
-    os.environ[MEMORY_VARIABLE] = repr(gigabytes)
+    with _variable(MEMORY_VARIABLE, repr(gigabytes)):
+        yield
+
+
+@contextmanager
+def _variable(name: str, value: str) -> Iterator[None]:
+    """Set a variable of the environment, which other processes inherit, for some time."""
+    before = os.environ.get(name)
+    os.environ[name] = value
     try:
         yield
     finally:
         if before is None:
-            del os.environ[MEMORY_VARIABLE]
+            del os.environ[name]
         else:
-            os.environ[MEMORY_VARIABLE] = before
+            os.environ[name] = before
+
+
+def _wants_debugging(args: list[str]) -> bool:
+    return DEBUG in args[: args.index("--") if "--" in args else None]
 
 
 def main() -> None:
-    """Run the command line and exit with its status."""
+    """Run the command line and exit with its status; an error that nobody foresaw ends in one sentence."""
+    with _variable(DEBUG_VARIABLE, "1") if _wants_debugging(sys.argv[1:]) else nullcontext():
+        sys.exit(_status())
+
+
+def _status() -> int:
+    for stream in (sys.stdout, sys.stderr):  # letters that the terminal lacks are no reason to fail
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     # the class is typer's own or click's, as typer's version wants it
     usage_error = cast(type[Exception], typer.BadParameter.__base__)
     try:
-        status = app(prog_name="flangeway", standalone_mode=False)
+        for word in sys.argv[1:]:
+            if not word.isprintable() and any("\ud800" <= letter <= "\udfff" for letter in word):
+                raise typer.BadParameter(f"an argument that is no text in UTF-8: {word!r}")
+        return int(app(prog_name="flangeway", standalone_mode=False) or DONE)
     except usage_error as error:
         complain(_usage_message(error))
-        status = WRONG_INPUT
+        return WRONG_INPUT
     except (KeyboardInterrupt, typer.Abort):
-        status = INTERRUPTED
-    sys.exit(status or DONE)
+        complain(NOTHING_WRITTEN)
+        return INTERRUPTED
+    except BrokenPipeError:  # who reads the results has seen enough; what is left goes nowhere
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return FAILED
+    except Exception as error:
+        complain(unforeseen(error))
+        return WRONG_INPUT
 
 
 def _usage_message(error: Any) -> str:

@@ -1,5 +1,6 @@
 """``flangeway run``, ``check``, ``init``, ``schema``, ``converge`` and ``cases``."""
 
+import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -7,7 +8,16 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, settings_of, stdout
+from flangeway.cli.common import (
+    DONE,
+    FAILED,
+    Out,
+    errors_as_exit_status,
+    path_given,
+    progress_shown,
+    settings_of,
+    stdout,
+)
 from flangeway.errors import InputError
 
 if TYPE_CHECKING:
@@ -21,10 +31,14 @@ CaseOrFile = Annotated[
 CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
 NewName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them.")]
 To = Annotated[
-    Path | None, typer.Option("--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False)
+    Path | None,
+    typer.Option(
+        "--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False, parser=path_given
+    ),
 ]
 SchemaTo = Annotated[
-    Path | None, typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False)
+    Path | None,
+    typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False, parser=path_given),
 ]
 ListedName = Annotated[
     str | None, typer.Argument(metavar="[CASE]", help="The one to explain; all if left out.", show_default=False)
@@ -187,9 +201,10 @@ def schema(to: SchemaTo = None) -> None:
 
 def _case(name: str, settings: list[str] | None, **options: str | None) -> "RunnableCase":
     """Return the case with the options that are given, by key, checked as far as possible before computing."""
+    from flangeway.study.case import GivenText  # noqa: PLC0415
     from flangeway.study.case_file import check_case, is_case_file, read_case  # noqa: PLC0415
 
-    given: dict[str, Any] = {key: value for key, value in options.items() if value is not None}
+    given: dict[str, Any] = {key: GivenText(value) for key, value in options.items() if value is not None}
     given |= settings_of(settings, f"`flangeway cases` lists the keys of {name}")
     case = read_case(name, given)
     with progress_shown():
@@ -208,5 +223,5 @@ def _wheelset(case: "RunnableCase") -> "WheelsetCase":
 
 
 def _refuse_existing(file: Path, advice: str) -> None:
-    if file.exists() or file.is_symlink():
+    if os.path.lexists(file):
         raise InputError(f"file {file}, which is there already", "the name of a new file", advice)

@@ -16,10 +16,19 @@ from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
 Progress = Callable[[str], None]
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
+NOTHING_WRITTEN = "interrupted; nothing was written"
+
+
+def path_given(text: str) -> Path:
+    """Return the path that an option names; an empty name is refused, which `Path` would take for the folder here."""
+    if not text.strip():
+        raise typer.BadParameter("an empty name")
+    return Path(text)
+
 
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False),
+    typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False, parser=path_given),
 ]
 Unit = Annotated[
     str | None,
@@ -29,12 +38,14 @@ Unit = Annotated[
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
     """Return what ``--set`` says, by key."""
+    from flangeway.study.case import GivenText  # noqa: PLC0415
+
     given: dict[str, Any] = {}
     for setting in settings or []:
         key, equals, value = setting.partition("=")
         if not equals:
             raise InputError(f"--set {setting}", "--set KEY=VALUE", advice)
-        given[key.strip()] = value.strip()
+        given[key.strip()] = GivenText(value.strip())
     return given
 
 
@@ -42,7 +53,8 @@ def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
 def errors_as_exit_status() -> Iterator[None]:
     """Turn the errors that users can meet into a message and an exit status."""
     try:
-        yield
+        with interruption_told():
+            yield
     except InputError as error:
         complain(str(error))
         raise typer.Exit(WRONG_INPUT) from None
@@ -54,8 +66,15 @@ def errors_as_exit_status() -> Iterator[None]:
             error = OutOfMemoryError(str(error.args[0]) if error.args else "a computation")
         complain(f"out of memory, nothing was written: {error}")
         raise typer.Exit(FAILED) from None
+
+
+@contextmanager
+def interruption_told() -> Iterator[None]:
+    """Turn Ctrl-C into a message and an exit status."""
+    try:
+        yield
     except KeyboardInterrupt:
-        complain("interrupted; nothing was written")
+        complain(NOTHING_WRITTEN)
         raise typer.Exit(INTERRUPTED) from None
 
 

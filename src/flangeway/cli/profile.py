@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import Out, Unit, errors_as_exit_status, progress_shown, stdout
+from flangeway.cli.common import Out, Unit, errors_as_exit_status, path_given, progress_shown, stdout
 
 ProfileName = Annotated[
     str,
@@ -51,7 +51,13 @@ ProfileJoin = Annotated[
 ]
 ProfileTo = Annotated[
     Path | None,
-    typer.Option("--to", metavar="FILE", help="Write it in the format of this file's ending.", show_default=False),
+    typer.Option(
+        "--to",
+        metavar="FILE",
+        help="Write it in the format of this file's ending.",
+        show_default=False,
+        parser=path_given,
+    ),
 ]
 
 

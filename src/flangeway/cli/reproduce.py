@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, stdout
+from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, path_given, progress_shown, stdout
 from flangeway.errors import InputError
 
 ReproductionName = Annotated[
@@ -26,6 +26,7 @@ Page = Annotated[
         metavar="FILE.md",
         help="Write the page of validation with its pictures in images/ beside it; for all.",
         show_default=False,
+        parser=path_given,
     ),
 ]
 

@@ -122,10 +122,14 @@ def agreed_unit(in_file: str | None, given: str | None, how: str) -> str:
         raise InputError(
             f"unit {given} for a file in {in_file}",
             "the file's own unit",
-            "leave --unit out; coordinates are never converted",
+            "leave the unit out; coordinates are never converted",
         )
     unit = in_file or given
     if unit is None:
-        raise InputError("coordinates without a unit of length", how, "add the unit to the file, or give --unit mm")
+        raise InputError(
+            "coordinates without a unit of length",
+            how,
+            'add the unit to the file; or give unit = "mm" in the case, --unit mm to `flangeway section`',
+        )
     refuse_unit(unit)
     return unit

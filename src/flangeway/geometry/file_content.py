@@ -8,6 +8,8 @@ from typing import Any
 from flangeway.errors import InputError
 
 LARGEST_BYTES = 50_000_000
+LARGEST_DEPTH = 50
+"""Tables and lists inside of each other; no input has more than ten."""
 
 
 def is_file(path: Path) -> bool:
@@ -81,7 +83,10 @@ def toml_data(text: str, lines: str) -> dict[str, Any]:
 
     """
     try:
-        return tomllib.loads(text)
+        data = tomllib.loads(text)
+        if _depth(data) <= LARGEST_DEPTH:
+            return data
+        why = "lists or tables too deep inside of each other"
     except tomllib.TOMLDecodeError as reason:
         why = str(reason)
     except RecursionError:
@@ -89,3 +94,14 @@ def toml_data(text: str, lines: str) -> dict[str, Any]:
     except ValueError:  # Python reads no such integer
         why = "a number of thousands of digits"
     raise InputError(f"not TOML: {why}", f"{lines}, each key once", "correct the place; names stand in quotation marks")
+
+
+def _depth(data: dict[str, Any]) -> int:
+    """How deep tables and lists are inside of each other; past `LARGEST_DEPTH` it is not counted on."""
+    level: list[Any] = [data]
+    depth = 0
+    while level and depth <= LARGEST_DEPTH:
+        depth += 1
+        inner = [each for value in level for each in (value.values() if isinstance(value, dict) else value)]
+        level = [each for each in inner if isinstance(each, dict | list)]
+    return depth

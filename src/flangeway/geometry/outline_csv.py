@@ -20,8 +20,8 @@ from flangeway.geometry.mending import DrawnSegment, drawn_polygon, mended_outli
 from flangeway.geometry.region import Section, nested_regions
 
 _COORDINATES = ("x0", "y0", "x1", "y1", "xc", "yc", "x", "y")
-_HOW = "columns such as x0_mm, a line '# unit: mm', or the option --unit"
-_MIRROR_ADVICE = "close it; if it is one half, add a line '# mirror' or the option --mirror"
+_HOW = "columns such as x0_mm, a line '# unit: mm', or the input unit"
+_MIRROR_ADVICE = "close it; if it is one half, add a line '# mirror' or --mirror of `flangeway section`"
 
 
 def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:

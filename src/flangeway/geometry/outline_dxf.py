@@ -24,7 +24,7 @@ from flangeway.geometry.region import Section, nested_regions
 
 UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
 CURVED_ENTITIES = ("SPLINE", "ELLIPSE", "INSERT", "REGION", "MLINE", "HELIX", "3DSOLID", "BODY", "MESH", "3DFACE")
-_HOW = "a drawing with $INSUNITS of inches, feet, mm, cm or m, or the option --unit"
+_HOW = "a drawing with $INSUNITS of inches, feet, mm, cm or m, or the input unit"
 
 
 def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:

@@ -10,13 +10,12 @@ import signal
 import subprocess
 import sys
 import threading
-import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from multiprocessing.spawn import get_executable
 from typing import Any, NoReturn, TypeVar
 
-from flangeway.errors import FlangewayError, InputError, OutOfMemoryError
+from flangeway.errors import FlangewayError, InputError, OutOfMemoryError, UnforeseenError, unforeseen
 
 Result = TypeVar("Result")
 
@@ -25,7 +24,8 @@ BYTES = 120_000_000
 
 _PROGRAM = """
 import pickle, signal, sys
-signal.signal(signal.SIGINT, signal.SIG_DFL)
+if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:  # as in a job that runs in the background
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 sys.path[:] = pickle.load(sys.stdin.buffer)
 from flangeway.mesh.own_process import serve
 serve()
@@ -48,6 +48,8 @@ def in_own_process(work: Callable[..., Result], *arguments: Any) -> Result:
     ------
     FlangewayError
         As the work raises it.
+    UnforeseenError
+        If the work ends with another error.
     OutOfMemoryError
         If the system kills the process.
     KeyboardInterrupt
@@ -73,7 +75,7 @@ def in_own_process(work: Callable[..., Result], *arguments: Any) -> Result:
     if kind == "error":
         raise content
     if kind == "defect":
-        raise RuntimeError(content)
+        raise UnforeseenError(content)
     result: Result = content
     return result
 
@@ -89,8 +91,8 @@ def serve() -> NoReturn:
         answer: tuple[str, Any] = ("result", work(*arguments))
     except (FlangewayError, MemoryError) as error:
         answer = ("error", error)
-    except Exception:  # a defect, told in the other process
-        answer = ("defect", traceback.format_exc())
+    except Exception as error:  # a defect, told in the other process
+        answer = ("defect", unforeseen(error))
     answers.write(pickle.dumps(answer))
     answers.flush()
     os._exit(0)

@@ -4,6 +4,7 @@ import shlex
 from collections.abc import Mapping
 
 from flangeway.study import RunnableCase
+from flangeway.study.case_template import toml_value
 from flangeway.study.torsion_case import TorsionCase
 
 OPTIONS = {
@@ -50,5 +51,5 @@ def _changed(case: RunnableCase) -> Mapping[str, str]:
     for key, field in type(case).model_fields.items():
         value = getattr(case, key)
         if value != field.default:
-            found[key] = value if isinstance(value, str) else repr(value)
+            found[key] = value if isinstance(value, str) else toml_value(value)
     return found

@@ -15,6 +15,7 @@ from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
 from flangeway.space.memory import refuse_large_assembly
 from flangeway.space.symmetric import SymmetricMatrix
+from flangeway.space.threads import refuse_many_threads
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
@@ -86,6 +87,7 @@ class Space:
                 f"Space({short(self.mesh)}, ...)", "a PolyMesh", "read or make one: triangulate, read_mesh"
             )
         check(self.mesh, cracks=self.cracks)
+        refuse_many_threads()
         orders = {element.order for element, _ in self._regions}
         if len(orders) != 1:
             raise InputError(

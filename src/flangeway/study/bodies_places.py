@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.problems import Body
-from flangeway.study.bodies_tables import Box, PlaceTable
-from flangeway.study.case import closest
+from flangeway.study.bodies_tables import PlaceTable
+from flangeway.study.case import Box, closest
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]

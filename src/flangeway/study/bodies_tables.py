@@ -5,10 +5,8 @@ from typing import Any, Literal
 from pydantic import Field
 
 from flangeway.materials import Elastic
-from flangeway.study.case import Table
+from flangeway.study.case import Box, Pair, Table
 
-Pair = tuple[float, float]
-Box = tuple[float, float, float, float]
 HypothesisName = Literal["plane-strain", "plane-stress"]
 
 

@@ -8,20 +8,33 @@ from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
 
 import annotated_types as at
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
+from flangeway.checks import is_number
 from flangeway.errors import InputError, short
+from flangeway.geometry.file_content import toml_data
 from flangeway.solve import Status
 
 Key = tuple[str | int, ...]
 """Path of an input: a name, or in nested tables names and places in lists."""
 Progress = Callable[[str], None]
 
+MOST_TOLD = 5
+"""Faults that one message tells; the others are counted."""
 LARGEST_NUMBER = 1e30
 """No length, force or modulus is larger in its unit."""
 
 _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
+
+
+Pair = Annotated[tuple[float, float], Strict(False)]
+"""Two numbers in a list, as files have them."""
+Box = Annotated[tuple[float, float, float, float], Strict(False)]
+
+
+class GivenText(str):
+    """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
 
 
 class Run(Protocol):
@@ -41,9 +54,18 @@ class Run(Protocol):
 
 
 class Table(BaseModel):
-    """A group of inputs inside a case: a table of a case file."""
+    """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _typed(cls, values: Any) -> Any:
+        """Read what is `GivenText`, and take tuples and NumPy's numbers as Python's lists and numbers."""
+        if not isinstance(values, Mapping):
+            return values
+        fields = cls.model_fields
+        return {key: _typed(value, fields[key].annotation) if key in fields else value for key, value in values.items()}
 
 
 class Case(Table):
@@ -61,12 +83,12 @@ class Case(Table):
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
-        """Return the case with some inputs changed; numbers may be given as text.
+        """Return the case with some inputs changed.
 
         Parameters
         ----------
         values
-            Inputs by key.
+            Inputs by key; text that may be a number is `GivenText`.
         where
             Text to put before what is said about a key, such as its file and line.
 
@@ -77,11 +99,10 @@ class Case(Table):
 
         """
         try:
-            _refuse_switches(cls, values, where)
             _refuse_huge(values, where)
             return cls(**values)
         except ValidationError as reason:
-            raise _input_error(cls, reason, where) from None
+            raise _input_error(cls, reason, values, where) from None
 
     @classmethod
     def tables_of_inputs(cls) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
@@ -170,7 +191,9 @@ def alternatives(annotation: Any) -> tuple[Any, ...]:
     """Types of a union, or the one type that there is."""
     if get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
-    return get_args(annotation) if get_origin(annotation) in (Union, UnionType) else (annotation,)
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(kind for each in get_args(annotation) for kind in alternatives(each))
+    return (annotation,)
 
 
 def table_in(annotation: Any) -> type[Table] | None:
@@ -198,8 +221,8 @@ def key_text(key: Key) -> str:
 
 
 def _text(value: object) -> str:
-    if value is None:
-        return "none"
+    if value is None or isinstance(value, bool):
+        return "none" if value is None else str(value).lower()
     return f"{value:.10g}" if isinstance(value, float) else str(value)
 
 
@@ -211,7 +234,7 @@ def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None
     elif isinstance(value, list | tuple):
         for place, inner in enumerate(value):
             _refuse_huge(inner, where, (*key, place))
-    elif isinstance(value, int | float | str):
+    elif isinstance(value, int | float | GivenText):
         try:
             number = abs(float(value))
         except ValueError:  # a name
@@ -224,15 +247,34 @@ def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None
             )
 
 
-def _refuse_switches(case: type[Table], values: Mapping[str, Any], where: Callable[[Key], str]) -> None:
-    """Refuse true and false for numbers, which pydantic would take for 1 and 0."""
-    for key, value in values.items():
-        field = case.model_fields.get(key)
-        if field is None or not isinstance(value, bool) or bool in alternatives(field.annotation):
+def _typed(value: Any, annotation: Any) -> Any:
+    """A value as the types of an input want it, where that is no guess."""
+    kinds = alternatives(annotation)
+    if isinstance(value, GivenText):
+        return _read(value, kinds)
+    if is_number(value) and not isinstance(value, int | float):
+        return value.item() if hasattr(value, "item") else float(value)
+    inner = next((get_args(kind)[-1] for kind in kinds if get_origin(kind) in (dict, list)), Any)
+    if isinstance(value, Mapping) and table_in(inner) is None and all(table_in(kind) is None for kind in kinds):
+        return {key: _typed(each, inner) for key, each in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
+    """What a text says as one of some types; itself where none of them fits."""
+    choices = [choice for kind in kinds if get_origin(kind) is Literal for choice in get_args(kind)]
+    readers: list[Callable[[str], Any]] = [{str(choice): choice for choice in choices}.__getitem__]
+    if bool in kinds:
+        readers.append(lambda word: {"true": True, "false": False}[word.lower()])
+    readers += [kind for kind in (int, float) if kind in kinds]
+    if Any in kinds or text[:1] in ("[", "{"):
+        readers.append(lambda toml: toml_data(f"value = {toml}", "")["value"])
+    for read in readers:
+        try:
+            return read(text)
+        except (KeyError, ValueError, InputError):
             continue
-        raise InputError(
-            f"{where((key,))}{key} = {str(value).lower()}", f"{key} is {allowed(field)}", _advice(key, field)
-        )
+    return str(text)
 
 
 def _advice(key: str, field: FieldInfo) -> str:
@@ -242,14 +284,15 @@ def _advice(key: str, field: FieldInfo) -> str:
     return f"leave {key} out to take {_text(default)} ({field.description})"
 
 
-def _input_error(case: type[Case], reason: ValidationError, where: Callable[[Key], str]) -> InputError:
+def _input_error(
+    case: type[Case], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
+) -> InputError:
     given, allow, advice = [], [], []
-    told: set[Key] = set()
-    for error in reason.errors():
+    faults: dict[Key, tuple[Any, type[Table], FieldInfo | None]] = {}
+    for error in reason.errors(include_url=False, include_context=False):
         key, table, field = _found(case, error["loc"])
-        if key in told:
-            continue
-        told.add(key)
+        faults.setdefault(key, (error, table, field))
+    for key, (error, table, field) in [*faults.items()][:MOST_TOLD]:
         name, text = str(key[-1]) if key else "", key_text(key)
         if error["type"] == "missing" and field is not None:
             given.append(f"{where(key[:-1])}no {text}")
@@ -258,15 +301,27 @@ def _input_error(case: type[Case], reason: ValidationError, where: Callable[[Key
         elif field is None:
             known = list(table.model_fields)
             inside = key_text(key[:-1])
-            given.append(f"{where(key)}an input called {name!r}{f' in {inside}' if inside else ''}")
+            given.append(f"{where(key)}an input called {short(name)}{f' in {inside}' if inside else ''}")
             allow.append(f"the inputs of {inside or case.name}: {', '.join(known)}")
             advice.append(closest(name, known))
         else:
             last = next(item for item in reversed(key) if isinstance(item, str))
-            given.append(f"{where(key)}{text} = {short(error['input'])}")
+            given.append(f"{where(key)}{text} = {short(_at(values, key, error['input']))}")
             allow.append(f"{last} is {allowed(field)}")
             advice.append(_advice(last, field))
-    return InputError("; ".join(given), "; ".join(allow), "; ".join(advice))
+    if len(faults) > MOST_TOLD:
+        given.append(f"and {len(faults) - MOST_TOLD} more")
+    return InputError("; ".join(given), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advice)))
+
+
+def _at(values: Any, key: Key, otherwise: Any) -> Any:
+    """The value as it was given at a path; another one where the path leads nowhere."""
+    for item in key:
+        try:
+            values = values[item]
+        except (KeyError, IndexError, TypeError):
+            return otherwise
+    return values
 
 
 def _found(case: type[Table], location: Key) -> tuple[Key, type[Table], FieldInfo | None]:

@@ -1,7 +1,6 @@
 """Cases in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys."""
 
 import re
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -223,7 +222,7 @@ def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) 
             known = {key: key for key in place}
         last = number == len(path) - 1
         if isinstance(place, dict) and last:
-            place[item] = _value(value)
+            place[item] = value
             return
         if item not in known or last:
             raise InputError(
@@ -231,13 +230,3 @@ def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) 
                 "name tables by their keys, and items of lists by their numbers from 1 or their names",
             )  # fmt: skip
         place = place[known[item]]
-
-
-def _value(value: Any) -> Any:
-    """Read a list or a table that is given as text."""
-    if isinstance(value, str) and value[:1] in ("[", "{"):
-        try:
-            return tomllib.loads(f"value = {value}")["value"]
-        except (ValueError, RecursionError):
-            return value
-    return value

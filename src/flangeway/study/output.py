@@ -26,19 +26,19 @@ def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
         If something that is no folder is in the way, or the system does not allow to write there.
 
     """
-    place = _existing(folder)
-    if not place.is_dir():
-        raise InputError(
-            f"output folder {folder}: {place} is not a folder",
-            "a folder, or a place where one can be made",
-            "remove what is in the way, or choose another folder with --out",
-        )
     try:
+        place = _existing(folder)
+        if not place.is_dir():
+            raise InputError(
+                f"output folder {folder}: {place} is not a folder",
+                "a folder, or a place where one can be made",
+                "remove what is in the way, or choose another folder with --out",
+            )
         with tempfile.TemporaryDirectory(dir=place, prefix=".flangeway-"):
             pass
-    except OSError as reason:
+        _refuse_folders(folder, names)
+    except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
         raise _unwritable(folder, reason) from reason
-    _refuse_folders(folder, names)
 
 
 def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
@@ -66,8 +66,8 @@ def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
         If the system does not allow to write there.
 
     """
-    _refuse_folders(folder, writers)
     try:
+        _refuse_folders(folder, writers)
         # within one file system, so that moving is renaming
         with tempfile.TemporaryDirectory(dir=_existing(folder), prefix=".flangeway-") as name:
             stage = Path(name)
@@ -109,14 +109,14 @@ def _refuse_folders(folder: Path, names: Iterable[str]) -> None:
 def _existing(folder: Path) -> Path:
     """Return the folder, or the nearest one above it that is there."""
     place = folder.absolute()
-    while not os.path.lexists(place) and place != place.parent:
+    while place != place.parent and not os.path.lexists(place):
         place = place.parent
     return place
 
 
-def _unwritable(folder: Path, reason: OSError) -> InputError:
+def _unwritable(folder: Path, reason: OSError | ValueError) -> InputError:
     return InputError(
-        f"output folder {folder}, which cannot be written: {reason.strerror or reason}",
+        f"output folder {folder}, which cannot be written: {getattr(reason, 'strerror', None) or reason}",
         "a folder with permission and room to write",
         "choose another folder with --out",
     )

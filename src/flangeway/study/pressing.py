@@ -181,12 +181,18 @@ class _Search:
         stiffness = max(float(m.matrix.diagonal().max()) for m in body.elasticity.materials) * body.thickness
         self.first_step = self.scale / stiffness
         self.reach = 2.0 * max(part.body.elasticity.size for part in driver.system.parts)
+        self.least = float(np.finfo(np.float64).eps) * self.reach * stiffness
+        """Force of an approach as small as rounding of the places."""
         self.trials = 0
         self.low = (0.0, self._excess(state), state)
 
     def run(self) -> Pressed:
         if self.wanted <= 0.0:
             return self._failed("the loads on the pushed part are larger than the force and pull it away")
+        if self.wanted < self.least:
+            return self._failed(
+                f"the contact must bear {self.wanted:.1e} N, less than rounding of the places makes: {self.least:.1e} N"
+            )
         bracket = self._bracket()
         if isinstance(bracket, str):
             return self._failed(bracket)
@@ -239,9 +245,11 @@ class _Search:
     def _refined(self, low: Trial, high: Trial) -> Pressed:
         """Regula falsi; an end that stays twice loses half of its weight (Illinois)."""
         weights, last = [low[1], high[1]], -1
-        stiffness = (high[1] - low[1]) / (high[0] - low[0])
         best = min(low, high, key=lambda trial: abs(trial[1]))
-        while abs(best[1]) > LARGEST_ERROR * self.scale and self.trials < MOST_TRIALS:
+        if high[0] == low[0]:  # two solutions at one distance: the contact jumps
+            return self._judged(best)
+        stiffness = (high[1] - low[1]) / (high[0] - low[0])
+        while abs(best[1]) > LARGEST_ERROR * self.scale and self.trials < MOST_TRIALS and high[0] != low[0]:
             slope = (high[1] - low[1]) / (high[0] - low[0])
             if max(-low[1], high[1]) > NEAR * self.scale:
                 stiffness = slope

@@ -122,7 +122,9 @@ def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool =
     if path.suffix.lower() in ENDINGS or path.exists() or len(path.parts) > 1:
         return read_section(path, unit=unit, mirrored=mirrored)
     if unit is not None or mirrored:
-        raise InputError(f"--unit or --mirror for {name_or_file}", "a file", "leave them out for a bundled section")
+        raise InputError(
+            f"a unit or a mirror image of {name_or_file}", "a file", "leave them out for a bundled section"
+        )
     return bundled_section(name_or_file)
 
 

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar, Self
 
@@ -100,12 +101,13 @@ class TomlFile:
 
     def place(self, key: Key) -> str:
         """File and line of a key, or of the nearest one above it, to stand before a message."""
-        lines = self._lines()
+        lines = self._lines
         for end in range(len(key), 0, -1):
             if key[:end] in lines:
                 return f"{self.file}, line {lines[key[:end]]}: "
         return f"{self.file}: "
 
+    @cached_property
     def _lines(self) -> dict[Key, int]:
         """Line of each table and key."""
         found: dict[Key, int] = {}

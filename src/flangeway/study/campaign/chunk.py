@@ -4,7 +4,7 @@ import threading
 import time
 from dataclasses import dataclass
 
-from flangeway.errors import FlangewayError, MissingLibraryError
+from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
 from flangeway.railway.result import solve_wheelset
 from flangeway.study.campaign.campaign import Row
 from flangeway.study.campaign.columns import RowResult, summary_row, wheelset_row
@@ -95,10 +95,8 @@ def _guarded(case: RunnableCase, shear: bool) -> RowResult:
 
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
-    text = "; ".join(line.strip() for line in str(reason).splitlines())
-    return RowResult(
-        "failed", text if isinstance(reason, FlangewayError) else f"{type(reason).__name__}: {text}", seconds=seconds
-    )
+    told = "; ".join(line.strip() for line in str(reason).splitlines())
+    return RowResult("failed", told if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 
 def _computed(case: RunnableCase, start: float, shear: bool) -> RowResult:

@@ -61,7 +61,13 @@ class CampaignDatabase:
         try:
             self._connection = sqlite3.connect(path, isolation_level=None)
             try:
-                refuse_other_file(self._connection, path)
+                try:
+                    refuse_other_file(self._connection, path)
+                except sqlite3.OperationalError:
+                    raise
+                except sqlite3.DatabaseError:  # a damaged file
+                    if not fresh:
+                        raise
                 if fresh:
                     self._connection.close()
                     for ending in ("-wal", "-shm", ""):
@@ -232,7 +238,7 @@ def unusable(path: Path, reason: Exception) -> InputError:
     return InputError(
         f"database {path}: {reason}",
         "the file of a campaign, on a local disk with room to write",
-        "choose another folder with --out; rows that were reported are kept",
+        "choose another folder with --out; rows that were reported are kept; --fresh drops a damaged file",
     )
 
 

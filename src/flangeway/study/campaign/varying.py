@@ -8,7 +8,7 @@ from typing import Any
 
 from flangeway.errors import InputError, short
 from flangeway.geometry.file_content import csv_cells
-from flangeway.study.case import closest
+from flangeway.study.case import GivenText, closest
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MOST_ROWS = 1_000_000
@@ -54,9 +54,13 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
         )
     if not given:
         raise InputError(f"{place}vary.{key} = []", "one value or more", "give values, or leave the key out")
-    for number, value in enumerate(given):
-        if value in given[:number]:
+    if len(given) > MOST_ROWS:
+        refuse_too_many(len(given), place)
+    seen: set[str] = set()
+    for value in given:
+        if repr(value) in seen:
             raise InputError(f"{place}vary.{key} with {short(value)} twice", "each value once", "leave one out")
+        seen.add(repr(value))
     return given
 
 
@@ -156,5 +160,5 @@ def read_table(path: Path) -> list[dict[str, Any]]:
                 f"{len(names)} values: {', '.join(names)}",
                 "complete the line, or remove it",
             )
-        rows.append(dict(zip(names, cells, strict=True)))
+        rows.append(dict(zip(names, map(GivenText, cells), strict=True)))
     return rows
