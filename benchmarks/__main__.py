@@ -15,6 +15,7 @@ from benchmarks import (
     hertz_block_times,
     positions,
     report,
+    stabilisation,
     torsion_assembly,
     torsion_sections,
 )
@@ -29,6 +30,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "growth": growth.measurements,
     "positions": positions.measurements,
     "cache": cache.measurements,
+    "stabilisation": stabilisation.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -40,6 +42,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "hertz-block": hertz_block_times.quick,
     "elasticity": elasticity.quick,
     "growth": growth.quick,
+    "stabilisation": stabilisation.quick,
 }
 
 

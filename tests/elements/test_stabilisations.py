@@ -8,12 +8,13 @@ from flangeway.elements import (
     IdentityStabilisation,
     Lagrange,
     NoStabilisation,
+    SpectralStabilisation,
     TraceStabilisation,
     Virtual,
 )
 from flangeway.errors import InputError
 
-KINDS = [IdentityStabilisation(), DiagonalStabilisation(), TraceStabilisation()]
+KINDS = [IdentityStabilisation(), DiagonalStabilisation(), SpectralStabilisation(), TraceStabilisation()]
 
 
 def consistency_of(cell, modulus=1.0):
@@ -61,14 +62,14 @@ def test_identity_is_the_published_formula(ugly):
 
 
 def test_published_choice_depends_on_the_number_of_components():
-    """Without a choice, one field gets the identity and a displacement gets the scaled trace."""
+    """Without a choice, one field gets the identity and a displacement gets the spectral one."""
     square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])[:, :, None]
     cell = Virtual(1).reconstruct(square)
     scalar = consistency_of(cell)
     vector = np.zeros((2, 2, *scalar.shape[2:]))
     vector[0, 0] = vector[1, 1] = scalar[0, 0]
     assert np.array_equal(Virtual(1).stabilise(cell, scalar), IdentityStabilisation().matrices(cell, scalar))
-    assert np.array_equal(Virtual(1).stabilise(cell, vector), TraceStabilisation(0.5).matrices(cell, vector))
+    assert np.array_equal(Virtual(1).stabilise(cell, vector), SpectralStabilisation().matrices(cell, vector))
 
 
 def test_without_stabilisation_a_square_has_two_free_motions():
@@ -91,6 +92,6 @@ def test_lagrange_needs_none():
 @pytest.mark.parametrize("factor", [0.0, -1.0, np.nan])
 def test_factors_must_be_positive(factor):
     """A factor that is not positive is refused."""
-    for kind in (IdentityStabilisation, DiagonalStabilisation, TraceStabilisation):
+    for kind in (IdentityStabilisation, DiagonalStabilisation, SpectralStabilisation, TraceStabilisation):
         with pytest.raises(InputError, match="positive"):
             kind(factor)

@@ -10,6 +10,7 @@ from flangeway.elements import (
     DiagonalStabilisation,
     IdentityStabilisation,
     Lagrange,
+    SpectralStabilisation,
     Stabilisation,
     TraceStabilisation,
     Virtual,
@@ -140,6 +141,7 @@ def test_a_polynomial_of_the_order_is_reproduced(name: str, order: int, hypothes
 STABILISATIONS = [
     IdentityStabilisation(),
     DiagonalStabilisation(0.5),
+    SpectralStabilisation(0.5),
     TraceStabilisation(0.1),
     TraceStabilisation(2.0),
 ]

@@ -9,6 +9,7 @@ from flangeway.elements.stabilisation import (
     DiagonalStabilisation,
     IdentityStabilisation,
     NoStabilisation,
+    SpectralStabilisation,
     Stabilisation,
     TraceStabilisation,
 )
@@ -23,6 +24,7 @@ __all__ = [
     "Lagrange",
     "NoStabilisation",
     "Reconstruction",
+    "SpectralStabilisation",
     "Stabilisation",
     "TraceStabilisation",
     "Virtual",

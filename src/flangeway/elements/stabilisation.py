@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import batched
+from flangeway.elements.monomials import n_monomials
 from flangeway.elements.reconstruction import Reconstruction
 
 Floats = NDArray[np.float64]
@@ -109,10 +110,46 @@ class DiagonalStabilisation(Stabilisation):
         """Matrices of cells; see `Stabilisation.matrices`."""
         diagonal = np.einsum("cciie->ie", consistency) / len(consistency)
         weights = np.maximum(diagonal, _mean_modulus(reconstruction, consistency))
-        missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, reconstruction.value)
-        places = np.arange(reconstruction.n_local)
-        missed[places, places] += 1.0
-        return self.factor * np.einsum("ime,ie,ine->mne", missed, weights, missed)
+        return _weighted_missed(reconstruction, self.factor * weights)
+
+
+def _weighted_missed(reconstruction: Reconstruction, weights: Floats) -> Floats:
+    """``(I - D Pi)^T diag(weights) (I - D Pi)`` with weights (n_local, n_cells)."""
+    missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, reconstruction.value)
+    places = np.arange(reconstruction.n_local)
+    missed[places, places] += 1.0
+    return batched.symmetric_product(missed, missed * weights[:, None])
+
+
+@dataclass(frozen=True)
+class SpectralStabilisation(Stabilisation):
+    """``(I - D Pi)^T diag(max(K_c,ii, factor m)) (I - D Pi)``, m the mean eigenvalue of the cell's own edges.
+
+    The mean is the trace of the consistency over the degrees of freedom on the boundary, of all components, by the
+    number of strains that it can have: the dimension of the polynomials of degree k without rigid motions. So what the
+    projection misses is about as stiff as what it sees, however many edges the cell has; a modulus in its place, as in
+    `DiagonalStabilisation`, is many times too stiff for a hundred short edges, and the trace for four.
+
+    Parameters
+    ----------
+    factor
+        Factor of the mean eigenvalue, 1/3 by measurement (docs/theory/elements.md).
+
+    """
+
+    factor: float = 1.0 / 3.0
+
+    def __post_init__(self) -> None:
+        check_positive("SpectralStabilisation", "factor", self.factor, advice="leave the default")
+
+    def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
+        """Matrices of cells; see `Stabilisation.matrices`."""
+        n_components, order = len(consistency), reconstruction.order
+        diagonal = np.einsum("cciie->ie", consistency) / n_components
+        n_boundary = reconstruction.n_local - n_monomials(order - 2)
+        n_strains = n_components * n_monomials(order) - n_components * (n_components + 1) // 2
+        mean = diagonal[:n_boundary].sum(axis=0) * (n_components / n_strains)
+        return _weighted_missed(reconstruction, np.maximum(diagonal, self.factor * mean))
 
 
 @dataclass(frozen=True)

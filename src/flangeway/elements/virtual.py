@@ -11,12 +11,7 @@ from flangeway.elements.monomials import n_monomials
 from flangeway.elements.polygon_quadrature import polygon_quadrature
 from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
-from flangeway.elements.stabilisation import (
-    DiagonalStabilisation,
-    IdentityStabilisation,
-    Stabilisation,
-    TraceStabilisation,
-)
+from flangeway.elements.stabilisation import IdentityStabilisation, SpectralStabilisation, Stabilisation
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -35,18 +30,19 @@ class Virtual(Element):
 
     What breaks first is the conditioning of the monomials, however far the cell is from the origin and however short
     its edges. Solutions of plane elasticity reproduce polynomials, at nu = 0.3, to 1e-12 for k <= 4, to 1e-11 for
-    k = 6, to 1e-6 for k = 8 and to 2e-3 for k = 10 (measured on squares, Voronoi cells, zigzag cells and stars whose
-    dents reach to 2/5 of the way from the centre to a side; on cells without dents eight digits are left for k = 10).
-    Towards nu = 1/2 they lose a digit for every decade of ``1 - 2 nu``; cells stretched 1:1000 obliquely to the axes,
-    and stars with thin rays, lose two to three digits more, and above k = 6 all of them.
+    k = 6, to 1e-6 for k = 8 and to 2e-3 for k = 10 (measured on squares, Voronoi cells, zigzag cells, and stars whose
+    dents reach to 2/5 of the way from the centre to a side; without dents eight digits are left for k = 10). Towards
+    nu = 1/2 they lose a digit for every decade of ``1 - 2 nu``; cells stretched 1:1000 obliquely to the axes, and stars
+    with thin rays, lose two to three digits more, and above k = 6 all of them.
 
     Parameters
     ----------
     order
         Order k, 1 to 10.
     stabilisation
-        Stiffness of what the projection misses. None takes `IdentityStabilisation` for one field (seed 3.71), and for a
-        displacement `TraceStabilisation` (seed 3.96) up to order 2, `DiagonalStabilisation` above.
+        Stiffness of what the projection misses. None takes `IdentityStabilisation` for one field (seed 3.71) and
+        `SpectralStabilisation` for a displacement, chosen by measurement; published displacements took
+        `TraceStabilisation` (seed 3.96).
 
     """
 
@@ -95,7 +91,4 @@ class Virtual(Element):
         """Stabilisation of a field with so many components."""
         if self.stabilisation is not None:
             return self.stabilisation
-        if n_components == 1:
-            return IdentityStabilisation()
-        # the moments' stiffness makes the trace, and its round-off, too large at higher orders
-        return TraceStabilisation() if self.order <= 2 else DiagonalStabilisation()
+        return IdentityStabilisation() if n_components == 1 else SpectralStabilisation()

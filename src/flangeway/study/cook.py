@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
@@ -42,6 +42,7 @@ FINER_AT_CORNERS = (4.0, 4.0, 8.0, 10.0)
 limit, and at the last but one the shear of the loaded side does not fit the free one."""
 
 LARGEST_LEVEL = 6
+HIGHEST_PUBLISHED_ORDER = 2
 QUADRATURE_DEGREE = 3
 
 
@@ -121,12 +122,17 @@ def cook_triangles(level: int) -> PolyMesh:
     return mesh
 
 
+def published_virtual(order: int) -> Virtual:
+    """Virtual element with the published stabilisation, half of the trace; above order 2, unpublished, the default."""
+    return Virtual(order, TraceStabilisation() if order <= HIGHEST_PUBLISHED_ORDER else None)
+
+
 def method_space(triangles: PolyMesh, method: str, order: int) -> Space:
     """Space of a method, see `CookCode`, on triangles whose boundary is in edge sets."""
     if method == "F":
         return Space(triangles, Lagrange(order))
     if method == "V":
-        return Space(dual(triangles), Virtual(order))
+        return Space(dual(triangles), published_virtual(order))
     mesh = triangles
     for name in triangles.edge_sets:
         mesh = edges_halved(mesh, name)
@@ -136,7 +142,7 @@ def method_space(triangles: PolyMesh, method: str, order: int) -> Space:
         for name, chosen in (("triangles", sizes == 3), ("rim", sizes > 3))
     }
     mixed = PolyMesh(mesh.points, mesh.cell_offsets, mesh.cell_points, sets, mesh.edge_sets)
-    elements: Mapping[str, Element] = {"triangles": Lagrange(order), "rim": Virtual(order)}
+    elements: Mapping[str, Element] = {"triangles": Lagrange(order), "rim": published_virtual(order)}
     return Space(mixed, elements)
 
 
