@@ -89,7 +89,8 @@ def _squares(voronoi: int, stars: int, hundred: int, *, cook: bool) -> dict[str,
 
 def _joined(cells: list[Floats]) -> PolyMesh:
     points, number = np.unique(np.round(np.vstack(cells), 9), axis=0, return_inverse=True)
-    return PolyMesh(points, np.cumsum([0, *map(len, cells)]), number.ravel())
+    offsets = np.cumsum([0, *map(len, cells)]).astype(np.int32)
+    return PolyMesh(points.astype(np.float64), offsets, number.ravel().astype(np.int32))
 
 
 def _voronoi(n: int) -> list[Floats]:
