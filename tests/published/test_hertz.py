@@ -110,12 +110,12 @@ def test_stresses_on_the_line_of_symmetry_are_those_of_a_disc(smooth):
 
 
 def test_corners_of_straight_edges_show_in_the_pressure():
-    """On M2 the multipliers of polygons err by over 2 % between straight edges, by less than 1 % between circles."""
+    """On M2 the multipliers of polygons err by over 1.5 % between straight edges, by less than 1 % between circles."""
     problem = published_problem("VVO2", 2, "segments")
     rough, curved = (solve_hertz(replace(problem, curved=on_circle)) for on_circle in (False, True))
     assert rough.status.converged
     assert curved.pressure.largest_difference(curved.theory, 0.025) < 0.01
-    assert rough.pressure.largest_difference(rough.theory, 0.025) > 0.02
+    assert rough.pressure.largest_difference(rough.theory, 0.025) > 0.015
 
 
 def test_condensed_and_sparse_paths_agree():
