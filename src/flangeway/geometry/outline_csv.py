@@ -3,7 +3,7 @@
 Rows of segments have the columns ``name, type, x0, y0, x1, y1`` and, for arcs, ``xc, yc``; ``type`` is ``line`` or
 ``arc``. Arcs are shorter than half a turn unless a column ``turn`` says ``left`` or ``right``. Rows of corners have the
 columns ``x, y``. Names of columns may carry the unit: ``x0_mm``. Lines that start with ``#`` are comments, but
-``# unit: mm`` and ``# mirror`` are read. Loops follow each other; those inside others are holes.
+``# unit: mm`` and ``# mirror`` are read, without the colon too. Loops follow each other; those inside others are holes.
 """
 
 import itertools
@@ -49,10 +49,10 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         if line.strip() and not line.strip().startswith("#")
     ]
     header, in_header = parse_header(lines)
-    in_comment = [match[1] for line in comments if (match := re.fullmatch(r"unit:\s*(\w+)", line))]
+    in_comment = [match[1] for line in comments if (match := re.fullmatch(r"units?\s*[:=]?\s*(\w+)", line.lower()))]
     agreed = agreed_unit(in_header or next(iter(in_comment), None), unit, _HOW)
     rows = parse_rows(header, lines[1:])
-    mirrored = mirrored or "mirror" in comments
+    mirrored = mirrored or any(re.fullmatch(r"mirror(\s*[:=]?\s*(yes|true))?", line.lower()) for line in comments)
     if "x" in header:
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
     else:

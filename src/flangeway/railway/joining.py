@@ -52,6 +52,9 @@ HEIGHTS_MM = (-30.0, 1.0)
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
 
+TIP_OFF_MM = 0.05
+"""Height of a measured flange above the tip of the joined body below which the tip counts as measured."""
+
 PLAIN_CUT_MM = 50.0
 MEASURED = "measured"
 
@@ -156,7 +159,10 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         notices = (*notices, f"The head is moved sideways by {aside:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
     title = f"{measured.title} on {nominal.title}"
-    certainty = f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
+    certainty = (
+        f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
+        f"{_tape_text(measured)}"
+    )
     source = f"File: {measured.format}. Body: {nominal.source}"
     if isinstance(nominal, WheelProfile):
         wheel_profile = WheelProfile(
@@ -164,10 +170,10 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
             outline,
             _running(outline, nominal.running_names),
             flange_height_mm=-float(outline.bounds()[0, 1]),
-            flange_back_mm=-float(outline.bounds()[0, 0]),
+            flange_back_mm=measured.flange_back_mm,
             certainty=certainty,
             source=source,
-            notices=notices,
+            notices=(*notices, *_unmeasured_tip(surface, outline, nominal)),
         )
         return Joined(wheel_profile, nominal, surface, joints)
     names = _running(outline, nominal.head_names)[::-1]
@@ -288,10 +294,28 @@ def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
         outline,
         (MEASURED,),
         flange_height_mm=-float(outline.bounds()[0, 1]),
-        flange_back_mm=-float(outline.bounds()[0, 0]),
-        certainty="Running surface as measured, below a block of steel with upright faces.",
+        flange_back_mm=measured.flange_back_mm,
+        certainty=f"Running surface as measured, below a block of steel with upright faces.{_tape_text(measured)}",
         source=f"File: {measured.format}.",
         notices=measured.notices,
+    )
+
+
+def _tape_text(measured: MeasuredProfile) -> str:
+    """Return where a wheel stands on its axle, a sentence for its summary; nothing for rails."""
+    taken = measured.orientation
+    if taken.tape_mm is None:
+        return ""
+    return f" Its tape line is {taken.tape_mm:g} mm from the flange's back ({taken.how['tape line']})."
+
+
+def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -> tuple[str, ...]:
+    tip = -float(outline.bounds()[0, 1])
+    if float(surface.bounds()[0, 1]) <= -tip + TIP_OFF_MM:
+        return ()
+    return (
+        f"The flange's tip is not measured: the nominal {nominal.title} has it {tip:.2f} mm below the tape line, from "
+        "where a radius at the flange tip counts.",
     )
 
 

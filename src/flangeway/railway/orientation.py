@@ -51,7 +51,7 @@ class Orientation:
     origin
         Where the file's (0, 0) lies.
     tape_mm
-        Distance of the tape line from the flange's back if the origin is there, else None.
+        Distance of a wheel's tape line from the flange's back; None for rails, and where neither user nor file says it.
     shift_mm
         What was added to the points in mm, after mirrors.
     how
@@ -143,9 +143,11 @@ def orientation(
     else:
         found = _origin(raw, agreed_kind, placed, origin, how)
         label = found
-        tape = _tape(raw, tape_mm, how) if found == "flange-back" else None
-        shift = (-tape, 0.0) if tape is not None else (0.0, 0.0)
+        shift = (0.0, 0.0)
     if agreed_kind == "wheel":
+        tape = _tape(raw, tape_mm, label == "flange-back", how)
+        if label == "flange-back" and tape is not None:
+            shift = (-tape, 0.0)
         shift = _on_tread(placed, shift, notices)
     if "assumed" in how["unit"]:
         notices.append(f"The unit {in_unit} is assumed; --unit says another one.")
@@ -256,11 +258,13 @@ def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None,
     return "flange-back" if x.min() > -25.0 and x.max() > 60.0 else "tape"
 
 
-def _tape(raw: RawProfile, tape_mm: float | None, how: dict[str, str]) -> float:
-    value = tape_mm if tape_mm is not None else raw.tape_mm if raw.tape_mm is not None else TAPE_MM
+def _tape(raw: RawProfile, tape_mm: float | None, from_back: bool, how: dict[str, str]) -> float | None:
+    how["tape line"] = "given" if tape_mm is not None else "from the file" if raw.tape_mm is not None else "assumed"
+    value = tape_mm if tape_mm is not None else raw.tape_mm
+    if value is None:
+        return TAPE_MM if from_back else None
     if not 40.0 <= value <= 110.0:
         raise InputError(f"a tape line {value:g} mm from the flange's back", "40 to 110 mm", "70 mm is usual")
-    how["tape line"] = "given" if tape_mm is not None else "from the file" if raw.tape_mm is not None else "assumed"
     return value
 
 

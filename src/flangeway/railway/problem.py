@@ -7,7 +7,7 @@ from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.railway.discretisation import Discretisation, Role
 from flangeway.railway.load import Load
-from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.track import Track, Wheelset, refuse_misfit
 
 
 @dataclass(frozen=True)
@@ -75,6 +75,10 @@ class WheelsetProblem:
     prescribed: Prescribed = field(default_factory=Prescribed)
     all_equilibria: bool = False
     yield_MPa: float | None = None  # noqa: N815 (the unit megapascal)
+
+    def __post_init__(self) -> None:
+        """Refuse a wheelset that does not fit its track."""
+        refuse_misfit(self.track, self.wheelset)
 
     def material_of(self, body: Role) -> Elastic:
         """Material of a kind of body."""

@@ -9,7 +9,7 @@ import numpy as np
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
 from flangeway.geometry.file_content import file_content
-from flangeway.railway.measures import measures
+from flangeway.railway.measures import seen_back_mm, worn_side
 from flangeway.railway.miniprof import TAPE_MM, read_miniprof, write_miniprof
 from flangeway.railway.orientation import UNITS_MM, Orientation, agreed_unit, orientation
 from flangeway.railway.profile_checks import checked_points, refuse_length
@@ -43,6 +43,9 @@ _SPACING_MM = 0.25
 _MANY_HELD = 0.05
 _DEVIATION_MM = 2e-4
 
+BACK_OFF_MM = 0.5
+"""Difference of a measured flange back from the tape distance of the file above which a notice says so."""
+
 
 @dataclass(frozen=True)
 class ReadOptions:
@@ -62,7 +65,7 @@ class ReadOptions:
         Where the file's (0, 0) lies: ``"top"``, ``"base"`` or ``"gauge"`` of a rail, ``"tape"`` or ``"flange-back"`` of
         a wheel; or ``"X,Y"``, the place in the file of a rail's top or of a wheel's tread at the tape line.
     tape_mm
-        Distance of the tape line from the flange's back.
+        Distance of a wheel's tape line from the flange's back.
     smooth_mm
         Wavelength to smooth by; 0 for none. See `flangeway.railway.smoothing.smoothed`.
     limit_um
@@ -125,6 +128,20 @@ class MeasuredProfile:
     def kind(self) -> Kind:
         """Rail or wheel."""
         return self.orientation.kind
+
+    @property
+    def flange_back_mm(self) -> float:
+        """Distance of a wheel's inner face from the tape line, from its file, its flange's back, or assumed.
+
+        Raises
+        ------
+        InputError
+            If it is a rail.
+
+        """
+        if self.orientation.tape_mm is None:
+            raise InputError(f"the tape line of {self.title}, a rail", "a wheel", "give the file of a wheel")
+        return self.orientation.tape_mm
 
     @property
     def best_points(self) -> FloatArray:
@@ -198,7 +215,8 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
         surface = _placed(raw.contour, taken)
         points = surface.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM)
         format_ = format_ if format_ == "DXF" else "CSV of lines and arcs"
-        return MeasuredProfile(title, format_, taken, points, surface, None, tuple(notices + more))
+        taken, seen = _checked_against_shape(taken, surface)
+        return MeasuredProfile(title, format_, taken, points, surface, None, tuple(notices + more + seen))
     if taken.reversed_order:
         points = points[::-1]
     points = np.ascontiguousarray(points)
@@ -213,7 +231,41 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
             f"{smoothing.n_held} points were held to the limit: the waves that they show are smoothed with a larger "
             "--smooth and --limit."
         )
-    return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, tuple(notices + more))
+    taken, seen = _checked_against_shape(taken, smoothing.curve)
+    return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, tuple(notices + more + seen))
+
+
+def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orientation, list[str]]:
+    """Return the tape distance that the surface shows where nothing else says it, and what contradicts the shape."""
+    if taken.kind == "rail":
+        return taken, [] if isinstance(surface, Outline) else side_notices(surface)
+    reach = -float(surface.bounds()[0, 0])
+    seen = round(reach, 4) if isinstance(surface, Outline) else seen_back_mm(surface)
+    if taken.tape_mm is not None:
+        if (seen is None and reach <= taken.tape_mm) or abs(reach - taken.tape_mm) <= BACK_OFF_MM:
+            return taken, []
+        return taken, [
+            f"The profile reaches {reach:.2f} mm from the tape line to the flange's back, the tape distance "
+            f"({taken.how['tape line']}) is {taken.tape_mm:g} mm: the wheels' inner faces are taken at the latter; "
+            "--tape gives another one."
+        ]
+    if seen is not None:
+        return replace(taken, tape_mm=seen, how={**taken.how, "tape line": "from the flange's back"}), []
+    return replace(taken, tape_mm=TAPE_MM), [
+        f"The flange's back is not measured: it is taken {TAPE_MM:g} mm from the tape line; "
+        "--tape gives another distance."
+    ]
+
+
+def side_notices(head: Contour) -> list[str]:
+    """Return a notice where a rail's head is worn more at the side that no flange reaches."""
+    side = worn_side(head)
+    if side is None or side.name == "gauge side":
+        return []
+    return [
+        f"The head is worn more at the field side, by {side.more_mm:.2f} mm ({side.measure}): a left-hand rail? "
+        "--mirror reverses it."
+    ]
 
 
 def _placed(contour: Contour, taken: Orientation) -> Contour:
@@ -271,9 +323,9 @@ def profile_text(
         mine = ", ".join(e for e, k in _KINDS_BY_ENDING.items() if k == profile.kind)
         raise InputError(f"--to {ending}, which holds {kind}s, for a {profile.kind}", mine, "change the ending")
     title = one_line(profile.title)
-    origin = frame_origin(profile)
+    origin, tape = frame_origin(profile), profile.orientation.tape_mm
     if ending == ".csv":
-        return write_segment_csv(outline or profile.surface, kind, title, outline_origin or origin)
+        return write_segment_csv(outline or profile.surface, kind, title, outline_origin or origin, tape)
     if ending == ".dxf":
         return write_dxf_profile(outline or profile.surface)
     if isinstance(profile.surface, Outline):
@@ -282,20 +334,13 @@ def profile_text(
     if kind == "rail" and origin == "base":
         # the other formats count from the top
         points = points - np.array([0.0, float(profile.surface.bounds()[1, 1])])
-    tape = profile.orientation.tape_mm or _back_mm(profile)
     writers: dict[str, Callable[[], str]] = {
         ".ban": lambda: write_miniprof(points, kind, title),
-        ".whl": lambda: write_miniprof(points, kind, title, tape),
+        ".whl": lambda: write_miniprof(points, kind, title, TAPE_MM if tape is None else tape),
         ".prr": lambda: write_simpack(points, kind, title),
         ".prw": lambda: write_simpack(points, kind, title),
     }
-    return writers.get(ending, lambda: write_two_column(points, kind, title))()
-
-
-def _back_mm(profile: MeasuredProfile) -> float:
-    """Return the distance of a wheel's flange back from its tape line, the usual one if the back is not seen."""
-    seen = "flange_thickness_mm" in measures(profile.surface, profile.kind)
-    return round(-float(profile.surface.bounds()[0, 0]), 4) if seen else TAPE_MM
+    return writers.get(ending, lambda: write_two_column(points, kind, title, tape))()
 
 
 def frame_origin(profile: MeasuredProfile) -> str:

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.rigid_side import RigidSide, Touches
-from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion
+from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion, refuse_misfit
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +59,8 @@ class RigidWheelset:
 
     @classmethod
     def of(cls, track: Track, wheelset: Wheelset) -> "RigidWheelset":
-        """Return the rigid curves of a wheelset on a track."""
+        """Return the rigid curves of a wheelset on a track; see `refuse_misfit` for what is refused."""
+        refuse_misfit(track, wheelset)
         left, right = (RigidSide.of(track, wheelset, side) for side in SIDES)
         return cls(left, right, wheelset.tape_radius_mm, wheelset.barycentre_height_mm)
 

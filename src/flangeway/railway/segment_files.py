@@ -4,19 +4,25 @@ import math
 import re
 from collections import Counter
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Contour, Outline, Segment, outline_csv, outline_dxf
+from flangeway.geometry import Arc, Contour, Outline, Point, Segment, outline_csv, outline_dxf
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.geometry.mending import DrawnSegment
+from flangeway.railway.orientation import UNITS_MM
 from flangeway.railway.raw_profile import RawProfile
 from flangeway.railway.two_column import read_two_column
 
 _N_SAMPLES = 800
+GAP_MM = 0.01
+"""Largest gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
+
+_ROUNDING = 1e-3  # of that, below which nothing is said
 _FARTHEST = 1e9  # centres of flat arcs lie far away
 _DXF_UNITS = {"mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
 
@@ -94,6 +100,7 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) 
     numbers = [c for s in drawn for p in (s.start, s.end, s.centre) if p is not None for c in p]
     if not all(abs(number) <= _FARTHEST for number in numbers):
         raise InputError("a coordinate that is not finite or very large", f"up to {_FARTHEST:g}", "repair it")
+    drawn, notices = _closed_gaps(drawn, GAP_MM / UNITS_MM.get(unit or "mm", 1.0))
     segments = [segment.checked() for segment in drawn]
     names = [segment.name for segment in drawn]
     size = max(abs(c) for s in drawn for p in (s.start, s.end) for c in p)
@@ -115,8 +122,53 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) 
         tape_mm=said.tape_mm,
         title=said.title,
         contour=contour,
-        notices=said.notices,
+        notices=(*said.notices, *notices),
     )
+
+
+def _closed_gaps(drawn: Sequence[DrawnSegment], largest: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
+    """Close gaps up to `largest` between neighbours, as of rounded tables, and say where.
+
+    Both ends move to the middle of the gap, and centres across the chord to where they are equally far from both ends.
+    """
+    ends = [[s.start, s.end] for s in drawn]
+    gaps: list[tuple[float, int]] = []
+    for i in range(len(drawn) if len(drawn) > 1 else 0):
+        j = (i + 1) % len(drawn)
+        (x0, y0), (x1, y1) = drawn[i].end, drawn[j].start
+        gap = math.hypot(x1 - x0, y1 - y0)
+        if gap <= largest:
+            ends[i][1] = ends[j][0] = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
+            gaps.append((gap, i))
+        elif j:
+            raise InputError(
+                f"segment {j} starts at {drawn[j].start}, {gap:.6g} from the end {drawn[i].end} of segment {i}",
+                f"a chain with gaps up to {largest:.3g}, which are closed",
+                "close the gap or reorder the segments",
+            )
+    closed = [_moved(segment, *pair, largest) for segment, pair in zip(drawn, ends, strict=True)]
+    said = [each for each in gaps if each[0] > _ROUNDING * largest]
+    if not said:
+        return closed, ()
+    gap, i = max(said)
+    return closed, (
+        f"{len(said)} gaps between lines and arcs are closed, up to {largest:.3g}, the widest of {gap:.3g} behind "
+        f"segment {i}, {drawn[i].name}.",
+    )
+
+
+def _moved(segment: DrawnSegment, start: Point, end: Point, largest: float) -> DrawnSegment:
+    """Return a segment with other ends; a centre whose distances from them differ by rounding is moved as well."""
+    moved = replace(segment, start=start, end=end)
+    length = math.dist(start, end)
+    if segment.centre is None or not length:
+        return moved
+    ray = (segment.centre[0] - start[0], segment.centre[1] - start[1])
+    along = ((end[0] - start[0]) / length, (end[1] - start[1]) / length)
+    off = ray[0] * along[0] + ray[1] * along[1] - 0.5 * length
+    if abs(math.hypot(*ray) - math.dist(segment.centre, end)) > 2.0 * largest:
+        return segment  # which is refused
+    return replace(moved, centre=(segment.centre[0] - off * along[0], segment.centre[1] - off * along[1]))
 
 
 def _chained(pieces: Sequence[list[DrawnSegment]]) -> list[DrawnSegment]:
@@ -147,13 +199,14 @@ def _chained(pieces: Sequence[list[DrawnSegment]]) -> list[DrawnSegment]:
     return chain
 
 
-def write_segment_csv(contour: Contour, kind: str, title: str, origin: str) -> str:
+def write_segment_csv(contour: Contour, kind: str, title: str, origin: str, tape_mm: float | None = None) -> str:
     """Return a chain in mm as CSV of lines and arcs, with comments that say what it is."""
     rows = [
         f"# title: {title}",
         f"# kind: {kind}",
         f"# origin: {origin}",
         "# up: yes",
+        *([] if tape_mm is None else [f"# tape_mm: {tape_mm!r}"]),
         "name,type,x0_mm,y0_mm,x1_mm,y1_mm,xc_mm,yc_mm,turn",
     ]
     for name, segment in zip(contour.names, contour.segments, strict=True):

@@ -19,6 +19,58 @@ Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 
 
+@dataclass(frozen=True)
+class UsualGauge:
+    """A gauge, and the distance of the wheels' inner faces that goes with it.
+
+    Parameters
+    ----------
+    gauge_mm
+        Nominal gauge.
+    back_to_back_mm
+        Distance of the wheels' inner faces.
+    source
+        Where this is from.
+
+    """
+
+    gauge_mm: float
+    back_to_back_mm: float
+    source: str
+
+
+_OF_THE_EU = "middle of the range for wheels above 840 mm in Regulation (EU) 1302/2014, 4.2.3.5.2.1"
+USUAL_GAUGES = (
+    UsualGauge(1435.0, 1360.0, _OF_THE_EU),
+    UsualGauge(1520.0, 1440.0, _OF_THE_EU),
+    UsualGauge(1600.0, 1515.0, "Moherdaui (2021), 7.2.1"),
+    UsualGauge(1668.0, 1593.0, _OF_THE_EU),
+)
+"""Gauges whose wheelsets are known, with the distance of the wheels' inner faces."""
+
+GAUGE_OFF_MM = (-10.0, 35.0)
+"""Narrowing and widening of a track that keeps its wheelsets."""
+
+
+def usual_gauge(gauge_mm: float) -> UsualGauge:
+    """Return the usual gauge that a track is built to.
+
+    Raises
+    ------
+    InputError
+        If there is none near: the distance of the wheels is needed then.
+
+    """
+    near = min(USUAL_GAUGES, key=lambda each: abs(gauge_mm - each.gauge_mm))
+    if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
+        raise InputError(
+            f"gauge_mm = {gauge_mm:g} without back_to_back_mm",
+            "gauge_mm and back_to_back_mm, or a gauge near " + ", ".join(f"{each.gauge_mm:g}" for each in USUAL_GAUGES),
+            "give the distance between the wheels' inner faces as back_to_back_mm",
+        )
+    return near
+
+
 def _require_positive(owner: str, **lengths: float) -> None:
     for name, value in lengths.items():
         if not (math.isfinite(value) and value > 0.0):
@@ -205,3 +257,40 @@ def mirrored(placement: Placement) -> Placement:
     """Mirror image of a placement about the middle of the track."""
     x, y = placement.translation
     return Placement(-placement.rotation_rad, (-x, y), not placement.mirrored)
+
+
+FLANGE_MM = 10.0
+"""Depth below tread and rail's top at which flange and gauge face are compared (EN 15313 measures flanges there)."""
+
+
+def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
+    """Refuse wheels that stand beside their rails, and flanges that do not go between them, in the middle of the track.
+
+    Raises
+    ------
+    InputError
+        If gauge and distance of the wheels do not fit; the message says by how much.
+
+    """
+    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.back_to_back_mm:g} do not fit"
+    allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
+    usual = [each for each in USUAL_GAUGES if abs(each.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
+    advice = "check gauge_mm and back_to_back_mm" + "".join(
+        f": {each.back_to_back_mm:g} goes with {each.gauge_mm:g}, and is taken where back_to_back_mm is left out"
+        for each in usual
+    )
+    for side in SIDES:
+        outward = 1.0 if side == "right" else -1.0
+        wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
+        on_wheel = wheelset.placement(side).points(wheel.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
+        on_rail = track.placement(side).points(rail.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
+        (near, far), (inner, outer) = (
+            (float(each[:, 0].min()), float(each[:, 0].max())) for each in (on_wheel, on_rail)
+        )
+        missed = max(inner - far, near - outer)
+        if missed > 0.0:
+            raise InputError(f"{given}: the {side} wheel misses its rail by {missed:.1f} mm", allowed, advice)
+        flange, head = on_wheel[on_wheel[:, 1] <= -FLANGE_MM, 0], on_rail[on_rail[:, 1] >= -FLANGE_MM, 0]
+        room += float(head.min() - flange.max()) if len(flange) else math.inf
+    if room < 0.0:
+        raise InputError(f"{given}: the flanges are {-room:.1f} mm too far apart for the rails", allowed, advice)

@@ -7,7 +7,7 @@ import numpy as np
 from flangeway.errors import InputError
 from flangeway.geometry import FloatArray, Line, Outline, Placement, Segment
 from flangeway.railway.pieces import lengths_along, pieces_between
-from flangeway.railway.profile_file import MeasuredProfile
+from flangeway.railway.profile_file import MeasuredProfile, side_notices
 from flangeway.railway.profiles import RailProfile, WheelProfile
 
 _HEAD_SHARE = 0.6  # of the height: above it the widest place belongs to the head
@@ -35,8 +35,10 @@ def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
         )
     certainty, source = "As the file draws it.", f"File: {measured.format}."
     if measured.kind == "rail":
-        return replace(_rail(outline, measured.title, certainty, source), notices=measured.notices)
-    return replace(_wheel(outline, measured.title, certainty, source), notices=measured.notices)
+        whole = _rail(outline, measured.title, certainty, source)
+        return replace(whole, notices=(*measured.notices, *side_notices(whole.running_surface)))
+    found = _wheel(outline, measured.title, measured.flange_back_mm, certainty, source)
+    return replace(found, notices=measured.notices)
 
 
 def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProfile:
@@ -71,7 +73,7 @@ def _widest(outline: Outline, side: float) -> float:
     return best[2]
 
 
-def _wheel(outline: Outline, title: str, certainty: str, source: str) -> WheelProfile:
+def _wheel(outline: Outline, title: str, flange_back_mm: float, certainty: str, source: str) -> WheelProfile:
     high = float(outline.bounds()[1, 1])
     names: dict[int, str] = {}
     for i, segment in enumerate(outline.segments):
@@ -86,11 +88,8 @@ def _wheel(outline: Outline, title: str, certainty: str, source: str) -> WheelPr
             i = (i + step) % n
             names[i] = name
     named = _renamed(outline, names, "running")
-    low = named.bounds()[0]
-    return WheelProfile(
-        title, named, ("running",), flange_height_mm=-float(low[1]), flange_back_mm=-float(low[0]),
-        certainty=certainty, source=source,
-    )  # fmt: skip
+    height = -float(named.bounds()[0, 1])
+    return WheelProfile(title, named, ("running",), height, flange_back_mm, certainty, source)
 
 
 def _is_upright(segment: Segment) -> bool:

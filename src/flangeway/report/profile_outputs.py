@@ -21,6 +21,10 @@ MEASURES = {
     "flange_thickness_mm": "flange thickness Sd, 10 mm from the tread, mm",
     "flange_slope_mm": "flange slope measure qR, mm",
     "head_width_mm": "width of the head 14 mm below its top, mm",
+    "gauge_drop_mm": "drop 25 mm from the middle, gauge side, mm",
+    "field_drop_mm": "  field side, mm",
+    "gauge_half_width_mm": "half width 14 mm below the top, gauge side, mm",
+    "field_half_width_mm": "  field side, mm",
 }
 
 
@@ -93,8 +97,17 @@ def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
     for key, name in (("convex", "smallest convex radius, mm"), ("hollow", "smallest hollow radius, mm")):
         value = summary[f"smallest_{key}_radius_mm"]
         rows.append((name, "none" if value is None else f"{value:.4g}", ""))
-    rows += [(MEASURES[key], f"{value:.3f}", "") for key, value in summary["measures"].items()]
+    rows += [
+        (name, f"{summary['measures'][key]:.3f}", "") for key, name in MEASURES.items() if key in summary["measures"]
+    ]
+    if summary["kind"] == "rail":
+        side = summary["worn_side"]
+        rows.append(("worn more at", "neither" if side is None else side["name"], _more(side)))
     return rows + _smoothing_rows(summary) + _join_rows(summary)
+
+
+def _more(side: dict[str, Any] | None) -> str:
+    return "" if side is None else f"by {side['more_mm']:.2f} mm: {side['measure']}"
 
 
 def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:

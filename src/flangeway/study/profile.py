@@ -10,7 +10,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Outline
 from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.railway.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
-from flangeway.railway.measures import measures
+from flangeway.railway.measures import measures, worn_side
 from flangeway.railway.orientation import Orientation
 from flangeway.railway.profile_file import (
     FORMATS,
@@ -21,6 +21,7 @@ from flangeway.railway.profile_file import (
     read_profile,
 )
 from flangeway.railway.profiles import RailProfile, WheelProfile
+from flangeway.railway.raw_profile import Kind
 from flangeway.railway.whole_outline import whole_profile
 from flangeway.study.versions import versions
 
@@ -31,6 +32,9 @@ FRAMES = {
     "tape": "x = 0 on the tape line, away from the track's middle; y = 0 on the tread there, up",
 }
 """What the coordinates are, by the origin of the frame."""
+
+TOP_OFF_MM = 0.05
+"""Height of a rail's top from the file's y = 0 above which the frame says where it is."""
 
 _SPACING_MM = 0.25
 _DEVIATION_MM = 2e-4
@@ -132,11 +136,12 @@ def _bundled(name: str) -> ProfileRun:
             f"{BUNDLED_NAMES}, or a file that ends with {', '.join(FORMATS)}",
             reason.advice,
         ) from reason
-    is_rail = isinstance(body, RailProfile)
-    how = dict.fromkeys(("kind", "unit", "up", "side", "origin"), "bundled")
-    taken = Orientation(
-        "rail" if is_rail else "wheel", "mm", True, False, False, "base" if is_rail else "tape", None, (0.0, 0.0), how
+    how = dict.fromkeys(("kind", "unit", "up", "side", "origin", "tape line"), "bundled")
+    kind: Kind
+    kind, origin, tape = (
+        ("rail", "base", None) if isinstance(body, RailProfile) else ("wheel", "tape", body.flange_back_mm)
     )
+    taken = Orientation(kind, "mm", True, False, False, origin, tape, (0.0, 0.0), how)
     surface = body.running_surface
     profile = MeasuredProfile(body.title, "bundled", taken, _along(surface), surface, None)
     return ProfileRun(profile, body, None, _summary(profile, body, None))
@@ -165,7 +170,7 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
             "shift_mm": list(taken.shift_mm),
             "how": dict(taken.how),
         },
-        "frame": FRAMES["base" if on_base else frame_origin(profile)],
+        "frame": FRAMES["base"] if on_base else _frame(profile),
         "points": len(profile.points),
         "length_mm": running.length,
         "lower_left_mm": low.tolist(),
@@ -175,6 +180,7 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
         "smallest_convex_radius_mm": _radius(curvatures.max(initial=0.0)),
         "smallest_hollow_radius_mm": _radius(-curvatures.min(initial=0.0)),
         "measures": measures(running, profile.kind),
+        "worn_side": None if profile.kind == "wheel" or (side := worn_side(running)) is None else vars(side),
         "smoothing": None,
         "join": None,
         "area_mm2": body.outline.area if body is not None else None,
@@ -203,6 +209,16 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
             ],
         }
     return summary
+
+
+def _frame(profile: MeasuredProfile) -> str:
+    """Say what the coordinates are; a file's origin need not lie on the head's top."""
+    text, top = FRAMES[frame_origin(profile)], float(profile.surface.bounds()[1, 1])
+    if profile.kind == "rail" and frame_origin(profile) != "base" and abs(top) > TOP_OFF_MM:
+        text = text.replace(
+            "at the top of the rail, up", f"where the file has it, up: the rail's top lies at {top:.3f}"
+        )
+    return text
 
 
 def _radius(curvature: float) -> float | None:

@@ -34,6 +34,7 @@ from flangeway.railway.track import SIDES
 from flangeway.study.case import Progress
 from flangeway.study.rigid_case import GEOMETRY_CASES, GeometryCase
 from flangeway.study.versions import versions
+from flangeway.study.wheelset_profiles import profile_notes, worn_field_sides
 
 Floats = NDArray[np.float64]
 
@@ -128,7 +129,8 @@ def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: N
 
     """
     start = time.perf_counter()
-    wheelset = case.curves()
+    track, axle = case.track(), case.wheelset()
+    wheelset = RigidWheelset.of(track, axle)
     rolls = case.roll == "free"
     n_side = round(case.largest_lateral_mm / case.step_mm)
     progress("lowering the wheelset on the rails")
@@ -143,7 +145,8 @@ def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: N
     if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
         progress("varying the radii of the throat")
         throat = throat_effect(case)
-    summary = _summary(name, case, jumps, amplitudes, conicity, regression, equilibrium, notice)
+    notices = [*([notice] if notice else []), *worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
+    summary = _summary(name, case, jumps, amplitudes, conicity, regression, equilibrium, notices)
     summary["timings_s"] = {"total": time.perf_counter() - start}
     summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
     return GeometryRun(
@@ -221,7 +224,7 @@ def _summary(
     conicity: Floats,
     regression: Floats,
     equilibrium: RigidEquilibrium,
-    notice: str | None,
+    notices: list[str],
 ) -> dict[str, Any]:
     status, position = equilibrium.status, equilibrium.position
     summary: dict[str, Any] = {
@@ -245,7 +248,7 @@ def _summary(
             for jump in jumps
         ],
         "equivalent_conicity": None,
-        "notices": [notice] if notice else [],
+        "notices": notices,
         "versions": versions(),
     }
     if len(amplitudes) and amplitudes[0] <= REFERENCE_AMPLITUDE_MM <= amplitudes[-1] + 1e-9:

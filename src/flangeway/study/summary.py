@@ -21,6 +21,7 @@ from flangeway.study.summary_rows import (
 from flangeway.study.versions import versions
 from flangeway.study.wheelset_case import WheelsetCase
 from flangeway.study.wheelset_curve import PUBLISHED_CM, WheelsetCurveCase
+from flangeway.study.wheelset_profiles import profile_notes, worn_field_sides
 
 REFERENCE = (
     "Motion from the reference position, in which the axle is level, in the middle of the track, and the wheels' tape "
@@ -104,7 +105,7 @@ def summarise(case: WheelsetCase, result: WheelsetResult, total_s: float) -> dic
         "axes": AXES,
         "assumptions": _assumptions(case, result),
         "published": published_position(case),
-        "warnings": list(result.warnings),
+        "warnings": [*result.warnings, *worn_field_sides(result.model.problem.track)],
         "versions": versions(),
     }
     plain: dict[str, Any] = plain_numbers(summary)
@@ -206,19 +207,15 @@ def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
     problem = result.model.problem
     wheelset, track = problem.wheelset, problem.track
     role, reason = problem.primary
-    wheels = list(dict.fromkeys(wheelset.wheel_of(side) for side in ("right", "left")))
-    rails = list(dict.fromkeys(track.rail_of(side) for side in ("right", "left")))
-    alike = len(wheels) == len(rails) == 1
+    alike = wheelset.is_symmetric and track.is_symmetric
     materials = {"wheels": problem.material_of("wheel"), "rails": problem.material_of("rail")}
     if materials["wheels"] == materials["rails"]:
         materials = {"steel": problem.material}
     return [
         "Plane strain: the bodies do not stretch along the track.",
         f"Thickness {case.thickness_mm:g} mm: this length of wheel and rail bears the whole load.",
-        *(f"Wheel {wheel.title}. {wheel.certainty}" for wheel in wheels),
-        *(f"Rail {rail.title}. {rail.certainty}" for rail in rails),
-        *(f"{notice} ({wheel.title})" for wheel in wheels for notice in wheel.notices),
-        *(f"{notice} ({rail.title})" for rail in rails for notice in rail.notices),
+        *case.derived(),
+        *profile_notes(track, wheelset),
         *(
             f"Linear elastic, isotropic {name}: Young's modulus {each.young:g} MPa, Poisson's ratio "
             f"{each.poisson:g}; no yielding, however high the stress."

@@ -15,11 +15,14 @@ from flangeway.railway.load import (
     superelevation_angle,
 )
 from flangeway.railway.problem import WheelsetProblem
+from flangeway.railway.profile_file import ReadOptions
 from flangeway.railway.profiles import WheelProfile
 from flangeway.railway.throat import with_wide_throat
-from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.track import USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.study.case import Case
 from flangeway.study.wheelset_profiles import rail_named, wheel_named
+
+LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
 N_AXLES = 4
 """Wheelsets of a usual wagon."""
@@ -41,6 +44,20 @@ class WheelsetInputs(Case):
     )
     left_rail: str | None = Field(None, description="rail of the left side, likewise; as on the right if left out")
     left_wheel: str | None = Field(None, description="wheel of the left side, likewise; as on the right if left out")
+    rail_unit: LengthUnit | None = Field(None, description="unit of the rail's file, if it names none; mm if left out")
+    rail_mirror: bool = Field(False, description="whether the rail's file holds a left-hand rail, to be reversed")
+    wheel_unit: LengthUnit | None = Field(
+        None, description="unit of the wheel's file, if it names none; mm if left out"
+    )
+    wheel_mirror: bool = Field(False, description="whether the wheel's file holds a left-hand wheel, to be reversed")
+    wheel_tape_mm: float | None = Field(
+        None, ge=40.0, le=110.0, description="tape line from the flange's back; the file's, else the measured, else 70"
+    )
+    left_rail_unit: LengthUnit | None = Field(None, description="rail_unit of left_rail")
+    left_rail_mirror: bool = Field(False, description="rail_mirror of left_rail")
+    left_wheel_unit: LengthUnit | None = Field(None, description="wheel_unit of left_wheel")
+    left_wheel_mirror: bool = Field(False, description="wheel_mirror of left_wheel")
+    left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0, description="wheel_tape_mm of left_wheel")
     rail_body: str | None = Field(
         None,
         description="bundled rail with web and foot for a file's head; if left out, the other side's or the nearest",
@@ -53,8 +70,11 @@ class WheelsetInputs(Case):
         None, gt=0.0, description="depth below the tops above which the gauge is measured; closest points if left out"
     )
     cant: float = Field(Track.cant, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025")
-    back_to_back_mm: float = Field(
-        Wheelset.back_to_back_mm, gt=0.0, description="distance between the wheels' inner faces"
+    back_to_back_mm: float | None = Field(
+        None,
+        gt=0.0,
+        description="distance between the wheels' inner faces; if left out, that of the gauge: "
+        + ", ".join(f"{each.back_to_back_mm:g} for {each.gauge_mm:g}" for each in USUAL_GAUGES),
     )
     wheel_radius_mm: float = Field(
         Wheelset.radius_mm, ge=150.0, description="distance from the axle to the place wheel_radius_at"
@@ -91,7 +111,10 @@ class WheelsetInputs(Case):
         0.0, ge=0.0, description="what a superelevation from-speed lacks of the balanced one"
     )
     superelevation_base_mm: float | None = Field(
-        None, gt=0.0, description="width over which superelevation is measured; the gauge if left out"
+        None,
+        gt=0.0,
+        description="width over which superelevation is measured, between the running circles 1500 on standard gauge; "
+        "the gauge if left out",
     )
     thickness_mm: float = Field(
         WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
@@ -118,7 +141,7 @@ class WheelsetInputs(Case):
         elif self.n_axles != N_AXLES:
             raise InputError("n_axles without car_mass_t", "both", "give car_mass_t, or axle_load_kN alone")
         lateral = 1e3 * self.lateral_force_kN
-        base = self.gauge_mm if self.superelevation_base_mm is None else self.superelevation_base_mm
+        base = self._superelevation_base
         if (self.speed_km_h is None) != (self.curve_radius_m is None):
             raise InputError("one of speed_km_h and curve_radius_m", "both or neither", "give the other one as well")
         if self.speed_km_h is not None and self.curve_radius_m is not None:
@@ -134,6 +157,28 @@ class WheelsetInputs(Case):
                 )
             lateral = curve_force_N(weight, self.speed_km_h, self.curve_radius_m)
         return Load(weight, lateral, superelevation_angle(self._superelevation(base), base))
+
+    def derived(self) -> list[str]:
+        """Return in sentences what follows from other inputs: distance of the wheels and base of the superelevation."""
+        sentences = []
+        if self.back_to_back_mm is None:
+            usual = usual_gauge(self.gauge_mm)
+            sentences.append(
+                f"Back to back {usual.back_to_back_mm:g} mm, from the gauge of {self.gauge_mm:g} mm: {usual.source}."
+            )
+        base = self._superelevation_base
+        height = self._superelevation(base)
+        if height:
+            which = "the gauge" if self.superelevation_base_mm is None else "superelevation_base_mm"
+            sentences.append(
+                f"Superelevation {height:.4g} mm over a base of {base:g} mm: {which}, tilt of the track "
+                f"{superelevation_angle(height, base):.5f} rad."
+            )
+        return sentences
+
+    @property
+    def _superelevation_base(self) -> float:
+        return self.gauge_mm if self.superelevation_base_mm is None else self.superelevation_base_mm
 
     def _superelevation(self, base: float) -> float:
         """Height of the right rail over the left one in mm."""
@@ -171,10 +216,12 @@ class WheelsetInputs(Case):
 
     def track(self) -> Track:
         """Return the rails in their places."""
-        left = None
-        if self.left_rail not in (None, self.rail):
-            left = rail_named(str(self.left_rail), self._crown(str(self.left_rail)), self.rail_body, self.rail)
-        right = rail_named(self.rail, self._crown(self.rail), self.rail_body, self.left_rail)
+        left, read = None, self._reading("rail")
+        left_read = self._reading("left_rail")
+        if self.left_rail is not None and (self.left_rail, left_read) != (self.rail, read):
+            crown = self._crown(self.left_rail)
+            left = rail_named(self.left_rail, crown, self.rail_body, self.rail, left_read, "left_rail")
+        right = rail_named(self.rail, self._crown(self.rail), self.rail_body, self.left_rail, read)
         return Track(right, self.gauge_mm, self.cant, left, self.gauge_depth_mm)
 
     def _crown(self, name: str) -> float | None:
@@ -182,21 +229,46 @@ class WheelsetInputs(Case):
         other = {self.rail, self.left_rail or self.rail} - {name}
         return None if name != "136RE" and "136RE" in other else self.crown_radius_in
 
-    def _wheel(self, name: str) -> WheelProfile:
-        other = self.left_wheel if name == self.wheel else self.wheel
+    def _reading(self, key: Literal["rail", "left_rail", "wheel", "left_wheel"]) -> ReadOptions:
+        """Return what the inputs say of the file of a profile.
+
+        Raises
+        ------
+        InputError
+            If they say something of a left profile that there is not.
+
+        """
+        name = getattr(self, key)
+        options = {each: getattr(self, f"{key}_{each}", None) for each in ("unit", "mirror", "tape_mm")}
+        said = [f"{key}_{each}" for each, value in options.items() if value]
+        if name is None and said:
+            raise InputError(
+                f"{' and '.join(said)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
+            )
+        right = key.removeprefix("left_")
+        if name == getattr(self, right):  # the same file has the same unit
+            options = {each: getattr(self, f"{right}_{each}", None) if v is None else v for each, v in options.items()}
+        return ReadOptions(unit=options["unit"], mirror=bool(options["mirror"]), tape_mm=options["tape_mm"])
+
+    def _wheel(self, key: Literal["wheel", "left_wheel"]) -> WheelProfile:
+        name, read = str(getattr(self, key)), self._reading(key)
+        other = self.left_wheel if key == "wheel" else self.wheel
         if name != "AAR-1B" and other == "AAR-1B":
-            return wheel_named(name, None, self.wheel_body, other)
-        found = wheel_named(name, self.throat_radius_mm, self.wheel_body, other)
+            return wheel_named(name, None, self.wheel_body, other, read, key)
+        found = wheel_named(name, self.throat_radius_mm, self.wheel_body, other, read, key)
         return found if self.wide_throat_radius_mm is None else with_wide_throat(found, self.wide_throat_radius_mm)
 
     def wheelset(self) -> Wheelset:
         """Return the wheels on their axle."""
-        right = self._wheel(self.wheel)
-        left = None
-        if self.left_wheel not in (None, self.wheel):
-            left = self._wheel(str(self.left_wheel))
+        right = self._wheel("wheel")
+        left, left_read = None, self._reading("left_wheel")
+        if self.left_wheel is not None and (self.left_wheel, left_read) != (self.wheel, self._reading("wheel")):
+            left = self._wheel("left_wheel")
         radius, left_radius = self.wheel_radius_mm, self.left_wheel_radius_mm
         if self.wheel_radius_at == "tape-line":
             radius += right.flange_height_mm
             left_radius = None if left_radius is None else left_radius + (left or right).flange_height_mm
-        return Wheelset(right, self.back_to_back_mm, radius, self.barycentre_height_mm, left, left_radius)
+        distance = self.back_to_back_mm
+        if distance is None:
+            distance = usual_gauge(self.gauge_mm).back_to_back_mm
+        return Wheelset(right, distance, radius, self.barycentre_height_mm, left, left_radius)

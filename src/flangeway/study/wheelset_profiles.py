@@ -1,22 +1,31 @@
 """Rails and wheels of cases by the names that users give: bundled ones, or files of profiles."""
 
+import re
+from dataclasses import replace
 from pathlib import Path
 
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
 from flangeway.geometry.file_content import is_file
 from flangeway.railway.joining import joined, nominal_profile, on_plain_body
-from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile
+from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile, side_notices
 from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
 from flangeway.railway.raw_profile import Kind
+from flangeway.railway.track import Side, Track, Wheelset
 from flangeway.railway.whole_outline import whole_profile
 
+READ_AS_IT_IS = ReadOptions()
 PLAIN = "plain"
 """Body of a wheel that is like no bundled one: a block above its running surface."""
 
 
 def rail_named(
-    name: str, crown_radius_in: float | None, body: str | None = None, other: str | None = None
+    name: str,
+    crown_radius_in: float | None,
+    body: str | None = None,
+    other: str | None = None,
+    options: ReadOptions = READ_AS_IT_IS,
+    key: str = "rail",
 ) -> RailProfile:
     """Return a bundled rail, a file's running surface on the body of a bundled one, or a file's whole outline.
 
@@ -30,6 +39,10 @@ def rail_named(
         The bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's ends.
     other
         The rail of the other side.
+    options
+        What the file does not say: unit, mirror, distance of the tape line.
+    key
+        Name of the input, for messages: the options are called after it, such as ``rail_unit``.
 
     Raises
     ------
@@ -39,31 +52,46 @@ def rail_named(
     """
     if not _means_file(name):
         _refuse_other_kind(name, "rail")
+        _refuse_options(name, options, key)
         return rail(name, crown_radius_in=crown_radius_in)
-    found = _from_file(name, "rail", body, other)
+    found = _from_file(name, "rail", body, other, options, key)
     if not isinstance(found, RailProfile):
         raise TypeError("a rail's file gives a rail")
     return found
 
 
 def wheel_named(
-    name: str, throat_radius_mm: float | None, body: str | None = None, other: str | None = None
+    name: str,
+    throat_radius_mm: float | None,
+    body: str | None = None,
+    other: str | None = None,
+    options: ReadOptions = READ_AS_IT_IS,
+    key: str = "wheel",
 ) -> WheelProfile:
-    """Return a bundled wheel, or one from a file; body, other side and errors as `rail_named`."""
+    """Return a bundled wheel, or one from a file; body, other side, options and errors as `rail_named`."""
     if not _means_file(name):
         _refuse_other_kind(name, "wheel")
+        _refuse_options(name, options, key)
         return wheel(name, throat_radius_mm=throat_radius_mm)
-    found = _from_file(name, "wheel", body, other)
+    found = _from_file(name, "wheel", body, other, options, key)
     if not isinstance(found, WheelProfile):
         raise TypeError("a wheel's file gives a wheel")
     return found
 
 
-def _from_file(name: str, kind: Kind, body: str | None, other: str | None) -> RailProfile | WheelProfile:
-    measured = _read(name, kind)
+def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
+    for option, value in vars(options).items():
+        if value != getattr(READ_AS_IT_IS, option):
+            raise InputError(f"{key}_{option} of the bundled {name}", "a file", f"leave {key}_{option} out")
+
+
+def _from_file(
+    name: str, kind: Kind, body: str | None, other: str | None, options: ReadOptions, key: str
+) -> RailProfile | WheelProfile:
+    measured = _read(name, kind, options, key)
     if measured.kind != kind:
         raise InputError(
-            f"{kind} = {name}, which holds a {measured.kind}", f"a {kind}", "exchange the keys rail and wheel"
+            f"{key} = {name}, which holds a {measured.kind}", f"a {kind}", "exchange the keys rail and wheel"
         )
     if isinstance(measured.surface, Outline):
         return whole_profile(measured)
@@ -88,23 +116,33 @@ def _from_file(name: str, kind: Kind, body: str | None, other: str | None) -> Ra
         )
         if others:
             advice = f"is it the profile of another {kind}? Give {kind}_body = {' or '.join(others)}"
-        raise InputError(f"{kind} = {name}: {reason.given}", reason.allowed, advice) from reason
+        given, allowed = (_as_keys(text, key) for text in (reason.given, reason.allowed))
+        raise InputError(f"{key} = {name}: {given}", allowed, advice) from reason
 
 
-def _read(name: str, kind: Kind) -> MeasuredProfile:
+def _as_keys(text: str, key: str) -> str:
+    """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
+    for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
+        text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
+    return text
+
+
+def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
     """Read a file; where neither file nor shape tells what it holds, the key does."""
     try:
-        return read_profile(name)
+        measured = read_profile(name, options)
     except InputError as reason:
         if "--kind" in reason.allowed:
             try:
-                return read_profile(name, ReadOptions(kind=kind))
+                measured = read_profile(name, replace(options, kind=kind))
+                return replace(measured, notices=tuple(_as_keys(each, key) for each in measured.notices))
             except InputError as second:
                 reason = second
-        advice = reason.advice
-        if "--" in f"{reason.allowed} {advice}":
+        given, allowed, advice = (_as_keys(text, key) for text in (reason.given, reason.allowed, reason.advice))
+        if "--" in f"{allowed} {advice}":
             advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"
-        raise InputError(f"{kind} = {reason.given}", reason.allowed, advice) from reason
+        raise InputError(f"{key} = {given}", allowed, advice) from reason
+    return replace(measured, notices=tuple(_as_keys(each, key) for each in measured.notices))
 
 
 def _fits(measured: MeasuredProfile, body: str) -> bool:
@@ -142,3 +180,25 @@ def _refuse_other_kind(name: str, kind: Kind) -> None:
 def _means_file(name: str) -> bool:
     path = Path(name)
     return path.suffix.lower() in FORMATS or is_file(path)
+
+
+def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
+    """Return how far the profiles can be trusted, and what was assumed when their files were read, in sentences."""
+    both: tuple[Side, Side] = ("right", "left")
+    wheels = [("Wheel", each) for each in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
+    rails = [("Rail", each) for each in dict.fromkeys(track.rail_of(side) for side in both)]
+    profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
+    return [
+        *(f"{word} {each.title}. {each.certainty}" for word, each in profiles),
+        *(f"{notice} ({each.title})" for _, each in profiles for notice in each.notices),
+    ]
+
+
+def worn_field_sides(track: Track) -> list[str]:
+    """Return a warning for each rail that is worn more at the side that no flange reaches."""
+    warnings = []
+    for side, key in (("right", "rail"), ("left", "left_rail")):
+        if side == "right" or not track.is_symmetric:
+            head = track.rail_of("left" if side == "left" else "right").running_surface
+            warnings += [_as_keys(each, key) for each in side_notices(head)]
+    return warnings
