@@ -145,7 +145,7 @@ def test_all_balances_are_found() -> None:
 
 
 def test_the_load_in_the_axes_of_the_track() -> None:
-    """Superelevation turns the load: 28.4 kN and 30 mm on 1600 mm leave 22.77 kN along the track (by hand)."""
+    """Superelevation turns the load: 28.4 kN and 30 mm on 1600 mm leave 22.77 kN lateral in the track (by hand)."""
     along, onto = Load(300e3, 28.4e3, superelevation_angle(30.0, 1600.0)).in_track
     assert along == pytest.approx(22770.0, rel=1e-5)
     assert np.hypot(along, onto) == pytest.approx(np.hypot(300e3, 28.4e3))

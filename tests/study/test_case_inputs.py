@@ -45,7 +45,13 @@ def test_every_input_reaches_the_problem():
         "cant_deficiency_mm": (curve, 20.0),
         "superelevation_base_mm": (curve | {"superelevation_mm": 30.0}, 1500.0),
     }
-    files_only = {"rail_body", "wheel_body"}
+    files_only = {"rail_body", "wheel_body"} | {
+        f"{side}{part}_{option}"
+        for side in ("", "left_")
+        for part in ("rail", "wheel")
+        for option in ("unit", "mirror")
+    }
+    files_only |= {"wheel_tape_mm", "left_wheel_tape_mm"}
     assert set(changes) | set(together) | files_only == set(WheelsetTangentCase.model_fields)
     default = repr(WheelsetTangentCase().problem())
     for key, value in changes.items():

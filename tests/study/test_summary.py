@@ -13,7 +13,7 @@ IN_SPACE = {"horizontal_in_space_mm", "vertical_in_space_mm"}
 SHAPE = {
     "status": {"converged", "message"},
     "motion": {"vertical_mm", "lateral_mm", "roll_rad", "approach_mm", "stable", "reference"} | IN_SPACE,
-    "load": {"vertical_kN", "lateral_kN", "tilt_rad", "along_track_kN", "onto_track_kN"},
+    "load": {"vertical_kN", "lateral_kN", "tilt_rad", "lateral_in_track_kN", "onto_track_kN"},
     "balance": {"vertical_error", "lateral_error", "moment_error", "resulting_error"},
     "timings_s": {"meshing", "condensation", "contact", "post_processing", "total"},
     "versions": {"flangeway", "python", "numpy", "scipy", "gmsh"},

@@ -12,6 +12,7 @@ from flangeway.railway.discretisation import ROLES
 from flangeway.railway.equilibrium import Equilibrium
 from flangeway.railway.model import WheelsetModel
 from flangeway.railway.track import SIDES, Side
+from flangeway.railway.validity import below_contacts
 from flangeway.solve import Status
 
 if TYPE_CHECKING:
@@ -46,7 +47,7 @@ def judged(
     contact that pulls, contact at the edge of the candidate zone or outside of it, and a penetration as large as the
     elastic sinking. Warnings: an unstable balance, a wheel in the air, a mesh too coarse for the contact, a pressure
     that scatters, penetration that is not small, a rail that gives way farther than linear bodies follow, and stresses
-    beyond the yield strength of rail steel.
+    below the contacts beyond the yield strength of rail steel.
 
     Parameters
     ----------
@@ -79,7 +80,7 @@ def judged(
         warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
     if status.converged:
         warnings += _beyond_linear(model, displacements)
-        warnings += _beyond_yield(model, displacements)
+        warnings += _beyond_yield(model, patches, displacements)
     return status, tuple(warnings)
 
 
@@ -129,19 +130,21 @@ def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) ->
     return warnings
 
 
-def _beyond_yield(model: WheelsetModel, displacements: Mapping[str, Floats]) -> list[str]:
-    """Compare the cells' largest von Mises stress with the yield strength."""
+def _beyond_yield(
+    model: WheelsetModel, patches: Sequence["WheelRailPatch"], displacements: Mapping[str, Floats]
+) -> list[str]:
+    """Compare the cells' largest von Mises stress below the contacts with the yield strength; see `validity`."""
     given = model.problem.yield_MPa
     strength = YIELD_MPa if given is None else given
     beyond = []
     for role in ROLES:
         if given is None and not STEEL_MPa[0] <= model.problem.material_of(role).young <= STEEL_MPa[1]:
             continue
-        largest = max(
-            float(cell_stresses(model.parts[name].body.elasticity, displacement).von_mises.max())
-            for name, displacement in displacements.items()
-            if name.startswith(role)
-        )
+        largest = 0.0
+        for name, displacement in displacements.items():
+            if name.startswith(role):
+                mises = cell_stresses(model.parts[name].body.elasticity, displacement).von_mises
+                largest = max(largest, float(mises[below_contacts(model, patches, name)].max(initial=0.0)))
         if largest > strength:
             beyond.append(f"{largest / strength:.1f} times in the {role}")
     if not beyond:
@@ -149,6 +152,6 @@ def _beyond_yield(model: WheelsetModel, displacements: Mapping[str, Floats]) -> 
     assumed = "the least yield strength of standard rail steel (AREMA Manual, chapter 4)"
     source = assumed if given is None else "the yield strength"
     return [
-        f"elastic von Mises stresses exceed {strength:g} MPa, {source}: up to "
+        f"elastic von Mises stresses below the contacts exceed {strength:g} MPa, {source}: up to "
         f"{' and '.join(beyond)}; the material would yield, with less pressure on wider contact"
     ]

@@ -13,7 +13,7 @@ from flangeway.railway.discretisation import ROLES, Role
 from flangeway.railway.lane_patches import LanePatch
 from flangeway.railway.line_stresses import Lines, LineStresses
 from flangeway.railway.prepared import PreparedWheelset
-from flangeway.railway.subsurface import DEPTH, SubsurfaceExtreme, inward_from, largest_of_lines
+from flangeway.railway.subsurface import DEPTH, SEARCHED, SubsurfaceExtreme, inward_from, largest_of_lines
 from flangeway.railway.track import SIDES, Side
 from flangeway.solve import CondensedBodies
 
@@ -85,7 +85,7 @@ def largest_shears(
             solve = partial(prepared.response.body_fields, parts.index(f"{role}-{sides[0]}"))
             stresses = _stresses(prepared.response, key, forces.shape[1])
             shear = stresses.in_plane_shear(lines, forces, solve, superposed=superposed)
-            for number, extreme in zip(numbers, largest_of_lines(lines.depths, shear), strict=True):
+            for number, extreme in zip(numbers, largest_of_lines(lines.depths, shear, SEARCHED), strict=True):
                 found[number][role] = extreme
     return found
 

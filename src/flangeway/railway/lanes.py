@@ -77,7 +77,7 @@ class Demands:
     Parameters
     ----------
     along, onto
-        Forces along the track's plane and onto it, shape (L,).
+        Lateral forces in the track's plane and forces onto it, shape (L,).
     weight
         What errors of the vertical force are measured by, shape (L,).
     given

@@ -47,7 +47,7 @@ class Load:
 
     @property
     def in_track(self) -> tuple[float, float]:
-        """Force along the track's plane to the right and force onto it, in N."""
+        """Lateral force in the track's plane, to the right, and force onto it, in N."""
         cosine, sine = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
         along = self.lateral_N * cosine - self.vertical_N * sine
         onto = self.vertical_N * cosine + self.lateral_N * sine
@@ -65,7 +65,7 @@ def curve_force_N(weight_N: float, speed_km_h: float, radius_m: float) -> float:
 
 
 def balanced_superelevation_mm(speed_km_h: float, radius_m: float, base_mm: float) -> float:
-    """Superelevation at which weight and centrifugal force have no part along the track's plane, signed as R."""
+    """Superelevation at which weight and centrifugal force have no lateral part in the track's plane, signed as R."""
     return base_mm * math.sin(math.atan((speed_km_h / 3.6) ** 2 / (GRAVITY_M_S2 * radius_m)))
 
 

@@ -15,7 +15,7 @@ from flangeway.geometry import Contour, Outline, Placement
 from flangeway.mesh import Refinement
 from flangeway.problems import Body, Part
 from flangeway.railway.cached_mesh import meshed
-from flangeway.railway.curvature import relative_curvature
+from flangeway.railway.curvature import conforming, relative_curvature
 from flangeway.railway.discretisation import ROLES, Discretisation, Role
 from flangeway.railway.known_rest import known_rest
 from flangeway.railway.load import Load
@@ -103,13 +103,14 @@ class WheelsetModel:
     def hertz_at(self, side: Side, wheel_point: ArrayLike, rail_point: ArrayLike, force: float) -> LineContact | None:
         """Hertz's contact under a normal force with the curvatures at points of undeformed profiles, each (2,).
 
-        None where the profiles conform.
+        None where the profiles conform; see `flangeway.railway.curvature.conforming`.
         """
         wheel, rail = self.problem.wheelset.wheel_of(side), self.problem.track.rail_of(side)
         curvature = relative_curvature(wheel, wheel_point, rail, rail_point)
         if not curvature > 0.0:
             return None
-        return LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
+        found = LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
+        return None if conforming(wheel, wheel_point, rail, rail_point, found.half_width) else found
 
     def placements(self, motion: WheelsetMotion) -> tuple[Placement, ...]:
         """Where the system's parts stand after a motion of the wheelset."""

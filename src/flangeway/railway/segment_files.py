@@ -146,7 +146,7 @@ def _closed_gaps(drawn: Sequence[DrawnSegment], largest: float) -> tuple[list[Dr
                 f"a chain with gaps up to {largest:.3g}, which are closed",
                 "close the gap or reorder the segments",
             )
-    closed = [_moved(segment, *pair, largest) for segment, pair in zip(drawn, ends, strict=True)]
+    closed = [_moved(segment, start, end, largest) for segment, (start, end) in zip(drawn, ends, strict=True)]
     said = [each for each in gaps if each[0] > _ROUNDING * largest]
     if not said:
         return closed, ()

@@ -19,6 +19,9 @@ Floats = NDArray[np.float64]
 DEPTH = 4.0
 """Default depth of a line over the half width of the contact."""
 
+SEARCHED = 0.5
+"""Part of such a line on which the largest stress is sought: two half widths. A wide contact's line ends in the web."""
+
 FEWEST = 8
 """Points within that distance below which nothing is smoothed."""
 
@@ -125,15 +128,15 @@ def largest_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> 
 
     """
     line = stresses_below(result, patch, body)
-    return largest_on(line.distances, line.stresses.in_plane_shear)
+    return largest_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
 
 
-def largest_on(depths: Floats, values: Floats) -> SubsurfaceExtreme:
+def largest_on(depths: Floats, values: Floats, share: float = 1.0) -> SubsurfaceExtreme:
     """Return the largest of values (n,) over depths (n,), and where; see `largest_of_lines`."""
-    return largest_of_lines(depths[None], values[None])[0]
+    return largest_of_lines(depths[None], values[None], share)[0]
 
 
-def largest_of_lines(depths: Floats, values: Floats) -> list[SubsurfaceExtreme]:
+def largest_of_lines(depths: Floats, values: Floats, share: float = 1.0) -> list[SubsurfaceExtreme]:
     """Return the largest value of each line, and where; smoothed by a cubic if that has a top.
 
     Parameters
@@ -142,8 +145,11 @@ def largest_of_lines(depths: Floats, values: Floats) -> list[SubsurfaceExtreme]:
         Depths in mm, rising along each line, shape (m, n).
     values
         Stresses in MPa, shape (m, n), not-a-number outside of the body.
+    share
+        Part of each line's length, from its first point, on which the largest value is sought.
 
     """
+    values = np.where(depths <= share * depths[:, -1:], values, np.nan)
     places = np.nanargmax(values, axis=1)[:, None]
     depth, value = (np.take_along_axis(each, places, axis=1)[:, 0] for each in (depths, values))
     reach = SMOOTHED * depth * (1.0 + 1e-9)  # points at its very end count, whatever the last digit of their depths

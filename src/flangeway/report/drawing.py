@@ -155,14 +155,29 @@ class StressColours:
         return np.sort(levels[2:-1:2])
 
 
-def draw_contours(axes: Axes, part: PartFields, points: Floats, values: Floats, colours: StressColours) -> None:
-    """Draw lines of equal value, from means about the points, with numbers that keep apart; set the axes first."""
+def draw_contours(
+    axes: Axes,
+    part: PartFields,
+    points: Floats,
+    values: Floats,
+    colours: StressColours,
+    chosen: NDArray[np.bool_] | None = None,
+) -> None:
+    """Draw lines of equal value, from means about the points, with numbers that keep apart; set the axes first.
+
+    `chosen` are the cells that are drawn, (n_cells,); all if left out.
+    """
     smooth = part.at_points(values)
     levels = [v for v in colours.lines.tolist() if smooth.min() < v < smooth.max()]
     if not levels:
         return
+    grid = Triangulation(points[:, 0], points[:, 1], triangles(part.mesh))
+    if chosen is not None:
+        inside = np.zeros(part.mesh.n_points, dtype=np.bool_)
+        inside[part.mesh.cell_points[np.repeat(chosen, part.mesh.cell_sizes)]] = True
+        grid.set_mask(~inside[grid.triangles].all(axis=1))
     lines = axes.tricontour(
-        Triangulation(points[:, 0], points[:, 1], triangles(part.mesh)),
+        grid,
         smooth,
         levels=levels,
         colors=INK,

@@ -11,6 +11,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, cell_stresses
 from flangeway.railway.result import WheelsetResult
 from flangeway.railway.track import Side
+from flangeway.railway.validity import above_the_web
 
 Floats = NDArray[np.float64]
 
@@ -34,6 +35,8 @@ class PartFields:
         that is in its place.
     stresses
         Mean stresses of the cells, axes of space.
+    above_web
+        Cells above a rail's web, (n_cells,), where the stresses of a slice may be believed; None: all of them.
 
     """
 
@@ -43,6 +46,7 @@ class PartFields:
     touch_points: Floats
     displacement: Floats
     stresses: Stresses
+    above_web: NDArray[np.bool_] | None = None
 
     def points(self, factor: float = 1.0) -> Floats:
         """Points with all motion since first touch, rigid and elastic, multiplied by a factor."""
@@ -81,6 +85,7 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
             at_touch[name].points(mesh.points),
             placement.vectors(displacement[: mesh.n_points]),
             placed_stresses(cell_stresses(part.body.elasticity, displacement), placement),
+            above_the_web(model, name),
         )
 
 

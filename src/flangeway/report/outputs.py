@@ -73,7 +73,8 @@ def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine
             "Left and right wheel on their rails, deformed and coloured by von Mises stress, with a sketch of the "
             "wheelset, its load and its dimensions between them.",
             "The wheelset on its rails: von Mises stress on the deformed parts. Dark is most loaded; numbers on the "
-            "lines are MPa.",
+            "lines are MPa. Web and foot of the rails are hatched: their stresses are those of a slice that carries "
+            "the load alone, and not to be believed.",
         ),
         Picture(
             png(rigid_elastic_figure(run, fields)),
@@ -97,7 +98,7 @@ def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine
             png(pressure_figure(run)),
             "Contact pressure along the surface of both sides: nodes of the mesh and Hertz's ellipse.",
             "Contact pressure along the surface: the nodes' forces over their areas, and Hertz's theory for the same "
-            "force and the profiles' radii at the contact.",
+            "force and the profiles' radii at the contact, where the profiles do not conform.",
         ),
         Picture(
             png(convergence_figure(run)),
@@ -116,6 +117,6 @@ def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine
             "Sections of both rails with the stresses along their free surface as ordinates, and their deformed "
             "outlines dashed.",
             "Bending of the rails, held along their bases: stresses along the surface of web and fillets in MPa, and "
-            "the deformed outlines.",
+            "the deformed outlines. They are those of the slice: compare them between runs, not with a rail in track.",
         ),
     ]

@@ -60,7 +60,8 @@ def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[dict[str, Any
         "Stresses are means of cells in the axes of the picture, tension positive, as in the cell arrays of the VTU "
         "files. Displacements are elastic, as the points of the VTU files have them. The deformation slider multiplies "
         "all motion since the wheels first touched the rails, rigid and elastic: 0 is first touch, 1 is true. Where "
-        "the sides are drawn closer together, only the picture is changed: coordinates stay true.",
+        "the sides are drawn closer together, only the picture is changed: coordinates stay true. In web, fillets and "
+        "foot of the rails stresses are those of a slice that carries the load alone, and not to be believed.",
     )
     fields = _fields("Stresses, means of cells", "Elastic displacement of points")
     return Scene(shown, fields, views, notes=notes)

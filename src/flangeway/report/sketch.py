@@ -71,7 +71,14 @@ def _draw_load(axes: Axes, result: WheelsetResult, axle: float) -> None:
     if along:
         start = x - 330 if along > 0.0 else x + 330
         axes.annotate("", (x, y), (start, y), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.4})
-        axes.text(start, y - 60, f"{abs(along) / 1e3:.4g} kN along the track", fontsize=8, ha="center", va="top")
+        axes.text(
+            start,
+            y - 60,
+            f"{abs(along) / 1e3:.4g} kN lateral,\nin the track's plane",
+            fontsize=8,
+            ha="center",
+            va="top",
+        )
     axes.text(x + 45, y + 250, f"{load.in_track[1] / 1e3:.4g} kN", fontsize=8, va="center")
     axes.text(x + 45, y, "barycentre of the car", fontsize=7, va="center")
     _dimension(axes, (x - 90, axle), (x - 90, y), f"{wheelset.barycentre_height_mm:g} above the axle")

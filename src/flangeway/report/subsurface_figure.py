@@ -14,7 +14,7 @@ from flangeway.exact.hertz import DEPTH_OF_MAX_SHEAR
 from flangeway.post import Stresses
 from flangeway.railway.discretisation import ROLES, Role
 from flangeway.railway.result import WheelRailPatch, WheelsetResult
-from flangeway.railway.subsurface import by_normal, hertz_below, largest_on, stresses_below
+from flangeway.railway.subsurface import SEARCHED, by_normal, hertz_below, largest_on, stresses_below
 from flangeway.report.drawing import INK, Room, draw_title, figure_with_room
 
 Floats = NDArray[np.float64]
@@ -98,7 +98,7 @@ def _draw(axes: Axes, line: SubsurfaceLine) -> None:
         for (_, colour), values in zip(CURVES, _curves(line.hertz), strict=True):
             axes.plot(values, depths, color=colour, lw=1.0, ls=(0, (4, 2)))
         axes.plot([], [], color=INK, lw=1.0, ls=(0, (4, 2)), label="Hertz, half plane, same force")
-    top = largest_on(depths, line.found.in_plane_shear)
+    top = largest_on(depths, line.found.in_plane_shear, SEARCHED)
     axes.plot([top.value_MPa], [top.depth_mm], marker="o", color=INK, mfc="white", ms=5, zorder=4)
     said = f"largest in-plane shear\n{top.value_MPa:.0f} MPa at {top.depth_mm:.1f} mm"
     if theory is not None:

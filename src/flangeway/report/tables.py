@@ -41,10 +41,10 @@ def contacts_table(summary: Row) -> Table:
         ("place on the rail (x, y), mm", lambda c: _place(c["rail_position_mm"])),
         ("place on the wheel (x, y), mm", lambda c: _place(c["wheel_position_mm"])),
         ("largest pressure, MPa", lambda c: marked(number(c["max_pressure_MPa"], 1), c["max_pressure_remark"])),
-        ("  Hertz, MPa", lambda c: number(c["hertz_pressure_MPa"], 1)),
+        ("  Hertz, MPa", lambda c: _hertz(c["hertz_pressure_MPa"], 1)),
         ("  scatter of the nodes, %", lambda c: number(100.0 * c["pressure_scatter"], 2)),
         ("half width, mm", lambda c: number(c["half_width_mm"], 3)),
-        ("  Hertz, mm", lambda c: number(c["hertz_half_width_mm"], 3)),
+        ("  Hertz, mm", lambda c: _hertz(c["hertz_half_width_mm"], 3)),
         ("in-plane shear in the rail, MPa (at mm)", lambda c: _at_depth(c["in_rail"], "max_in_plane_shear")),
         ("  in the wheel", lambda c: _at_depth(c["in_wheel"], "max_in_plane_shear")),
         ("  Hertz", lambda c: _at_depth(c, "hertz_in_plane_shear")),
@@ -128,7 +128,7 @@ def rigid_table(summary: Row) -> Table:
             (f"{side}: {name}", *(_of_side(contacts, side, key, digits) for _, contacts in columns))
             for name, key, digits in quantities
         ]
-    return Table("Elastic beside rigid, along the track's axis x", ("", "elastic", "rigid"), tuple(rows))
+    return Table("Elastic beside rigid, in the track's axes", ("", "elastic", "rigid"), tuple(rows))
 
 
 def _of_side(contacts: list[Row], side: str, key: str, digits: int) -> str:
@@ -159,7 +159,7 @@ def bending_table(summary: Row, *, short: bool = False) -> Table:
         for word, sign in (("tension", 1.0), ("compression", -1.0)):
             quantities.append((f"largest {word} towards the {towards}, MPa", _extreme(towards, word, sign, short)))
     rows = [(name, *(text(rail) for rail in rails)) for name, text in quantities]
-    caption = "Bending of the rails, stresses along the surface of web and fillets"
+    caption = "Bending of the rails, stresses along the surface of web and fillets (of the slice alone: see limits)"
     return Table(caption, ("", *(rail["side"] for rail in rails)), tuple(rows))
 
 
@@ -195,10 +195,14 @@ def support_table(summary: Row) -> Table:
 
 def stresses_table(summary: Row) -> Table:
     """Extreme stresses of the parts."""
-    keys = ("max_von_mises_MPa", "min_principal_MPa", "max_in_plane_shear_MPa")
-    header = ("", "largest von Mises, MPa", "least principal, MPa", "largest in-plane shear, MPa")
+    keys = ("max_von_mises_below_contacts_MPa", "max_von_mises_MPa", "min_principal_MPa", "max_in_plane_shear_MPa")
+    header = (
+        *("", "von Mises below contacts, MPa", "anywhere in the slice, MPa"),
+        *("least principal, MPa", "largest in-plane shear, MPa"),
+    )
     rows = [(r["part"], *(number(r[key], 1) for key in keys)) for r in summary["stresses"]]
-    return Table("Extreme stresses, means of cells", header, tuple(rows))
+    caption = "Extreme stresses, means of cells (anywhere: also in web, fillets and foot of the slice, see limits)"
+    return Table(caption, header, tuple(rows))
 
 
 def bodies_table(summary: Row) -> Table:
@@ -225,6 +229,10 @@ def marked(text: str, remark: str | None) -> str:
 def number(value: float | None, digits: int) -> str:
     """Return a number with some decimals, or a dash for one that there is not."""
     return "–" if value is None else f"{value:.{digits}f}"
+
+
+def _hertz(value: float | None, digits: int) -> str:
+    return "conforming" if value is None else number(value, digits)
 
 
 def _small(value: float | None) -> str:

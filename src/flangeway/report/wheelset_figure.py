@@ -3,9 +3,11 @@
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from numpy.typing import NDArray
 
 from flangeway.railway.track import SIDES
-from flangeway.report.cell_patches import fill_cells
+from flangeway.report.cell_patches import cells_path, fill_cells
 from flangeway.report.drawing import (
     Room,
     StressColours,
@@ -17,7 +19,7 @@ from flangeway.report.drawing import (
     figure_with_room,
 )
 from flangeway.report.fields import PartFields
-from flangeway.report.sketch import draw_sketch
+from flangeway.report.sketch import STEEL, draw_sketch
 from flangeway.study import CaseRun
 
 DEFORMATION_SHARE = 0.025
@@ -28,7 +30,7 @@ FACTORS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000)
 def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
     """Draw the left side at the left, the right side at the right, and the sketch between them."""
     figure, ((left, middle, right),) = figure_with_room(13.0, 7.0, ROOM, n_columns=3, width_ratios=(1.0, 1.25, 1.0))
-    colours = StressColours(np.concatenate([part.stresses.von_mises for part in parts]))
+    colours = StressColours(np.concatenate([part.stresses.von_mises[_believed(part)] for part in parts]))
     factor = deformation_factor(parts)
     for axes, side in ((left, SIDES[0]), (right, SIDES[1])):
         _draw_side(axes, [part for part in parts if part.side == side], factor, colours)
@@ -40,8 +42,8 @@ def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
     below = figure.add_axes((0.12, 0.063, 0.76, 0.027))
     bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
     bar.set_label(
-        f"von Mises stress in MPa, means of cells ({_cells(run)}); motion since first touch drawn "
-        f"{factor} times as large, first touch dashed"
+        f"von Mises stress in MPa, means of cells ({_cells(run)}); hatched: web and foot of the slice, not to be "
+        f"believed; motion since first touch drawn {factor} times as large, first touch dashed"
     )
     return figure
 
@@ -60,10 +62,18 @@ def _draw_side(axes: Axes, parts: list[PartFields], factor: float, colours: Stre
     equal_axes(axes, box([part.points(factor) for part in parts], 6.0))
     for part in parts:
         points, values = part.points(factor), part.stresses.von_mises
-        fill_cells(axes, part.mesh, points, values, colours)
-        draw_contours(axes, part, points, values, colours)
+        chosen = _believed(part)
+        fill_cells(axes, part.mesh, points, values, colours, chosen=chosen)
+        draw_contours(axes, part, points, values, colours, chosen)
+        if not chosen.all():
+            web = cells_path(part.mesh, points, np.flatnonzero(~chosen))
+            axes.add_patch(PathPatch(web, facecolor="none", edgecolor=STEEL, hatch="////", lw=0.0))
         draw_outline(axes, part.mesh, points)
         draw_outline(axes, part.mesh, part.touch_points, dashed=True)
+
+
+def _believed(part: PartFields) -> NDArray[np.bool_]:
+    return np.ones(part.mesh.n_cells, dtype=np.bool_) if part.above_web is None else part.above_web
 
 
 def _title(run: CaseRun) -> str:

@@ -10,6 +10,7 @@ from flangeway.post import cell_stresses
 from flangeway.railway.balance import Balance
 from flangeway.railway.result import WheelsetResult
 from flangeway.railway.track import SIDES, Side
+from flangeway.railway.validity import SLICE, below_contacts
 from flangeway.study.summary_rows import (
     bending_rows,
     contact_row,
@@ -33,6 +34,10 @@ PUBLISHED_REASON = (
     "reference that is not given, with a gap of about 2.6 mm; its lateral motion is decided by where the wheel's "
     "throat meets the gauge corner, and the throat radii of the AAR-1B are assumed here (throat_radius_mm changes "
     "them), which leaves the lateral motion 1 to 3 mm larger. Only the balance can be compared."
+)
+CONFORMING = (
+    "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
+    "profile, or the gap of the profiles at an end of it is 1.5 times that of constant curvature, or less than 1 / 1.5."
 )
 AXES = {
     "space": (
@@ -125,7 +130,7 @@ def _load(result: WheelsetResult) -> dict[str, float]:
         "vertical_kN": load.vertical_N / 1e3,
         "lateral_kN": load.lateral_N / 1e3,
         "tilt_rad": load.tilt_rad,
-        "along_track_kN": along / 1e3,
+        "lateral_in_track_kN": along / 1e3,
         "onto_track_kN": onto / 1e3,
     }
 
@@ -174,13 +179,15 @@ def _balance(balance: Balance) -> dict[str, float]:
 
 
 def _stresses(result: WheelsetResult) -> list[dict[str, Any]]:
-    """Extremes of the cells' mean stresses, part by part."""
+    """Extremes of the cells' mean stresses, part by part: below the contacts, and anywhere in the slice."""
     rows = []
     for name, displacement in result.displacements.items():
         stresses = cell_stresses(result.model.parts[name].body.elasticity, displacement)
+        near = below_contacts(result.model, result.patches, name)
         rows.append(
             {
                 "part": name,
+                "max_von_mises_below_contacts_MPa": stresses.von_mises[near].max() if near.any() else None,
                 "max_von_mises_MPa": stresses.von_mises.max(),
                 "min_principal_MPa": stresses.principal[:, 2].min(),
                 "max_in_plane_shear_MPa": stresses.in_plane_shear.max(),
@@ -213,6 +220,7 @@ def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
         materials = {"steel": problem.material}
     return [
         "Plane strain: the bodies do not stretch along the track.",
+        SLICE.format(case.thickness_mm),
         f"Thickness {case.thickness_mm:g} mm: this length of wheel and rail bears the whole load.",
         *case.derived(),
         *profile_notes(track, wheelset),
@@ -222,6 +230,7 @@ def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
             for name, each in materials.items()
         ),
         "Contact without friction.",
+        *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),
         f"The {role}s give the segments of contact: {reason}.",
         "The rails are fixed along their whole base.",
         "The wheels' cuts and the axle are rigid; the load acts at the car's barycentre and stays vertical"

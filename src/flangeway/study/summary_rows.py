@@ -11,7 +11,7 @@ from flangeway.railway.discretisation import Role
 from flangeway.railway.result import WheelRailPatch, WheelsetResult
 from flangeway.railway.rigid_contact import contact_locus
 from flangeway.railway.rigid_equilibrium import RigidContactPoint, RigidPosition
-from flangeway.railway.subsurface import largest_on, stresses_below
+from flangeway.railway.subsurface import SEARCHED, largest_on, stresses_below
 from flangeway.railway.support import holding_force, support_reactions
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 
@@ -54,8 +54,8 @@ def _angle(side: Side, lateral: float, vertical: float) -> float:
 def _below(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> Row:
     """Largest stresses on the normal below the centre of pressure."""
     line = stresses_below(result, patch, body)
-    shear = largest_on(line.distances, line.stresses.in_plane_shear)
-    mises = largest_on(line.distances, line.stresses.von_mises)
+    shear = largest_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+    mises = largest_on(line.distances, line.stresses.von_mises, SEARCHED)
     return {
         "max_in_plane_shear_MPa": shear.value_MPa,
         "max_in_plane_shear_depth_mm": shear.depth_mm,
@@ -167,7 +167,9 @@ def _touching(result: WheelsetResult) -> list[RigidContactPoint]:
 
 
 def _rigid_contact(result: WheelsetResult, point: RigidContactPoint, position: RigidPosition | None) -> Row:
-    hertz = point.hertz(result.model.problem.thickness_mm, result.model.hertz.modulus)
+    hertz = None
+    if point.normal_force_N > 0.0:
+        hertz = result.model.hertz_at(point.side, point.wheel_point_mm, point.rail_point_mm, point.normal_force_N)
     lateral, vertical = (force / 1e3 for force in point.force_on_wheel_N)
     return {
         "side": point.side,

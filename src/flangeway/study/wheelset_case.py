@@ -18,7 +18,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     """A wheelset on two rails (seed 7.2.1); subclasses are situations with defaults of their own."""
 
     essential: ClassVar[tuple[str, ...]] = (
-        *("rail", "wheel", "gauge_mm", "back_to_back_mm", "wheel_radius_mm", "axle_load_kN"),
+        *("rail", "wheel", "gauge_mm", "wheel_radius_mm", "axle_load_kN"),
         *("method", "order", "size_scale"),
     )
 
