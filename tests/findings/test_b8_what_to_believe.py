@@ -10,6 +10,8 @@ from flangeway.report.subsurface_figure import subsurface_lines
 from flangeway.report.tables import bending_table, contacts_table, stresses_table
 from flangeway.report.wheelset_figure import wheelset_figure
 from flangeway.study import WheelsetTangentCase, run_case
+from flangeway.study.rigid import run_geometry
+from flangeway.study.rigid_case import GeometryCase
 
 
 @pytest.fixture(scope="module")
@@ -106,3 +108,13 @@ def test_b8_the_largest_stress_below_a_wide_contact_is_not_that_of_the_web(confo
         for body in ("in_rail", "in_wheel"):
             for name in ("max_in_plane_shear", "max_von_mises"):
                 assert contact[body][f"{name}_depth_mm"] <= 2.0 * contact["half_width_mm"] * (1.0 + 1e-9)
+
+
+def test_b8_the_rigid_geometry_leaves_hertz_out_too():
+    """`flangeway geometry` has no estimate of Hertz for contacts that conform, and one for others."""
+    coarse = {"step_mm": 1.0, "largest_lateral_mm": 2.0, "largest_amplitude_mm": 1.0}
+    for values, conforms in (({"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0}, True), ({}, False)):
+        contacts = run_geometry("a case", GeometryCase.from_values({**coarse, **values})).summary["equilibrium"][
+            "contacts"
+        ]
+        assert [each["hertz_max_pressure_MPa"] is None for each in contacts] == [conforms] * 2

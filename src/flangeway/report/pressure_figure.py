@@ -22,9 +22,9 @@ def pressure_figure(run: CaseRun) -> Figure:
         draw_title(axes, f"{side} contact ({outwards})".capitalize())
         axes.set_xlabel("length along the surface from the centre of pressure in mm")
         axes.grid(color="#dddddd", linewidth=0.6)
-        axes.set_ylim(bottom=0.0)
         if axes.has_data():
             axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+    both[0].set_ylim(bottom=0.0)  # once both are drawn: the axis is shared
     both[0].set_ylabel("contact pressure in MPa")
     return figure
 

@@ -13,6 +13,7 @@ from flangeway.exact import contact_modulus
 from flangeway.materials import Elastic
 from flangeway.mesh.memory import peak_memory_bytes
 from flangeway.railway.conicity import REFERENCE_AMPLITUDE_MM, conicity_by_regression, equivalent_conicity
+from flangeway.railway.curvature import conforming
 from flangeway.railway.rigid_contact import (
     ContactJump,
     ContactLocus,
@@ -30,7 +31,7 @@ from flangeway.railway.rigid_equilibrium import (
     rigid_equilibrium,
 )
 from flangeway.railway.rolling import RollingRadiusDifference
-from flangeway.railway.track import SIDES
+from flangeway.railway.track import SIDES, Track, Wheelset
 from flangeway.study.case import Progress
 from flangeway.study.rigid_case import GEOMETRY_CASES, GeometryCase
 from flangeway.study.versions import versions
@@ -147,11 +148,20 @@ def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: N
         throat = throat_effect(case)
     notices = [*([notice] if notice else []), *worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
     summary = _summary(name, case, jumps, amplitudes, conicity, regression, equilibrium, notices)
+    _leave_out_conforming(summary, track, axle)
     summary["timings_s"] = {"total": time.perf_counter() - start}
     summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
     return GeometryRun(
         name, case, wheelset, locus, jumps, amplitudes, conicity, regression, equilibrium, throat, summary
     )
+
+
+def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset) -> None:
+    """Leave out Hertz's estimates of contacts that conform, see `flangeway.railway.curvature.conforming`."""
+    for row in (summary["equilibrium"] or {"contacts": ()})["contacts"]:
+        wheel, rail, width = axle.wheel_of(row["side"]), track.rail_of(row["side"]), row["hertz_half_width_mm"]
+        if width is not None and conforming(wheel, row["wheel_point_mm"], rail, row["rail_point_mm"], width):
+            row["hertz_half_width_mm"] = row["hertz_max_pressure_MPa"] = None
 
 
 def _conicities(wheelset: RigidWheelset, case: GeometryCase, rolls: bool) -> tuple[Floats, Floats, Floats, str | None]:
