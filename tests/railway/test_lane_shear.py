@@ -85,7 +85,8 @@ def alone(prepared: PreparedWheelset, each: LoadedPatch, role: Role) -> Subsurfa
     start = closest_on_boundary(body.mesh, point[None])[0]
     depths = np.linspace(0.0, 4.0 * patch.half_width_mm, 201)
     line = stresses_along(ElasticField(body.elasticity, field), start, start + depths[-1] * inward, 201)
-    return top_of(depths, line.stresses.in_plane_shear)
+    searched = depths <= 2.0 * patch.half_width_mm * (1.0 + 1e-12)  # a wide contact's line ends in the web
+    return top_of(depths[searched], line.stresses.in_plane_shear[searched])
 
 
 def top_of(depths: Floats, values: Floats) -> SubsurfaceExtreme:

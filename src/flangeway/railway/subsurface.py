@@ -149,7 +149,7 @@ def largest_of_lines(depths: Floats, values: Floats, share: float = 1.0) -> list
         Part of each line's length, from its first point, on which the largest value is sought.
 
     """
-    values = np.where(depths <= share * depths[:, -1:], values, np.nan)
+    values = np.where(depths <= share * (1.0 + 1e-12) * depths[:, -1:], values, np.nan)
     places = np.nanargmax(values, axis=1)[:, None]
     depth, value = (np.take_along_axis(each, places, axis=1)[:, 0] for each in (depths, values))
     reach = SMOOTHED * depth * (1.0 + 1e-9)  # points at its very end count, whatever the last digit of their depths
