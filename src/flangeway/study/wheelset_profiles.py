@@ -122,6 +122,7 @@ def _from_file(
 
 def _as_keys(text: str, key: str) -> str:
     """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
+    text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
     for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
         text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
     return text
