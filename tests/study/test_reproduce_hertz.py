@@ -10,7 +10,7 @@ from matplotlib.image import imread
 from rich.console import Console
 
 from flangeway.contact import Multiplier, SegmentToSegment
-from flangeway.elements import Lagrange, Virtual
+from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.mesh import check, edges_halved
@@ -119,11 +119,11 @@ def test_edges_of_the_arc_are_halved_once():
 
 
 def test_codes_name_methods_and_cells():
-    """F and V are finite and virtual triangles, VV polygons, H a mixture of triangles and virtual quadrilaterals."""
+    """F and V are finite and virtual triangles, VV polygons, H mixes triangles and virtual quadrilaterals, as published."""
     elements = {code: published_problem(code, 1).secondary.element for code in CODES}
     assert elements["FDO1"] == Lagrange(1)
-    assert elements["VVO2"] == elements["VDO2"] == Virtual(2)
-    assert elements["HEO2"] == {"triangles": Lagrange(2), "quadrilaterals": Virtual(2)}
+    assert elements["VVO2"] == elements["VDO2"] == Virtual(2, TraceStabilisation())
+    assert elements["HEO2"] == {"triangles": Lagrange(2), "quadrilaterals": Virtual(2, TraceStabilisation())}
     assert published_problem("VVO1", 4).enforcement.value == 2.56e4
     assert published_problem("FDO2", 4, "halved").enforcement.value == 5.12e4 / 16.0
 
