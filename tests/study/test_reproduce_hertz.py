@@ -119,7 +119,7 @@ def test_edges_of_the_arc_are_halved_once():
 
 
 def test_codes_name_methods_and_cells():
-    """F and V are finite and virtual triangles, VV polygons, H mixes triangles and virtual quadrilaterals, as published."""
+    """F and V are finite and virtual triangles, VV polygons, H mixes triangles and virtual quadrilaterals."""
     elements = {code: published_problem(code, 1).secondary.element for code in CODES}
     assert elements["FDO1"] == Lagrange(1)
     assert elements["VVO2"] == elements["VDO2"] == Virtual(2, TraceStabilisation())
