@@ -44,6 +44,7 @@ def test_every_input_reaches_the_problem():
         "curve_radius_m": (curve, 500.0),
         "cant_deficiency_mm": (curve, 20.0),
         "superelevation_base_mm": (curve | {"superelevation_mm": 30.0}, 1500.0),
+        "nodal_penalty_N_per_mm": ({"pairing": "node-to-segment"}, 1e7),
     }
     files_only = {"rail_body", "wheel_body"} | {
         f"{side}{part}_{option}"

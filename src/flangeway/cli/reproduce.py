@@ -17,7 +17,7 @@ ReproductionName = Annotated[
 ]
 Quick = Annotated[
     bool,
-    typer.Option("--quick", help="Leave out what takes minutes: Hertz's finest mesh, some rows of wheel and rail."),
+    typer.Option("--quick", help="Leave out what takes minutes: Hertz's finest mesh, the search for the flange root."),
 ]
 Page = Annotated[
     Path | None,

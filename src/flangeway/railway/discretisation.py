@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
-from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.elements import Element, Lagrange, Stabilisation, Virtual
 from flangeway.errors import InputError
 
 Method = Literal["fem", "vem"]
@@ -15,6 +15,8 @@ ROLES: tuple[Role, Role] = ("wheel", "rail")
 Choice = Literal["auto", "rail", "wheel"]
 PairingName = Literal["node-to-segment", "segment-to-segment"]
 EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]
+NODAL = ("node-to-segment", "penalty")
+"""Pairing and enforcement that can have a penalty per node."""
 
 
 @dataclass(frozen=True)
@@ -38,17 +40,23 @@ class Discretisation:
         Factor on both sizes.
     penalty_factor
         Penalty as pressure per penetration, over the contact modulus per mm.
+    nodal_penalty_N_per_mm
+        Penalty of node-to-segment contact as force per penetration at each secondary node, as in the seed; None: by
+        `penalty_factor`.
     primary
         Which bodies give the segments; the others give the nodes. ``"auto"``: see `WheelsetProblem.primary`.
     wheel_method, rail_method, wheel_order, rail_order, wheel_contact_size_mm, rail_contact_size_mm
         What differs for one body; None: as for both.
     pairing
-        ``"segment-to-segment"`` or, as in the seed, ``"node-to-segment"``, whose nodal pressures scatter and which may
-        cycle at order 2.
+        ``"segment-to-segment"`` or, as in the seed, ``"node-to-segment"``, whose nodal pressures scatter. At order 2 it
+        needs sizes that differ between wheel and rail: where nodes face nodes, each of them has two curved edges to
+        choose from, and Newton's method cycles between these.
     enforcement
         ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
     penetration_mm
         Largest penetration that augmented Lagrange tolerates.
+    stabilisation
+        Of polygons; None: their usual one.
 
     """
 
@@ -59,6 +67,7 @@ class Discretisation:
     growth: float = 0.1
     size_scale: float = 1.0
     penalty_factor: float = 20.0
+    nodal_penalty_N_per_mm: float | None = None  # noqa: N815 (units)
     primary: Choice = "auto"
     wheel_method: Method | None = None
     rail_method: Method | None = None
@@ -69,10 +78,11 @@ class Discretisation:
     pairing: PairingName = "segment-to-segment"
     enforcement: EnforcementName = "penalty"
     penetration_mm: float = 1e-4
+    stabilisation: Stabilisation | None = None
 
     def __post_init__(self) -> None:
         lengths = ("contact_size_mm", "body_size_mm", "wheel_contact_size_mm", "rail_contact_size_mm", "penetration_mm")
-        for name in (*lengths, "growth", "size_scale", "penalty_factor"):
+        for name in (*lengths, "growth", "size_scale", "penalty_factor", "nodal_penalty_N_per_mm"):
             value = getattr(self, name)
             if value is not None and not (np.isfinite(value) and value > 0.0):
                 raise InputError(f"Discretisation({name}={value})", "a positive number", "leave it out")
@@ -91,6 +101,12 @@ class Discretisation:
                     " or ".join(repr(value) for value in allowed),
                     "choose one of these",
                 )
+        if self.nodal_penalty_N_per_mm is not None and (self.pairing, self.enforcement) != NODAL:
+            raise InputError(
+                f"nodal_penalty_N_per_mm with {self.pairing} and {self.enforcement}",
+                " with ".join(NODAL),
+                "leave it out, or choose these for pairing and enforcement",
+            )
 
     def method_of(self, body: Role) -> Method:
         """Method of a kind of body."""
@@ -108,7 +124,7 @@ class Discretisation:
     def element_of(self, body: Role) -> Element:
         """Element of all cells of a kind of body."""
         order = self.order_of(body)
-        return Lagrange(order) if self.method_of(body) == "fem" else Virtual(order)
+        return Lagrange(order) if self.method_of(body) == "fem" else Virtual(order, self.stabilisation)
 
     def pairing_law(self) -> NodeToSegment | SegmentToSegment:
         """How the surfaces are compared."""
@@ -116,6 +132,8 @@ class Discretisation:
 
     def enforcement_law(self, modulus: float) -> Penalty | AugmentedLagrange | Multiplier:
         """How penetration is kept off, for a contact modulus in MPa."""
+        if self.nodal_penalty_N_per_mm is not None:
+            return Penalty(self.nodal_penalty_N_per_mm, per="node")
         value = self.penalty_factor * modulus
         if self.enforcement == "penalty":
             return Penalty(value, per="length")

@@ -63,8 +63,10 @@ def judged(
     """
     names = [f"the {side} contact" for side in SIDES]
     regions = [patch.pressure for patch in patches]
-    in_steps = model.problem.discretisation.enforcement == "augmented-lagrange"
-    stiffer = "lower penetration_mm" if in_steps else "raise penalty_factor"
+    settings = model.problem.discretisation
+    stiffer = "raise penalty_factor" if settings.nodal_penalty_N_per_mm is None else "raise nodal_penalty_N_per_mm"
+    if settings.enforcement == "augmented-lagrange":
+        stiffer = "lower penetration_mm"
     doubts = contact_doubts(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
     errors = [*_unbalanced(model, patches), *doubts.errors, *_outside(patches, missed)]
     if not all(np.isfinite(each).all() for each in displacements.values()):

@@ -8,6 +8,7 @@ import numpy as np
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline, Segment
 from flangeway.geometry.arrays import as_point
+from flangeway.railway.flange_root import IDENTIFIED
 from flangeway.railway.profiles import WheelProfile
 
 
@@ -29,7 +30,9 @@ def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     """
     parts: dict[str, Segment] = dict(zip(profile.outline.names, profile.outline.segments, strict=True))
     narrow, wide, tread = (parts.get(part) for part in ("throat_R1", "throat_R2", "tread_1:20"))
-    if not (isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)):
+    if profile.title == IDENTIFIED or not (
+        isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)
+    ):
         raise InputError(f"wide_throat_radius_mm for {profile.title}", "AAR-1B", "leave it out")
     along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
     # the outline has the wheel on its left: the throat's hollow arcs have their centres on its right

@@ -38,8 +38,8 @@ off. Round-off is shown as `< 1e-10`, a difference that is as small as `< 0.001 
 """
 WHOLE = "All meshes of all parts are computed."
 QUICK = (
-    "With `--quick` the finest mesh of Hertz's problem and some rows of wheel and rail are left out; without it they\n"
-    "are computed as well."
+    "With `--quick` the finest mesh of Hertz's problem, the search for the wheel's flange root, and further crowns,\n"
+    "meshes and moduli of wheel and rail are left out; without it they are computed as well."
 )
 
 

@@ -1,10 +1,17 @@
 """Pictures of the wheelset computed again: rigid limit, refinement in contact, and positions beside the published."""
 
+from collections.abc import Mapping
+
 import numpy as np
 from matplotlib.figure import Figure
 
+from flangeway.railway.flange_root import IDENTIFIED_RADIUS_MM, identified_wheel
+from flangeway.railway.profiles import wheel
+from flangeway.railway.result import WheelsetResult
 from flangeway.report.drawing import new_figure
+from flangeway.study.contact_refinement import contact_name
 from flangeway.study.reproductions.wheel_rail import WheelRailReproduction
+from flangeway.study.reproductions.wheel_rail_tables import FAMILIES, MEMBER_CODE, TABLES
 
 
 def rigid_limit_figure(found: WheelRailReproduction) -> Figure:
@@ -44,7 +51,7 @@ def positions_figure(found: WheelRailReproduction) -> Figure:
     figure = new_figure(12.0, 4.5)
     panels = figure.subplots(1, 3)
     for axes, quantity in zip(panels, ("vertical translation", "horizontal translation", "rotation"), strict=True):
-        mine = [number for number in found.numbers if number.quantity == quantity]
+        mine = [n for n in found.numbers if n.quantity == quantity and n.table in TABLES.values()]
         places = np.arange(len(mine))
         axes.bar(places - 0.2, [number.published for number in mine], 0.4, label="published")
         axes.bar(places + 0.2, [number.computed for number in mine], 0.4, label="computed")
@@ -55,20 +62,61 @@ def positions_figure(found: WheelRailReproduction) -> Figure:
     return figure
 
 
+def root_figure(found: WheelRailReproduction) -> Figure:
+    """Draw both flange roots, and rotation and vertical translation over the lateral one for both families of roots."""
+    figure = new_figure(12.0, 4.2)
+    shape, *panels = figure.subplots(1, 3)
+    for profile, style in ((wheel("AAR-1B"), "k--"), (identified_wheel(), "C0-")):
+        points = profile.running_surface.sampled(spacing=0.1)
+        near = (points[:, 0] > -50.0) & (points[:, 0] < -5.0)
+        shape.plot(*points[near].T, style, lw=1.2, label=profile.title)
+    shape.set_aspect("equal")
+    shape.set_xlabel("x of the wheel in mm")
+    shape.set_ylabel("y of the wheel in mm")
+    shape.legend(fontsize=7)
+    numbers = {(each.code, each.quantity): each for each in found.numbers if each.table == TABLES["curve"]}
+    codes = [row.code for row in found.rows if row.situation == "curve"]
+    quantities = ("rotation", "vertical translation, curve less tangent")
+    for axes, quantity, name in zip(panels, quantities, ("rotation_rad", "vertical_difference_cm"), strict=True):
+        for family, style in zip(FAMILIES, ("C0.-", "C1.--"), strict=True):
+            mine = sorted((each for each in found.members if each.family == family), key=lambda each: each.lateral_cm)
+            label = f"{MEMBER_CODE}, {family}"
+            axes.plot([m.lateral_cm for m in mine], [getattr(m, name) for m in mine], style, lw=1.0, label=label)
+        for kind, mark in (("published", "ks"), ("computed", "C3x")):
+            for place, code in enumerate(codes):
+                at = numbers[f"curve {code}", "horizontal translation"], numbers[f"curve {code}", quantity]
+                x, y = (getattr(each, kind) for each in at)
+                axes.plot(x, y, mark, ms=5, mfc="none", label=None if place else f"{kind}, all rows")
+        axes.set_xlabel("lateral translation in cm")
+        axes.set_title(f"{quantity} in {numbers[f'curve {codes[0]}', quantity].unit}", fontsize=9)
+        axes.grid(color="#dddddd", linewidth=0.6)
+        axes.legend(fontsize=7)
+    shape.set_title(f"flange root; wide arc of {IDENTIFIED_RADIUS_MM:g} mm for 38.1 mm", fontsize=9)
+    return figure
+
+
 def pressures_figure(found: WheelRailReproduction, situation: str) -> Figure:
     """Draw the pressures of all rows of a situation, a panel for each contact, with Hertz's ellipse of its force."""
-    rows = [row for row in found.rows if row.situation == situation]
-    n_patches = max(len(row.result.patches) for row in rows)
-    figure = new_figure(4.0 * n_patches, 2.6 * len(rows))
-    panels = figure.subplots(len(rows), n_patches, squeeze=False)
-    for row, line in zip(rows, panels, strict=True):
-        for patch, axes in zip(row.result.patches, line, strict=False):
+    return _pressures({row.code: row.result for row in found.rows if row.situation == situation})
+
+
+def refined_pressures_figure(found: WheelRailReproduction) -> Figure:
+    """Draw the pressures of the curve with segment-to-segment contact, as `pressures_figure`, a line for each mesh."""
+    return _pressures({f"size over {each.divisor}": each.result for each in found.refined})
+
+
+def _pressures(results: Mapping[str, WheelsetResult]) -> Figure:
+    n_patches = max(len(result.patches) for result in results.values())
+    figure = new_figure(4.0 * n_patches, 2.6 * len(results))
+    panels = figure.subplots(len(results), n_patches, squeeze=False)
+    for (name, result), line in zip(results.items(), panels, strict=True):
+        for patch, axes in zip(result.patches, line, strict=False):
             pressure = patch.pressure
-            axes.plot(pressure.along, pressure.pressures, ".-", ms=3, lw=0.8, label=row.code)
+            axes.plot(pressure.along, pressure.pressures, ".-", ms=3, lw=0.8, label=name)
             if patch.hertz is not None:
                 places = np.linspace(-patch.hertz.half_width, patch.hertz.half_width, 201)
                 axes.plot(places, patch.hertz.pressure(places), lw=0.8, color="black", label="Hertz")
-            axes.set_title(f"{row.code}, {patch.side} {patch.region}", fontsize=9)
+            axes.set_title(f"{name}, {contact_name(result, patch)}", fontsize=9)
             axes.grid(color="#dddddd", linewidth=0.6)
         line[0].set_ylabel("pressure in MPa")
     for axes in panels[-1]:

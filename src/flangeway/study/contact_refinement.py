@@ -5,13 +5,24 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.railway.result import WheelsetResult
+from flangeway.railway.result import WheelRailPatch, WheelsetResult
 from flangeway.railway.subsurface import largest_shear
 from flangeway.study.runner import run_case
 from flangeway.study.wheelset_case import WheelsetCase
 
 DIVISORS = (1, 2, 4)
 """What the element size in contact is divided by."""
+
+
+def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
+    """Side of a contact and the part of the wheel that touches: ``tread`` or ``flange root``.
+
+    The wheel is one whose tread is a segment of that name.
+    """
+    wheel = result.model.problem.wheelset.wheel_of(patch.side)
+    tread = [name for name in wheel.running_names if name.startswith("tread")]
+    in_root = float(patch.wheel_point_mm[0]) < float(wheel.outline.bounds(tread)[0, 0])
+    return f"{patch.side} {'flange root' if in_root else 'tread'}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +46,7 @@ class RefinedContact:
         """Force in N, largest pressure and largest shear stresses below in MPa, by patch and quantity."""
         found = {}
         for patch in self.result.patches:
-            name = f"{patch.side} {patch.region}"
+            name = contact_name(self.result, patch)
             found[name, "force"] = float(np.hypot(*patch.force_on_wheel_N))
             found[name, "largest pressure"] = float(patch.pressure.pressures.max())
             found[name, "largest shear in the rail"] = largest_shear(self.result, patch, "rail").value_MPa

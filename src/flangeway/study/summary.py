@@ -32,8 +32,8 @@ REFERENCE = (
 PUBLISHED_REASON = (
     "Published position of the curve (seed Table 16, along horizontal and vertical): its vertical motion counts from a "
     "reference that is not given, with a gap of about 2.6 mm; its lateral motion is decided by where the wheel's "
-    "throat meets the gauge corner, and the throat radii of the AAR-1B are assumed here (throat_radius_mm changes "
-    "them), which leaves the lateral motion 1 to 3 mm larger. Only the balance can be compared."
+    "flange root meets the rail, and the root of the AAR-1B is assumed here, which leaves the lateral motion 1 to 3 mm "
+    "larger. `flangeway reproduce wheel-rail` compares with a root that one of the published numbers identifies."
 )
 CONFORMING = (
     "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "

@@ -57,6 +57,11 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         gt=0.0,
         description="penalty as pressure per penetration, over the contact modulus per mm",
     )
+    nodal_penalty_N_per_mm: float | None = Field(  # noqa: N815
+        None,
+        gt=0.0,
+        description="penalty of node-to-segment as force per penetration at a node; penalty_factor counts if left out",
+    )
     penetration_mm: float = Field(
         Discretisation.penetration_mm, gt=0.0, description="penetration that augmented-lagrange tolerates"
     )
@@ -107,5 +112,5 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         return Elastic(self.young_MPa if young is None else young, self.poisson if poisson is None else poisson)
 
     def _discretisation(self) -> Discretisation:
-        shared = Discretisation.__dataclass_fields__
+        shared = Discretisation.__dataclass_fields__.keys() & type(self).model_fields.keys()
         return Discretisation(**{name: getattr(self, name) for name in shared})

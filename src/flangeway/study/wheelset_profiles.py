@@ -7,6 +7,7 @@ from pathlib import Path
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
 from flangeway.geometry.file_content import is_file
+from flangeway.railway.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.joining import joined, nominal_profile, on_plain_body
 from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile, side_notices
 from flangeway.railway.profiles import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
@@ -72,6 +73,10 @@ def wheel_named(
     if not _means_file(name):
         _refuse_other_kind(name, "wheel")
         _refuse_options(name, options, key)
+        if name == IDENTIFIED:
+            if throat_radius_mm is not None:
+                raise InputError(f"throat_radius_mm = {throat_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+            return identified_wheel()
         return wheel(name, throat_radius_mm=throat_radius_mm)
     found = _from_file(name, "wheel", body, other, options, key)
     if not isinstance(found, WheelProfile):

@@ -17,6 +17,7 @@ from flangeway.report.wheel_rail_figures import (
     pressures_figure,
     refinement_figure,
     rigid_limit_figure,
+    root_figure,
 )
 from flangeway.report.wheelset_figure import wheelset_figure
 from flangeway.study import write_together
@@ -24,12 +25,14 @@ from flangeway.study.reproductions import ReproducedNumber, write_rows
 from flangeway.study.reproductions.wheel_rail import (
     WheelRailPatchRow,
     WheelRailReproduction,
+    n_predicted,
     patch_rows,
 )
 
 TABLE, PATCHES = "table.csv", "patches.csv"
 FIGURES = {
     "positions.png": positions_figure,
+    "flange_root.png": root_figure,
     "rigid_limit.png": rigid_limit_figure,
     "refinement.png": refinement_figure,
 }
@@ -76,15 +79,16 @@ def print_summary(console: Console, found: WheelRailReproduction, files: list[Pa
     console.print(_rows_table(found))
     console.print(_patches_table(found))
     console.print(
-        "The published positions (table.csv, positions.png) are not met: their reference position and the wheel's "
-        "throat are not given. What can be compared is the balance.",
+        f"The flange root is fitted to one published number; {n_predicted(found)} others are predicted (table.csv, "
+        "positions.png, flange_root.png).",
         soft_wrap=True,
+        markup=False,
     )
     required = [number for number in found.numbers if number.required]
     n_within = sum(number.within for number in required)
     console.print(
-        f"{n_within} of {len(required)} numbers with a limit are within: balance, agreement of the methods, contact "
-        "regions, rigid limit, refinement, Hertz.",
+        f"{n_within} of {len(required)} numbers with a limit are within: positions, balance, agreement of the methods, "
+        "contact regions, rigid limit, refinement, Hertz.",
         style="bold green" if found.passed else "bold red",
         markup=False,
         soft_wrap=True,
@@ -121,11 +125,11 @@ def _rows_table(found: WheelRailReproduction) -> Table:
 
 def _patches_table(found: WheelRailReproduction) -> Table:
     shown = plain_table("contact")
-    for name in ("force, kN", "pressure, MPa", "half width, mm", "rail x, mm", "shear, MPa"):
+    for name in ("force, kN", "angle, degrees", "half width, mm", "rail x, mm", "shear, MPa"):
         shown.add_column(name, justify="right")
     for row in patch_rows(found.rows):
-        numbers = (row.force_kN, row.max_pressure_MPa, row.half_width_mm, row.rail_x_mm, row.max_shear_rail_MPa)
-        digits = (2, 0, 2, 2, 0)
+        numbers = (row.force_kN, row.angle_deg, row.half_width_mm, row.rail_x_mm, row.max_shear_rail_MPa)
+        digits = (2, 1, 2, 2, 0)
         texts = [f"{np.round(number, n):.{n}f}" for number, n in zip(numbers, digits, strict=True)]
-        shown.add_row(f"{row.situation} {row.code} {row.side} {row.region}", *texts)
+        shown.add_row(f"{row.situation} {row.code} {row.contact}", *texts)
     return shown

@@ -1,0 +1,78 @@
+"""The flange root of the AAR-1B that one published number identifies (Moherdaui, 2021, Table 16)."""
+
+import math
+
+import numpy as np
+import pytest
+
+from flangeway import InputError
+from flangeway.geometry import Arc
+from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.flange_root import IDENTIFIED, identified_wheel, with_flange_root
+from flangeway.railway.profiles import wheel
+from flangeway.railway.result import solve_wheelset
+from flangeway.study.contact_refinement import contact_name
+from flangeway.study.reproductions.wheel_rail_tables import published_case, published_problem
+from flangeway.study.wheelset_profiles import wheel_named
+from flangeway.study.wheelset_tangent import WheelsetTangentCase
+
+
+@pytest.mark.parametrize("radius", [30.0, 38.1, 49.2, 60.0])
+def test_the_family_keeps_what_is_known_of_the_wheel(radius):
+    """Taper, height, thickness and angle of the flange, narrow arc and slope between the arcs stay; no kink appears."""
+    made = with_flange_root(wheel(), radius)
+    parts = dict(zip(made.outline.names, made.outline.segments, strict=True))
+    narrow, wide, tread, face = (parts[n] for n in ("throat_R1", "throat_R2", "tread_1:20", "flange_face_75deg"))
+    assert isinstance(narrow, Arc)
+    assert narrow.radius == pytest.approx(14.2875, abs=1e-4)
+    assert 1.0 / abs(wide.curvature) == pytest.approx(radius, rel=1e-6)
+    assert np.degrees(np.arctan(tread.tangent(0.0)[0] @ (0, 1))) == pytest.approx(
+        math.degrees(math.atan(0.05)), abs=0.01
+    )
+    assert face.tangent(0.0)[0] == pytest.approx((math.cos(math.radians(75)), math.sin(math.radians(75))), abs=1e-5)
+    for one, following in ((parts["flange_tip_front"], face), (face, narrow), (narrow, wide), (wide, tread)):
+        assert one.tangent(1.0)[0] == pytest.approx(following.tangent(0.0)[0], abs=2e-5)
+    assert wide.tangent(0.0)[0][1] == pytest.approx(math.sin(math.radians(30.0)), abs=1e-4)
+    assert (made.flange_height_mm, made.outline.bounds()[0, 1]) == pytest.approx((25.4, -25.4))
+    points = made.running_surface.sampled(max_deviation=1e-6)
+    front = points[points[:, 0] > -60.0]
+    thickness = np.interp(9.525, -front[::-1, 1], front[::-1, 0]) - made.outline.bounds(["back_face"])[0, 0]
+    assert thickness == pytest.approx(34.925, abs=2e-3)
+
+
+def test_vo2_stands_where_it_was_published():
+    """With the bundled root VO2 has the published lateral translation to 0.1 % and rotation to 1 %, on two contacts."""
+    result = solve_wheelset(published_problem(published_case("curve", "VO2")))
+    assert result.status.converged
+    motion = result.motion_in_space
+    assert motion.lateral_mm == pytest.approx(7.309, rel=1e-3)
+    assert motion.roll_rad == pytest.approx(3.395e-4, rel=0.01)
+    angles = {
+        contact_name(result, patch): math.degrees(math.atan2(*np.abs(patch.force_on_wheel_N)))
+        for patch in result.patches
+    }
+    assert angles == pytest.approx({"left tread": 2.8, "right tread": 2.8, "right flange root": 14.7}, abs=0.3)
+
+
+def test_roots_that_do_not_fit_are_refused():
+    """A radius that leaves no room, another throat for the identified wheel, and other wheels are refused."""
+    for radius in (10.0, 90.0, float("nan")):
+        with pytest.raises(InputError, match="flange root"):
+            with_flange_root(wheel(), radius)
+    with pytest.raises(InputError, match="flange root"):
+        with_flange_root(wheel("S1002"), 40.0)
+    with pytest.raises(InputError, match="throat_radius_mm"):
+        wheel_named(IDENTIFIED, 17.0)
+    with pytest.raises(InputError, match="wide_throat_radius_mm"):
+        WheelsetTangentCase.from_values({"wheel": IDENTIFIED, "wide_throat_radius_mm": 44.0}).problem()
+    assert wheel_named(IDENTIFIED, None).outline == identified_wheel().outline
+
+
+def test_a_nodal_penalty_is_of_node_to_segment_alone():
+    """A penalty per node with segment-to-segment or with multipliers is refused, since it would do nothing."""
+    with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
+        Discretisation(nodal_penalty_N_per_mm=1e7)
+    with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
+        Discretisation(pairing="node-to-segment", enforcement="multiplier", nodal_penalty_N_per_mm=1e7)
+    with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
+        Discretisation(pairing="node-to-segment", nodal_penalty_N_per_mm=-1.0)
