@@ -18,6 +18,7 @@ from benchmarks import (
     stabilisation,
     torsion_assembly,
     torsion_sections,
+    worn,
 )
 from benchmarks.measurement import Measurement
 
@@ -31,6 +32,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "positions": positions.measurements,
     "cache": cache.measurements,
     "stabilisation": stabilisation.measurements,
+    "worn": worn.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -43,6 +45,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "elasticity": elasticity.quick,
     "growth": growth.quick,
     "stabilisation": stabilisation.quick,
+    "worn": worn.quick,
 }
 
 

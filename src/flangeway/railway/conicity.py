@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from flangeway.errors import InputError
-from flangeway.railway.rolling import RollingRadiusDifference
+from flangeway.railway.rolling import NO_DIFFERENCE_MM, RollingRadiusDifference
 
 Floats = NDArray[np.float64]
 
@@ -134,13 +134,10 @@ def _half_wave(difference: RollingRadiusDifference, amplitude: float) -> float:
         slope = float(values[1] - values[0]) / (2.0 * amplitude)
         return math.pi / math.sqrt(slope) if slope > 0.0 else math.inf
     squares = 2.0 * (top - potential[1:-1])
-    least, rounding = (
-        float(squares.min(initial=math.inf)),
-        1e-12 * amplitude * float(np.abs(difference.difference_mm).max()),
-    )
-    if least < -rounding:
+    least = float(squares.min())
+    if least < -4.0 * NO_DIFFERENCE_MM * amplitude:
         return math.nan
-    if least <= rounding:
+    if least <= 1e-12 * amplitude * float(np.abs(difference.difference_mm).max()):
         return math.inf
     speed = np.concatenate(([0.0], np.sqrt(squares), [0.0]))
     step = np.diff(points)

@@ -18,6 +18,9 @@ Floats = NDArray[np.float64]
 FLANGE_MM = 1.0
 """How much farther than a rigid one an elastic wheelset may go sideways."""
 
+CLOSE_MM = 0.2
+"""Gap at the rigid rest that elastic bodies close."""
+
 MARGIN_MM = 8.0
 """Gap at the rigid rest within which a second place may come into contact: flanges may push the rails apart."""
 
@@ -34,12 +37,16 @@ class KnownRest:
         See `RigidRest`.
     places
         Points that touch or nearly touch by the part's name, in its profile's frame, each (n, 2).
+    close
+        Points about those that touch with a gap below `CLOSE_MM`, likewise: where worn profiles conform they reach
+        farther than curvatures at the touch tell.
 
     """
 
     rest: RigidRest
     relative_curvature_per_mm: float
     places: Mapping[str, Floats]
+    close: Mapping[str, Floats]
 
 
 def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
@@ -51,7 +58,7 @@ def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
         As `rigid_rest`.
 
     """
-    numbers = (FLANGE_MM, MARGIN_MM, SCAN_MM, CLIMBING_RAD, CLIMBED_MM)
+    numbers = (FLANGE_MM, CLOSE_MM, MARGIN_MM, SCAN_MM, CLIMBING_RAD, CLIMBED_MM)
     key = content_key("rest", problem.track, problem.wheelset, problem.load, problem.prescribed, numbers)
     if cache is None or key is None:
         return _found(problem)
@@ -60,6 +67,7 @@ def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
         return _unpacked(problem, arrays)
     found = _found(problem)
     arrays = {f"at {name}": places for name, places in found.places.items()}
+    arrays |= {f"close {name}": places for name, places in found.close.items()}
     arrays["starts"] = np.array([motion.components for motion in found.rest.starts])
     arrays["curvature"] = np.array(found.relative_curvature_per_mm)
     cache.store(key, arrays)
@@ -72,12 +80,17 @@ def _found(problem: WheelsetProblem) -> KnownRest:
     aside = math.copysign(FLANGE_MM, lateral) if abs(lateral) > FLANGE_MM else 0.0
     near = rest.near_places((0.0, 0.5 * aside, aside) if aside else (0.0,), MARGIN_MM)
     places = {f"{role}-{side}": near[side][number] for side in SIDES for number, role in enumerate(("wheel", "rail"))}
-    return KnownRest(rest, rest.relative_curvature_per_mm, places)
+    close = rest.close_places(CLOSE_MM)
+    around = {f"{role}-{side}": close[side][number] for side in SIDES for number, role in enumerate(("wheel", "rail"))}
+    return KnownRest(rest, rest.relative_curvature_per_mm, places, around)
 
 
 def _unpacked(problem: WheelsetProblem, arrays: Arrays) -> KnownRest:
     starts = tuple(WheelsetMotion(*(float(each) for each in row)) for row in arrays["starts"])
     load = problem.load if problem.prescribed.lateral_mm is None else None
     rest = RigidRest(RigidWheelset.of(problem.track, problem.wheelset), starts, load)
-    places = {name.removeprefix("at "): array for name, array in arrays.items() if name.startswith("at ")}
-    return KnownRest(rest, float(arrays["curvature"]), places)
+    places, close = (
+        {name.removeprefix(kind): array for name, array in arrays.items() if name.startswith(kind)}
+        for kind in ("at ", "close ")
+    )
+    return KnownRest(rest, float(arrays["curvature"]), places, close)

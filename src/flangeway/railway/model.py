@@ -157,7 +157,8 @@ def build_model(
         max(known.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
         contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
     )
-    zones = _zones(problem, known.places, math.inf if whole else 2.0 * hertz.half_width + BENDING_MM)
+    width = 2.0 * hertz.half_width
+    zones = _zones(problem, _with_wide(known.places, known.close, width), math.inf if whole else width + BENDING_MM)
     wheelset, track = problem.wheelset, problem.track
     bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}
@@ -181,6 +182,15 @@ def build_model(
         )
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
     return WheelsetModel(problem, known.rest, hertz, ContactSystem(contacts), parts, zones)
+
+
+def _with_wide(places: Mapping[str, Floats], close: Mapping[str, Floats], width: float) -> dict[str, Floats]:
+    """Places of contact, and besides those close to it that are farther than a width from all of them."""
+    found = {}
+    for name, at in places.items():
+        apart = np.linalg.norm(close[name][:, None] - at, axis=2).min(axis=1, initial=np.inf)
+        found[name] = np.vstack((at, close[name][apart > width]))
+    return found
 
 
 def _zones(problem: WheelsetProblem, near: Mapping[str, Floats], reach: float) -> dict[str, Zone]:

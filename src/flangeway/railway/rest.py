@@ -8,10 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.geometry import Placement
 from flangeway.railway.load import Load
 from flangeway.railway.problem import WheelsetProblem
-from flangeway.railway.rigid_contact import ContactLocus, RigidWheelset, Settled, contact_locus, locus_of, settle
+from flangeway.railway.rigid_contact import RigidWheelset, Settled, contact_locus, locus_of, settle
 from flangeway.railway.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
+from flangeway.railway.rigid_locus import ContactLocus
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 
 Floats = NDArray[np.float64]
@@ -109,11 +111,31 @@ class RigidRest:
             for side, pairs in found.items()
         }
 
+    def close_places(self, gap_mm: float) -> dict[Side, tuple[Floats, Floats]]:
+        """Places on wheel and rail, in their frames, at rest, with a gap below a limit; two arrays (n, 2) a side.
+
+        Parameters
+        ----------
+        gap_mm
+            Largest vertical gap: of wide places that conform all points are in it, not only the one that touches.
+
+        """
+        settled = self._settled(0.0)
+        lateral = float(settled.rail_level[0] - self.wheelset.reference_height_mm * math.sin(settled.roll[0]))
+        found: dict[Side, tuple[Floats, Floats]] = {}
+        for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
+            curves, roll = self.wheelset.side(side), sign * float(settled.roll[0])
+            arcs = curves.close_arcs(sign * lateral, roll, float(settled.lift[0]), gap_mm)
+            on_wheel = np.column_stack(curves.wheel.at(arcs)[:2])
+            moved = Placement(roll, (sign * lateral, float(settled.lift[0]))).points(on_wheel)
+            on_rail = np.column_stack(curves.rail.over(moved[:, 0])[:2])
+            found[side] = curves.wheel_frame.inverse().points(on_wheel), curves.rail_frame.inverse().points(on_rail)
+        return found
+
     def _settled(self, aside_mm: float) -> Settled:
         height = self.wheelset.reference_height_mm
-        return settle(
-            self.wheelset, np.array([self.motion.lateral_mm + height * math.sin(self.motion.roll_rad) + aside_mm])
-        )
+        level = self.motion.lateral_mm + height * math.sin(self.motion.roll_rad) + aside_mm
+        return settle(self.wheelset, np.array([level]), gaps=True)
 
     def _inside(self, side: Side, wheel_arc: Floats, rail_x: Floats) -> NDArray[np.bool_]:
         curves = self.wheelset.side(side)

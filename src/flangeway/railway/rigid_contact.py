@@ -6,7 +6,9 @@ in the reference position): along it the roll has one solution for each place, w
 middle turns back when a steep flange climbs.
 """
 
+import math
 from dataclasses import dataclass
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -14,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
+from flangeway.railway.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.rigid_side import RigidSide, Touches
 from flangeway.railway.track import SIDES, Side, Track, Wheelset, WheelsetMotion, refuse_misfit
 
@@ -25,7 +28,12 @@ TOUCH_TOLERANCE_MM = 1e-10
 JUMP_MM = 0.3
 """Shortest jump of a point of contact along the wheel that counts as one."""
 
-_PATH_STEP_MM = 0.1
+PATH_MM = 40.0
+"""Lateral motion at the rails' height to which positions are followed, if no larger one is asked for."""
+
+PATH_STEP_MM = 0.1
+"""Distance of these positions."""
+
 _FLANGE_MM = 30.0  # further lateral motion at the rails' height that is searched, while the flange climbs
 _ROUNDING_MM = 0.1 * TOUCH_TOLERANCE_MM
 _CONFORMING_MM = 1e-5
@@ -34,7 +42,7 @@ _CONFORMING_MM = 1e-5
 _LARGEST_TURN_RAD = 0.02
 _FAST = 3.0  # motion of the point of contact per lateral motion, above which it may have jumped
 _MAX_ITERATIONS = 40
-_SECTIONS = 64
+_SECTIONS = 32
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,89 +66,33 @@ class RigidWheelset:
     barycentre_height_mm: float = Wheelset.barycentre_height_mm
 
     @classmethod
-    def of(cls, track: Track, wheelset: Wheelset) -> "RigidWheelset":
-        """Return the rigid curves of a wheelset on a track; see `refuse_misfit` for what is refused."""
+    def of(cls, track: Track, wheelset: Wheelset, yaw_rad: float = 0.0) -> "RigidWheelset":
+        """Return the rigid curves of a wheelset on a track; see `refuse_misfit` for what is refused.
+
+        Parameters
+        ----------
+        track, wheelset
+            What stands where.
+        yaw_rad
+            Yaw of the axle about its middle, counter-clockwise seen from above: the right wheel is ahead.
+
+        """
         refuse_misfit(track, wheelset)
-        left, right = (RigidSide.of(track, wheelset, side) for side in SIDES)
+        left, right = (RigidSide.of(track, wheelset, side, yaw_rad) for side in SIDES)
         return cls(left, right, wheelset.tape_radius_mm, wheelset.barycentre_height_mm)
 
     def side(self, side: Side) -> RigidSide:
         """Curves of a side."""
         return self.left if side == "left" else self.right
 
+    @cached_property
+    def _path(self) -> "Settled":
+        return _followed(self, PATH_MM)
 
-@dataclass(frozen=True, eq=False)
-class SideLocus:
-    """Points of contact of one side over the positions of a wheelset.
-
-    Points in the frames of the profiles are in the right-hand form on both sides. Column 0 is the touch, further
-    columns are the next smallest gaps, nan where there are none.
-
-    Parameters
-    ----------
-    side
-        Side of the track.
-    wheel_points_mm, rail_points_mm
-        In the frames of the profiles, shape (n, N_TOUCHES, 2).
-    gaps_mm
-        Vertical gap at these places, zero in column 0, inf where there is no place, shape (n, N_TOUCHES).
-    contact_angles_rad
-        Angle of the common tangent from the track's plane, positive towards the flange, shape (n, N_TOUCHES).
-    rolling_radii_mm
-        Distance from the axle, shape (n, N_TOUCHES).
-    relative_curvatures_per_mm
-        Sum of the curvatures of wheel and rail, shape (n, N_TOUCHES).
-    points_mm
-        In the track's axes, shape (n, N_TOUCHES, 2); here the left side has negative x.
-
-    """
-
-    side: Side
-    wheel_points_mm: Floats
-    rail_points_mm: Floats
-    gaps_mm: Floats
-    contact_angles_rad: Floats
-    rolling_radii_mm: Floats
-    relative_curvatures_per_mm: Floats
-    points_mm: Floats
-
-
-@dataclass(frozen=True, eq=False)
-class ContactLocus:
-    """Positions in which both wheels touch, and their points of contact.
-
-    Parameters
-    ----------
-    lateral_mm, vertical_mm, roll_rad
-        Motion of the axle's middle from its reference position, each (n,); see `WheelsetMotion`.
-    rail_level_mm
-        Lateral motion of the wheelset at the height of the rails, (n,).
-    left, right
-        Points of contact.
-
-    """
-
-    lateral_mm: Floats
-    vertical_mm: Floats
-    roll_rad: Floats
-    rail_level_mm: Floats
-    left: SideLocus
-    right: SideLocus
-
-    def side(self, side: Side) -> SideLocus:
-        """Points of contact of a side."""
-        return self.left if side == "left" else self.right
-
-    @property
-    def rolling_radius_difference_mm(self) -> Floats:
-        """Rolling radius of the right wheel less that of the left one, (n,)."""
-        return self.right.rolling_radii_mm[:, 0] - self.left.rolling_radii_mm[:, 0]
-
-    def motion(self, number: int) -> WheelsetMotion:
-        """Motion of the wheelset in a position."""
-        return WheelsetMotion(
-            float(self.lateral_mm[number]), float(self.vertical_mm[number]), float(self.roll_rad[number])
-        )
+    def path(self, reach_mm: float) -> "Settled":
+        """See `path_of_contact`."""
+        path = self._path if reach_mm <= PATH_MM else _followed(self, reach_mm)
+        return path.part(np.abs(path.rail_level) < reach_mm + PATH_STEP_MM)
 
 
 @dataclass(frozen=True)
@@ -164,6 +116,18 @@ class ContactJump:
     rail_points_mm: tuple[tuple[float, float], tuple[float, float]]
 
 
+class Intervals(NamedTuple):
+    """Intervals of the lateral motion at the rails' height, or grids in them, and guesses of the roll, (n, m) each."""
+
+    level: Floats
+    roll: Floats
+
+    def divided(self, n_sections: int) -> "Intervals":
+        """Grids (n, n_sections + 1) between the ends."""
+        part = np.linspace(0.0, 1.0, n_sections + 1)
+        return Intervals(*(each[:, :1] + np.diff(each, axis=1) * part for each in self))
+
+
 class Settled(NamedTuple):
     """Positions in which both wheels touch: raw arrays (n,), and touches of both sides."""
 
@@ -176,6 +140,20 @@ class Settled(NamedTuple):
     def lift(self) -> Floats:
         """Height of the axle's middle."""
         return 0.5 * (self.right.lift[:, 0] + self.left.lift[:, 0])
+
+    def side(self, side: Side) -> Touches:
+        """Touches of a side."""
+        return self.left if side == "left" else self.right
+
+    def pairs(self, places: NDArray[np.int64]) -> Intervals:
+        """Intervals from positions to those that follow them."""
+        both = places[:, None] + np.arange(2)
+        return Intervals(self.rail_level[both], self.roll[both])
+
+    def part(self, chosen: slice | NDArray[np.bool_]) -> "Settled":
+        """Some of the positions."""
+        sides = (Touches(*(column[chosen] for column in side)) for side in (self.left, self.right))
+        return Settled(self.rail_level[chosen], self.roll[chosen], *sides)
 
 
 def contact_locus(wheelset: RigidWheelset, lateral_mm: ArrayLike, *, roll: bool = True) -> ContactLocus:
@@ -213,20 +191,21 @@ def contact_locus(wheelset: RigidWheelset, lateral_mm: ArrayLike, *, roll: bool 
             )
         return locus_of(wheelset, Settled(wanted.copy(), level, left, right))
     start = _bracketed(wheelset, wanted)
-    return locus_of(wheelset, settle(wheelset, wanted, *start, at_axle=True))
+    return locus_of(wheelset, settle(wheelset, wanted, *start, at_axle=True, gaps=True))
 
 
-def path_of_contact(wheelset: RigidWheelset, reach_mm: float, middle_mm: float = 0.0) -> Settled:
+def path_of_contact(wheelset: RigidWheelset, reach_mm: float) -> Settled:
     """Positions along the lateral motion at the height of the rails, to both sides as far as both wheels touch inside.
+
+    They are 0.1 mm apart, half of that from the middle: on symmetric tracks symmetric functions are zero there. Only
+    the first touches are in them. They are computed once for a wheelset.
 
     Parameters
     ----------
     wheelset
         Wheels and rails.
     reach_mm
-        Largest lateral motion at the rails' height; the positions are 0.1 mm apart.
-    middle_mm
-        Lateral motion of the middle one.
+        Largest lateral motion at the rails' height.
 
     Raises
     ------
@@ -234,28 +213,27 @@ def path_of_contact(wheelset: RigidWheelset, reach_mm: float, middle_mm: float =
         If the wheels do not stand on the rails even without lateral motion.
 
     """
-    n_side = max(int(np.ceil(reach_mm / _PATH_STEP_MM)), 1)
-    rail_level = middle_mm + _PATH_STEP_MM * np.arange(-n_side, n_side + 1, dtype=np.float64)
+    return wheelset.path(reach_mm)
+
+
+def _followed(wheelset: RigidWheelset, reach_mm: float) -> Settled:
+    """Follow the path of contact."""
+    n_side = max(int(np.ceil(reach_mm / PATH_STEP_MM)), 1) + 1
+    rail_level = np.arange(-n_side + 0.5, n_side) * PATH_STEP_MM
     over = wheelset.right.over_rail(rail_level) & wheelset.left.over_rail(-rail_level)
+    # a margin for the part of the lateral motion that roll adds at the axle's height
+    over &= np.roll(over, 30) & np.roll(over, -30)
     if over[n_side]:
-        # a margin for the part of the lateral motion that roll adds at the axle's height
-        over &= np.roll(over, 30) & np.roll(over, -30)
-        rail_level = rail_level[_run_about(over, n_side)] if over[n_side] else rail_level[:0]
-    else:
-        rail_level = rail_level[:0]
-    if len(rail_level):
-        settled, lost = _settle(wheelset, rail_level, rail_level.copy(), np.zeros(len(rail_level)), at_axle=False)
+        rail_level = rail_level[_run_about(over, n_side)]
+        every = slice(None, None, 10)
+        coarse = _settle(wheelset, rail_level[every], rail_level[every], 0.0 * rail_level[every])[0]
+        roll = np.interp(rail_level, coarse.rail_level, coarse.roll)
+        settled, lost = _settle(wheelset, rail_level, rail_level, roll)
         inside = ~np.isin(np.arange(len(rail_level)), lost)
         inside &= ~wheelset.right.at_edge(settled.right) & ~wheelset.left.at_edge(settled.left)
         middle = int(np.argmin(np.abs(rail_level)))
         if inside[middle]:
-            kept = _run_about(inside, middle)
-            return Settled(
-                settled.rail_level[kept],
-                settled.roll[kept],
-                Touches(*(column[kept] for column in settled.left)),
-                Touches(*(column[kept] for column in settled.right)),
-            )
+            return settled.part(_run_about(inside, middle))
     raise InputError(
         "a wheelset whose wheels do not touch the rails inside their running surfaces",
         "wheels that stand on the heads of the rails",
@@ -287,30 +265,24 @@ def contact_jumps(wheelset: RigidWheelset, lateral_mm: float) -> tuple[ContactJu
     within = np.minimum(np.abs(lateral[1:]), np.abs(lateral[:-1])) <= lateral_mm
     found = []
     for side in SIDES:
-        arcs = (path.left if side == "left" else path.right).wheel_arc[:, 0]
-        places = np.flatnonzero(within & (np.abs(np.diff(arcs)) > max(JUMP_MM, _FAST * _PATH_STEP_MM)))
-        low, high = path.rail_level[places], path.rail_level[places + 1]
-        while len(low) and float((high - low).max()) > TOUCH_TOLERANCE_MM:
-            low, high = _narrowed(wheelset, side, low, high)
-        for first, last in zip(low, high, strict=True):
+        arcs = path.side(side).wheel_arc[:, 0]
+        places = np.flatnonzero(within & (np.abs(np.diff(arcs)) > max(JUMP_MM, _FAST * PATH_STEP_MM)))
+        pairs = path.pairs(places)
+        while len(pairs.level) and float(np.diff(pairs.level, axis=1).max()) > TOUCH_TOLERANCE_MM:
+            grid = pairs.divided(_SECTIONS)
+            settled = settle(wheelset, grid.level.ravel(), roll=grid.roll.ravel())
+            arcs = settled.side(side).wheel_arc[:, 0].reshape(grid.level.shape)
+            rows, columns = np.nonzero(np.abs(np.diff(arcs, axis=1)) > JUMP_MM)
+            pairs = settled.pairs(rows * grid.level.shape[1] + columns)
+        for first, last in pairs.level:
             jump = _jump(wheelset, side, float(first), float(last))
             if abs(jump.motion.lateral_mm) <= lateral_mm:
                 found.append(jump)
     return tuple(sorted(found, key=lambda jump: jump.motion.lateral_mm))
 
 
-def _narrowed(wheelset: RigidWheelset, side: Side, low: Floats, high: Floats) -> tuple[Floats, Floats]:
-    """Sections of intervals in which the point of contact still jumps."""
-    grid = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _SECTIONS + 1)
-    settled = settle(wheelset, grid.ravel())
-    touches = settled.left if side == "left" else settled.right
-    arcs = touches.wheel_arc[:, 0].reshape(grid.shape)
-    rows, columns = np.nonzero(np.abs(np.diff(arcs, axis=1)) > JUMP_MM)
-    return grid[rows, columns], grid[rows, columns + 1]
-
-
 def _jump(wheelset: RigidWheelset, side: Side, low: float, high: float) -> ContactJump:
-    ends = locus_of(wheelset, settle(wheelset, np.array([low, high])))
+    ends = locus_of(wheelset, settle(wheelset, np.array([low, high]), gaps=True))
     at = ends.side(side)
     order = (0, 1) if abs(ends.lateral_mm[0]) <= abs(ends.lateral_mm[1]) else (1, 0)
     on_wheel, on_rail = (
@@ -327,6 +299,7 @@ def settle(
     roll: Floats | None = None,
     *,
     at_axle: bool = False,
+    gaps: bool = False,
 ) -> Settled:
     """Find the rolls at which both wheels touch, by Newton with the exact derivatives of the touches' heights.
 
@@ -340,10 +313,12 @@ def settle(
         First guess; `target` and zero by default.
     at_axle
         Whether `target` is the motion of the axle's middle.
+    gaps
+        Whether the next smallest gaps are wanted besides the touches.
 
     """
-    eta = target.copy() if rail_level is None else rail_level.copy()
-    phi = np.zeros(len(target)) if roll is None else roll.copy()
+    eta = target if rail_level is None else rail_level
+    phi = np.zeros(len(target)) if roll is None else roll
     settled, lost = _settle(wheelset, target, eta, phi, at_axle=at_axle)
     if len(lost):
         raise InputError(
@@ -351,30 +326,39 @@ def settle(
             "profiles on which the touch can be followed",
             "smooth the profiles, or move a little aside",
         )
+    if gaps:
+        return Settled(settled.rail_level, settled.roll, *_both(wheelset, settled.rail_level, settled.roll, gaps=True))
     return settled
 
 
+def _both(wheelset: RigidWheelset, rail_level: Floats, roll: Floats, *, gaps: bool) -> tuple[Touches, Touches]:
+    """Touches of the left and of the right wheel."""
+    lateral = rail_level - wheelset.reference_height_mm * np.sin(roll)
+    return (
+        wheelset.left.touches(-lateral, -roll, first_only=not gaps),
+        wheelset.right.touches(lateral, roll, first_only=not gaps),
+    )
+
+
 def _settle(
-    wheelset: RigidWheelset, target: Floats, eta: Floats, phi: Floats, *, at_axle: bool
+    wheelset: RigidWheelset, target: Floats, rail_level: Floats, roll: Floats, *, at_axle: bool = False
 ) -> tuple[Settled, NDArray[np.int64]]:
     """Settle positions as far as a roll is found for them; the numbers of the others, as where a profile ends."""
-    radius = wheelset.reference_height_mm
+    radius, eta, phi = wheelset.reference_height_mm, rail_level.copy(), roll.copy()
     # with the motion at the rails' height given, the difference of the heights falls with the roll: a bracket is kept
     low, high = np.full(len(target), -np.inf), np.full(len(target), np.inf)
     active = np.arange(len(target))
     kept: list[Floats] | None = None
     for _ in range(_MAX_ITERATIONS):
-        lateral = eta[active] - radius * np.sin(phi[active])
-        right = wheelset.right.touches(lateral, phi[active])
-        left = wheelset.left.touches(-lateral, -phi[active])
-        columns = [*right, *left]
+        left, right = _both(wheelset, eta[active], phi[active], gaps=False)
+        columns = [*left, *right]
         if kept is None:
             kept = [column.copy() for column in columns]
         else:
             for whole, part in zip(kept, columns, strict=True):
                 whole[active] = part
         height = right.lift[:, 0] - left.lift[:, 0]
-        offset = lateral - target[active] if at_axle else np.zeros(len(active))
+        offset = eta[active] - radius * np.sin(phi[active]) - target[active] if at_axle else np.zeros(len(active))
         done = (np.abs(height) < _ROUNDING_MM) & (np.abs(offset) < _ROUNDING_MM)
         arm, slope = _levers(radius, eta[active], phi[active], left, right)
         swing = radius * np.cos(phi[active])
@@ -394,7 +378,7 @@ def _settle(
         if not len(active):
             break
     lost = active[~(rest < _CONFORMING_MM)]
-    return Settled(eta, phi, Touches(*(kept or [])[6:]), Touches(*(kept or [])[:6])), lost
+    return Settled(eta, phi, Touches(*(kept or [])[:6]), Touches(*(kept or [])[6:])), lost
 
 
 def _levers(radius: float, rail_level: Floats, roll: Floats, left: Touches, right: Touches) -> tuple[Floats, Floats]:
@@ -407,17 +391,52 @@ def _levers(radius: float, rail_level: Floats, roll: Floats, left: Touches, righ
     return arms[0] + arms[1], slopes[0] + slopes[1]
 
 
+def lateral_limits(wheelset: RigidWheelset, largest_mm: float) -> tuple[float, float]:
+    """Least and largest lateral motion of the axle's middle, before a flange climbs and turns the axle back.
+
+    Parameters
+    ----------
+    wheelset
+        Wheels and rails.
+    largest_mm
+        Lateral motion up to which they are looked for.
+
+    """
+    path, part = _outward(wheelset, largest_mm)
+    lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
+    return float(lateral[part.start]), float(lateral[part.stop - 1])
+
+
+def unrolled_limits(wheelset: RigidWheelset, largest_mm: float) -> tuple[float, float]:
+    """Least and largest lateral motion without roll, before a touch reaches the end of a running surface; see above."""
+    n_side = math.ceil(largest_mm / PATH_STEP_MM)
+    lateral = np.linspace(-n_side, n_side, 2 * n_side + 1) * PATH_STEP_MM
+    over = wheelset.right.over_rail(lateral) & wheelset.left.over_rail(-lateral)
+    lateral = lateral[_run_about(over, n_side)]
+    level = np.zeros(len(lateral))
+    left = wheelset.left.touches(-lateral, level, first_only=True)
+    right = wheelset.right.touches(lateral, level, first_only=True)
+    inside = ~wheelset.left.at_edge(left) & ~wheelset.right.at_edge(right)
+    run = lateral[_run_about(inside, int(np.argmin(np.abs(lateral))))]
+    return float(run[0]), float(run[-1])
+
+
+def _outward(wheelset: RigidWheelset, largest_mm: float) -> tuple[Settled, slice]:
+    """The path of contact, and the part of it on which the axle moves outward with the wheelset at the rails."""
+    path = path_of_contact(wheelset, largest_mm + _FLANGE_MM)
+    lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
+    rises = np.append(np.diff(lateral) > 0.0, False)
+    middle = int(np.argmin(np.abs(path.rail_level)))
+    run = _run_about(rises, middle) if rises[middle] else slice(middle, middle)
+    return path, slice(run.start, run.stop + 1)
+
+
 def _bracketed(wheelset: RigidWheelset, wanted: Floats) -> tuple[Floats, Floats]:
     """First guesses of the motion at the rails' height and of the roll, on the branch that leads from the middle."""
-    path = path_of_contact(wheelset, float(np.abs(wanted).max()) + _FLANGE_MM)
+    path, part = _outward(wheelset, float(np.abs(wanted).max()))
+    path = path.part(part)
     lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
-    middle = int(np.argmin(np.abs(path.rail_level)))
-    # away from the middle until the axle turns back
-    steps = np.diff(lateral) > 0.0
-    last = middle + (int(np.argmin(steps[middle:])) if not steps[middle:].all() else len(steps) - middle)
-    before = steps[:middle][::-1]
-    first = middle - (int(np.argmin(before)) if not before.all() else middle)
-    low, high = lateral[first], lateral[last]
+    low, high = lateral[[0, -1]]
     if ((wanted < low) | (wanted > high)).any():
         worst = float(wanted[np.argmax(np.abs(wanted))])
         raise InputError(
@@ -425,8 +444,7 @@ def _bracketed(wheelset: RigidWheelset, wanted: Floats) -> tuple[Floats, Floats]
             f"{low:.2f} to {high:.2f} mm, between the ends of the running surfaces or climbing flanges",
             "give a smaller lateral motion",
         )
-    part = slice(first, last + 1)
-    return np.interp(wanted, lateral[part], path.rail_level[part]), np.interp(wanted, lateral[part], path.roll[part])
+    return np.interp(wanted, lateral, path.rail_level), np.interp(wanted, lateral, path.roll)
 
 
 def _run_about(flags: NDArray[np.bool_], middle: int) -> slice:
@@ -444,9 +462,11 @@ def locus_of(wheelset: RigidWheelset, settled: Settled) -> ContactLocus:
     sides = {}
     for side, touches, sign in (("left", settled.left, -1.0), ("right", settled.right, 1.0)):
         curves = wheelset.left if side == "left" else wheelset.right
-        wheel = curves.wheel.at(np.nan_to_num(touches.wheel_arc))
-        there = np.isfinite(touches.lift)
-        on_wheel = np.where(there[..., None], np.stack((wheel.x, wheel.y), axis=-1), np.nan)
+        along, radii, ahead = (
+            np.where(np.isfinite(touches.lift), each, np.nan)
+            for each in curves.on_wheel(np.nan_to_num(touches.wheel_arc))
+        )
+        on_wheel = np.stack((along, -radii), axis=-1)
         on_rail = np.stack((touches.x, touches.y), axis=-1)
         sides[side] = SideLocus(
             "left" if side == "left" else "right",
@@ -454,9 +474,10 @@ def locus_of(wheelset: RigidWheelset, settled: Settled) -> ContactLocus:
             _in_frame(curves.rail_frame, on_rail),
             touches.lift[:, :1] - touches.lift,
             touches.angle,
-            -on_wheel[..., 1],
+            radii,
             touches.relative_curvature,
             on_rail * (sign, 1.0),
+            ahead,
         )
     return ContactLocus(lateral, settled.lift - radius, settled.roll, settled.rail_level, sides["left"], sides["right"])
 

@@ -116,9 +116,9 @@ class RigidCurve:
 
     @classmethod
     def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
-        """Return arcs through points of a smooth graph with its slopes there.
+        """Return pairs of arcs through points of a smooth graph with its slopes there; see `flangeway.railway.biarcs`.
 
-        The tangent is continuous; the points are met up to the third power of their distance.
+        The tangent is continuous; between the points the error falls with the third power of their distance.
 
         Parameters
         ----------
@@ -128,13 +128,29 @@ class RigidCurve:
         """
         at, height = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
         angle = np.arctan(np.asarray(slope, dtype=np.float64))
-        step = np.diff(at)
-        if not (len(at) > 1 and (step > 0.0).all() and np.isfinite(height).all() and np.isfinite(angle).all()):
+        if not (len(at) > 1 and (np.diff(at) > 0.0).all() and np.isfinite(height).all() and np.isfinite(angle).all()):
             raise InputError("a graph that is not one", "two or more points with increasing x", "sort the points")
-        curvature = np.diff(np.sin(angle)) / step
-        turn = np.diff(angle)
-        length = step / (np.cos(angle[:-1] + 0.5 * turn) * np.sinc(0.5 * turn / np.pi))
-        return cls(np.column_stack((at, height))[:-1], angle[:-1], curvature, length)
+        points, tangents = np.column_stack((at, height)), np.column_stack((np.cos(angle), np.sin(angle)))
+        chord, first, last = np.diff(points, axis=0), tangents[:-1], tangents[1:]
+        square, along = (chord**2).sum(axis=1), (chord * (first + last)).sum(axis=1)
+        bend = 2.0 * (1.0 - (first * last).sum(axis=1))
+        step = (square / (along + np.sqrt(along**2 + bend * square)))[:, None]
+        middle = 0.5 * (points[:-1] + step * first + points[1:] - step * last)
+        halves = np.stack((middle - points[:-1], points[1:] - middle), axis=1)
+        # a chord has the mean angle of its arc's ends
+        means = np.arctan2(halves[..., 1], halves[..., 0])
+        turns = 2.0 * np.stack((means[:, 0] - angle[:-1], angle[1:] - means[:, 1]), axis=1)
+        lengths = np.hypot(halves[..., 0], halves[..., 1]) / np.sinc(0.5 * turns / np.pi)
+        starts = np.stack((points[:-1], middle), axis=1)
+        angles = np.stack((angle[:-1], angle[1:] - turns[:, 1]), axis=1)
+        return cls(starts.reshape(-1, 2), angles.ravel(), (turns / lengths).ravel(), lengths.ravel())
+
+    def sampled(self, spacing_mm: float) -> CurvePoints:
+        """Places along each piece, no farther apart than a spacing, both ends of each included, (n,)."""
+        counts = np.ceil(self.lengths / spacing_mm).astype(np.int64) + 1
+        piece = np.repeat(np.arange(len(counts)), counts)
+        number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        return self._along(piece, self.lengths[piece] * number / (counts[piece] - 1))
 
     @cached_property
     def offsets(self) -> Floats:
@@ -155,7 +171,10 @@ class RigidCurve:
         """Places at lengths along the curve from its start."""
         s = np.asarray(arc_length, dtype=np.float64)
         piece = np.clip(np.searchsorted(self.offsets, s, side="right") - 1, 0, len(self.lengths) - 1)
-        local = s - self.offsets[piece]
+        return self._along(piece, s - self.offsets[piece])
+
+    def _along(self, piece: NDArray[np.int64], local: Floats) -> CurvePoints:
+        """Places at lengths from the start of pieces."""
         curvature, start_angle = self.curvatures[piece], self.angles[piece]
         half_turn = 0.5 * curvature * local
         chord = local * np.sinc(half_turn / np.pi)

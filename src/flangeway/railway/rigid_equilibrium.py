@@ -6,7 +6,8 @@ the side touches in two points, and three normal forces follow from the three eq
 """
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,28 +17,32 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.railway.load import Load
 from flangeway.railway.rigid_contact import (
-    ContactLocus,
+    PATH_MM,
+    PATH_STEP_MM,
+    Intervals,
     RigidWheelset,
     Settled,
     locus_of,
     path_of_contact,
     settle,
 )
+from flangeway.railway.rigid_locus import ContactLocus
 from flangeway.railway.track import SIDES, Side, WheelsetMotion
 from flangeway.solve import Status
 
 Floats = NDArray[np.float64]
 
-BALANCED = 1e-8
-"""Largest residual force over the load at which the normal forces count as in balance."""
+BALANCED = 1e-5
+"""Largest residual force over the load at which the normal forces count as in equilibrium."""
+
+NEUTRAL_MM = 1.0
+"""Length from which positions that all are in equilibrium count as one, which is neutral."""
 
 _TOGETHER_MM = 1e-7  # gap below which a further place touches as well
 _PRECISION_MM = 1e-13
-_SECTIONS = 128
-_ASIDE_MM = 0.05
+_SECTIONS = 32
 _NEAR_MM = 1e-6
 _ONE_POINT_MM = 1e-2
-_REACH_MM = 40.0
 
 
 @dataclass(frozen=True)
@@ -60,6 +65,8 @@ class RigidContactPoint:
         Sum of the curvatures of wheel and rail, convex positive.
     normal_force_N
         Force, >= 0.
+    ahead_mm
+        Distance along the track by which the point is ahead of the axle, zero without yaw.
 
     """
 
@@ -71,6 +78,7 @@ class RigidContactPoint:
     rolling_radius_mm: float
     relative_curvature_per_mm: float
     normal_force_N: float  # noqa: N815
+    ahead_mm: float = 0.0
 
     @property
     def force_on_wheel_N(self) -> tuple[float, float]:  # noqa: N802
@@ -104,6 +112,9 @@ class RigidPosition:
         Whether the wheelset comes back after a small push.
     residual
         Residual of the balance over the load; above `BALANCED` no compressive forces balance the load.
+    neutral_mm
+        Least and largest lateral motion of the axle's middle between which every position is in equilibrium, as for
+        cylinders; None where the equilibrium is a single position.
 
     """
 
@@ -112,6 +123,7 @@ class RigidPosition:
     contacts: tuple[RigidContactPoint, ...]
     stable: bool
     residual: float
+    neutral_mm: tuple[float, float] | None = None
 
     @property
     def bears(self) -> bool:
@@ -159,7 +171,16 @@ class RigidEquilibrium:
             return Status(False, f"{error.given}; allowed is {error.allowed}; {error.advice}", 0)
         # no sign before a zero
         lateral, n_points = round(self.outcome.motion.lateral_mm, 3) + 0.0, len(self.outcome.contacts)
-        return Status(True, f"in balance at a lateral motion of {lateral:.3f} mm on {n_points} points", 0)
+        where = f"at a lateral motion of {lateral:.3f} mm on {n_points} points"
+        if self.outcome.neutral_mm is not None:
+            low, high = self.outcome.neutral_mm
+            return Status(
+                True,
+                f"in neutral equilibrium, which nothing but friction holds, between {low:.2f} and {high:.2f} mm; shown "
+                f"{where}",
+                0,
+            )
+        return Status(True, f"in balance {where}", 0)
 
     def reached(self) -> RigidPosition:
         """Return the balance that is reached.
@@ -175,7 +196,7 @@ class RigidEquilibrium:
         return self.outcome
 
 
-def rigid_equilibrium(wheelset: RigidWheelset, load: Load) -> RigidEquilibrium:
+def rigid_equilibrium(wheelset: RigidWheelset, load: Load, *, reached_only: bool = False) -> RigidEquilibrium:
     """Find all positions in which a load is in balance, and the one that is reached from the middle.
 
     Parameters
@@ -184,6 +205,8 @@ def rigid_equilibrium(wheelset: RigidWheelset, load: Load) -> RigidEquilibrium:
         Wheels and rails.
     load
         Forces at the barycentre.
+    reached_only
+        Whether only the one that is reached is looked for.
 
     Raises
     ------
@@ -191,34 +214,75 @@ def rigid_equilibrium(wheelset: RigidWheelset, load: Load) -> RigidEquilibrium:
         If the wheels do not stand on the rails.
 
     """
-    # half a step aside: in the middle of a symmetric track a symmetric derivative is zero
-    path = path_of_contact(wheelset, _REACH_MM, _ASIDE_MM)
-    derivative = _derivative(wheelset, path, load)
-    rising = derivative >= 0.0
-    places = np.flatnonzero(rising[1:] != rising[:-1])
-    positions = []
-    if len(places):
-        low, high = path.rail_level[places], path.rail_level[places + 1]
-        low, high = _zeros(wheelset, load, low, high)
-        # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
-        found = settle(wheelset, np.concatenate((low, high, low - _NEAR_MM, high + _NEAR_MM)))
-        positions = [
-            _position(wheelset, load, found, range(i, 4 * len(places), len(places)), bool(rising[place + 1]))
-            for i, place in enumerate(places)
-        ]
+    path = path_of_contact(wheelset, PATH_MM)
     along, onto = load.in_track
-    ratios = held_ratios(wheelset, path)
-    middle = int(np.argmin(np.abs(path.rail_level)))
-    reached = _reached(derivative[middle], middle, places, rising)
-    position = None if reached is None else positions[reached]
+    derivative = _derivative(wheelset, path, load) / onto
+    candidates = _candidates(derivative)
+    reached = _reached(derivative, int(np.argmin(np.abs(path.rail_level))), candidates)
+    chosen = candidates if not reached_only else [candidates[reached]] if reached is not None else []
+    positions = _positions(wheelset, load, path, chosen)
+    position = None if reached is None else positions[0 if reached_only else reached]
     outcome: RigidPosition | InputError
     if position is None:
-        outcome = _derailment(path, ratios, along / onto)
+        outcome = _derailment(path, held_ratios(wheelset, path), along / onto)
     elif not position.bears:
         outcome = _overturning(wheelset, position, along / onto)
     else:
         outcome = position
     return RigidEquilibrium(outcome, tuple(each for each in positions if each.bears), along / onto)
+
+
+class _Candidate(NamedTuple):
+    """Positions of the path between which the derivative passes through zero, or is zero all along."""
+
+    first: int
+    last: int
+    stops: bool  # whether a wheelset that arrives stays
+    neutral: bool
+
+
+def _candidates(derivative: Floats) -> list[_Candidate]:
+    """Where the derivative over the load is zero along the path of contact, in order."""
+    still = np.concatenate(([False], np.abs(derivative) <= BALANCED, [False]))
+    starts, ends = np.flatnonzero(still[1:] & ~still[:-1]), np.flatnonzero(still[:-1] & ~still[1:]) - 1
+    found = [
+        _Candidate(int(start), int(end), True, True)
+        for start, end in zip(starts, ends, strict=True)
+        if (end - start) * PATH_STEP_MM >= NEUTRAL_MM
+    ]
+    rising = derivative >= 0.0
+    for place in np.flatnonzero(rising[1:] != rising[:-1]).tolist():
+        if all(place + 1 < each.first or place > each.last for each in found if each.neutral):
+            found.append(_Candidate(place, place + 1, bool(rising[place + 1]), False))
+    return sorted(found)
+
+
+def _positions(wheelset: RigidWheelset, load: Load, path: Settled, candidates: list[_Candidate]) -> list[RigidPosition]:
+    """Forces and points of contact at candidates."""
+    if not candidates:
+        return []
+    first, last = (np.array([each[i] for each in candidates]) for i in (0, 1))
+    neutral = np.array([each.neutral for each in candidates])
+    ends = Intervals(
+        np.stack((path.rail_level[first], path.rail_level[last]), axis=1),
+        np.stack((path.roll[first], path.roll[last]), axis=1),
+    )
+    # a neutral equilibrium is shown as near to the middle as it goes
+    level = np.clip(0.0, ends.level[:, 0], ends.level[:, 1])
+    found = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
+    if not neutral.all():
+        zeros = _zeros(wheelset, load, Intervals(*(each[~neutral] for each in ends)))
+        found.level[~neutral], found.roll[~neutral] = zeros
+    # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
+    levels, rolls = (np.concatenate((each, each), axis=1) for each in found)
+    levels += np.array([0.0, 0.0, -_NEAR_MM, _NEAR_MM])
+    settled = settle(wheelset, levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
+    lateral = ends.level - wheelset.reference_height_mm * np.sin(ends.roll)
+    count = len(candidates)
+    return [
+        _position(wheelset, load, settled, range(i, i + 1 if each.neutral else 4 * count, count), each, lateral[i])
+        for i, each in enumerate(candidates)
+    ]
 
 
 def _slopes(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
@@ -262,32 +326,36 @@ def held_ratios(wheelset: RigidWheelset, path: Settled) -> Floats:
     return np.where(lateral > 1e-3, lift / np.where(lateral > 1e-3, lateral, 1.0), np.nan)
 
 
-def _zeros(wheelset: RigidWheelset, load: Load, low: Floats, high: Floats) -> tuple[Floats, Floats]:
+def _zeros(wheelset: RigidWheelset, load: Load, pairs: Intervals) -> Intervals:
     """Narrow intervals in which the derivative passes through zero, by continuous change or by a jump."""
-    rows = np.arange(len(low))
-    for _ in range(12):
-        grid = low[:, None] + (high - low)[:, None] * np.linspace(0.0, 1.0, _SECTIONS + 1)
-        derivative = _derivative(wheelset, settle(wheelset, grid.ravel()), load).reshape(grid.shape)
-        rising = derivative >= 0.0
-        changes = rising[:, 1:] != rising[:, :-1]
-        column = np.argmax(changes, axis=1)
-        low, high = grid[rows, column], grid[rows, column + 1]
-        if float((high - low).max()) < _PRECISION_MM:
-            break
-    return low, high
+    rows = np.arange(len(pairs.level))
+    while float(np.diff(pairs.level, axis=1).max()) > _PRECISION_MM:
+        grid = pairs.divided(_SECTIONS)
+        settled = settle(wheelset, grid.level.ravel(), roll=grid.roll.ravel())
+        rising = _derivative(wheelset, settled, load).reshape(grid.level.shape) >= 0.0
+        column = np.argmax(rising[:, 1:] != rising[:, :-1], axis=1)
+        found = settled.pairs(rows * grid.level.shape[1] + column)
+        if np.array_equal(found.level, pairs.level):
+            break  # neighbours among the numbers of the machine
+        pairs = found
+    return pairs
 
 
-def _reached(derivative: float, middle: int, places: NDArray[np.int64], rising: NDArray[np.bool_]) -> int | None:
-    """Number of the first stable zero downhill from the middle."""
-    for number in range(len(places)) if derivative < 0.0 else reversed(range(len(places))):
-        beyond = places[number] >= middle if derivative < 0.0 else places[number] < middle
-        if beyond and rising[places[number] + 1]:
+def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> int | None:
+    """Number of the first candidate downhill from the middle at which a wheelset stays."""
+    falls = derivative[middle] < 0.0
+    numbered = list(enumerate(candidates))
+    for number, each in numbered if falls else reversed(numbered):
+        beyond = each.first >= middle if falls else each.first < middle
+        if (each.stops and beyond) or (each.neutral and each.first <= middle <= each.last):
             return number
     return None
 
 
-def _position(wheelset: RigidWheelset, load: Load, found: Settled, ends: range, stable: bool) -> RigidPosition:
-    """Forces and points of contact at a zero; positions about it, so that both points of a jump are there."""
+def _position(
+    wheelset: RigidWheelset, load: Load, found: Settled, ends: range, candidate: _Candidate, lateral: Floats
+) -> RigidPosition:
+    """Forces and points of contact at a candidate; of a zero positions about it, so that both points of a jump are."""
     locus = locus_of(wheelset, found)
     motion = locus.motion(ends[0])
     points = _points(locus, ends)
@@ -303,7 +371,9 @@ def _position(wheelset: RigidWheelset, load: Load, found: Settled, ends: range, 
         moment = (point.point_mm[0] - barycentre[0]) * y - (point.point_mm[1] - barycentre[1]) * x
         columns.append((x, y, moment / height))
     forces, rest = nnls(np.array(columns).T, np.array([-along, onto, 0.0]) / onto)
-    bearing = tuple(_with_force(point, float(force) * onto) for point, force in zip(points, forces, strict=True))
+    bearing = tuple(
+        replace(point, normal_force_N=float(force) * onto) for point, force in zip(points, forces, strict=True)
+    )
     cosine, sine = math.cos(load.tilt_rad), math.sin(load.tilt_rad)
     in_space = WheelsetMotion(
         cosine * motion.lateral_mm - sine * motion.vertical_mm,
@@ -311,7 +381,8 @@ def _position(wheelset: RigidWheelset, load: Load, found: Settled, ends: range, 
         motion.roll_rad,
     )
     kept = tuple(point for point in bearing if point.normal_force_N > 1e-9 * onto)
-    return RigidPosition(motion, in_space, kept, stable, float(rest))
+    neutral = (float(lateral[0]), float(lateral[1])) if candidate.neutral else None
+    return RigidPosition(motion, in_space, kept, candidate.stops and not candidate.neutral, float(rest), neutral)
 
 
 def _points(locus: ContactLocus, ends: range) -> list[RigidContactPoint]:
@@ -336,6 +407,7 @@ def _points(locus: ContactLocus, ends: range) -> list[RigidContactPoint]:
                         float(at.rolling_radii_mm[number, place]),
                         float(at.relative_curvatures_per_mm[number, place]),
                         1.0,
+                        float(at.ahead_mm[number, place]),
                     )
                 )
     return points
@@ -343,19 +415,6 @@ def _points(locus: ContactLocus, ends: range) -> list[RigidContactPoint]:
 
 def _pair(point: Floats) -> tuple[float, float]:
     return float(point[0]), float(point[1])
-
-
-def _with_force(point: RigidContactPoint, force: float) -> RigidContactPoint:
-    return RigidContactPoint(
-        point.side,
-        point.wheel_point_mm,
-        point.rail_point_mm,
-        point.point_mm,
-        point.contact_angle_rad,
-        point.rolling_radius_mm,
-        point.relative_curvature_per_mm,
-        force,
-    )
 
 
 def _derailment(path: Settled, ratios: Floats, load_ratio: float) -> InputError:

@@ -13,8 +13,9 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
-from flangeway.railway.rigid_curve import RigidCurve
+from flangeway.railway.rigid_curve import CurvePoints, RigidCurve
 from flangeway.railway.track import Side, Track, Wheelset, mirrored
+from flangeway.railway.yawed import on_profile, outline_across
 
 Floats = NDArray[np.float64]
 
@@ -24,12 +25,13 @@ N_TOUCHES = 6
 _SPACING_MM = 0.2
 _TABLE_MM = 0.005
 _CHUNK = 128
+_FIRST_MARGIN_MM = 0.2  # by which a sampled place may be lower than the highest one and yet touch first
 _SAME_MM = 1e-6
 _ARC_TOLERANCE_MM = 1e-12
 
 
 class Touches(NamedTuple):
-    """Places where a wheel touches or comes close, arrays (n, N_TOUCHES), the first touch first.
+    """Places where a wheel touches or comes close, arrays (n, N_TOUCHES) or (n, 1), the first touch first.
 
     Parameters
     ----------
@@ -61,11 +63,14 @@ class RigidSide:
     Parameters
     ----------
     wheel
-        About the middle of the axle: x to the field side, y up, so that -y is the rolling radius.
+        Its outline as seen along the track, about the middle of the axle: x to the field side, y up. Without yaw that
+        is the profile, and -y is the rolling radius.
     rail
         In the track's axes.
     wheel_frame, rail_frame
         From the frames of the profiles to those of the curves.
+    yaw_rad
+        Yaw of the wheel, positive where it is ahead of the other one; see `flangeway.railway.yawed`.
 
     """
 
@@ -73,21 +78,29 @@ class RigidSide:
     rail: RigidCurve
     wheel_frame: Placement = field(default_factory=Placement)
     rail_frame: Placement = field(default_factory=Placement)
+    yaw_rad: float = 0.0
 
     @classmethod
-    def of(cls, track: Track, wheelset: Wheelset, side: Side) -> "RigidSide":
+    def of(cls, track: Track, wheelset: Wheelset, side: Side, yaw_rad: float = 0.0) -> "RigidSide":
         """Return a side of a wheelset on a track, on the track's side of the same name."""
         rail_frame, reference = track.placement(side), wheelset.placement(side)
         if side == "left":
             rail_frame, reference = mirrored(rail_frame), mirrored(reference)
         wheel_frame = Placement(0.0, (0.0, -wheelset.tape_radius_mm)).after(reference)
         wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
+        profile = RigidCurve.from_contour(wheel.outline.part(wheel.running_names), wheel_frame)
         return cls(
-            RigidCurve.from_contour(wheel.outline.part(wheel.running_names), wheel_frame),
+            outline_across(profile, yaw_rad),
             RigidCurve.from_contour(rail.outline.part(rail.head_names), rail_frame),
             wheel_frame,
             rail_frame,
+            yaw_rad if side == "right" else -yaw_rad,
         )
+
+    def on_wheel(self, wheel_arc: Floats) -> tuple[Floats, Floats, Floats]:
+        """Place along the axle, rolling radius, and distance ahead of the axle at lengths along the wheel's outline."""
+        place = self.wheel.at(wheel_arc)
+        return on_profile(place.x, place.y, place.angle, self.yaw_rad)
 
     @cached_property
     def _rail_heights(self) -> tuple[float, Floats]:
@@ -102,13 +115,15 @@ class RigidSide:
             lateral + self.wheel.joints[0] < self.rail.joints[-1]
         )
 
-    def touches(self, lateral: Floats, roll: Floats) -> Touches:
+    def touches(self, lateral: Floats, roll: Floats, *, first_only: bool = False) -> Touches:
         """First touch and next smallest gaps of a wheel that comes down.
 
         Parameters
         ----------
         lateral, roll
             Position of the axle's middle to the field side, and roll that lifts this wheel, each (n,).
+        first_only
+            Whether the next smallest gaps are left out: arrays (n, 1).
 
         Raises
         ------
@@ -124,58 +139,63 @@ class RigidSide:
                 "positions in which the wheel stands over the head of its rail",
                 "check gauge, back-to-back distance and lateral motion",
             )
-        parts = [
-            self._touches(lateral[i : i + _CHUNK], roll[i : i + _CHUNK]) for i in range(0, max(len(lateral), 1), _CHUNK)
-        ]
-        return Touches(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-
-    def _touches(self, lateral: Floats, roll: Floats) -> Touches:
-        low, high = self._brackets(lateral, roll)
-        there = np.isfinite(low)
-        number = np.nonzero(there)[0]
-        arc = self._refined(lateral[number], roll[number], low[there], high[there])
-        placed = self._placed(lateral[number], roll[number], arc)
-        columns = [np.full(there.shape, fill) for fill in (-np.inf, *[np.nan] * 5)]
+        margin = _FIRST_MARGIN_MM if first_only else np.inf
+        number, low, high = (
+            np.concatenate(column)
+            for column in zip(
+                *(self._brackets(lateral, roll, slice(i, i + _CHUNK), margin) for i in range(0, len(lateral), _CHUNK)),
+                strict=True,
+            )
+        )
+        placed = self._placed(lateral[number], roll[number], self._refined(lateral[number], roll[number], low, high))
+        # two brackets that met at one place count once
+        order = np.lexsort((placed.wheel_arc, number))
+        again = (np.diff(placed.wheel_arc[order]) < _SAME_MM) & (np.diff(number[order]) == 0)
+        order = order[np.concatenate(([True], ~again))]
+        order = order[np.lexsort((-placed.lift[order], number[order]))]
+        row = number[order]
+        rank = np.arange(len(row)) - np.searchsorted(row, row)
+        n_kept = 1 if first_only else N_TOUCHES
+        order, row, rank = order[rank < n_kept], row[rank < n_kept], rank[rank < n_kept]
+        columns = [np.full((len(lateral), n_kept), fill) for fill in (-np.inf, *[np.nan] * 5)]
         for column, values in zip(columns, placed, strict=True):
-            column[there] = values
-        order = np.argsort(-columns[0], axis=1, kind="stable")
-        sorted_columns = [np.take_along_axis(column, order, axis=1) for column in columns]
-        # two brackets that met at one place
-        for earlier in range(N_TOUCHES - 1):
-            gap = sorted_columns[1][:, earlier + 1 :] - sorted_columns[1][:, earlier, None]
-            sorted_columns[0][:, earlier + 1 :][np.abs(gap) < _SAME_MM] = -np.inf
-        order = np.argsort(-sorted_columns[0], axis=1, kind="stable")
-        return Touches(*(np.take_along_axis(column, order, axis=1) for column in sorted_columns))
+            column[row, rank] = values[order]
+        return Touches(*columns)
 
-    def _brackets(self, lateral: Floats, roll: Floats) -> tuple[Floats, Floats]:
-        """Lengths along the wheel about its highest places over the rail, (n, N_TOUCHES) each, nan for none."""
+    @cached_property
+    def _samples(self) -> tuple[Floats, CurvePoints]:
+        """Lengths along the wheel at which its height over the rail is sampled, and the places there."""
+        arcs = np.linspace(0.0, self.wheel.length, int(np.ceil(self.wheel.length / _SPACING_MM)) + 1)
+        return arcs, self.wheel.at(arcs)
+
+    def _brackets(
+        self, lateral: Floats, roll: Floats, part: slice, margin: float
+    ) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Numbers of positions, and lengths along the wheel about its places over the rail that are highest near by.
+
+        Places lower than the highest one by more than a margin are left out.
+        """
+        lateral, roll = lateral[part], roll[part]
         first, last = self.rail.joints[[0, -1]]
-        n_samples = int(np.ceil(self.wheel.length / _SPACING_MM)) + 1
-        arcs = np.linspace(0.0, self.wheel.length, n_samples)
-        wheel = self.wheel.at(arcs)
-        near = (wheel.x + lateral.max() > first - 3.0) & (wheel.x + lateral.min() < last + 3.0)
-        arcs, x, y = arcs[near], wheel.x[near], wheel.y[near]
+        arcs, wheel = self._samples
+        near = np.flatnonzero((wheel.x + lateral.max() > first - 3.0) & (wheel.x + lateral.min() < last + 3.0))
+        within = slice(near[0], near[-1] + 1)
+        arcs, x, y = arcs[within], wheel.x[within], wheel.y[within]
         cosine, sine = np.cos(roll)[:, None], np.sin(roll)[:, None]
         over = lateral[:, None] + cosine * x - sine * y
         origin, heights = self._rail_heights
         position = np.clip((over - origin) / _TABLE_MM, 0.0, len(heights) - 1.001)
         cell = position.astype(np.int64)
-        part = position - cell
-        lift = (1.0 - part) * heights[cell] + part * heights[cell + 1] - (sine * x + cosine * y)
+        position -= cell
+        lift = heights[cell]
+        lift += position * (heights[cell + 1] - lift) - (sine * x + cosine * y)
         lift[(over < first - 0.5) | (over > last + 0.5)] = -np.inf
-        highest = np.full(lift.shape, -np.inf)
-        inner = lift[:, 1:-1]
-        highest[:, 1:-1] = np.where((inner >= lift[:, :-2]) & (inner > lift[:, 2:]), inner, -np.inf)
         # the ends count: a touch there is a touch at the edge of a profile
-        highest[:, 0] = np.where(lift[:, 0] > lift[:, 1], lift[:, 0], -np.inf)
-        highest[:, -1] = np.where(lift[:, -1] > lift[:, -2], lift[:, -1], -np.inf)
-        n_kept = min(N_TOUCHES, highest.shape[1])
-        best = np.argpartition(-highest, n_kept - 1, axis=1)[:, :n_kept]
-        there = np.isfinite(np.take_along_axis(highest, best, axis=1))
-        low = np.where(there, arcs[np.maximum(best - 1, 0)], np.nan)
-        high = np.where(there, arcs[np.minimum(best + 1, len(arcs) - 1)], np.nan)
-        missing = ((0, 0), (0, N_TOUCHES - n_kept))
-        return np.pad(low, missing, constant_values=np.nan), np.pad(high, missing, constant_values=np.nan)
+        highest = np.isfinite(lift) & (lift >= lift.max(axis=1, keepdims=True) - margin)
+        highest[:, 1:] &= lift[:, 1:] >= lift[:, :-1]
+        highest[:, :-1] &= lift[:, :-1] > lift[:, 1:]
+        row, column = np.nonzero(highest)
+        return row + part.start, arcs[np.maximum(column - 1, 0)], arcs[np.minimum(column + 1, len(arcs) - 1)]
 
     def _refined(self, lateral: Floats, roll: Floats, low: Floats, high: Floats) -> Floats:
         """Lengths along the wheel where the tangents of wheel and rail agree, by Newton kept in a bracket."""
@@ -212,6 +232,24 @@ class RigidSide:
         rail = self.rail.over(lateral + cosine * wheel.x - sine * wheel.y)
         lift = rail.y - (sine * wheel.x + cosine * wheel.y)
         return Touches(lift, arc, rail.x, rail.y, rail.angle, wheel.curvature - rail.curvature)
+
+    def close_arcs(self, lateral: float, roll: float, lift: float, gap_mm: float) -> Floats:
+        """Lengths along the wheel, from first to last, at which it is over the rail by less than a gap, (n,).
+
+        Parameters
+        ----------
+        lateral, roll
+            Position of the wheel; see `touches`.
+        lift
+            Height of the axle's middle.
+        gap_mm
+            Largest vertical gap.
+
+        """
+        arcs = self._samples[0]
+        placed = self._placed(np.full(len(arcs), lateral), np.full(len(arcs), roll), arcs)
+        over = (placed.x >= self.rail.joints[0]) & (placed.x <= self.rail.joints[-1])
+        return arcs[over & (lift - placed.lift < gap_mm)]
 
     def at_edge(self, touches: Touches) -> NDArray[np.bool_]:
         """Whether the first touch is at an end of the wheel's or the rail's running surface, (n,)."""

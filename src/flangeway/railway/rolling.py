@@ -8,9 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.railway.rigid_contact import ContactLocus
+from flangeway.railway.rigid_locus import ContactLocus
 
 Floats = NDArray[np.float64]
+
+NO_DIFFERENCE_MM = 1e-4
+"""Difference of rolling radii that counts as none, as between cylinders: below what is measured or published."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,8 +107,7 @@ class RollingRadiusDifference:
             If the difference has no zero at which it grows.
 
         """
-        tolerance = 1e-9 * float(np.abs(self.difference_mm).max())
-        sides = np.flatnonzero(np.abs(self.difference_mm) > tolerance)
+        sides = np.flatnonzero(np.abs(self.difference_mm) > NO_DIFFERENCE_MM)
         signs = self.difference_mm[sides]
         through = np.flatnonzero((signs[:-1] < 0.0) & (signs[1:] > 0.0))
         if not len(through):
@@ -116,9 +118,14 @@ class RollingRadiusDifference:
             )
         before, after = sides[through], sides[through + 1]
         # in a stretch without difference its middle
-        part = -signs[through] / (signs[through + 1] - signs[through])
-        lateral = self.lateral_mm
-        straight = lateral[before] + part * (lateral[after] - lateral[before])
-        level = 0.5 * (lateral[np.minimum(before + 1, len(lateral) - 1)] + lateral[after - 1])
-        places = np.where(after == before + 1, straight, level)
+        low = self._at(before, -NO_DIFFERENCE_MM)
+        high = self._at(after - 1, NO_DIFFERENCE_MM)
+        places = 0.5 * (low + high)
         return float(places[np.argmin(np.abs(places))])
+
+    def _at(self, piece: NDArray[np.int64], difference_mm: float) -> Floats:
+        """Lateral motions at which straight pieces have a difference."""
+        lateral, given = self.lateral_mm, self.difference_mm
+        part = (difference_mm - given[piece]) / (given[piece + 1] - given[piece])
+        places: Floats = lateral[piece] + part * (lateral[piece + 1] - lateral[piece])
+        return places

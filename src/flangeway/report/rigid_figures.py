@@ -6,9 +6,10 @@ from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
 from flangeway.railway.conicity import REFERENCE_AMPLITUDE_MM
-from flangeway.railway.rigid_contact import ContactLocus, contact_locus
+from flangeway.railway.rigid_locus import ContactLocus
 from flangeway.railway.track import SIDES, Side
 from flangeway.report.drawing import GREY, INK, new_figure
+from flangeway.study.conicities import ConicityRun
 from flangeway.study.rigid import GeometryRun, ThroatEffect
 
 Floats = NDArray[np.float64]
@@ -24,8 +25,9 @@ def locus_figure(run: GeometryRun) -> Figure:
     """Draw wheels over rails with lines between their points of contact, and the points over the lateral motion."""
     figure = new_figure(9.0, 7.0)
     grid = figure.add_gridspec(2, 2, height_ratios=(0.8, 1.0))
-    reach = int(np.floor(run.case.largest_lateral_mm + 1e-9))
-    shown = contact_locus(run.wheelset, np.arange(-reach, reach + 1.0), roll=run.case.roll == "free")
+    whole = np.abs(run.locus.lateral_mm - np.rint(run.locus.lateral_mm)) < 0.5 * run.case.step_mm
+    _, first = np.unique(np.rint(run.locus.lateral_mm[whole]), return_index=True)
+    shown = run.locus.part(np.flatnonzero(whole)[first])
     for column, side in enumerate(SIDES):
         _draw_pairs(figure.add_subplot(grid[0, column]), run, shown, side)
     wheel_axes, rail_axes = figure.add_subplot(grid[1, 0]), figure.add_subplot(grid[1, 1])
@@ -109,24 +111,25 @@ def rolling_figure(run: GeometryRun) -> Figure:
     return figure
 
 
-def conicity_figure(run: GeometryRun) -> Figure:
+def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
     """Draw the equivalent conicity over the amplitude by both methods."""
     figure = new_figure(6.4, 4.4)
     axes = figure.subplots()
-    axes.plot(run.amplitudes_mm, run.conicity, color=INK, lw=1.5, label="integration of the wave motion")
-    axes.plot(run.amplitudes_mm, run.regression, "--", color=GREY, lw=1.2, label="linear regression")
-    found = run.summary["equivalent_conicity"]
-    if found is not None:
-        axes.plot(REFERENCE_AMPLITUDE_MM, found["integration"], "o", mfc="white", mec=INK)
+    found = run.conicities
+    axes.plot(found.amplitudes_mm, found.integration, color=INK, lw=1.5, label="integration of the wave motion")
+    axes.plot(found.amplitudes_mm, found.regression, "--", color=GREY, lw=1.2, label="linear regression")
+    at_3 = found.at_reference()
+    if at_3 is not None:
+        axes.plot(REFERENCE_AMPLITUDE_MM, at_3["integration"], "o", mfc="white", mec=INK)
         axes.annotate(
-            f"{found['integration']:.3f} at {REFERENCE_AMPLITUDE_MM:g} mm",
-            (REFERENCE_AMPLITUDE_MM, found["integration"]), (8, 10), textcoords="offset points", fontsize=9,
+            f"{at_3['integration']:.3f} at {REFERENCE_AMPLITUDE_MM:g} mm",
+            (REFERENCE_AMPLITUDE_MM, at_3["integration"]), (8, 10), textcoords="offset points", fontsize=9,
         )  # fmt: skip
     axes.set_ylim(bottom=0.0)
     axes.set_xlabel("amplitude in mm")
     axes.set_ylabel("equivalent conicity")
     axes.grid(color="#dddddd", lw=0.5)
-    if len(run.amplitudes_mm):
+    if len(found.amplitudes_mm):
         axes.legend(frameon=False, fontsize=8)
     else:
         axes.text(0.5, 0.5, "\n".join(run.summary["notices"]), transform=axes.transAxes, ha="center", wrap=True)

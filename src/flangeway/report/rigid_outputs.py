@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
@@ -15,15 +16,18 @@ from flangeway.report.console import plain_table, print_files, print_notices
 from flangeway.report.picture_files import picture_writers
 from flangeway.report.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
 from flangeway.study import write_summary, write_together
+from flangeway.study.conicities import ConicityRun
 from flangeway.study.rigid import GeometryRun
 
-PICTURES = {
+CONICITY_PICTURE = "conicity.png"
+PICTURES: dict[str, Callable[[GeometryRun], Figure]] = {
     "contact_locus.png": locus_figure,
     "rolling_radius_difference.png": rolling_figure,
-    "conicity.png": conicity_figure,
+    CONICITY_PICTURE: conicity_figure,
 }
 THROAT, TABLE, CONICITY, SUMMARY = "throat_radius.png", "table.csv", "conicity.csv", "geometry.json"
 NAMES = (*PICTURES, THROAT, TABLE, CONICITY, SUMMARY)
+CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, SUMMARY)
 
 
 def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
@@ -45,18 +49,27 @@ def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], Non
 
     """
     progress("drawing the pictures and writing the files")
-    figures = {name: draw(run) for name, draw in PICTURES.items()}
+    figures: dict[str, Figure] = {name: draw(run) for name, draw in PICTURES.items()}
     if run.throat is not None:
         figures[THROAT] = throat_figure(run.throat)
     writers = picture_writers(figures)
     writers[TABLE] = lambda path: _write_rows(path, *locus_table(run))
-    writers[CONICITY] = lambda path: _write_rows(
-        path,
-        ["amplitude_mm", "conicity_integration", "conicity_regression"],
-        np.column_stack((run.amplitudes_mm, run.conicity, run.regression)).tolist(),
-    )
-    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
-    return write_together(folder, writers)
+    return write_together(folder, writers | _conicity_writers(run))
+
+
+def write_conicity(run: ConicityRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
+    """Write picture, ``conicity.csv`` and ``geometry.json`` of a rolling radius difference; as `write_geometry`."""
+    progress("drawing the picture and writing the files")
+    return write_together(folder, picture_writers({CONICITY_PICTURE: conicity_figure(run)}) | _conicity_writers(run))
+
+
+def _conicity_writers(run: GeometryRun | ConicityRun) -> dict[str, Callable[[Path], None]]:
+    found = run.conicities
+    rows = np.column_stack((found.amplitudes_mm, found.integration, found.regression)).tolist()
+    return {
+        CONICITY: lambda path: _write_rows(path, ["amplitude_mm", "conicity_integration", "conicity_regression"], rows),
+        SUMMARY: lambda path: write_summary(path, run.summary),
+    }
 
 
 def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
@@ -77,6 +90,7 @@ def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
             f"{side}_rail_y_mm": at.rail_points_mm[:, 0, 1],
             f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
             f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
+            f"{side}_ahead_mm": at.ahead_mm[:, 0],
             f"{side}_relative_curvature_per_m": 1e3 * at.relative_curvatures_per_mm[:, 0],
             f"{side}_next_gap_mm": at.gaps_mm[:, 1],
             f"{side}_next_wheel_x_mm": at.wheel_points_mm[:, 1, 0],
@@ -109,6 +123,19 @@ def print_geometry(console: Console, summary: dict[str, Any], files: list[Path])
         console.print(_contact_table(position["contacts"]))
     places = ", ".join(f"{jump['lateral_mm']:.3f} ({jump['side']})" for jump in summary["jumps"])
     console.print(f"Jumps of the point of contact at lateral motions in mm: {places or 'none'}", markup=False)
+    _print_end(console, summary, files)
+
+
+def print_conicity(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
+    """Print the conicity of a file, where the wheelset swings, notices and files."""
+    console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
+    middle = summary["lateral_motion_without_difference_mm"]
+    if middle is not None:
+        console.print(f"Lateral motion without a difference of the radii: {_clean(middle):.3f} mm", markup=False)
+    _print_end(console, summary, files)
+
+
+def _print_end(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
     conicity = summary["equivalent_conicity"]
     if conicity is not None:
         console.print(
@@ -122,8 +149,10 @@ def print_geometry(console: Console, summary: dict[str, Any], files: list[Path])
 
 
 def _contact_table(contacts: list[dict[str, Any]]) -> Table:
+    yawed = any(contact["ahead_of_axle_mm"] for contact in contacts)
     table = plain_table(
-        "side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", "Hertz a mm", "Hertz p0 MPa"
+        *("side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", *(["ahead mm"] if yawed else [])),
+        *("Hertz a mm", "Hertz p0 MPa"),
     )
     for contact in contacts:
         hertz = contact["hertz_half_width_mm"], contact["hertz_max_pressure_MPa"]
@@ -134,6 +163,7 @@ def _contact_table(contacts: list[dict[str, Any]]) -> Table:
             f"{contact['wheel_point_mm'][0]:.2f}",
             f"{contact['rail_point_mm'][0]:.2f}",
             f"{contact['rolling_radius_mm']:.2f}",
+            *([f"{contact['ahead_of_axle_mm']:.2f}"] if yawed else []),
             *("conforming" if value is None else f"{value:.4g}" for value in hertz),
         )
     return table

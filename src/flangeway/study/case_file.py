@@ -64,7 +64,7 @@ def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = Non
     if not is_case_file(name_or_file):
         return _by_name(str(name_or_file), given)
     _refuse_other_file(Path(name_or_file))
-    text = _CaseText.read(Path(name_or_file))
+    text = CaseText.read(Path(name_or_file))
     case, values = text.case()
     inputs = _set(text.resolved(values), given)
     replaced = {key.partition(".")[0] for key in given}
@@ -109,7 +109,7 @@ def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
     except InputError as reason:
         if file is None:
             raise
-        place = _CaseText.read(Path(file)).place(_key_in(reason.given))
+        place = CaseText.read(Path(file)).place(_key_in(reason.given))
         raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
 
 
@@ -122,7 +122,7 @@ def _key_in(message: str) -> Key:
     return tuple(key)
 
 
-class _CaseText(TomlFile):
+class CaseText(TomlFile):
     """A case file."""
 
     kind = TomlKind(
@@ -135,6 +135,14 @@ class _CaseText(TomlFile):
 
     def case(self) -> tuple[type[RunnableCase], dict[str, Any]]:
         """Type of the case, and its inputs."""
+        name, values = self.name_and_values()
+        try:
+            return find_case(name if isinstance(name, str) else short(name)), values
+        except InputError as reason:
+            raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
+
+    def name_and_values(self) -> tuple[Any, dict[str, Any]]:
+        """What the key ``case`` says, and the inputs."""
         values = dict(self.data)
         self._refuse_other_format(values.pop("flangeway", FORMAT))
         if "case" not in values:
@@ -144,11 +152,7 @@ class _CaseText(TomlFile):
                 "add it; `flangeway cases` lists the names"
                 + (", `flangeway section` reads outlines" if "outer" in values or "parts" in values else ""),
             )
-        name = values.pop("case")
-        try:
-            return find_case(name if isinstance(name, str) else short(name)), values
-        except InputError as reason:
-            raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
+        return values.pop("case"), values
 
     def _refuse_other_format(self, number: Any) -> None:
         place = self.place(("flangeway",))

@@ -2,6 +2,7 @@
 
 import math
 import time
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -12,16 +13,16 @@ from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.materials import Elastic
 from flangeway.mesh.memory import peak_memory_bytes
-from flangeway.railway.conicity import REFERENCE_AMPLITUDE_MM, conicity_by_regression, equivalent_conicity
 from flangeway.railway.curvature import conforming
 from flangeway.railway.rigid_contact import (
     ContactJump,
-    ContactLocus,
     RigidWheelset,
     contact_jumps,
     contact_locus,
+    lateral_limits,
     locus_of,
     path_of_contact,
+    unrolled_limits,
 )
 from flangeway.railway.rigid_equilibrium import (
     RigidContactPoint,
@@ -30,9 +31,11 @@ from flangeway.railway.rigid_equilibrium import (
     held_ratios,
     rigid_equilibrium,
 )
+from flangeway.railway.rigid_locus import ContactLocus
 from flangeway.railway.rolling import RollingRadiusDifference
 from flangeway.railway.track import SIDES, Track, Wheelset
 from flangeway.study.case import Progress
+from flangeway.study.conicities import Conicities, conicities_of
 from flangeway.study.rigid_case import GEOMETRY_CASES, GeometryCase
 from flangeway.study.versions import versions
 from flangeway.study.wheelset_profiles import profile_notes, worn_field_sides
@@ -46,7 +49,6 @@ WIDE_THROAT_RADII_MM = (30.0, 34.0, 38.1, 44.0, 50.0)
 """Radii of the throat's wide arc that the figure compares."""
 
 _FURTHER_MM = 4.0  # beyond the largest amplitude: an asymmetric wheelset swings about another place
-_AMPLITUDE_STEP_MM = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +88,8 @@ class GeometryRun:
         Points of contact over the lateral motion.
     jumps
         Where they jump.
-    amplitudes_mm, conicity, regression
-        Equivalent conicity by integration and by linear regression, (n,); empty if the wheelset does not steer.
+    conicities
+        Equivalent conicity over the amplitude.
     equilibrium
         Balance under the load.
     throat
@@ -103,15 +105,30 @@ class GeometryRun:
     wheelset: RigidWheelset
     locus: ContactLocus
     jumps: tuple[ContactJump, ...]
-    amplitudes_mm: Floats
-    conicity: Floats
-    regression: Floats
+    conicities: Conicities
     equilibrium: RigidEquilibrium
     throat: ThroatEffect | None
     summary: dict[str, Any]
 
+    @property
+    def amplitudes_mm(self) -> Floats:
+        """Amplitudes of the conicity, (n,); empty if the wheelset does not steer."""
+        return self.conicities.amplitudes_mm
 
-def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: None) -> GeometryRun:
+    @property
+    def conicity(self) -> Floats:
+        """Equivalent conicity by integration, (n,)."""
+        return self.conicities.integration
+
+    @property
+    def regression(self) -> Floats:
+        """Equivalent conicity by linear regression, (n,)."""
+        return self.conicities.regression
+
+
+def run_geometry(
+    name: str, case: GeometryCase, progress: Progress = lambda _: None, notices: Sequence[str] = ()
+) -> GeometryRun:
     """Compute the contact geometry of a case.
 
     Parameters
@@ -122,38 +139,48 @@ def run_geometry(name: str, case: GeometryCase, progress: Progress = lambda _: N
         The case.
     progress
         Called with a sentence at each stage.
+    notices
+        Sentences about the inputs, to be shown with those about the results.
 
     Raises
     ------
     InputError
-        If the wheels do not stand on the rails, or the lateral motion cannot be reached.
+        If the wheels do not stand on the rails.
 
     """
     start = time.perf_counter()
     track, axle = case.track(), case.wheelset()
-    wheelset = RigidWheelset.of(track, axle)
-    rolls = case.roll == "free"
-    n_side = round(case.largest_lateral_mm / case.step_mm)
+    wheelset = RigidWheelset.of(track, axle, case.yaw_rad)
+    said = list(notices)
     progress("lowering the wheelset on the rails")
-    locus = contact_locus(wheelset, np.arange(-n_side, n_side + 1) * case.step_mm, roll=rolls)
+    reach = max(case.largest_lateral_mm, case.largest_amplitude_mm + _FURTHER_MM)
+    whole = _scanned(wheelset, case, reach)
+    wanted = math.floor(case.largest_lateral_mm / case.step_mm + 1e-9) * case.step_mm
+    shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
+    first, last = np.flatnonzero(shown)[[0, -1]]
+    locus = whole.part(slice(first, last + 1))
+    if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
+        said.append(
+            f"the scan of {case.largest_lateral_mm:g} mm stops at lateral motions of {locus.lateral_mm[0]:.2f} and "
+            f"{locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
+        )
     progress("narrowing the jumps of the points of contact")
-    jumps = contact_jumps(wheelset, case.largest_lateral_mm) if rolls else ()
+    jumps = contact_jumps(wheelset, float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
     progress("integrating the wave motion")
-    amplitudes, conicity, regression, notice = _conicities(wheelset, case, rolls)
+    conicities = conicities_of(RollingRadiusDifference.of(whole), case.largest_amplitude_mm)
+    said += conicities.notices
     progress("seeking the balance under the load")
     equilibrium = rigid_equilibrium(wheelset, case.load())
     throat = None
     if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
         progress("varying the radii of the throat")
         throat = throat_effect(case)
-    notices = [*([notice] if notice else []), *worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
-    summary = _summary(name, case, jumps, amplitudes, conicity, regression, equilibrium, notices)
+    said += [*worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
+    summary = _summary(name, case, jumps, conicities, equilibrium, said)
     _leave_out_conforming(summary, track, axle)
     summary["timings_s"] = {"total": time.perf_counter() - start}
     summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
-    return GeometryRun(
-        name, case, wheelset, locus, jumps, amplitudes, conicity, regression, equilibrium, throat, summary
-    )
+    return GeometryRun(name, case, wheelset, locus, jumps, conicities, equilibrium, throat, summary)
 
 
 def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset) -> None:
@@ -164,29 +191,12 @@ def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset)
             row["hertz_half_width_mm"] = row["hertz_max_pressure_MPa"] = None
 
 
-def _conicities(wheelset: RigidWheelset, case: GeometryCase, rolls: bool) -> tuple[Floats, Floats, Floats, str | None]:
-    """Amplitudes, conicity by both methods, and a sentence if there is none or not for all amplitudes."""
-    none: Floats = np.zeros(0)
-    reach = case.largest_amplitude_mm + _FURTHER_MM
-    path = path_of_contact(wheelset, reach + 30.0)
-    lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
-    reach = min(reach, float(-lateral.min()), float(lateral.max()))
-    n_side = max(math.floor(reach / case.step_mm) - 1, 2)
-    try:
-        locus = contact_locus(wheelset, np.arange(-n_side, n_side + 1) * case.step_mm, roll=rolls)
-        difference = RollingRadiusDifference.of(locus)
-        room = n_side * case.step_mm - abs(difference.centred_mm)
-        largest = min(case.largest_amplitude_mm, room)
-        count = math.floor(largest / _AMPLITUDE_STEP_MM + 1e-9)
-        amplitudes = _AMPLITUDE_STEP_MM * np.arange(5, count + 1, dtype=np.float64)
-        return (
-            amplitudes,
-            equivalent_conicity(difference, amplitudes),
-            conicity_by_regression(difference, amplitudes),
-            None if largest == case.largest_amplitude_mm else f"conicity only up to an amplitude of {largest:.1f} mm",
-        )
-    except InputError as error:
-        return none, none, none, f"no equivalent conicity: {error.given}"
+def _scanned(wheelset: RigidWheelset, case: GeometryCase, reach: float) -> ContactLocus:
+    """Positions to both sides as far as the wheels stand on the rails and no flange has turned the axle back."""
+    rolls = case.roll == "free"
+    low, high = lateral_limits(wheelset, reach) if rolls else unrolled_limits(wheelset, reach)
+    numbers = np.arange(math.ceil(max(low, -reach) / case.step_mm), math.floor(min(high, reach) / case.step_mm) + 1)
+    return contact_locus(wheelset, numbers * case.step_mm, roll=rolls)
 
 
 def throat_effect(case: GeometryCase) -> ThroatEffect:
@@ -204,7 +214,7 @@ def throat_effect(case: GeometryCase) -> ThroatEffect:
 
     def lateral(**changes: float) -> tuple[RigidWheelset, float]:
         wheelset = case.model_copy(update=changes).curves()
-        position = rigid_equilibrium(wheelset, load).position
+        position = rigid_equilibrium(wheelset, load, reached_only=True).position
         return wheelset, math.nan if position is None else position.motion_in_space.lateral_mm
 
     narrow = [lateral(throat_radius_mm=radius) for radius in THROAT_RADII_MM]
@@ -230,14 +240,12 @@ def _summary(
     name: str,
     case: GeometryCase,
     jumps: tuple[ContactJump, ...],
-    amplitudes: Floats,
-    conicity: Floats,
-    regression: Floats,
+    conicities: Conicities,
     equilibrium: RigidEquilibrium,
     notices: list[str],
 ) -> dict[str, Any]:
     status, position = equilibrium.status, equilibrium.position
-    summary: dict[str, Any] = {
+    return {
         "case": name,
         "title": _title(name, case),
         "status": {"converged": status.converged, "message": status.message},
@@ -246,7 +254,12 @@ def _summary(
         "equilibrium": None if position is None else _position_rows(position, case),
         "number_of_equilibria": len(equilibrium.positions),
         "all_equilibria": [
-            {"lateral_mm": each.motion_in_space.lateral_mm, "stable": each.stable} for each in equilibrium.positions
+            {
+                "lateral_mm": each.motion_in_space.lateral_mm,
+                "stable": each.stable,
+                "neutral_between_mm": each.neutral_mm,
+            }
+            for each in equilibrium.positions
         ],
         "jumps": [
             {
@@ -257,18 +270,10 @@ def _summary(
             }
             for jump in jumps
         ],
-        "equivalent_conicity": None,
+        "equivalent_conicity": conicities.at_reference(),
         "notices": notices,
         "versions": versions(),
     }
-    if len(amplitudes) and amplitudes[0] <= REFERENCE_AMPLITUDE_MM <= amplitudes[-1] + 1e-9:
-        at = int(np.argmin(np.abs(amplitudes - REFERENCE_AMPLITUDE_MM)))
-        summary["equivalent_conicity"] = {
-            "amplitude_mm": float(amplitudes[at]),
-            "integration": float(conicity[at]),
-            "regression": float(regression[at]),
-        }
-    return summary
 
 
 def _title(name: str, case: GeometryCase) -> str:
@@ -289,6 +294,7 @@ def _position_rows(position: RigidPosition, case: GeometryCase) -> dict[str, Any
         "vertical_mm": position.motion_in_space.vertical_mm,
         "roll_rad": position.motion_in_space.roll_rad,
         "stable": position.stable,
+        "neutral_between_mm": position.neutral_mm,
         "residual": position.residual,
         "lateral_over_vertical": {side: position.lateral_over_vertical(side) for side in SIDES},
         "contacts": [_contact_row(point, case.thickness_mm, modulus) for point in position.contacts],
@@ -302,6 +308,7 @@ def _contact_row(point: RigidContactPoint, thickness_mm: float, modulus: float) 
         "normal_force_kN": 1e-3 * point.normal_force_N,
         "contact_angle_deg": math.degrees(point.contact_angle_rad),
         "rolling_radius_mm": point.rolling_radius_mm,
+        "ahead_of_axle_mm": point.ahead_mm,
         "wheel_point_mm": point.wheel_point_mm,
         "rail_point_mm": point.rail_point_mm,
         "relative_curvature_per_mm": point.relative_curvature_per_mm,

@@ -1,14 +1,17 @@
 """Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.errors import InputError
-from flangeway.geometry.file_content import is_file
+from flangeway.errors import InputError, short
 from flangeway.railway.rigid_contact import RigidWheelset
+from flangeway.railway.yawed import LARGEST_YAW_RAD
 from flangeway.study.case import closest
+from flangeway.study.case_file import CaseText
+from flangeway.study.wheelset_case import WheelsetCase
 from flangeway.study.wheelset_inputs import WheelsetInputs
 
 
@@ -18,12 +21,24 @@ class GeometryCase(WheelsetInputs):
     name: ClassVar[str] = "geometry"
     title: ClassVar[str] = "Contact geometry of a rigid wheelset on rigid rails"
 
-    largest_lateral_mm: float = Field(8.0, gt=0.0, le=60.0, description="largest lateral motion that is shown")
+    largest_lateral_mm: float = Field(
+        8.0, gt=0.0, le=60.0, description="largest lateral motion that is shown; less where a flange climbs before"
+    )
     step_mm: float = Field(0.02, ge=1e-3, le=1.0, description="distance of the positions")
     largest_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0, description="largest amplitude of the conicity")
     roll: Literal["free", "none"] = Field(
         "free", description="free: both wheels touch; none: no roll, as in the reference results of EN 15302"
     )
+
+    yaw_mrad: float = Field(
+        0.0, ge=-1e3 * LARGEST_YAW_RAD, le=1e3 * LARGEST_YAW_RAD,
+        description="yaw of the axle, counter-clockwise seen from above: the right wheel is ahead",
+    )  # fmt: skip
+
+    @property
+    def yaw_rad(self) -> float:
+        """Yaw of the axle in radians."""
+        return 1e-3 * self.yaw_mrad
 
     def curves(self) -> RigidWheelset:
         """Return the rigid curves.
@@ -34,7 +49,7 @@ class GeometryCase(WheelsetInputs):
             If a profile is unknown or a length is not allowed.
 
         """
-        return RigidWheelset.of(self.track(), self.wheelset())
+        return RigidWheelset.of(self.track(), self.wheelset(), self.yaw_rad)
 
 
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -62,7 +77,11 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
 """Title and what differs from the defaults, by name."""
 
 
-def find_geometry_case(name: str, values: dict[str, Any]) -> GeometryCase:
+OWN_NAME = "geometry"
+"""What a case file of nothing but the geometry is called in it."""
+
+
+def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
     """Return a case by its name with some inputs changed.
 
     Raises
@@ -72,8 +91,43 @@ def find_geometry_case(name: str, values: dict[str, Any]) -> GeometryCase:
 
     """
     if name not in GEOMETRY_CASES:
-        advice = closest(name, list(GEOMETRY_CASES))
-        if is_file(Path(name)):
-            advice = "choose one of these, and give the file's rail, wheel, gauge_mm, ... by --set"
-        raise InputError(f"a geometry case called {name!r}", f"one of: {', '.join(GEOMETRY_CASES)}", advice)
+        raise InputError(
+            f"a geometry case called {name!r}",
+            f"one of: {', '.join(GEOMETRY_CASES)}; a case file; or a file of a rolling radius difference",
+            closest(name, list(GEOMETRY_CASES)),
+        )
     return GeometryCase.from_values({**GEOMETRY_CASES[name][1], **values})
+
+
+def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
+    """Return what a case file says of the geometry, and a sentence on what it says besides.
+
+    Parameters
+    ----------
+    file
+        A case file of a wheelset, as `flangeway.study.case_file.read_case` reads it, or with ``case = "geometry"``.
+    values
+        Inputs that go before those of the file.
+
+    Raises
+    ------
+    InputError
+        If the file is of another case, or an input is wrong; the message names file, line and key.
+
+    """
+    text = CaseText.read(file)
+    name, given = text.name_and_values()
+    if name != OWN_NAME and name not in GEOMETRY_CASES:
+        raise InputError(
+            f"{text.place(('case',))}case = {short(name)}",
+            f"a wheelset: {', '.join((OWN_NAME, *GEOMETRY_CASES))}",
+            "`flangeway run` computes the other cases",
+        )
+    unused = [key for key in given if key not in GeometryCase.model_fields and key in WheelsetCase.model_fields]
+    used = {key: value for key, value in given.items() if key not in unused}
+    base = GEOMETRY_CASES[name][1] if name != OWN_NAME else {}
+    case = GeometryCase.from_values(
+        {**base, **text.resolved(used), **values}, lambda key: "" if key and key[0] in values else text.place(key)
+    )
+    notice = f"not needed by the geometry, and left out: {', '.join(unused)}"
+    return case, (notice,) if unused else ()
