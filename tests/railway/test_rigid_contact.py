@@ -185,9 +185,8 @@ def test_wrong_lateral_motions_are_refused(heavy_haul, lateral):
 
 def test_wheels_beside_the_rails_are_refused():
     """A gauge that does not fit the wheelset is an error that names both measures."""
-    wheelset = RigidWheelset.of(Track(rail("136RE"), gauge_mm=1200.0), Wheelset(wheel("AAR-1B")))
     with pytest.raises(InputError, match="gauge_mm and back_to_back_mm"):
-        contact_locus(wheelset, [0.0])
+        RigidWheelset.of(Track(rail("136RE"), gauge_mm=1200.0), Wheelset(wheel("AAR-1B")))
 
 
 def test_a_gauge_below_the_head_is_refused():
