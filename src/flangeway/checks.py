@@ -5,11 +5,17 @@ from collections.abc import Sequence
 from numbers import Integral, Real
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 
+Floats = NDArray[np.float64]
+
 SMALLEST, LARGEST = 1e-100, 1e100
 """Limits of positive numbers, beyond any unit's choice: products of a few of them neither vanish nor overflow."""
+
+MOST = 2**31 - 1
+"""Largest count: what numbers of points and cells can hold."""
 
 
 def is_number(value: object) -> bool:
@@ -32,6 +38,19 @@ def are_finite(values: object, n: int) -> bool:
     if isinstance(values, np.ndarray):
         return values.shape == (n,) and all(map(is_finite, values))
     return isinstance(values, Sequence) and len(values) == n and all(map(is_finite, values))
+
+
+def as_numbers(what: str, values: object, allowed: str = "numbers", advice: str = "correct them") -> Floats:
+    """Return numbers in an array; texts, truth values, objects and rows of unlike length are an `InputError`."""
+    try:
+        kinds = {np.asarray(values).dtype.kind}
+        if not isinstance(values, np.ndarray):  # a list of numbers and truth values becomes numbers
+            kinds |= {"b" for value in np.asarray(values, dtype=object).flat if isinstance(value, bool | np.bool_)}
+        if not kinds <= set("iuf"):
+            raise TypeError("texts, truth values or objects")
+        return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as reason:
+        raise InputError(f"{what} that are not numbers: {reason}", allowed, advice) from reason
 
 
 def check_finite(
@@ -71,12 +90,19 @@ def check_positive(
     return number
 
 
+def check_tolerance(owner: str, value: object) -> float:
+    """Return a number between 0 and 1, both excluded; see `check_finite`."""
+    if not (is_finite(value) and 0.0 < value < 1.0):  # type: ignore[operator]
+        raise refused(owner, "tolerance", value, "a number between 0 and 1", "leave it out")
+    return float(value)  # type: ignore[arg-type]
+
+
 def check_integer(
     owner: str,
     name: str,
     value: object,
     least: int,
-    most: int | None = None,
+    most: int = MOST,
     allowed: str = "",
     advice: str = "correct the value",
 ) -> int:
@@ -87,12 +113,12 @@ def check_integer(
     owner, name, value, allowed, advice
         As for `check_finite`; without `allowed` the message gives the limits.
     least, most
-        Limits; None for no upper one.
+        Limits.
 
     """
     number = int(value) if isinstance(value, Integral) and is_number(value) else None
-    if number is None or number < least or (most is not None and number > most):
-        upto = " or more" if most is None else f" to {most}"
+    if number is None or not least <= number <= most:
+        upto = " or more" if most == MOST and (number is None or number < least) else f" to {most}"
         raise refused(owner, name, value, allowed or f"a whole number, {least}{upto}", advice)
     return number
 

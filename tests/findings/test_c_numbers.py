@@ -5,12 +5,22 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from flangeway.contact import AugmentedLagrange, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import DiagonalStabilisation, Lagrange, TraceStabilisation, Virtual, cell_matrices
 from flangeway.errors import InputError
+from flangeway.exact import LineContact, PlateWithHole, Rectangle, ThickCylinder
+from flangeway.geometry import Placement, Region, Section, circle, rectangle
 from flangeway.materials import Elastic, Orthotropic
-from flangeway.mesh import rectangle_grid
+from flangeway.mesh import Refinement, doerfler_marking, rectangle_grid, refined, triangulate, triangulate_section
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement, Pressure, Spring, Torsion, Traction, fixed
-from flangeway.solve import solve_elasticity
+from flangeway.railway.discretisation import Discretisation
+from flangeway.railway.load import Load
+from flangeway.railway.positions import Positions
+from flangeway.railway.problem import Prescribed
+from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.rolling import RollingRadiusDifference
+from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+from flangeway.solve import NewtonSettings, StepSettings, solve_elasticity
 from flangeway.space import Space
 
 GRID = rectangle_grid(1.0, 1.0, 2, 2, cells="quadrilaterals")
@@ -47,8 +57,50 @@ PLACES = {
     "prescribed": lambda value: PrescribedDisplacement("top", x=value),
     "angle of a support": lambda value: PrescribedDisplacement("top", x=0.0, angle=value),
     "spring": lambda value: Spring("top", x=value),
+    "rectangle": lambda value: rectangle(value, 1.0),
+    "circle": circle,
+    "arcs of a circle": lambda value: circle(1.0, n_arcs=value),
+    "rotation": Placement,
+    "spacing": lambda value: rectangle(1.0, 1.0).sampled(spacing=value, max_deviation=1.0),
+    "width of a grid": lambda value: rectangle_grid(value, 1.0, 1, 1),
+    "squares of a grid": lambda value: rectangle_grid(1.0, 1.0, 1, value),
+    "size of triangles": lambda value: triangulate(rectangle(9.0, 9.0), size=value),
+    "size of a section": lambda value: triangulate_section(Section({"a": Region(rectangle(9.0, 9.0))}), size=value),
+    "size of a refinement": lambda value: Refinement([(0.0, 0.0)], value),
+    "growth": lambda value: Refinement([(0.0, 0.0)], 1.0, value),
+    "hanging points": lambda value: refined(GRID, most_hanging=value),
+    "share of errors": lambda value: doerfler_marking([1.0, 2.0], value),
+    "iterations": lambda value: NewtonSettings(max_iterations=value),
+    "corrections": lambda value: NewtonSettings(max_corrections=value),
+    "tolerance": lambda value: NewtonSettings(tolerance=value),
+    "first step": lambda value: StepSettings(first=value),
+    "penalty": lambda value: Penalty(value, per="length"),
+    "penetration": lambda value: AugmentedLagrange(1.0, "length", value),
+    "reach of nodes": NodeToSegment,
+    "slack": lambda value: NodeToSegment(slack=value),
+    "reach of segments": SegmentToSegment,
+    "gauge": lambda value: Track(rail(), value),
+    "cant": lambda value: Track(rail(), cant=value),
+    "gauge depth": lambda value: Track(rail(), gauge_depth_mm=value),
+    "back to back": lambda value: Wheelset(wheel(), value),
+    "height of the load": lambda value: Wheelset(wheel(), barycentre_height_mm=value),
+    "left radius": lambda value: Wheelset(wheel(), left_radius_mm=value),
+    "roll": lambda value: WheelsetMotion(roll_rad=value),
+    "weight": Load,
+    "lateral force": lambda value: Load(1.0, value),
+    "tilt": lambda value: Load(1.0, tilt_rad=value),
+    "size in contact": lambda value: Discretisation(contact_size_mm=value),
+    "order of wheelsets": lambda value: Discretisation(order=value),
+    "order of wheels": lambda value: Discretisation(wheel_order=value),
+    "prescribed motion": lambda value: Prescribed(lateral_mm=value),
+    "force of a line contact": lambda value: LineContact(value, 1.0, 1.0),
+    "terms of a rectangle": lambda value: Rectangle(1.0, 1.0, value),
+    "radius of a cylinder": lambda value: ThickCylinder(value, 3.0, 1.0),
+    "pressure in a cylinder": lambda value: ThickCylinder(1.0, 3.0, value),
+    "tension of a plate": lambda value: PlateWithHole(1.0, value),
 }
-MAY_BE_MISSING = {"density", "expansion", "prescribed"}
+MAY_BE_MISSING = {"density", "expansion", "prescribed", "spacing", "hanging points", "penalty", "reach of nodes"}
+MAY_BE_MISSING |= {"reach of segments", "gauge depth", "left radius", "order of wheels", "prescribed motion"}
 
 
 @pytest.mark.parametrize("place", PLACES)
@@ -59,6 +111,18 @@ def test_c_a_number_is_a_number(place: str) -> None:
             PLACES[place](value)
         assert error.value.allowed
         assert error.value.advice
+
+
+@pytest.mark.parametrize("values", [["1", "2"], [True, 1.0], [None, 1.0], [[1.0], [1.0, 2.0]], [1j, 0.0], "12"])
+def test_c_arrays_hold_numbers(values) -> None:
+    """Texts, truth values and rows of unlike length are refused where arrays of numbers are given."""
+    for make in (
+        doerfler_marking,
+        lambda given: Positions(given, [1.0], [0.0]),
+        lambda given: RollingRadiusDifference([1.0, 2.0], given),
+    ):
+        with pytest.raises(InputError):
+            make(values)
 
 
 @pytest.mark.parametrize("order", [2.0, True, "2", np.float64(2.0), 0, 11, None])

@@ -2,15 +2,17 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import is_finite, refused
 from flangeway.contact.enforcement import Enforcement, Multiplier
 from flangeway.contact.node_to_segment import NodeToSegment
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.materials import Material
 
 Floats = NDArray[np.float64]
@@ -51,6 +53,10 @@ class Contact:
     friction: float = 0.0
 
     def __post_init__(self) -> None:
+        for name, kinds in (("pairing", Pairing), ("enforcement", Enforcement)):
+            if not isinstance(value := getattr(self, name), kinds):
+                allowed = " or ".join(f"{kind.__name__}(...)" for kind in get_args(kinds))
+                raise refused("Contact", name, value, allowed, "make one, with its parentheses")
         if self.secondary.part is self.primary.part:
             raise InputError(
                 f"a contact of {self.primary.part.name!r} with itself",
@@ -71,9 +77,9 @@ class Contact:
                 "both in plane strain, or both in plane stress",
                 "take one hypothesis for both materials",
             )
-        if self.friction != 0.0:
+        if not (is_finite(self.friction) and self.friction == 0.0):
             raise InputError(
-                f"Contact(friction={self.friction}) of {self._names}",
+                f"Contact(friction={short(self.friction)}) of {self._names}",
                 "0: contact is frictionless",
                 "leave friction out; tangential forces are not modelled",
             )

@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.contact.pairs import Pairs
 from flangeway.errors import InputError
 
@@ -62,12 +63,8 @@ class AugmentedLagrange:
 
     def __post_init__(self) -> None:
         _refuse_bad_penalty(type(self).__name__, self.value, self.per)
-        if not (np.isfinite(self.penetration) and self.penetration > 0.0):
-            raise InputError(
-                f"AugmentedLagrange(penetration={self.penetration})",
-                "a positive length",
-                "a thousandth of the expected approach is a usual choice",
-            )
+        advice = "a thousandth of the expected approach is a usual choice"
+        check_positive("AugmentedLagrange", "penetration", self.penetration, "a positive length", advice)
 
     def compliances(self, pairs: Pairs) -> Floats:
         """Penetration per force about the last correction, shape (m,).
@@ -96,12 +93,9 @@ Enforcement = Penalty | AugmentedLagrange | Multiplier
 
 
 def _refuse_bad_penalty(name: str, value: float | None, per: str) -> None:
-    if value is not None and not (np.isfinite(value) and value > 0.0):
-        raise InputError(
-            f"{name}(value={value})",
-            "a positive number",
-            "start with ten times E / (1 - nu^2) over the size of the elements, per='length'",
-        )
+    if value is not None:
+        advice = "start with ten times E / (1 - nu^2) over the size of the elements, per='length'"
+        check_positive(name, "value", value, advice=advice)
     if per not in ("node", "length"):
         raise InputError(f"{name}(per={per!r})", "'node' or 'length'", "choose one of these")
 

@@ -5,11 +5,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import are_finite, check_positive
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
 from flangeway.contact.search import nearest_edges
 from flangeway.contact.shape import shape_functions
 from flangeway.contact.surface import Surface, node_normals
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -107,11 +108,12 @@ class NodeToSegment:
     overhang: float = 0.1
 
     def __post_init__(self) -> None:
-        if self.reach is not None and not self.reach > 0.0:
-            raise InputError(f"NodeToSegment(reach={self.reach})", "a positive length or None", "leave it out")
-        if not 0.0 < self.slack <= self.overhang < 0.5:
+        if self.reach is not None:
+            check_positive("NodeToSegment", "reach", self.reach, "a positive length or None", "leave it out")
+        widths = self.slack, self.overhang
+        if not (are_finite(widths, 2) and 0.0 < widths[0] <= widths[1] < 0.5):
             raise InputError(
-                f"NodeToSegment(slack={self.slack}, overhang={self.overhang})",
+                f"NodeToSegment(slack={short(self.slack)}, overhang={short(self.overhang)})",
                 "0 < slack <= overhang < 0.5",
                 "leave them out",
             )

@@ -8,6 +8,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import refused
 from flangeway.contact.contact import Contact
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError
@@ -169,8 +170,11 @@ def press(
     """
     system = ContactSystem(contacts)
     _refuse_bad_motion(system, motion)
-    if path not in PATHS:
-        raise InputError(f"path={path!r}", " or ".join(map(repr, PATHS)), "leave it out")
+    if not isinstance(path, str) or path not in PATHS:
+        raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
+    for name, value, kind in (("steps", steps, StepSettings), ("settings", settings, NewtonSettings)):
+        if not isinstance(value, kind | None):
+            raise refused("press", name, value, f"{kind.__name__}(...)", "leave it out")
     response = response or PATHS[path](system.surface_nodes)
     rest = tuple(part.placement for part in system.parts)
     done: list[LoadStep] = []

@@ -14,6 +14,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
 from flangeway.contact.search import candidate_pairs
 from flangeway.contact.surface import Surface
@@ -119,8 +120,8 @@ class SegmentToSegment:
 
     def __post_init__(self) -> None:
         for name, value in (("reach", self.reach), ("depth", self.depth)):
-            if value is not None and not value > 0.0:
-                raise InputError(f"SegmentToSegment({name}={value})", "a positive length or None", "leave it out")
+            if value is not None:
+                check_positive("SegmentToSegment", name, value, "a positive length or None", "leave it out")
         if self.weighting not in ("standard", "dual"):
             raise InputError(
                 f"SegmentToSegment(weighting={self.weighting!r})", "'standard' or 'dual'", "choose one of these"

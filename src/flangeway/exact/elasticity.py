@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.checks import are_finite, check_finite, check_positive
+from flangeway.errors import InputError, short
 
 Floats = NDArray[np.float64]
 
@@ -29,12 +30,15 @@ class ThickCylinder:
     outer_pressure: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.inner_radius < self.outer_radius < np.inf:
+        radii = self.inner_radius, self.outer_radius
+        if not (are_finite(radii, 2) and 0.0 < radii[0] < radii[1]):
             raise InputError(
-                f"ThickCylinder(inner_radius={self.inner_radius}, outer_radius={self.outer_radius})",
+                f"ThickCylinder(inner_radius={short(radii[0])}, outer_radius={short(radii[1])})",
                 "0 < inner_radius < outer_radius",
                 "give both radii",
             )
+        for name in ("inner_pressure", "outer_pressure"):
+            check_finite("ThickCylinder", name, getattr(self, name))
 
     @property
     def _constants(self) -> tuple[float, float]:
@@ -80,8 +84,8 @@ class PlateWithHole:
     tension: float
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.radius < np.inf:
-            raise InputError(f"PlateWithHole(radius={self.radius})", "a positive length", "give the hole's radius")
+        check_positive("PlateWithHole", "radius", self.radius, "a positive length", "give the hole's radius")
+        check_finite("PlateWithHole", "tension", self.tension)
 
     def stresses(self, points: Floats) -> Floats:
         """Stresses xx, yy, xy at points (n, 2) outside of the hole, shape (n, 3)."""

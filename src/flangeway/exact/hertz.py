@@ -6,6 +6,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import check_positive
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -35,13 +36,8 @@ class LineContact:
 
     def __post_init__(self) -> None:
         for name in ("force_per_length", "relative_curvature", "modulus"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0.0):
-                raise InputError(
-                    f"LineContact({name}={value})",
-                    "a positive number",
-                    "check the sign of the load and of the curvatures: convex is positive",
-                )
+            advice = "check the sign of the load and of the curvatures: convex is positive"
+            check_positive("LineContact", name, getattr(self, name), advice=advice)
 
     @classmethod
     def of_max_pressure(cls, max_pressure: float, relative_curvature: float, modulus: float) -> Self:

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
+
 Floats = NDArray[np.float64]
 
 OPENING = 0.75 * np.pi
@@ -32,6 +34,10 @@ class Notch:
 
     shear_modulus: float
     kolosov: float
+
+    def __post_init__(self) -> None:
+        for name in ("shear_modulus", "kolosov"):
+            check_positive("Notch", name, getattr(self, name))
 
     @property
     def _mixture(self) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import as_numbers, check_finite, check_integer, check_positive, is_finite, refused
 from flangeway.errors import InputError
 
 Floats = NDArray[np.float64]
@@ -18,12 +19,11 @@ Floats = NDArray[np.float64]
 
 def _refuse_not_positive(owner: object, **values: float) -> None:
     for name, value in values.items():
-        if not (np.isfinite(value) and value > 0.0):
-            raise InputError(f"{type(owner).__name__}({name}={value})", "a positive number", "correct the value")
+        check_positive(type(owner).__name__, name, value)
 
 
 def _xy(points: ArrayLike) -> tuple[Floats, Floats]:
-    given = np.asarray(points, dtype=np.float64)
+    given = as_numbers("points", points)
     if given.ndim != 2 or given.shape[1] != 2:
         raise InputError(f"points of shape {given.shape}", "(n, 2)", "give one row of x and y for each point")
     return given[:, 0], given[:, 1]
@@ -84,13 +84,14 @@ class Ellipse(TorsionSection):
 
     def __post_init__(self) -> None:
         _refuse_not_positive(self, half_width=self.half_width, half_height=self.half_height)
-        if not 0.0 <= self.hole_ratio < 1.0:
-            raise InputError(f"Ellipse(hole_ratio={self.hole_ratio})", "0 <= ratio < 1", "correct the value")
+        if not (is_finite(self.hole_ratio) and 0.0 <= self.hole_ratio < 1.0):
+            raise refused("Ellipse", "hole_ratio", self.hole_ratio, "0 <= ratio < 1", "correct the value")
 
     @classmethod
     def circle(cls, radius: float, hole_radius: float = 0.0) -> "Ellipse":
         """Circle, hollow if asked: no warping."""
-        return cls(radius, radius, hole_radius / radius)
+        check_positive("Ellipse.circle", "radius", radius)
+        return cls(radius, radius, check_finite("Ellipse.circle", "hole_radius", hole_radius) / radius)
 
     @property
     def area(self) -> float:
@@ -197,7 +198,8 @@ class Rectangle(TorsionSection):
     n_terms: int = 200
 
     def __post_init__(self) -> None:
-        _refuse_not_positive(self, width=self.width, height=self.height, n_terms=self.n_terms)
+        _refuse_not_positive(self, width=self.width, height=self.height)
+        check_integer("Rectangle", "n_terms", self.n_terms, 1)
 
     @property
     def area(self) -> float:
@@ -275,7 +277,8 @@ class CircularSector(TorsionSection):
     n_terms: int = 200
 
     def __post_init__(self) -> None:
-        _refuse_not_positive(self, radius=self.radius, angle=self.angle, n_terms=self.n_terms)
+        _refuse_not_positive(self, radius=self.radius, angle=self.angle)
+        check_integer("CircularSector", "n_terms", self.n_terms, 1)
         if self.angle >= 2.0 * np.pi:
             raise InputError(f"CircularSector(angle={self.angle})", "below 2 pi", "give the opening in radians")
 

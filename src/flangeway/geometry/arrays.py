@@ -5,6 +5,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 
 FloatArray: TypeAlias = NDArray[np.float64]
@@ -34,19 +35,7 @@ def as_points(values: ArrayLike, name: str = "points") -> FloatArray:
         If the shape is another one or a coordinate is not finite.
 
     """
-    try:
-        kinds = {np.asarray(values).dtype.kind}
-        if not isinstance(values, np.ndarray):  # a list of numbers and truth values becomes numbers
-            kinds |= {"b" for value in np.asarray(values, dtype=object).flat if isinstance(value, bool | np.bool_)}
-        if not kinds <= set("iuf"):
-            raise TypeError("texts, truth values or objects")
-        points = np.atleast_2d(np.asarray(values, dtype=np.float64))
-    except (TypeError, ValueError) as reason:
-        raise InputError(
-            f"{name} that are not numbers: {reason}",
-            "an array of shape (n, 2)",
-            "give one row (x, y) a point",
-        ) from reason
+    points = np.atleast_2d(as_numbers(name, values, "an array of shape (n, 2)", "give one row (x, y) a point"))
     if points.ndim != 2 or points.shape[1] != 2:
         raise InputError(
             f"{name} with shape {np.shape(values)}",

@@ -9,6 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, IntArray, as_points, point_text
 from flangeway.geometry.crossings import first_crossing
@@ -199,8 +200,8 @@ class Contour:
 
         """
         for name, value in (("spacing", spacing), ("max_deviation", max_deviation)):
-            if value is not None and not value > 0.0:
-                raise InputError(f"{name} = {value}", "a positive length", "give a larger one")
+            if value is not None:
+                check_positive("sampled", name, value, "a positive length")
         if spacing is None and max_deviation is None:
             raise InputError("neither spacing nor max_deviation", "one of both or both", "give a length")
         rows = []

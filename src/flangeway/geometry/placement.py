@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.errors import InputError
+from flangeway.checks import check_finite, refused
 from flangeway.geometry.arrays import FloatArray, Point, as_point, as_points
 
 
@@ -40,8 +40,9 @@ class Placement:
 
     def __post_init__(self) -> None:
         """Check the numbers and store the translation as a pair of floats."""
-        if not math.isfinite(self.rotation_rad):
-            raise InputError(f"rotation_rad = {self.rotation_rad}", "a finite angle", "give it in radians")
+        check_finite("Placement", "rotation_rad", self.rotation_rad, "a finite angle", "give it in radians")
+        if not isinstance(self.mirrored, bool | np.bool_):
+            raise refused("Placement", "mirrored", self.mirrored, "True or False", "choose one")
         object.__setattr__(self, "translation", as_point(self.translation, "translation"))
 
     @classmethod

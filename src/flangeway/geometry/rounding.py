@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flangeway.errors import InputError
+from flangeway.checks import is_finite
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.mending import DrawnSegment
 
@@ -78,8 +79,8 @@ def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -
 
 def _fillet(before: Point, corner: Point, after: Point, radius: float, what: str, number: int) -> DrawnSegment:
     """Return the arc that rounds a corner; one of no length, without a centre, for radius zero."""
-    if not radius >= 0.0:
-        raise InputError(f"{what}: radius {radius:g}", "zero or a positive length", "correct it")
+    if not (is_finite(radius) and radius >= 0.0):
+        raise InputError(f"{what}: radius {short(radius)}", "zero or a positive length", "correct it")
     if radius == 0.0:
         return DrawnSegment(corner, corner)
     u, v = np.subtract(before, corner), np.subtract(after, corner)

@@ -6,16 +6,16 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flangeway.checks import check_integer, check_positive
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point, as_point, as_points
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.segments import Arc, Line
 
 
-def _refuse_not_positive(**lengths: float) -> None:
+def _refuse_not_positive(owner: str, **lengths: float) -> None:
     for name, value in lengths.items():
-        if not (value > 0.0 and math.isfinite(value)):
-            raise InputError(f"{name} = {value}", "a positive length", "give a larger one")
+        check_positive(owner, name, value, "a positive length")
 
 
 def polygon(points: ArrayLike, names: Sequence[str] | None = None) -> Outline:
@@ -51,7 +51,7 @@ def polygon(points: ArrayLike, names: Sequence[str] | None = None) -> Outline:
 
 def rectangle(width: float, height: float, centre: Point = (0.0, 0.0)) -> Outline:
     """Return the rectangle with sides ``bottom``, ``right``, ``top``, ``left``."""
-    _refuse_not_positive(width=width, height=height)
+    _refuse_not_positive("rectangle", width=width, height=height)
     x, y = as_point(centre, "centre")
     a, b = 0.5 * width, 0.5 * height
     corners = [(x - a, y - b), (x + a, y - b), (x + a, y + b), (x - a, y + b)]
@@ -60,7 +60,7 @@ def rectangle(width: float, height: float, centre: Point = (0.0, 0.0)) -> Outlin
 
 def square(side: float, centre: Point = (0.0, 0.0)) -> Outline:
     """Return the square with sides ``bottom``, ``right``, ``top``, ``left``."""
-    _refuse_not_positive(side=side)
+    _refuse_not_positive("square", side=side)
     return rectangle(side, side, centre)
 
 
@@ -73,9 +73,8 @@ def circle(radius: float, centre: Point = (0.0, 0.0), n_arcs: int = 4) -> Outlin
         If the radius is not positive or there are fewer than two arcs.
 
     """
-    _refuse_not_positive(radius=radius)
-    if n_arcs < 2:
-        raise InputError(f"n_arcs = {n_arcs}", "two arcs or more", "a closed arc has no ends")
+    _refuse_not_positive("circle", radius=radius)
+    check_integer("circle", "n_arcs", n_arcs, 2, advice="take two arcs or more: a closed arc has no ends")
     x, y = as_point(centre, "centre")
     angles = 2.0 * np.pi * np.arange(n_arcs) / n_arcs
     ends = [(x + radius * math.cos(a), y + radius * math.sin(a)) for a in angles]

@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flangeway.checks import as_numbers, is_finite, refused
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray
 
@@ -25,15 +26,15 @@ def doerfler_marking(cell_errors: ArrayLike, share: float = 0.5) -> IntArray:
         If an error is negative or not finite, or the share is out of its range.
 
     """
-    errors = np.asarray(cell_errors, dtype=np.float64)
+    errors = as_numbers("cell errors", cell_errors)
     if errors.ndim != 1 or not len(errors) or not (np.isfinite(errors).all() and (errors >= 0.0).all()):
         raise InputError(
             f"cell errors of shape {errors.shape}, or with one below zero or not finite",
             "one number for each cell, zero or more",
             "look at the estimate",
         )
-    if not 0.0 < share <= 1.0:
-        raise InputError(f"share={share}", "above 0, up to 1", "leave 0.5")
+    if not (is_finite(share) and 0.0 < share <= 1.0):
+        raise refused("doerfler_marking", "share", share, "a number above 0, up to 1", "leave 0.5")
     order = np.argsort(-errors, kind="stable")
     sums = np.cumsum(errors[order] ** 2)
     if not sums[-1] > 0.0:

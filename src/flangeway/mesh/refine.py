@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from flangeway.errors import InputError
+from flangeway.checks import check_integer
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import FloatArray, IntArray, point_text
 from flangeway.mesh.kernel import cell_centres, star_parts
 from flangeway.mesh.memory import refuse_large_mesh
@@ -64,8 +65,8 @@ def refined(
     refuse_large_mesh(
         f"the refinement of {n_marked:,} cells", (BYTES_A_TRIANGLE if alike else BYTES_A_POLYGON) * n_marked
     )
-    if most_hanging is not None and most_hanging < 1:
-        raise InputError(f"most_hanging={most_hanging}", "1 or more, or None for no limit", "leave it out")
+    if most_hanging is not None:
+        check_integer("refined", "most_hanging", most_hanging, 1, advice="leave it out for no limit")
     if alike:
         return _finished(_refined_triangles(mesh), outline)
     sides = cell_sides(mesh)
@@ -103,7 +104,7 @@ def _mask(mesh: PolyMesh, cells: ArrayLike | None) -> Bools:
     if given.size:
         if given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= mesh.n_cells:
             raise InputError(
-                f"cells to refine of type {given.dtype}, from {given.min()} to {given.max()}",
+                f"cells to refine {short(given.tolist())}",
                 f"cell numbers from 0 to {mesh.n_cells - 1}, or a mask of {mesh.n_cells}",
                 "number the cells from zero",
             )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, IntArray, Outline, Placement, Region, Section
 from flangeway.geometry.segments import halved
@@ -65,6 +66,7 @@ def triangulate_section(
         As for `triangulate`.
 
     """
+    check_positive("triangulate_section", "size", size, "a positive length")
     low, high = section.bounds()
     middle = 0.5 * (low + high)
     if np.abs(middle).max() > _FAR * section.size:

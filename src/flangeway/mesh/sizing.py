@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.errors import InputError
+from flangeway.checks import check_positive, is_finite
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import FloatArray, as_points
 from flangeway.geometry.outline import Outline
 
@@ -44,8 +45,7 @@ class Refinement:
         points.setflags(write=False)
         object.__setattr__(self, "points", points)
         for name, value in (("size", self.size), ("growth", self.growth)):
-            if not (value > 0.0 and math.isfinite(value)):
-                raise InputError(f"{name} = {value} of a refinement", "a positive number", "give a larger one")
+            check_positive("Refinement", name, value)
 
     @property
     def length(self) -> float:
@@ -111,9 +111,9 @@ def refuse_size(outline: Outline, size: float) -> None:
 
     """
     extent = float(np.max(outline.bounds()[1] - outline.bounds()[0]))
-    if not 0.0 < size <= extent:
+    if not (is_finite(size) and 0.0 < size <= extent):
         raise InputError(
-            f"size = {size}",
+            f"size = {short(size)}",
             f"a positive length up to the extent {extent:.6g} of the region",
             "give the length of a triangle's edge",
         )

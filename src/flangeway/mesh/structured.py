@@ -4,6 +4,7 @@ from typing import Literal
 
 import numpy as np
 
+from flangeway.checks import check_integer, check_positive
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point, as_point
 from flangeway.mesh.memory import refuse_large_mesh
@@ -48,9 +49,10 @@ def rectangle_grid(
         If there is no memory for it.
 
     """
-    for name, value in (("width", width), ("height", height), ("nx", nx), ("ny", ny)):
-        if not value > 0 or not np.isfinite(value):
-            raise InputError(f"{name} = {value}", "a positive number", "give a larger one")
+    for name, value in (("width", width), ("height", height)):
+        check_positive("rectangle_grid", name, value, "a positive length")
+    for name, number in (("nx", nx), ("ny", ny)):
+        check_integer("rectangle_grid", name, number, 1)
     x0, y0 = as_point(origin, "origin")
     refuse_large_mesh(f"a grid of {nx:,} by {ny:,} squares", BYTES_A_SQUARE * nx * ny)
     x, y = np.meshgrid(np.linspace(x0, x0 + width, nx + 1), np.linspace(y0, y0 + height, ny + 1))

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import check_integer
 from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss
@@ -104,8 +105,7 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
 
     """
     first, along = _line(start, end)
-    if n_points < 2:
-        raise InputError(f"stresses_along(n_points={n_points})", "2 or more", "leave the default")
+    check_integer("stresses_along", "n_points", n_points, 2, advice="leave the default")
     share = np.linspace(0.0, 1.0, n_points)
     points = first + share[:, None] * along
     cells = locate(solution.problem.space.mesh, points)

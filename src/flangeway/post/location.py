@@ -3,6 +3,7 @@
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 
@@ -25,7 +26,7 @@ def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
         If the points have another shape or are not finite.
 
     """
-    given = np.asarray(points, dtype=np.float64)
+    given = as_numbers("points", points)
     if given.ndim != 2 or given.shape[1:] != (2,) or not np.isfinite(given).all():
         raise InputError(f"points of shape {given.shape}", "finite numbers, shape (n, 2)", "give rows of x and y")
     cells = np.full(len(given), OUTSIDE, dtype=np.int64)

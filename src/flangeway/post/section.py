@@ -6,9 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.checks import is_finite
+from flangeway.checks import is_finite, refused
 from flangeway.elements import Lagrange
-from flangeway.errors import InputError
 from flangeway.problems import Torsion
 from flangeway.solve import TorsionSolution, solve_torsion
 from flangeway.space import Space
@@ -101,7 +100,7 @@ def section_constants(
 
     """
     if not (is_finite(poisson) and 0.0 <= poisson <= 0.5):
-        raise InputError(f"poisson={poisson}", "0 to 0.5", "leave 0 for Trefftz's shear centre")
+        raise refused("section_constants", "poisson", poisson, "0 to 0.5", "leave 0 for Trefftz's shear centre")
     warping = solve_torsion(Torsion(space, shear_modulus, "warping"))
     prandtl = solve_torsion(Torsion(space, shear_modulus, "prandtl"))
     problem = warping.problem

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
+from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.railway.rolling import NO_DIFFERENCE_MM, RollingRadiusDifference
 
@@ -110,7 +111,7 @@ def klingel_wavelength(conicity: ArrayLike, contact_distance_mm: float, radius_m
 
 
 def _checked(amplitudes_mm: ArrayLike) -> Floats:
-    amplitudes = np.atleast_1d(np.asarray(amplitudes_mm, dtype=np.float64))
+    amplitudes = np.atleast_1d(as_numbers("amplitudes", amplitudes_mm))
     if not (np.isfinite(amplitudes) & (amplitudes > 0.0)).all():
         raise InputError("an amplitude that is not positive", "amplitudes > 0 in mm", "give 3 for the usual one")
     return amplitudes

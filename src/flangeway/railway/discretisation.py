@@ -3,8 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
+from flangeway.checks import check_integer, check_positive
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Element, Lagrange, Stabilisation, Virtual
 from flangeway.errors import InputError
@@ -84,8 +83,11 @@ class Discretisation:
         lengths = ("contact_size_mm", "body_size_mm", "wheel_contact_size_mm", "rail_contact_size_mm", "penetration_mm")
         for name in (*lengths, "growth", "size_scale", "penalty_factor", "nodal_penalty_N_per_mm"):
             value = getattr(self, name)
-            if value is not None and not (np.isfinite(value) and value > 0.0):
-                raise InputError(f"Discretisation({name}={value})", "a positive number", "leave it out")
+            if value is not None or "_contact_" not in name:
+                check_positive("Discretisation", name, value, advice="leave it out")
+        for name in ("order", "wheel_order", "rail_order"):
+            if (value := getattr(self, name)) is not None or name == "order":
+                check_integer("Discretisation", name, value, 1, advice="leave it out")
         choices: tuple[tuple[str, tuple[str | None, ...]], ...] = (
             ("method", ("fem", "vem")),
             ("wheel_method", ("fem", "vem", None)),

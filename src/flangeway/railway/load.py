@@ -3,6 +3,7 @@
 import math
 from dataclasses import dataclass
 
+from flangeway.checks import check_finite, check_positive, is_finite, refused
 from flangeway.errors import InputError
 
 GRAVITY_M_S2 = 9.80665
@@ -32,18 +33,13 @@ class Load:
     tilt_rad: float = 0.0
 
     def __post_init__(self) -> None:
-        if not (math.isfinite(self.vertical_N) and self.vertical_N > 0.0):
-            raise InputError(
-                f"Load(vertical_N={self.vertical_N})",
-                "a positive weight: it presses the wheels on the rails",
-                "give the load of the axle in N, 300000 for 30 t",
-            )
-        if not math.isfinite(self.lateral_N):
-            raise InputError(f"Load(lateral_N={self.lateral_N})", "a finite force in N", "leave it out for none")
-        if not abs(self.tilt_rad) < 0.25:
-            raise InputError(
-                f"Load(tilt_rad={self.tilt_rad})", "an angle between -0.25 and 0.25 rad", "check the superelevation"
-            )
+        allowed = "a positive weight: it presses the wheels on the rails"
+        advice = "give the load of the axle in N, 300000 for 30 t"
+        check_positive("Load", "vertical_N", self.vertical_N, allowed, advice)
+        check_finite("Load", "lateral_N", self.lateral_N, "a finite force in N", "leave it out for none")
+        if not (is_finite(self.tilt_rad) and abs(self.tilt_rad) < 0.25):
+            allowed, advice = "an angle between -0.25 and 0.25 rad", "check the superelevation"
+            raise refused("Load", "tilt_rad", self.tilt_rad, allowed, advice)
 
     @property
     def in_track(self) -> tuple[float, float]:

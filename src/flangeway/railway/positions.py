@@ -11,6 +11,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.railway.lane_newton import Lanes
 from flangeway.railway.lane_patches import LanePatch, lane_patches, patches_of
@@ -65,7 +66,7 @@ class Positions:
 
     def __post_init__(self) -> None:
         names = ("lateral_mm", "vertical_N", "lateral_N")
-        given = np.broadcast_arrays(*(np.atleast_1d(np.asarray(getattr(self, name), dtype=float)) for name in names))
+        given = np.broadcast_arrays(*(np.atleast_1d(as_numbers(name, getattr(self, name))) for name in names))
         if given[0].ndim != 1 or len(given[0]) == 0:
             raise InputError(f"positions of shape {given[0].shape}", "one or more, shape (n,)", "give flat arrays")
         lateral, vertical, force = given

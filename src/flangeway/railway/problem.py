@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass, field, fields
 
-from flangeway.errors import InputError
+from flangeway.checks import check_finite, check_positive
 from flangeway.materials import Elastic
 from flangeway.railway.discretisation import Discretisation, Role
 from flangeway.railway.load import Load
@@ -30,8 +30,8 @@ class Prescribed:
     def __post_init__(self) -> None:
         for each in fields(self):
             value = getattr(self, each.name)
-            if value is not None and not math.isfinite(value):
-                raise InputError(f"Prescribed({each.name}={value})", "a finite number", "leave it out to find it")
+            if value is not None:
+                check_finite("Prescribed", each.name, value, advice="leave it out to find it")
 
     @property
     def components(self) -> tuple[float | None, float | None, float | None]:
@@ -77,7 +77,10 @@ class WheelsetProblem:
     yield_MPa: float | None = None  # noqa: N815 (the unit megapascal)
 
     def __post_init__(self) -> None:
-        """Refuse a wheelset that does not fit its track."""
+        """Refuse wrong numbers, and a wheelset that does not fit its track."""
+        check_positive("WheelsetProblem", "thickness_mm", self.thickness_mm, "a positive length", "give it in mm")
+        if self.yield_MPa is not None:
+            check_positive("WheelsetProblem", "yield_MPa", self.yield_MPa, advice="leave it out")
         refuse_misfit(self.track, self.wheelset)
 
     def material_of(self, body: Role) -> Elastic:

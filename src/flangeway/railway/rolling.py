@@ -7,6 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.railway.rigid_locus import ContactLocus
 
@@ -39,7 +40,7 @@ class RollingRadiusDifference:
 
     def __post_init__(self) -> None:
         for name in ("lateral_mm", "difference_mm"):
-            array = np.array(getattr(self, name), dtype=np.float64)
+            array = as_numbers(name, getattr(self, name)).copy()
             array.setflags(write=False)
             object.__setattr__(self, name, array)
         lateral, difference = self.lateral_mm, self.difference_mm

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.geometry import Contour
@@ -77,8 +78,7 @@ def stresses_below(
 
     """
     depth = DEPTH * patch.pressure.half_width if depth_mm is None else depth_mm
-    if not (np.isfinite(depth) and depth > 0.0):
-        raise InputError(f"stresses_below(depth_mm={depth_mm})", "a positive length in mm", "leave it out")
+    check_positive("stresses_below", "depth_mm", depth, "a positive length in mm", "leave it out")
     surface, point = _place(result, patch, body)
     part = result.model.parts[f"{body}-{patch.side}"]
     (start,), (inward,) = inward_from(surface, part.body.mesh, point[None])

@@ -11,6 +11,7 @@ from typing import Literal
 
 import numpy as np
 
+from flangeway.checks import check_finite, check_positive, is_finite, refused
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles import RailProfile, WheelProfile
@@ -71,10 +72,10 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
     return near
 
 
-def _require_positive(owner: str, **lengths: float) -> None:
+def _require_positive(owner: str, **lengths: float | None) -> None:
     for name, value in lengths.items():
-        if not (math.isfinite(value) and value > 0.0):
-            raise InputError(f"{owner}({name}={value})", "a positive length", "give it in mm")
+        if value is not None:
+            check_positive(owner, name, value, "a positive length", "give it in mm")
 
 
 @dataclass(frozen=True)
@@ -103,11 +104,10 @@ class Track:
     gauge_depth_mm: float | None = None
 
     def __post_init__(self) -> None:
-        _require_positive("Track", gauge_mm=self.gauge_mm)
-        if self.gauge_depth_mm is not None:
-            _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
-        if not abs(self.cant) <= 0.2:
-            raise InputError(f"Track(cant={self.cant})", "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
+        check_positive("Track", "gauge_mm", self.gauge_mm, "a positive length", "give it in mm")
+        _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
+        if not (is_finite(self.cant) and abs(self.cant) <= 0.2):
+            raise refused("Track", "cant", self.cant, "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
 
     @property
     def is_symmetric(self) -> bool:
@@ -167,15 +167,11 @@ class Wheelset:
     left_radius_mm: float | None = None
 
     def __post_init__(self) -> None:
-        _require_positive("Wheelset", back_to_back_mm=self.back_to_back_mm, radius_mm=self.radius_mm)
-        if self.left_radius_mm is not None:
-            _require_positive("Wheelset", left_radius_mm=self.left_radius_mm)
-        if not math.isfinite(self.barycentre_height_mm):
-            raise InputError(
-                f"Wheelset(barycentre_height_mm={self.barycentre_height_mm})",
-                "a finite length",
-                "give the height above the axle in mm",
-            )
+        for name in ("back_to_back_mm", "radius_mm"):
+            check_positive("Wheelset", name, getattr(self, name), "a positive length", "give it in mm")
+        _require_positive("Wheelset", left_radius_mm=self.left_radius_mm)
+        advice = "give the height above the axle in mm"
+        check_finite("Wheelset", "barycentre_height_mm", self.barycentre_height_mm, "a finite length", advice)
 
     @property
     def is_symmetric(self) -> bool:
@@ -222,6 +218,10 @@ class WheelsetMotion:
     lateral_mm: float = 0.0
     vertical_mm: float = 0.0
     roll_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in zip(("lateral_mm", "vertical_mm", "roll_rad"), self.components, strict=True):
+            check_finite("WheelsetMotion", name, value)
 
     @property
     def components(self) -> tuple[float, float, float]:

@@ -12,6 +12,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, NotPositiveDefiniteError
+from flangeway.checks import check_integer, check_tolerance
 from flangeway.errors import InputError
 from flangeway.problems.items import Item
 from flangeway.solve.linear import NO_UNKNOWNS, cholesky
@@ -39,6 +40,10 @@ class ItemSettings:
 
     max_iterations: int = 25
     tolerance: float = 1e-9
+
+    def __post_init__(self) -> None:
+        check_integer("ItemSettings", "max_iterations", self.max_iterations, 1, advice="leave it out")
+        check_tolerance("ItemSettings", self.tolerance)
 
 
 @dataclass(frozen=True, eq=False)

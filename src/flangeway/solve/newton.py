@@ -19,7 +19,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.checks import check_integer, check_tolerance
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity
 from flangeway.solve.bodies import BodyResponse
@@ -62,13 +62,9 @@ class NewtonSettings:
     tolerance: float = 1e-11
 
     def __post_init__(self) -> None:
-        if min(self.max_iterations, self.max_corrections) < 1 or not 0.0 < self.tolerance < 1.0:
-            raise InputError(
-                f"NewtonSettings(max_iterations={self.max_iterations}, max_corrections={self.max_corrections}, "
-                f"tolerance={self.tolerance})",
-                "at least one iteration and one correction, and a tolerance between 0 and 1",
-                "leave them out",
-            )
+        for name in ("max_iterations", "max_corrections"):
+            check_integer("NewtonSettings", name, getattr(self, name), 1, advice="leave it out")
+        check_tolerance("NewtonSettings", self.tolerance)
 
 
 @dataclass(frozen=True)

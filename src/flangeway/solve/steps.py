@@ -3,7 +3,8 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from flangeway.errors import InputError
+from flangeway.checks import are_finite
+from flangeway.errors import InputError, short
 from flangeway.solve.newton import ContactState
 
 FEW_ITERATIONS = 8
@@ -30,9 +31,10 @@ class StepSettings:
     smallest: float = 1.0 / 1024.0
 
     def __post_init__(self) -> None:
-        if not 0.0 < self.smallest <= self.first <= self.largest <= 1.0:
+        sizes = self.smallest, self.first, self.largest
+        if not (are_finite(sizes, 3) and 0.0 < sizes[0] <= sizes[1] <= sizes[2] <= 1.0):
             raise InputError(
-                f"StepSettings(first={self.first}, largest={self.largest}, smallest={self.smallest})",
+                "StepSettings(smallest={}, first={}, largest={})".format(*map(short, sizes)),
                 "0 < smallest <= first <= largest <= 1",
                 "for n equal steps take first=1/n, largest=1/n",
             )
