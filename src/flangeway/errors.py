@@ -5,23 +5,46 @@ Every message says three things: what was given, what is allowed, and what to do
 
 import os
 import traceback
+from collections.abc import Mapping
 from datetime import date, time
-from pathlib import Path
+from numbers import Number
+from pathlib import Path, PurePath
 
 LONGEST_VALUE = 80
 DEBUG_VARIABLE = "FLANGEWAY_DEBUG"
 """Environment variable that ``--debug`` sets for this process and its workers."""
 
+_PLAIN = str.maketrans("", "", "<>")
+
 
 def short(value: object) -> str:
-    """Write a value for a message, cut where it is longer than `LONGEST_VALUE` characters."""
-    if isinstance(value, bool):
-        return str(value).lower()
+    """Write a value for a message as a user would, cut where it is longer than `LONGEST_VALUE` characters."""
     try:
-        text = value.isoformat() if isinstance(value, date | time) else repr(value)
+        text = _written(value)
     except ValueError:  # Python writes no integer of more than some thousands of digits
         return "a number of thousands of digits"
     return text if len(text) <= LONGEST_VALUE else text[: LONGEST_VALUE - 3] + "..."
+
+
+def _written(value: object) -> str:
+    """Numbers, texts and what holds them; of other objects the class."""
+    if hasattr(value, "tolist") and not isinstance(value, type):  # of NumPy
+        value = value.tolist()
+    if isinstance(value, list | tuple):
+        inside = ", ".join(map(_written, value[:LONGEST_VALUE]))
+        return f"[{inside}]" if isinstance(value, list) else f"({inside}{',' * (len(value) == 1)})"
+    if isinstance(value, Mapping):
+        return "{" + ", ".join(f"{_written(key)}: {_written(each)}" for key, each in value.items()) + "}"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, date | time):
+        return value.isoformat()
+    if isinstance(value, str | bytes | Number) or value is None:
+        return repr(value)
+    if isinstance(value, PurePath):
+        return repr(str(value))
+    name = getattr(value, "__name__", None)
+    return f"{type(value).__name__}(...)" if name is None else f"the {type(value).__name__} {name}".translate(_PLAIN)
 
 
 class FlangewayError(Exception):

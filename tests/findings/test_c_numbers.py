@@ -1,6 +1,7 @@
 """Part C: a number is a number wherever Python gives one, and what is out of range says why and what to do."""
 
 from fractions import Fraction
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,17 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact, PlateWithHole, Rectangle, ThickCylinder
 from flangeway.geometry import Placement, Region, Section, circle, rectangle
 from flangeway.materials import Elastic, Orthotropic
-from flangeway.mesh import Refinement, doerfler_marking, rectangle_grid, refined, triangulate, triangulate_section
+from flangeway.mesh import (
+    PolyMesh,
+    Refinement,
+    doerfler_marking,
+    dual,
+    rectangle_grid,
+    refined,
+    triangulate,
+    triangulate_section,
+)
+from flangeway.post import stresses_along
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement, Pressure, Spring, Torsion, Traction, fixed
 from flangeway.railway.discretisation import Discretisation
 from flangeway.railway.load import Load
@@ -211,3 +222,31 @@ def test_c_an_incompressible_sheet_keeps_its_limits() -> None:
             for each in (sheet, Elastic(1.0, 0.5, "plane_stress"))
         ]
         assert work[0].load_work == pytest.approx(work[1].load_work)
+
+
+WRONG = {
+    "material": lambda: Elasticity(space(), Pressure("top", 1.0)),
+    "load": lambda: Elasticity(space(), STEEL, loads=[np.array([1.0, 2.0])]),
+    "support": lambda: Elasticity(space(), STEEL, supports=[Pressure("top", 1.0)]),
+    "edges": lambda: Elasticity(space(), STEEL, loads=[Pressure(np.array(["top"]), "1")]),
+    "number": lambda: Elastic(np.array([1.0, np.nan]), 0.3),
+    "object": lambda: Elastic(object(), 0.3),
+    "function": lambda: Load(lambda: None),
+    "class": lambda: Virtual(2, TraceStabilisation),
+    "path": lambda: Load(Path("load.txt")),
+    "fraction": lambda: Orthotropic((np.float64(-1.0), 1.0, 1.0), (0.0, 0.0, 0.0), 1.0),
+    "steps": lambda: StepSettings(first=np.float64(3.0)),
+    "cells": lambda: rectangle_grid(1.0, 1.0, 1, 1, cells=Path("triangles")),
+    "refined": lambda: refined(GRID, np.array([np.int64(99)])),
+    "flat triangles": lambda: dual(PolyMesh([(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)], [0, 3], [0, 1, 2])),
+    "line": lambda: stresses_along(None, np.zeros(2), np.zeros(2)),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+def test_c_messages_hold_no_python_objects(wrong: str) -> None:
+    """What was given is written with numbers, texts and names of classes, not as Python prints objects and arrays."""
+    with pytest.raises(InputError) as error:
+        WRONG[wrong]()
+    for word in ("<", "np.", "array(", "PosixPath", "object at", "matrix="):
+        assert word not in error.value.given

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.contact.pairs import Pairs
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 
 Floats = NDArray[np.float64]
 
@@ -97,7 +97,7 @@ def _refuse_bad_penalty(name: str, value: float | None, per: str) -> None:
         advice = "start with ten times E / (1 - nu^2) over the size of the elements, per='length'"
         check_positive(name, "value", value, advice=advice)
     if per not in ("node", "length"):
-        raise InputError(f"{name}(per={per!r})", "'node' or 'length'", "choose one of these")
+        raise InputError(f"{name}(per={short(per)})", "'node' or 'length'", "choose one of these")
 
 
 def _compliances(value: float | None, per: str, areas: Floats) -> Floats:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flangeway.checks import refused
 from flangeway.contact.contact import Contact
 from flangeway.contact.system import ContactLinearisation, ContactSystem
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.problems import ElasticField, Part
 from flangeway.solve import (
@@ -201,7 +201,9 @@ def _refuse_bad_motion(system: ContactSystem, motion: Mapping[Part, Placement]) 
     for part, moved in motion.items():
         if not isinstance(part, Part) or not isinstance(moved, Placement):
             raise InputError(
-                f"motion={{{part!r}: {moved!r}}}", "a Placement by its Part", "write {part: Placement(angle, (x, y))}"
+                f"motion={{{short(part)}: {short(moved)}}}",
+                "a Placement by its Part",
+                "write {part: Placement(angle, (x, y))}",
             )
         if part not in system.parts:
             raise InputError(

@@ -18,7 +18,7 @@ from flangeway.checks import check_positive
 from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
 from flangeway.contact.search import candidate_pairs
 from flangeway.contact.surface import Surface
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -124,7 +124,7 @@ class SegmentToSegment:
                 check_positive("SegmentToSegment", name, value, "a positive length or None", "leave it out")
         if self.weighting not in ("standard", "dual"):
             raise InputError(
-                f"SegmentToSegment(weighting={self.weighting!r})", "'standard' or 'dual'", "choose one of these"
+                f"SegmentToSegment(weighting={short(self.weighting)})", "'standard' or 'dual'", "choose one of these"
             )
 
     def node_areas(self, secondary: Surface) -> Floats:

@@ -11,6 +11,7 @@ from flangeway.contact.shape import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
+from flangeway.geometry.arrays import point_text
 from flangeway.mesh.chains import chain_starts, ordered_pairs
 from flangeway.problems import Part
 
@@ -101,7 +102,7 @@ class Surface:
         if inner.any():
             a, b = edges[inner.argmax()]
             raise InputError(
-                f"{self._name} with the edge ({a}, {b}) near {mesh.points[a]}, which is inside the body",
+                f"{self._name} with the edge ({a}, {b}) near {point_text(mesh.points[a])}, which is inside the body",
                 "edges of the boundary",
                 "choose among mesh.boundary_edges",
             )

@@ -68,7 +68,7 @@ def through_arc(start: Point, middle: Point, end: Point, name: str, what: str) -
     cross = float(a[0] * b[1] - a[1] * b[0])
     if not abs(cross) > 1e-9 * float(np.hypot(*a) * np.hypot(*b)):
         raise InputError(
-            f"{what}: an arc through three points on one line, {start}, {middle}, {end}",
+            f"{what}: an arc through three points on one line, {short(start)}, {short(middle)}, {short(end)}",
             "a point that is off the line from start to end",
             "use line_to, or move the point",
         )

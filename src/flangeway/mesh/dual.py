@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.geometry.arrays import FloatArray, IntArray, point_text
 from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import next_in_row, offsets_of, row_numbers
@@ -79,14 +79,15 @@ def _refuse_unfit(mesh: PolyMesh) -> None:
     if np.any(mesh.cell_sizes != 3):
         cell = int(np.argmax(mesh.cell_sizes != 3))
         raise InputError(
-            f"cell {cell} with {mesh.cell_sizes[cell]} points at {mesh.cell_centroids[cell]}",
+            f"cell {cell} with {mesh.cell_sizes[cell]} points at {point_text(mesh.cell_centroids[cell])}",
             "triangles only",
             "take the dual of the triangulation",
         )
     if mesh.cell_areas.min() <= 0.0:
         cell = int(mesh.cell_areas.argmin())
+        place = point_text(mesh.points[mesh.cell_points[3 * cell]])
         raise InputError(
-            f"triangle {cell} at {mesh.points[mesh.cell_points[3 * cell]]} with area {mesh.cell_areas[cell]:.3g}",
+            f"triangle {cell} at {place} with area {mesh.cell_areas[cell]:.3g}",
             "counter-clockwise triangles with positive areas",
             "check the mesh first",
         )
@@ -103,7 +104,7 @@ def _sorted_rim(mesh: PolyMesh) -> IntArray:
     if len(twice):
         point = int(rim[twice[0], 0])
         raise InputError(
-            f"point {point} at {mesh.points[point]}, where the boundary touches itself",
+            f"point {point} at {point_text(mesh.points[point])}, where the boundary touches itself",
             "a boundary that passes every point once",
             "separate the parts that touch, or take duals of the parts",
         )
@@ -132,7 +133,7 @@ def _rings(
     if folded.any():
         point = int(about[order[folded.argmax()]])
         raise InputError(
-            f"point {point} at {mesh.points[point]}: two neighbouring triangles are so flat that "
+            f"point {point} at {point_text(mesh.points[point])}: two neighbouring triangles are so flat that "
             "their barycentres lie half a turn or more apart",
             "triangles that make a simple polygon about every point",
             "refine the mesh there",
@@ -161,7 +162,7 @@ def _carried_sets(mesh: PolyMesh) -> Mapping[str, IntArray]:
             point = int(divided.argmax())
             raise InputError(
                 f"cell set '{name}' with {inside[point]} of the {total[point]} triangles of point "
-                f"{point} at {mesh.points[point]}",
+                f"{point} at {point_text(mesh.points[point])}",
                 "sets with all or none of the triangles of a point",
                 "take the duals of the parts, or name the cells of the dual",
             )

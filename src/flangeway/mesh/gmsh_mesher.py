@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import FloatArray, IntArray
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
@@ -92,7 +92,7 @@ def triangulate(
 def refuse_algorithm(algorithm: str) -> None:
     """Refuse the name of an algorithm that is not known."""
     if algorithm not in ALGORITHMS:
-        raise InputError(f"algorithm = {algorithm!r}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
+        raise InputError(f"algorithm = {short(algorithm)}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
 
 
 def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:

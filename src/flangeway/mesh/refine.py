@@ -104,7 +104,7 @@ def _mask(mesh: PolyMesh, cells: ArrayLike | None) -> Bools:
     if given.size:
         if given.dtype.kind not in "iu" or given.min() < 0 or given.max() >= mesh.n_cells:
             raise InputError(
-                f"cells to refine {short(given.tolist())}",
+                f"cells to refine of type {given.dtype}: {short(given)}",
                 f"cell numbers from 0 to {mesh.n_cells - 1}, or a mask of {mesh.n_cells}",
                 "number the cells from zero",
             )

@@ -5,7 +5,7 @@ from typing import Literal
 import numpy as np
 
 from flangeway.checks import check_integer, check_positive
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point, as_point
 from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
@@ -64,7 +64,7 @@ def rectangle_grid(
     elif cells == "quadrilaterals":
         rows = np.column_stack([a, b, c, d])
     else:
-        raise InputError(f"cells = {cells!r}", "'triangles' or 'quadrilaterals'", "choose one")
+        raise InputError(f"cells = {short(cells)}", "'triangles' or 'quadrilaterals'", "choose one")
     sides = {
         "bottom": grid[0],
         "right": grid[:, -1],

@@ -10,7 +10,7 @@ from flangeway.checks import check_integer
 from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.post.location import OUTSIDE, locate
 from flangeway.post.stress import Stresses
 from flangeway.problems import ElasticField
@@ -151,12 +151,12 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
 def _line(start: Point, end: Point) -> tuple[Floats, Floats]:
     ends = np.array([start, end], dtype=np.float64)
     if ends.shape != (2, 2) or not np.isfinite(ends).all() or (ends[0] == ends[1]).all():
-        raise InputError(f"a line from {start} to {end}", "two different points (x, y)", "give its ends")
+        raise InputError(f"a line from {short(start)} to {short(end)}", "two different points (x, y)", "give its ends")
     return ends[0], ends[1] - ends[0]
 
 
 def _no_body(what: str, start: Point, end: Point) -> InputError:
-    return InputError(f"{what} from {tuple(start)} to {tuple(end)}", "one that crosses the body", "move its ends")
+    return InputError(f"{what} from {short(start)} to {short(end)}", "one that crosses the body", "move its ends")
 
 
 def _crossings(solution: ElasticField, first: Floats, along: Floats) -> Floats:

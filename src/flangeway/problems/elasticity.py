@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, polygon_quadrature
 from flangeway.elements.monomials import n_monomials
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.problems.loads import Load, TemperatureChange
 from flangeway.problems.strains import STRAIN_PLACES, StrainOperators, strain_operators
@@ -83,7 +83,7 @@ class Elasticity:
         for material in self.materials:
             if not isinstance(material, Material):
                 raise InputError(
-                    f"Elasticity(material={material!r})",
+                    f"Elasticity(material={short(material)})",
                     "a Material, or one for each cell set",
                     "make an Elastic or an Orthotropic",
                 )
@@ -104,12 +104,12 @@ class Elasticity:
     def _check_items(self) -> None:
         for load in self.loads:
             if not isinstance(load, Load):
-                raise InputError(f"the load {load!r}", "items of flangeway.problems.loads", "make a Traction, ...")
+                raise InputError(f"the load {short(load)}", "items of flangeway.problems.loads", "make a Traction, ...")
             load.check(self)
         for support in self.supports:
             if not isinstance(support, Support):
                 raise InputError(
-                    f"the support {support!r}", "PrescribedDisplacement, Spring or RigidHandle", "make one of them"
+                    f"the support {short(support)}", "PrescribedDisplacement, Spring or RigidHandle", "make one of them"
                 )
             self.support_nodes(support)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.elements import Reconstruction, polygon_quadrature
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.given import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
@@ -69,7 +69,7 @@ class Traction(Load):
     value: Vector
 
     def __post_init__(self) -> None:
-        check_vector(f"Traction on {self.edges!r}", self.value)
+        check_vector(f"Traction on {short(self.edges)}", self.value)
 
     def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
@@ -77,7 +77,7 @@ class Traction(Load):
 
     def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
-        name = f"Traction on {self.edges!r}"
+        name = f"Traction on {short(self.edges)}"
         return _edge_forces(problem, self.edges, lambda points, _: vector_at(name, self.value, points))
 
 
@@ -98,7 +98,7 @@ class Pressure(Load):
     value: Scalar
 
     def __post_init__(self) -> None:
-        check_scalar(f"Pressure on {self.edges!r}", self.value)
+        check_scalar(f"Pressure on {short(self.edges)}", self.value)
 
     def check(self, problem: LoadedProblem) -> None:
         """See `Load.check`."""
@@ -106,7 +106,7 @@ class Pressure(Load):
 
     def forces(self, problem: LoadedProblem) -> Floats:
         """See `Load.forces`."""
-        name = f"Pressure on {self.edges!r}"
+        name = f"Pressure on {short(self.edges)}"
         return _edge_forces(
             problem, self.edges, lambda points, normals: -scalar_at(name, self.value, points)[:, None] * normals
         )

@@ -54,7 +54,7 @@ class PrescribedDisplacement:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        owner = f"PrescribedDisplacement({self.where!r})"
+        owner = f"PrescribedDisplacement({short(self.where)})"
         _check_place(owner, self.where)
         _check_angle(owner, self.angle)
         for name, value in (("x", self.x), ("y", self.y)):
@@ -91,7 +91,7 @@ class Spring:
     angle: float = 0.0
 
     def __post_init__(self) -> None:
-        owner = f"Spring({self.where!r})"
+        owner = f"Spring({short(self.where)})"
         _check_place(owner, self.where)
         _check_angle(owner, self.angle)
         if not all(is_finite(k) and k >= 0.0 for k in (self.x, self.y)) or self.x == self.y == 0.0:
@@ -132,7 +132,7 @@ class RigidHandle:
     pivot: Point | None = None
 
     def __post_init__(self) -> None:
-        owner = f"RigidHandle({self.edges!r})"
+        owner = f"RigidHandle({short(self.edges)})"
         for name, value in (("x", self.x), ("y", self.y), ("rotation", self.rotation), ("moment", self.moment)):
             if value is not None:
                 check_scalar(f"{owner}: {name}", value)

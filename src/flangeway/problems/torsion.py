@@ -16,7 +16,7 @@ from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.problems.boundary_loops import Boundary, boundary_of
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 
@@ -70,7 +70,9 @@ class Torsion:
     def __post_init__(self) -> None:
         for name, allowed in _CHOICES.items():
             if getattr(self, name) not in allowed:
-                raise InputError(f"Torsion({name}={getattr(self, name)!r})", " or ".join(allowed), "choose one of them")
+                raise InputError(
+                    f"Torsion({name}={short(getattr(self, name))})", " or ".join(allowed), "choose one of them"
+                )
         if self.load == "vertex_mean" and (self.space.order > 1 or self.formulation != "prandtl"):
             raise InputError(
                 f"Torsion(load='vertex_mean') with {self.formulation!r} of order {self.space.order}",

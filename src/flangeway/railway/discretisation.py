@@ -6,7 +6,7 @@ from typing import Literal
 from flangeway.checks import check_integer, check_positive
 from flangeway.contact import AugmentedLagrange, Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Element, Lagrange, Stabilisation, Virtual
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 
 Method = Literal["fem", "vem"]
 Role = Literal["rail", "wheel"]
@@ -99,7 +99,7 @@ class Discretisation:
         for name, allowed in choices:
             if getattr(self, name) not in allowed:
                 raise InputError(
-                    f"Discretisation({name}={getattr(self, name)!r})",
+                    f"Discretisation({name}={short(getattr(self, name))})",
                     " or ".join(repr(value) for value in allowed),
                     "choose one of these",
                 )

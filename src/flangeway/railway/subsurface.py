@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.exact import LineContact
 from flangeway.geometry import Contour
 from flangeway.mesh import PolyMesh
@@ -187,7 +187,9 @@ def _place(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> tuple[C
         return problem.track.rail_of(patch.side).running_surface, patch.rail_point_mm
     if body == "wheel":
         return problem.wheelset.wheel_of(patch.side).running_surface, patch.wheel_point_mm
-    raise InputError(f"stresses_below(body={body!r})", "'wheel' or 'rail'", "name one of the two bodies in contact")
+    raise InputError(
+        f"stresses_below(body={short(body)})", "'wheel' or 'rail'", "name one of the two bodies in contact"
+    )
 
 
 def inward_from(surface: Contour, mesh: PolyMesh, points: Floats) -> tuple[Floats, Floats]:

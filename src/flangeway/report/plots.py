@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
 from flangeway.problems import ElasticField
@@ -158,7 +158,7 @@ def plot_displacement(
 
     """
     if component not in get_args(Component):
-        raise InputError(f"component = {component!r}", ", ".join(get_args(Component)), "choose one of them")
+        raise InputError(f"component = {short(component)}", ", ".join(get_args(Component)), "choose one of them")
     shown = _fine_display(solution.problem.space)
     moved = shown.function(solution.displacements)
     values = np.hypot(*moved.T) if component == "magnitude" else moved[:, "xy".index(component)]
@@ -202,7 +202,7 @@ def plot_stress(
 
     """
     if quantity not in get_args(Quantity):
-        raise InputError(f"quantity = {quantity!r}", ", ".join(get_args(Quantity)), "choose one of them")
+        raise InputError(f"quantity = {short(quantity)}", ", ".join(get_args(Quantity)), "choose one of them")
     shown = _fine_display(solution.problem.space)
     stresses = displayed_stresses(solution, shown)
     if averaged:

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.problems import Elasticity, PrescribedDisplacement, RigidHandle
 from flangeway.problems.elasticity import ON_AXIS
 from flangeway.problems.given import scalar_at
@@ -178,7 +178,7 @@ def _prescribed_rows(problem: Elasticity) -> Rows:
         nodes = problem.support_nodes(support)
         for direction, value in zip(axes(support.angle), (support.x, support.y), strict=True):
             if value is not None:
-                given = scalar_at(f"PrescribedDisplacement({support.where!r})", value, problem.space.nodes[nodes])
+                given = scalar_at(f"PrescribedDisplacement({short(support.where)})", value, problem.space.nodes[nodes])
                 directions = np.broadcast_to(direction, (len(nodes), 2))
                 parts.append(Rows(np.full(len(nodes), number), nodes, directions, given))
     if problem.axisymmetric:
@@ -230,7 +230,7 @@ def _own_rows(problem: Elasticity, number: int, support: RigidHandle) -> Rows:
         supports = np.append(supports, np.full(len(held), AXIS))
         if any(value != 0.0 for i, value in motions if i != 1) or support.force[0] or support.moment:
             raise InputError(
-                f"RigidHandle({support.edges!r}) of an axisymmetric body with more than a motion along the axis",
+                f"RigidHandle({short(support.edges)}) of an axisymmetric body with more than a motion along the axis",
                 "y and force y",
                 "leave x, rotation, force x and moment",
             )

@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.mesh.memory import memory_left, out_of_memory
 from flangeway.problems import Body
 from flangeway.solve.rigid import refuse_floating
@@ -77,5 +77,5 @@ def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
             f"body {body.name!r} can move without strain: nothing holds node {node} at ({x:g}, {y:g}) "
             f"in {'xy'[component]}",
             "a body whose held edges fix both translations and the rotation",
-            f"hold at least one edge of the body (now {body.held!r}) and check that its mesh is one piece",
+            f"hold at least one edge of the body (now {short(body.held)}) and check that its mesh is one piece",
         ) from error

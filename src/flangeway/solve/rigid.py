@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement
 from flangeway.problems.supports import axes
 from flangeway.solve.constraints import Constraints, find_constraints
@@ -60,7 +60,7 @@ def refuse_floating(body: Body) -> None:
         raise InputError(
             reason.given,
             "a body in contact whose held edges and points fix both translations and the rotation of its every piece",
-            f"hold more of it in Body(held=...), now {body.held!r}; contact alone holds nothing",
+            f"hold more of it in Body(held=...), now {short(body.held)}; contact alone holds nothing",
         ) from reason
 
 
