@@ -39,10 +39,8 @@ def _written(value: object) -> str:
         return str(value).lower()
     if isinstance(value, date | time):
         return value.isoformat()
-    if isinstance(value, str | bytes | Number) or value is None:
-        return repr(value)
-    if isinstance(value, PurePath):
-        return repr(str(value))
+    if isinstance(value, str | bytes | Number | PurePath) or value is None:
+        return repr(str(value) if isinstance(value, PurePath) else value)
     name = getattr(value, "__name__", None)
     return f"{type(value).__name__}(...)" if name is None else f"the {type(value).__name__} {name}".translate(_PLAIN)
 
