@@ -101,6 +101,7 @@ PLACES = {
     "lateral force": lambda value: Load(1.0, value),
     "tilt": lambda value: Load(1.0, tilt_rad=value),
     "size in contact": lambda value: Discretisation(contact_size_mm=value),
+    "nodal penalty": lambda value: Discretisation(pairing="node-to-segment", nodal_penalty_N_per_mm=value),
     "order of wheelsets": lambda value: Discretisation(order=value),
     "order of wheels": lambda value: Discretisation(wheel_order=value),
     "prescribed motion": lambda value: Prescribed(lateral_mm=value),
@@ -111,7 +112,14 @@ PLACES = {
     "tension of a plate": lambda value: PlateWithHole(1.0, value),
 }
 MAY_BE_MISSING = {"density", "expansion", "prescribed", "spacing", "hanging points", "penalty", "reach of nodes"}
-MAY_BE_MISSING |= {"reach of segments", "gauge depth", "left radius", "order of wheels", "prescribed motion"}
+MAY_BE_MISSING |= {
+    "reach of segments",
+    "gauge depth",
+    "left radius",
+    "order of wheels",
+    "prescribed motion",
+    "nodal penalty",
+}
 
 
 @pytest.mark.parametrize("place", PLACES)

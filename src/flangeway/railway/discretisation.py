@@ -81,13 +81,15 @@ class Discretisation:
 
     def __post_init__(self) -> None:
         lengths = ("contact_size_mm", "body_size_mm", "wheel_contact_size_mm", "rail_contact_size_mm", "penetration_mm")
-        for name in (*lengths, "growth", "size_scale", "penalty_factor", "nodal_penalty_N_per_mm"):
+        orders = ("order", "wheel_order", "rail_order")
+        for name in (*lengths, "growth", "size_scale", "penalty_factor", "nodal_penalty_N_per_mm", *orders):
             value = getattr(self, name)
-            if value is not None or "_contact_" not in name:
-                check_positive("Discretisation", name, value, advice="leave it out")
-        for name in ("order", "wheel_order", "rail_order"):
-            if (value := getattr(self, name)) is not None or name == "order":
+            if value is None and getattr(type(self), name) is None:  # the default
+                continue
+            if name in orders:
                 check_integer("Discretisation", name, value, 1, advice="leave it out")
+            else:
+                check_positive("Discretisation", name, value, advice="leave it out")
         choices: tuple[tuple[str, tuple[str | None, ...]], ...] = (
             ("method", ("fem", "vem")),
             ("wheel_method", ("fem", "vem", None)),
