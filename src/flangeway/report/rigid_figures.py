@@ -66,7 +66,8 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
         )
         if central:
             axes.annotate(
-                f"{lateral:.0f}", (sign * upper[0], upper[1] + height), (0, 4), textcoords="offset points", fontsize=7,
+                f"{round(float(lateral))}",
+                (sign * upper[0], upper[1] + height), (0, 4), textcoords="offset points", fontsize=7,
                 ha="center", color=COLOURS[side],
             )  # fmt: skip
     low, high = np.sort(sign * rail.x[[0, -1]])

@@ -2,6 +2,7 @@
 
 import re
 from dataclasses import replace
+from functools import lru_cache
 from pathlib import Path
 
 from flangeway.errors import InputError
@@ -90,6 +91,10 @@ def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
             raise InputError(f"{key}_{option} of the bundled {name}", "a file", f"leave {key}_{option} out")
 
 
+_joined = lru_cache(maxsize=8)(joined)
+"""The nearest body is found by joining all, so one is joined already."""
+
+
 def _from_file(
     name: str, kind: Kind, body: str | None, other: str | None, options: ReadOptions, key: str
 ) -> RailProfile | WheelProfile:
@@ -113,7 +118,7 @@ def _from_file(
     if isinstance(wanted, RailProfile) != (kind == "rail"):
         raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
     try:
-        return joined(measured, body).profile
+        return _joined(measured, body).profile
     except InputError as reason:
         others = [each for each in bodies if each != body and _fits(measured, each)]
         advice = (
@@ -153,7 +158,7 @@ def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProf
 
 def _fits(measured: MeasuredProfile, body: str) -> bool:
     try:
-        on_plain_body(measured) if body == PLAIN else joined(measured, body)
+        on_plain_body(measured) if body == PLAIN else _joined(measured, body)
     except InputError:
         return False
     return True
@@ -165,7 +170,7 @@ def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
     gaps = {}
     for name in names:
         try:
-            gaps[name] = max(joint.gap_mm for joint in joined(measured, name).joints)
+            gaps[name] = max(joint.gap_mm for joint in _joined(measured, name).joints)
         except InputError:
             continue
     if other is not None and other in (gaps or names):
