@@ -21,10 +21,22 @@ def test_boxes_overlap_by_the_depth_of_the_deepest_corner():
         assert found.depth == pytest.approx(0.2)
 
 
-@pytest.mark.parametrize("x", [1.0, 1.5, 0.96])
-def test_what_touches_or_nearly_does_is_no_overlap(x):
-    """Boxes side by side, apart, or overlapping by less than a quarter of an edge are not told."""
+@pytest.mark.parametrize("x", [1.0, 1.5])
+def test_what_touches_is_no_overlap(x):
+    """Boxes side by side or apart do not overlap."""
     assert deepest_overlap(box(0.0, 0.0), box(x, 0.0)) is None
+
+
+def test_straight_sides_may_not_overlap_at_all():
+    """A millionth of a side is an overlap where sides are straight, wherever the nodes are."""
+    found = deepest_overlap(box(0.0, 0.0), box(1.0 - 1e-6, 0.37))
+    assert found.depth == pytest.approx(1e-6, rel=1e-6)
+
+
+def test_edges_that_cross_without_a_node_inside_are_an_overlap():
+    """A bar that goes through a box overlaps it by half of its width, although no node is in the other body."""
+    bar = rectangle_grid(10.0, 0.1, 1, 1).placed(Placement(0.0, (-4.5, 0.3)))
+    assert deepest_overlap(box(0.0, 0.0), bar).depth == pytest.approx(0.4, rel=0.1)
 
 
 def test_chords_of_two_arcs_are_no_overlap():

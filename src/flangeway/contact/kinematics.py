@@ -42,6 +42,16 @@ class NodeEdgeGaps:
     gradients: Floats
     hessians: Floats
 
+    def take(self, chosen: NDArray[np.int64] | NDArray[np.bool_]) -> "NodeEdgeGaps":
+        """Some of the pairs."""
+        return NodeEdgeGaps(
+            self.parameters[chosen],
+            self.gaps[chosen],
+            self.normals[chosen],
+            self.gradients[chosen],
+            self.hessians[chosen],
+        )
+
 
 def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
     """Parameter of the point of each edge (extended beyond its ends) that is closest to a node.

@@ -44,6 +44,11 @@ class NodePairs:
         return self.nodes
 
     @property
+    def guarded(self) -> NDArray[np.bool_]:
+        """See `flangeway.contact.pairs.Pairs.guarded`."""
+        return np.zeros(len(self.keys), dtype=np.bool_)
+
+    @property
     def partners(self) -> Ints:
         """See `flangeway.contact.pairs.Pairs.partners`."""
         return self.primary_edges
@@ -172,14 +177,7 @@ class NodeToSegment:
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         near = _within(kinematics.parameters, self.overhang) & (kinematics.gaps < reach)
-        chosen = NodeEdgeGaps(
-            kinematics.parameters[near],
-            kinematics.gaps[near],
-            kinematics.normals[near],
-            kinematics.gradients[near],
-            kinematics.hessians[near],
-        )
-        return nodes[near], partner[nodes[near]], chosen
+        return nodes[near], partner[nodes[near]], kinematics.take(near)
 
 
 def _within(parameters: Floats, margin: float) -> NDArray[np.bool_]:

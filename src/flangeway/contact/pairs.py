@@ -40,6 +40,10 @@ class Pairs(Protocol):
         """Area of each constraint if the primary faced all of it, shape (m,)."""
 
     @property
+    def guarded(self) -> NDArray[np.bool_]:
+        """Whether each constraint is that of a guarded node, besides the pairing's, shape (m,)."""
+
+    @property
     def secondary_members(self) -> Ints:
         """Places in the secondary surface of the points of each term, see `Surface.contact_places`: (p, w)."""
 

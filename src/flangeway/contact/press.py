@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from flangeway.checks import refused
 from flangeway.contact.contact import Contact
+from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
@@ -78,6 +79,21 @@ class ContactSolution:
         """How the computation ended."""
         return self.state.status
 
+    @cached_property
+    def overlaps(self) -> tuple[BodyOverlap, ...]:
+        """How deep each pair of parts overlaps, measured on the whole deformed boundaries; without those apart."""
+        return body_overlaps(self.system, self.response, self.state)
+
+    def without_overlap(self) -> "ContactSolution":
+        """Itself, or with the status of a failure if bodies overlap by more than is explained."""
+        if not self.status.converged:
+            return self
+        errors = [str(each) for each in self.overlaps if not each.is_explained]
+        if not errors:
+            return self
+        failed = Status(False, "not converged: " + "; ".join(errors), self.status.iterations)
+        return replace(self, state=replace(self.state, status=failed))
+
     @property
     def forces(self) -> Floats:
         """Resultant of each contact on its secondary side, shape (n_contacts, 2)."""
@@ -140,9 +156,8 @@ def press(
 ) -> ContactSolution:
     """Move parts against each other and find the contact forces.
 
-    The status tells whether the equations are solved. What else may make the answer worthless, too few elements in the
-    contact or bodies that overlap elsewhere, is told by `flangeway.post.contact_doubts` and
-    `flangeway.post.deepest_overlap`.
+    The status says whether the equations are solved and no bodies overlap, whatever edges were given. What else may
+    make the answer worthless, as too few elements in the contact, is found by `flangeway.post.contact_doubts`.
 
     Parameters
     ----------
@@ -194,7 +209,7 @@ def press(
     state = follow(solve_at, None, steps)
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
-    return ContactSolution(system, response, state, tuple(done), depths)
+    return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
 
 
 def _refuse_bad_motion(system: ContactSystem, motion: Mapping[Part, Placement]) -> None:

@@ -59,6 +59,11 @@ class SegmentPairs:
     weights: Floats
 
     @property
+    def guarded(self) -> NDArray[np.bool_]:
+        """See `flangeway.contact.pairs.Pairs.guarded`."""
+        return np.zeros(len(self.keys), dtype=np.bool_)
+
+    @property
     def partners(self) -> Ints:
         """See `flangeway.contact.pairs.Pairs.partners`."""
         return np.full(len(self.keys), -1, dtype=np.int64)
@@ -158,6 +163,7 @@ class SegmentToSegment:
         )
         candidates = candidate_pairs(edges, primary_edges, max(reach, depth))
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
+        pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))
         on_secondary, on_primary = edges[pieces.edges], primary_edges[pieces.partners]
         lengths = secondary.edge_lengths[pieces.edges]
         found = integrate(pieces, on_secondary, on_primary, lengths, second=True)
@@ -192,3 +198,30 @@ class SegmentToSegment:
             whole = covered > (1.0 - LEAST_COVERED) * edge_lengths
             functions[whole[pieces.edges]] = DUAL
         return functions
+
+
+def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> NDArray[np.bool_]:
+    """Pieces whose way to the primary leads inwards and out again through another edge of their own surface.
+
+    The far sides of two slender bodies side by side face each other as well, through both bodies.
+    """
+    middle = ((pieces.starts + pieces.ends) / 2.0)[:, None]
+    start, end = edges[pieces.edges, 0], edges[pieces.edges, -1]
+    other, other_end = primary_edges[pieces.partners, 0], primary_edges[pieces.partners, -1]
+    at, along = start + middle * (end - start), end - start
+    share = ((at - other) * along).sum(axis=1) / ((other_end - other) * along).sum(axis=1)
+    way = other + share[:, None] * (other_end - other) - at
+    result = np.zeros(len(pieces), dtype=np.bool_)
+    behind = np.flatnonzero(along[:, 0] * way[:, 1] - along[:, 1] * way[:, 0] > 0.0)
+    if len(behind) == 0:
+        return result
+    first, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
+    way, apart = way[behind, None], first - at[behind, None]
+    area = way[..., 0] * chords[:, 1] - way[..., 1] * chords[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        on_way = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
+        on_edge = (apart[..., 0] * way[..., 1] - apart[..., 1] * way[..., 0]) / area
+    crossed = (on_way > 0.0) & (on_way < 1.0) & (on_edge >= 0.0) & (on_edge <= 1.0)
+    crossed[np.arange(len(behind)), pieces.edges[behind]] = False
+    result[behind] = crossed.any(axis=1)
+    return result

@@ -6,6 +6,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.contact.boundary import sagittas_of
 from flangeway.contact.hats import SHARP, Hats
 from flangeway.contact.shape import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
@@ -229,6 +230,12 @@ class Surface:
     def hats(self) -> Hats:
         """Hat functions on the edges' ends, for averages of the gap."""
         return Hats.on(self)
+
+    def sagittas(self, edges: Floats) -> Floats:
+        """How far a smooth curve may lie from chords of the deformed edges, see `Boundary`, shape (n_edges,)."""
+        drawn = self.part.placement.points(self.part.body.mesh.points[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
+        joints = self.edge_nodes[:, 0], self.edge_nodes[:, -1]
+        return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints, self.edge_nodes.shape[1] - 1)
 
     @cached_property
     def tributary_lengths(self) -> Floats:

@@ -8,7 +8,9 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
+from flangeway.contact.boundary import ROUND_OFF
 from flangeway.contact.contact import Contact
+from flangeway.contact.guards import guarded, n_keys, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
@@ -17,6 +19,7 @@ from flangeway.solve import Linearisation, SurfaceNodes
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,6 +38,8 @@ class ContactLinearisation:
         Places among the touched points of those of each contact's terms, arrays (p, w).
     spread
         Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
+    armed
+        Which nodes of each contact's secondary and primary surface are guarded, see `flangeway.contact.guards`.
 
     """
 
@@ -48,6 +53,7 @@ class ContactLinearisation:
     compliances: Floats
     tolerances: Floats
     term_points: tuple[Ints, ...]
+    armed: tuple[tuple[Bools, Bools], ...]
     spread: sp.csr_array | None = None
 
     def curvature(self, forces: Floats) -> sp.csr_array:
@@ -106,10 +112,10 @@ class ContactSystem:
         self.surface_nodes = tuple(_union(surfaces[id(part)]) for part in self.parts)
         counts = [len(surface.nodes) for surface in self.surface_nodes]
         self._first_node = np.concatenate(([0], np.cumsum(counts)))
-        sizes = [len(contact.pairing.key_nodes(contact.secondary)) for contact in self.contacts]
-        self._first_key = np.concatenate(([0], np.cumsum(sizes)))
-        edges = [len(contact.primary.edges) for contact in self.contacts]
-        self._first_edge = np.concatenate(([0], np.cumsum(edges)))
+        sides = [(contact.secondary, contact.primary) for contact in self.contacts]
+        self._first_key = np.concatenate(([0], np.cumsum([n_keys(*both) for both in sides])))
+        # edges of the primary side, then those of the secondary one
+        self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
         self._points, self._spread = self._middles()
 
     def nodes_of(self, surface: Surface) -> Ints:
@@ -122,44 +128,102 @@ class ContactSystem:
         self, positions: Floats, previous: Linearisation | None, *, settle: bool = False
     ) -> ContactLinearisation:
         """Pair all surfaces at positions (n_nodes, 2) of the surface nodes; see `flangeway.solve.Constraints`."""
+        armed = [self._armed(number, previous) for number in range(len(self.contacts))]
+        return self._with(armed, positions, previous, settle=settle)
+
+    def guarded(self, positions: Floats, lin: Linearisation, forces: Floats) -> ContactLinearisation | None:
+        """Linearise with constraints for the nodes that penetrate; see `flangeway.solve.Constraints.guarded`."""
+        assert isinstance(lin, ContactLinearisation)
+        armed, more = [], False
+        points = self._all_points(positions)
+        for number, contact in enumerate(self.contacts):
+            sides = contact.secondary, contact.primary
+            explained = self.explained(lin, forces, number)
+            at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
+            found = penetrating(sides, at, explained)
+            one, other = (before | new for before, new in zip(lin.armed[number], found, strict=True))
+            more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.armed[number])
+            armed.append((one, other))
+        return self._with(armed, positions, lin, settle=False) if more else None
+
+    def explained(self, lin: ContactLinearisation, forces: Floats, number: int) -> float:
+        """Largest penetration that the law of a contact explains, round-off included."""
+        mine = slice(lin.starts[number], lin.starts[number + 1])
+        law = self.contacts[number].enforcement
+        tolerated = law.penetration if np.isfinite(law.penetration) else 0.0
+        given = float((lin.compliances[mine] * forces[mine]).max(initial=0.0)) if tolerated == 0.0 else tolerated
+        sizes = [
+            surface.part.body.elasticity.size
+            for surface in (self.contacts[number].secondary, self.contacts[number].primary)
+        ]
+        return (1.0 + ROUND_OFF) * given + ROUND_OFF * min(sizes)
+
+    def _armed(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
+        if isinstance(previous, ContactLinearisation):
+            return previous.armed[number]
+        contact = self.contacts[number]
+        one, other = (np.zeros(len(side.nodes), dtype=np.bool_) for side in (contact.secondary, contact.primary))
+        return one, other
+
+    def _with(
+        self,
+        armed: Sequence[tuple[Bools, Bools]],
+        positions: Floats,
+        previous: Linearisation | None,
+        *,
+        settle: bool,
+    ) -> ContactLinearisation:
         all_pairs: list[Pairs] = []
         members = []
-        points = positions if self._spread is None else (self._spread @ positions.ravel()).reshape(-1, 2)
+        points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
-            secondary = self._points[id(contact.secondary)]
-            edges = self._points[id(contact.primary)][contact.primary.contact_places]
-            pairs = contact.pairing.pair(
-                contact.secondary,
-                contact.primary,
-                points[secondary],
-                points[edges],
-                self._kept(number, previous),
-                settle=settle,
-            )
+            sides = contact.secondary, contact.primary
+            secondary, primary = (self._points[id(side)] for side in sides)
+            edges = primary[contact.primary.contact_places]
+            kept = self._kept(number, previous)
+            pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
+            if armed[number][0].any() or armed[number][1].any():
+                before = previous.pairs[number] if isinstance(previous, ContactLinearisation) else None
+                at = points[secondary], points[primary]
+                pairs = guarded(pairs, sides, at, armed[number], before, settle=settle)
             all_pairs.append(pairs)
             mine = (secondary[pairs.secondary_members], edges[pairs.primary_edges])
             members.append(np.concatenate(mine, axis=1))
-        return self._assembled(all_pairs, members)
+        return self._assembled(all_pairs, members, tuple(armed))
 
     def describe(self, key: int, positions: Floats) -> str:
         """Name a constraint; see `flangeway.solve.Constraints.describe`."""
         number = int(np.searchsorted(self._first_key, key, side="right")) - 1
         contact = self.contacts[number]
-        place = contact.pairing.key_nodes(contact.secondary)[key - self._first_key[number]]
-        x, y = positions[self.nodes_of(contact.secondary)[place]]
-        node = contact.secondary.nodes[place]
-        names = contact.secondary.part.name, contact.primary.part.name
-        return f"node {node} of {names[0]!r} at ({x:.6g}, {y:.6g}) on {names[1]!r}"
+        surface, other = contact.secondary, contact.primary
+        nodes, place = contact.pairing.key_nodes(surface), int(key - self._first_key[number])
+        beyond = place - len(surface.hats.nodes) - len(surface.nodes)
+        if beyond < 0:
+            place = int(nodes[place])
+        elif beyond < len(surface.nodes) * len(other.edges):
+            place = beyond // len(other.edges)
+        else:
+            place = (beyond - len(surface.nodes) * len(other.edges)) // len(surface.edges)
+            surface, other = other, surface
+        x, y = positions[self.nodes_of(surface)[place]]
+        return f"node {surface.nodes[place]} of {surface.part.name!r} at ({x:.6g}, {y:.6g}) on {other.part.name!r}"
+
+    def _all_points(self, positions: Floats) -> Floats:
+        """Surface nodes at positions (n_nodes, 2), and the middles of the edges that stand for a curve."""
+        return positions if self._spread is None else (self._spread @ positions.ravel()).reshape(-1, 2)
 
     def _kept(self, number: int, previous: Linearisation | None) -> Ints:
-        first, last = self._first_key[number : number + 2]
-        kept = np.full(last - first, -1, dtype=np.int64)
+        first = self._first_key[number]
+        contact = self.contacts[number]
+        kept = np.full(len(contact.pairing.key_nodes(contact.secondary)), -1, dtype=np.int64)
         if previous is not None:
-            mine = (previous.keys >= first) & (previous.keys < last)
+            mine = (previous.keys >= first) & (previous.keys < first + len(kept))
             kept[previous.keys[mine] - first] = previous.partners[mine] - self._first_edge[number]
         return kept
 
-    def _assembled(self, all_pairs: list[Pairs], members: list[Ints]) -> ContactLinearisation:
+    def _assembled(
+        self, all_pairs: list[Pairs], members: list[Ints], armed: tuple[tuple[Bools, Bools], ...]
+    ) -> ContactLinearisation:
         starts = np.concatenate(([0], np.cumsum([len(pairs.keys) for pairs in all_pairs])))
         points = np.unique(np.concatenate([member.ravel() for member in members]))
         places = tuple(np.searchsorted(points, member) for member in members)
@@ -190,6 +254,8 @@ class ContactSystem:
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
+            places,
+            armed,
             spread,
         )
 

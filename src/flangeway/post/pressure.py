@@ -151,9 +151,9 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
     patches = []
     for number, contact in enumerate(system.contacts):
         forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
-        keys = lin.pairs[number].keys
+        keys = _along(lin.pairs[number], contact)
         loaded = np.flatnonzero(forces > 0.0)
-        loaded = loaded[np.argsort(keys[loaded])]
+        loaded = loaded[np.argsort(keys[loaded], kind="stable")]
         breaks = np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1
         points = state.positions[system.nodes_of(contact.secondary)]
         patches += [
@@ -162,6 +162,14 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
             if len(group)
         ]
     return patches
+
+
+def _along(pairs: Pairs, contact: Contact) -> NDArray[np.int64]:
+    """Keys of the constraints; guarded nodes have that of the pairing's constraint next to them."""
+    nodes = contact.pairing.key_nodes(contact.secondary)
+    order = np.argsort(nodes, kind="stable")
+    nearest = order[np.minimum(np.searchsorted(nodes[order], pairs.nodes), len(nodes) - 1)]
+    return np.where(pairs.guarded, nearest, pairs.keys)
 
 
 def _patch(
@@ -188,7 +196,7 @@ def _patch(
         along - share @ along,
         force[:, None] * _directions(pairs)[group],
         force,
-        _pressures(force, pairs.areas[group], pairs.whole_areas[group]),
+        _pressures(force, pairs.areas[group], pairs.whole_areas[group], pairs.guarded[group]),
         float(contact.node_areas[nodes[0] : nodes[-1] + 1].sum()) / secondary.part.body.thickness,
         share @ on_secondary,
         share @ on_primary,
@@ -197,9 +205,10 @@ def _patch(
     )
 
 
-def _pressures(forces: Floats, areas: Floats, whole_areas: Floats) -> Floats:
-    """Pressures of the nodes of a patch, along the surface."""
+def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, guarded: NDArray[np.bool_]) -> Floats:
+    """Pressures of the nodes of a patch, along the surface; what guards a node counts with its neighbour's area."""
     n = len(forces)
+    areas = np.where(guarded & ~guarded.all(), 0.0, areas)
     slivers = areas < HARDLY * whole_areas
     if n == 1:
         return forces / np.where(slivers, HARDLY * whole_areas, areas)

@@ -40,6 +40,9 @@ after the first iteration."""
 NAMED = 3
 """How many constraints a message names."""
 
+MOST_ROUNDS = 20
+"""Rounds of further constraints for nodes that penetrate."""
+
 
 @dataclass(frozen=True)
 class NewtonSettings:
@@ -159,18 +162,12 @@ def solve_contact(
 
     """
     run = _Run(response, constraints, placements, settings or NewtonSettings(), start)
-    for correction in range(run.settings.max_corrections + 1):
-        failure = run.iterate(correction)
-        if failure is not None:
-            return run.result(failure, converged=False)
-        if run.penetration_is_tolerated():
-            more = f" and {_counted(correction, 'correction')} of the forces" if correction else ""
-            return run.result(f"converged in {_counted(len(run.history), 'iteration')}{more}", converged=True)
-        run.correct()
+    for _ in range(MOST_ROUNDS):
+        state = run.solve()
+        if not (state.status.converged and run.guard()):
+            return state
     return run.result(
-        f"not converged in {_counted(run.settings.max_corrections, 'correction')} of the forces: the penetration is "
-        f"{run.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
-        converged=False,
+        f"not converged: nodes still penetrate after {MOST_ROUNDS} rounds; take a finer mesh", converged=False
     )
 
 
@@ -204,6 +201,32 @@ class _Run:
             self.current = constraints.linearise(self.reference + self.displacements, previous)
             self.forces = _carried(previous, forces, self.current)
         self.correct()
+
+    def solve(self) -> ContactState:
+        """Find the forces of the constraints that there are."""
+        for correction in range(self.settings.max_corrections + 1):
+            failure = self.iterate(correction)
+            if failure is not None:
+                return self.result(failure, converged=False)
+            if self.penetration_is_tolerated():
+                more = f" and {_counted(correction, 'correction')} of the forces" if correction else ""
+                return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
+            self.correct()
+        return self.result(
+            f"not converged in {_counted(self.settings.max_corrections, 'correction')} of the forces: the penetration "
+            f"is {self.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
+            converged=False,
+        )
+
+    def guard(self) -> bool:
+        """Add constraints where bodies overlap although those that there are hold; whether there are any."""
+        more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces)
+        if more is None:
+            return False
+        self.forces = _carried(self.current, self.forces, more)
+        self.current = more
+        self.correct()
+        return True
 
     def correct(self) -> None:
         """Take the forces found as those about which a tolerated penetration gives."""
@@ -330,13 +353,14 @@ def _nodal(lin: Linearisation, forces: Floats, n_nodes: int) -> Floats:
 
 def _residual(lin: Linearisation, gaps: Floats, forces: Floats, applied: Floats, scale: float) -> float:
     """Worst of: imbalance of nodal forces over the total force; violation of the law over the displacements."""
-    total = float(forces.sum())
+    # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
+    total = max(float(forces.sum()), float(np.abs(applied).max(initial=0.0)))
     if total == 0.0:
         return float(np.maximum(-gaps, 0.0).max(initial=0.0)) / scale
     imbalance = float(np.abs(_nodal(lin, forces, len(applied)) - applied).max()) / total
     slack = gaps + lin.compliances * forces
     violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
-    return max(imbalance, float(violation.max()) / scale)
+    return max(imbalance, float(violation.max(initial=0.0)) / scale)
 
 
 def _changed(before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats) -> tuple[int, ...]:

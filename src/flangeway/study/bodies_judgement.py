@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flangeway.post import contact_doubts, cut_zones, deepest_overlap, moved_mesh, nodal_imbalance, pressure_patches
+from flangeway.post import contact_doubts, cut_zones, deepest_overlap, nodal_imbalance, pressure_patches
 from flangeway.problems import ElasticField
 from flangeway.solve import Status
 from flangeway.study.bodies_model import BodiesModel
@@ -19,9 +19,9 @@ MOST_STOPS = 200
 def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
     """Return the final status, and warnings about what makes the result less exact.
 
-    Errors, which make the status that of a failure: those of `contact_doubts`, nodes that are not in balance, bodies
-    that overlap at the end, and a body that was carried through another one. The status says as well if nothing
-    touches.
+    Errors, which make the status that of a failure besides an overlap (see `ContactSolution.overlaps`): those of
+    `contact_doubts`, nodes that are not in balance, and a body that was carried through another one. The status says as
+    well if nothing touches.
 
     Parameters
     ----------
@@ -34,9 +34,8 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
     status, contact = pressed.status, pressed.contact
     if not status.converged:
         return status, ()
-    overlaps = _overlapping(pressed, model)
     if not contact.forces.any() and model.push is None:
-        overlaps = overlaps or _carried_through(model)
+        overlaps = _carried_through(model)
         message = "; ".join(overlaps) or f"{status.message}; nothing touches"
         return Status(not overlaps, message, status.iterations), ()
     patches = pressure_patches(contact.system, contact.state)
@@ -44,7 +43,7 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
         f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
     ]
     doubts = contact_doubts(contact.system, contact.state, patches, names)
-    errors = [*doubts.errors, *overlaps, *_unbalanced(pressed, model)]
+    errors = [*doubts.errors, *_unbalanced(pressed, model)]
     if errors:
         status = Status(False, "; ".join(errors), status.iterations)
     missing = (
@@ -53,25 +52,6 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
         for surface in cut_zones(contact.system, contact.state)
     )
     return status, (*doubts.warnings, *missing)
-
-
-def _overlapping(pressed: Pressed, model: BodiesModel) -> list[str]:
-    """Pairs that overlap at the end, where contact was not looked for or did not hold them apart."""
-    system = pressed.contact.system
-    meshes = {}
-    for part in system.parts:
-        moves = pressed.contact.field(part).displacements[: part.body.mesh.n_points]
-        meshes[part] = moved_mesh(part.body.mesh, moves, pressed.placement(part))
-    errors = []
-    for one, other in {(each.secondary.part, each.primary.part) for each in model.contacts}:
-        found = deepest_overlap(meshes[one], meshes[other])
-        if found is not None:
-            x, y = found.place
-            errors.append(
-                f"{one.name} and {other.name} overlap by {found.depth:.3g} mm at ({x:.4g}, {y:.4g}), where no contact "
-                "keeps them apart; give all edges that may touch, and move in smaller steps (steps.number)"
-            )
-    return sorted(errors)
 
 
 def _carried_through(model: BodiesModel) -> list[str]:

@@ -163,10 +163,11 @@ class _Driver:
             places.append(Placement(0.0, further).after(place) if part is pushed else place)
         return tuple(places)
 
-    def solution(self, state: ContactState) -> ContactSolution:
+    def solution(self, state: ContactState, *, whole: bool = True) -> ContactSolution:
         rest = self.bodies.reference(tuple(part.placement for part in self.system.parts))
         depths = [float((-pairs.gaps).max(initial=0.0)) for pairs in self.system.linearise(rest, None).pairs]
-        return ContactSolution(self.system, self.loaded(1.0), state, tuple(self.steps), np.array(depths))
+        found = ContactSolution(self.system, self.loaded(1.0), state, tuple(self.steps), np.array(depths))
+        return found.without_overlap() if whole else found
 
 
 class _Search:
@@ -200,7 +201,7 @@ class _Search:
 
     def _excess(self, state: ContactState) -> float:
         """Contact's resistance less what it must be."""
-        return -float(_force_on(self.driver.solution(state), self.part) @ self.direction) - self.wanted
+        return -float(_force_on(self.driver.solution(state, whole=False), self.part) @ self.direction) - self.wanted
 
     def _solve(self, distance: float, start: ContactState) -> Trial:
         self.trials += 1
