@@ -201,7 +201,7 @@ def wrong_with(solution: ContactSolution, imbalance: Callable[[ContactSolution],
     lin = solution.state.linearisation
     given = float((lin.compliances * solution.state.forces).max(initial=0.0)) if isinstance(law, Penalty) else 1e-6
     depth = overlap(sides[0][0], sides[1][0])
-    allowed = given + sides[0][1] + sides[1][1] + 1e-8
+    allowed = given + sides[0][1] + sides[1][1] + 1e-3 * float(np.abs(solution.state.displacements).max()) + 1e-8
     if depth > allowed:
         return f"overlap {depth:.3g}, allowed {allowed:.3g}"
     if imbalance(solution) > BALANCED:

@@ -287,8 +287,9 @@ def test_block_into_a_corner(
     as_one = solved(block_into_corner(*sides, *way, as_one=True))
     total = apart.forces.sum(axis=0)
     assert total == pytest.approx([252.0, 360.0], rel=0.12)
-    # by nodes, the corner's node has one edge to face in one contact, two in two
-    near = 0.08 if isinstance(way[0], NodeToSegment) else 1e-6
+    # by nodes, the corner's node has one edge to face in one contact, two in two; with a penalty, a node that gets a
+    # constraint of its own makes the contact stiffer there
+    near = 0.08 if isinstance(way[0], NodeToSegment) else 0.02 if isinstance(way[1], Penalty) else 1e-6
     assert as_one.forces[0] == pytest.approx(total, rel=near)
 
 

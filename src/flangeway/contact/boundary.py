@@ -19,6 +19,9 @@ SHARP = np.deg2rad(15.0)
 STRAIGHT = 1e-9
 """Turn between two parts of a straight side, by round-off."""
 
+LITTLE = 1e-3
+"""Depth over the largest displacement of the surfaces that elements leave between nodes."""
+
 ROUND_OFF = 1e-9
 """Of a depth, over the size of the smaller body."""
 
@@ -70,8 +73,8 @@ class Boundary:
 
         The sagitta ``h^2 / 8 R`` is found from the edges themselves: two chords of a circle meet at the angle h / R. An
         edge on a curve that was drawn turns at both ends to one side, by less than `SHARP`; straight sides do not,
-        and a corner is at one end. What the deformation adds to a turn counts wherever it is, for curved edges over
-        their parts between nodes.
+        and a corner is at one end. What the deformation adds to a turn counts wherever it is. A curved edge
+        has at least the distance of its nodes from its chord.
 
         Parameters
         ----------
@@ -84,7 +87,7 @@ class Boundary:
 
         """
         order = deformed.shape[1] - 1
-        sagittas = sagittas_of(drawn, deformed, joints, order)
+        sagittas = sagittas_of(drawn, deformed, joints)
         if order == 1:
             return cls(deformed, sagittas)
         parts = 4 * (order // 2 + 1)
@@ -155,7 +158,7 @@ def deepest_intrusion(one: Boundary, other: Boundary) -> Intrusion | None:
     return max(found, key=lambda each: each.depth - each.allowed, default=None)
 
 
-def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], order: int) -> Floats:
+def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> Floats:
     """Sagittas of edges, the largest of each one's own and its neighbours', shape (n,); see `Boundary.of`."""
     n = len(drawn)
     starting = np.argsort(joints[0], kind="stable")
@@ -181,11 +184,11 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints], orde
     at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
     smooth = np.where(at_start * at_end > 0.0, np.minimum(np.abs(at_start), np.abs(at_end)), 0.0)
     lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
-    own = (
-        lengths
-        / 8.0
-        * (np.where(half, 2.0, 1.0) * smooth + np.maximum(added, added_before) / order**2)
-    )
+    own = lengths / 8.0 * (np.where(half, 2.0, 1.0) * smooth + np.maximum(added, added_before))
+    chord = (deformed[:, -1] - deformed[:, 0]) / lengths[:, None]
+    inner = deformed[:, 1:-1] - deformed[:, :1]
+    bulge = np.abs(inner[..., 0] * chord[:, None, 1] - inner[..., 1] * chord[:, None, 0]).max(axis=1, initial=0.0)
+    own = np.maximum(own, bulge)
     result = own.copy()
     np.maximum.at(result, following[meets], own[meets])
     result[meets] = np.maximum(result[meets], own[following[meets]])

@@ -320,12 +320,15 @@ def directions(positions: Floats, edge_places: Ints) -> Floats:
 
 
 def penetrating(
-    surfaces: tuple[Surface, Surface], positions: tuple[Floats, Floats], explained: float
+    surfaces: tuple[Surface, Surface],
+    positions: tuple[Floats, Floats],
+    armed: tuple[Bools, Bools],
+    explained: float,
 ) -> tuple[Bools, Bools]:
-    """Nodes of two surfaces that lie behind the other one by more than what chords of curves and the law explain.
+    """Further nodes of two surfaces that lie behind the other one by more than curves and the law of contact explain.
 
-    Where sharp edges are among them, they alone: they say where the other body is to be pushed, and others may be free
-    then.
+    Where sharp edges are among them, they alone: they say where the other body is to be pushed, which may free the
+    others.
 
     Parameters
     ----------
@@ -333,6 +336,8 @@ def penetrating(
         Secondary and primary surface.
     positions
         Current positions of the points of their `Surface.contact_places`, each (n, 2).
+    armed
+        Which of their nodes are guarded already, each (n_nodes,).
     explained
         Penetration that the law of contact explains.
 
@@ -355,15 +360,17 @@ def penetrating(
         points, ends = positions[side][nodes], edges[other][:, [0, -1]]
         partners = Boundary(ends, sagittas[other]).nearest(points)[1]
         gaps = node_edge_gaps(points, edges[other][partners])
-        owners = _owners(surfaces[side].edge_places, nodes)[0]
-        allowed = EARLY * (sagittas[side][owners] + sagittas[other][partners]) + explained
+        own = np.full(counts[side], np.inf)
+        for column in surfaces[side].edge_places.T:
+            np.minimum.at(own, column, sagittas[side])
+        allowed = EARLY * (own[nodes] + sagittas[other][partners]) + explained
         behind = (gaps.gaps < -allowed) & (gaps.gaps > -depth)
         facing = directions(positions[side], surfaces[side].edge_places)[nodes]
         behind &= np.einsum("ni,ni->n", facing, gaps.normals) < 0.0
         found[side][nodes[behind & _within(gaps.parameters, _margins(ends, SLACK)[partners])]] = True
-    sharp = tuple(each & _sharp(at, surface) for each, at, surface in zip(found, positions, surfaces, strict=True))
-    one, other = sharp if sharp[0].any() or sharp[1].any() else found
-    return one, other
+    found = [each & ~before for each, before in zip(found, armed, strict=True)]
+    sharp = found[0] & _sharp(positions[0], surfaces[0]), found[1] & _sharp(positions[1], surfaces[1])
+    return sharp if sharp[0].any() or sharp[1].any() else (found[0], found[1])
 
 
 def _sharp(positions: Floats, surface: Surface) -> Bools:

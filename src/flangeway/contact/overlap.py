@@ -29,7 +29,7 @@ class BodyOverlap:
         That point, x and y.
     allowed
         Depth that is explained there: by the penetration of the contact law, by the chords of curves (h^2 / 8 R on each
-        side, see `Boundary`), and by round-off.
+        side, see `Boundary`), by a thousandth of the surfaces' largest displacement, and by round-off.
 
     """
 
@@ -79,7 +79,8 @@ def body_overlaps(system: ContactSystem, response: BodyResponse, state: ContactS
         at = state.placements[number].points(points + field[: len(points)])
         at[nodes] = state.positions[first:last]
         boundaries.append(part_boundary(part, at))
-    explained = [system.explained(lin, state.forces, number) for number in range(len(system.contacts))]
+    moved = float(np.abs(state.displacements).max(initial=0.0))
+    explained = [system.explained(lin, state.forces, number, moved) for number in range(len(system.contacts))]
     found = []
     for (one, first_side), (other, other_side) in itertools.combinations(zip(system.parts, boundaries, strict=True), 2):
         law = _between(system, one, other, explained)

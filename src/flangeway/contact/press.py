@@ -65,6 +65,8 @@ class ContactSolution:
         Converged load steps.
     initial_penetration
         Largest penetration of each contact before any motion and deformation, shape (n_contacts,); 0 if it was open.
+    overlapped
+        Whether it is a failure because bodies overlap although the iteration converged.
 
     """
 
@@ -73,6 +75,7 @@ class ContactSolution:
     state: ContactState
     steps: tuple[LoadStep, ...]
     initial_penetration: Floats
+    overlapped: bool = False
 
     @property
     def status(self) -> Status:
@@ -92,7 +95,7 @@ class ContactSolution:
         if not errors:
             return self
         failed = Status(False, "not converged: " + "; ".join(errors), self.status.iterations)
-        return replace(self, state=replace(self.state, status=failed))
+        return replace(self, state=replace(self.state, status=failed), overlapped=True)
 
     @property
     def forces(self) -> Floats:

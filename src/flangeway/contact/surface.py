@@ -234,8 +234,8 @@ class Surface:
     def sagittas(self, edges: Floats) -> Floats:
         """How far a smooth curve may lie from chords of the deformed edges, see `Boundary`, shape (n_edges,)."""
         drawn = self.part.placement.points(self.part.body.mesh.points[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
-        joints = self.edge_nodes[:, 0], self.edge_nodes[:, -1]
-        return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints, self.edge_nodes.shape[1] - 1)
+        joints = self.edge_nodes[:, 0].astype(np.int64), self.edge_nodes[:, -1].astype(np.int64)
+        return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints)
 
     @cached_property
     def tributary_lengths(self) -> Floats:

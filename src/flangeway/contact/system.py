@@ -8,7 +8,7 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway.contact.boundary import ROUND_OFF
+from flangeway.contact.boundary import LITTLE, ROUND_OFF
 from flangeway.contact.contact import Contact
 from flangeway.contact.guards import guarded, n_keys, penetrating
 from flangeway.contact.pairs import Pairs
@@ -131,23 +131,28 @@ class ContactSystem:
         armed = [self._armed(number, previous) for number in range(len(self.contacts))]
         return self._with(armed, positions, previous, settle=settle)
 
-    def guarded(self, positions: Floats, lin: Linearisation, forces: Floats) -> ContactLinearisation | None:
+    def guarded(
+        self, positions: Floats, lin: Linearisation, forces: Floats, moved: float
+    ) -> ContactLinearisation | None:
         """Linearise with constraints for the nodes that penetrate; see `flangeway.solve.Constraints.guarded`."""
         assert isinstance(lin, ContactLinearisation)
         armed, more = [], False
         points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
             sides = contact.secondary, contact.primary
-            explained = self.explained(lin, forces, number)
+            explained = self.explained(lin, forces, number, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            found = penetrating(sides, at, explained)
+            found = penetrating(sides, at, lin.armed[number], explained)
             one, other = (before | new for before, new in zip(lin.armed[number], found, strict=True))
             more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.armed[number])
             armed.append((one, other))
         return self._with(armed, positions, lin, settle=False) if more else None
 
-    def explained(self, lin: ContactLinearisation, forces: Floats, number: int) -> float:
-        """Largest penetration that the law of a contact explains, round-off included."""
+    def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
+        """Largest penetration that the law of a contact explains, with what is little beside the largest displacement.
+
+        The latter is what elements between nodes leave, and includes round-off.
+        """
         mine = slice(lin.starts[number], lin.starts[number + 1])
         law = self.contacts[number].enforcement
         tolerated = law.penetration if np.isfinite(law.penetration) else 0.0
@@ -156,7 +161,7 @@ class ContactSystem:
             surface.part.body.elasticity.size
             for surface in (self.contacts[number].secondary, self.contacts[number].primary)
         ]
-        return (1.0 + ROUND_OFF) * given + ROUND_OFF * min(sizes)
+        return (1.0 + ROUND_OFF) * given + LITTLE * moved + ROUND_OFF * min(sizes)
 
     def _armed(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
         if isinstance(previous, ContactLinearisation):
@@ -181,7 +186,7 @@ class ContactSystem:
             secondary, primary = (self._points[id(side)] for side in sides)
             edges = primary[contact.primary.contact_places]
             kept = self._kept(number, previous)
-            pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
+            pairs: Pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
             if armed[number][0].any() or armed[number][1].any():
                 before = previous.pairs[number] if isinstance(previous, ContactLinearisation) else None
                 at = points[secondary], points[primary]
@@ -253,7 +258,6 @@ class ContactSystem:
             jacobian,
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
-            places,
             places,
             armed,
             spread,

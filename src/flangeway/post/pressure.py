@@ -157,7 +157,7 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
         breaks = np.flatnonzero(np.diff(keys[loaded]) > CONSTRAINTS_APART) + 1
         points = state.positions[system.nodes_of(contact.secondary)]
         patches += [
-            _patch(number, contact, lin.pairs[number], points, forces, group)
+            _patch(number, contact, lin.pairs[number], points, forces, group, keys[group])
             for group in np.split(loaded, breaks)
             if len(group)
         ]
@@ -179,8 +179,9 @@ def _patch(
     points: Floats,
     forces: Floats,
     group: NDArray[np.int64],
+    keys: NDArray[np.int64],
 ) -> PressurePatch:
-    """Patch of the constraints in ``group``, which are sorted along the surface at ``points``."""
+    """Patch of the constraints in ``group``, sorted along the surface at ``points``; those of one key are added up."""
     nodes, force = pairs.nodes[group], forces[group]
     steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
     along = np.concatenate(([0.0], np.cumsum(steps)))[nodes]
@@ -190,13 +191,15 @@ def _patch(
     on_secondary = secondary.part.body.space.nodes[secondary.nodes[nodes]]
     on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
+    starts = np.flatnonzero(np.diff(keys, prepend=-1))
+    first, total = group[starts], np.add.reduceat(force, starts)
     return PressurePatch(
         number,
-        points[nodes],
-        along - share @ along,
-        force[:, None] * _directions(pairs)[group],
-        force,
-        _pressures(force, pairs.areas[group], pairs.whole_areas[group], pairs.guarded[group]),
+        points[nodes[starts]],
+        (along - share @ along)[starts],
+        np.add.reduceat(force[:, None] * _directions(pairs)[group], starts),
+        total,
+        _pressures(total, pairs.areas[first], pairs.whole_areas[first]),
         float(contact.node_areas[nodes[0] : nodes[-1] + 1].sum()) / secondary.part.body.thickness,
         share @ on_secondary,
         share @ on_primary,
@@ -205,10 +208,9 @@ def _patch(
     )
 
 
-def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, guarded: NDArray[np.bool_]) -> Floats:
-    """Pressures of the nodes of a patch, along the surface; what guards a node counts with its neighbour's area."""
+def _pressures(forces: Floats, areas: Floats, whole_areas: Floats) -> Floats:
+    """Pressures of the nodes of a patch, along the surface."""
     n = len(forces)
-    areas = np.where(guarded & ~guarded.all(), 0.0, areas)
     slivers = areas < HARDLY * whole_areas
     if n == 1:
         return forces / np.where(slivers, HARDLY * whole_areas, areas)

@@ -54,8 +54,11 @@ class Constraints(Protocol):
         To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
         """
 
-    def guarded(self, positions: Floats, lin: Linearisation, forces: Floats) -> Linearisation | None:
-        """Linearise with further constraints where bodies overlap although those of ``lin`` hold; None if nowhere."""
+    def guarded(self, positions: Floats, lin: Linearisation, forces: Floats, moved: float) -> Linearisation | None:
+        """Linearise with further constraints where bodies overlap although those of ``lin`` hold; None if nowhere.
+
+        ``moved`` is the largest displacement, beside which some depths are little.
+        """
 
     def describe(self, key: int, positions: Floats) -> str:
         """Name a constraint for messages: its node, where that is among positions (n_nodes, 2), and the surfaces."""

@@ -220,7 +220,8 @@ class _Run:
 
     def guard(self) -> bool:
         """Add constraints where bodies overlap although those that there are hold; whether there are any."""
-        more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces)
+        largest = float(np.abs(self.displacements).max(initial=0.0))
+        more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, largest)
         if more is None:
             return False
         self.forces = _carried(self.current, self.forces, more)

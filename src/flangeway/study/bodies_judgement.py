@@ -32,9 +32,9 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
 
     """
     status, contact = pressed.status, pressed.contact
-    if not status.converged:
+    if not (status.converged or contact.overlapped):
         return status, ()
-    if not contact.forces.any() and model.push is None:
+    if status.converged and not contact.forces.any() and model.push is None:
         overlaps = _carried_through(model)
         message = "; ".join(overlaps) or f"{status.message}; nothing touches"
         return Status(not overlaps, message, status.iterations), ()
@@ -44,7 +44,7 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
     ]
     doubts = contact_doubts(contact.system, contact.state, patches, names)
     errors = [*doubts.errors, *_unbalanced(pressed, model)]
-    if errors:
+    if errors and status.converged:
         status = Status(False, "; ".join(errors), status.iterations)
     missing = (
         f"{surface.part.name}: there is contact at the end of the edges that were given for it, and its boundary goes "
