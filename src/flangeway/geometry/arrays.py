@@ -1,5 +1,6 @@
 """Array types, the one check that all points given by a user pass, and how messages write a point."""
 
+import math
 from typing import TypeAlias
 
 import numpy as np
@@ -55,6 +56,10 @@ def as_points(values: ArrayLike, name: str = "points") -> FloatArray:
 
 def as_point(value: ArrayLike, name: str = "point") -> Point:
     """Return one finite point as a pair of floats; see `as_points` for what is refused."""
+    if isinstance(value, tuple) and len(value) == 2:  # quickly, for profiles of hundreds of arcs at every motion
+        x, y = value
+        if type(x) is float and type(y) is float and math.isfinite(x) and math.isfinite(y):
+            return x, y
     points = as_points(value, name)
     if len(points) != 1:
         raise InputError(f"{name}: {len(points)} points", "one point (x, y)", "give a single point")

@@ -22,17 +22,19 @@ JOINT_TOLERANCE = 1e-6
 CROSSING_TOLERANCE = 1e-9
 """Distance at which segments touch, relative to the size of the whole."""
 
+BLOCK = 1_000_000
+"""Distances of points from segments that are held at a time: 8 MB."""
+
 
 def _joined(segments: Sequence[Segment], *, closed: bool) -> tuple[Segment, ...]:
     """Return the segments with every start moved onto the end before it."""
     if not segments:
         raise InputError("no segment", "one segment or more", "give the contour's segments")
-    size = _size(segments)
     joined: list[Segment] = []
     for number, segment in enumerate(segments):
         before = segments[number - 1].end if number or closed else segment.start
         gap = float(np.hypot(segment.start[0] - before[0], segment.start[1] - before[1]))
-        if gap > JOINT_TOLERANCE * size:
+        if gap > 0.0 and gap > JOINT_TOLERANCE * (size := _size(segments)):
             raise InputError(
                 f"segment {number} starts at {segment.start}, {gap:.6g} from the end {before} "
                 f"of segment {(number - 1) % len(segments)}",
@@ -222,10 +224,21 @@ class Contour:
         best = np.zeros(len(given), dtype=np.int32)
         parameters = np.zeros(len(given))
         distances = np.full(len(given), np.inf)
-        for number, segment in enumerate(self.segments):
-            s, distance = segment.closest(given)
-            nearer = distance < distances
-            best[nearer] = number
-            parameters[nearer] = s[nearer]
-            distances[nearer] = distance[nearer]
+        starts, lengths = self._reach
+        block = max(BLOCK // len(starts), 1)
+        for first in range(0, len(given), block):
+            # a segment is within its length of its start: few of many can be the closest
+            to_starts = np.linalg.norm(given[first : first + block, None] - starts, axis=2)
+            near = to_starts - lengths <= (1.0 + JOINT_TOLERANCE) * to_starts.min(axis=1, keepdims=True)
+            for number in np.flatnonzero(near.any(axis=0)):
+                rows = first + np.flatnonzero(near[:, number])
+                s, distance = self.segments[number].closest(given[rows])
+                nearer = distance < distances[rows]
+                rows = rows[nearer]
+                best[rows], parameters[rows], distances[rows] = number, s[nearer], distance[nearer]
         return best, parameters, distances
+
+    @cached_property
+    def _reach(self) -> tuple[FloatArray, FloatArray]:
+        """Starts (n, 2) and lengths (n,) of the segments."""
+        return np.array([each.start for each in self.segments]), np.array([each.length for each in self.segments])

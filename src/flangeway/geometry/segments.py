@@ -237,9 +237,8 @@ class Arc:
 
     def transformed(self, placement: Placement) -> "Arc":
         """Return the segment in the placed frame."""
-        start, end, centre = placement.points([self.start, self.end, self.centre])
-        turn = self.counter_clockwise != placement.mirrored
-        return Arc(as_point(start), as_point(end), as_point(centre), turn)
+        start, end, centre = (tuple(point) for point in placement.points([self.start, self.end, self.centre]).tolist())
+        return Arc(start, end, centre, self.counter_clockwise != placement.mirrored)
 
     def closest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Return parameters (n,) and distances (n,) of the closest points of the segment.
