@@ -12,7 +12,7 @@ PAGES = ("contact.md", "elasticity.md", "elements.md", "torsion.md")
 
 @pytest.mark.parametrize("page", PAGES)
 def test_every_name_on_the_page_is_in_the_program(page):
-    """Each identifier in backticks is defined in the package: a class, a function, or a field; each path exists."""
+    """Each identifier in backticks is in the package: a class, a function, a field or a key; each path exists."""
     text = (ROOT / "docs" / "theory" / page).read_text(encoding="utf-8")
     quoted = re.findall(r"`([A-Za-z_][\w./]*)(?:\([^`]*\))?`", re.sub(r"```.*?```", "", text, flags=re.DOTALL))
     names = {word for word in quoted if "_" in word or "." in word or re.match(r"[A-Z][a-z]+[A-Z]?", word)}
@@ -22,10 +22,12 @@ def test_every_name_on_the_page_is_in_the_program(page):
             assert (ROOT / name).exists() or (ROOT / "src" / "flangeway" / name).exists(), name
         elif name.endswith(".csv"):
             continue
+        elif name.endswith(".json"):
+            assert f"``{name}``" in SOURCE, name
         else:
             for part in name.removeprefix("fw.").removeprefix("flangeway.").split("."):
                 defined = re.search(
-                    rf"(class|def) {part}\b|^\s*{part}\b\s*[:=]|flangeway\.{part}\b", SOURCE, re.MULTILINE
+                    rf'(class|def) {part}\b|^\s*{part}\b\s*[:=]|"{part}":|flangeway\.{part}\b', SOURCE, re.MULTILINE
                 )
                 assert defined, f"{name} on {page}"
 

@@ -179,5 +179,5 @@ def test_sections_are_found_by_name_or_file(tmp_path):
     assert find_section(str(file)).title == "box"
     with pytest.raises(InputError, match="a file that ends with"):
         find_section("137RE-box")
-    with pytest.raises(InputError, match="for 136RE"):
+    with pytest.raises(InputError, match="the unit mm for 136RE"):
         find_section("136RE", unit="mm")

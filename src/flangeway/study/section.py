@@ -122,9 +122,8 @@ def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool =
     if path.suffix.lower() in ENDINGS or path.exists() or len(path.parts) > 1:
         return read_section(path, unit=unit, mirrored=mirrored)
     if unit is not None or mirrored:
-        raise InputError(
-            f"a unit or a mirror image of {name_or_file}", "a file", "leave them out for a bundled section"
-        )
+        asked = f"the unit {unit}" if unit is not None else "a mirror image"
+        raise InputError(f"{asked} for {name_or_file}", "a file", "leave it out for a bundled section")
     return bundled_section(name_or_file)
 
 
