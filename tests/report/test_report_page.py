@@ -16,6 +16,7 @@ from flangeway.report.html import report_page
 from flangeway.report.outputs import NAMES, PICTURES
 from flangeway.report.wheelset_page import wheelset_page
 from flangeway.study import CASES, WheelsetTangentCase, refuse_unwritable
+from flangeway.study.case import GivenText
 
 VOID = {"meta", "img", "br", "link", "input"}
 
@@ -162,7 +163,7 @@ def test_the_command_runs_the_same_case_again(values):
     read = {}
     for option, value in zip(words[3::2], words[4::2], strict=True):
         key, value = value.split("=") if option == "--set" else (keys[option], value)  # noqa: PLW2901
-        read[key] = value
+        read[key] = GivenText(value)
     assert WheelsetTangentCase.from_values(read) == case
 
 
