@@ -11,7 +11,7 @@ TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md")
 
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
     """Every script and command of the page ends well, in its order, and prints the lines that the page shows."""
-    assert follow("how-to/bring-your-profile.md") == {"python": 2, "sh": 4, "text": 2}
+    assert follow("how-to/bring-your-profile.md") == {"python": 2, "sh": 5, "text": 2}
     assert {"worn_rail.csv", "S1002.prw", "S1002.whl"} <= {path.name for path in tmp_path.iterdir()}
 
 

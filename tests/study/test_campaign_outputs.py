@@ -220,20 +220,25 @@ def test_a_changed_campaign_is_refused_until_it_is_fresh(sweep, tmp_path):
 
 
 def test_another_database_is_neither_used_nor_dropped(tmp_path):
-    """A SQLite file that is no campaign, or no SQLite file, is refused, fresh or not, and stays as it is."""
+    """A database that is no campaign is refused, fresh or not; one that cannot be read is, unless it is made anew."""
     other, text = tmp_path / "other.sqlite", tmp_path / "text.sqlite"
     with sqlite3.connect(other) as connection:
         connection.execute("CREATE TABLE mine (a)")
     connection.close()
     text.write_text("not a database" * 100)
-    for path in (other, text):
+    for path, refused in ((other, (False, True)), (text, (False,))):
         before = path.read_bytes()
-        for fresh in (False, True):
+        for fresh in refused:
             with pytest.raises(InputError, match=re.escape(str(path))):
                 CampaignDatabase(path, fresh=fresh)
         with pytest.raises(InputError, match=re.escape(str(path))):
             results(path)
         assert path.read_bytes() == before
+    campaign = tmp_path / "c.toml"
+    campaign.write_text('case = "cook"\n[vary]\norder = [1]\n', encoding="utf-8")
+    with CampaignDatabase(text, fresh=True) as store:
+        store.begin(Campaign.from_file(campaign))
+        assert store.waiting() == {1}
 
 
 def test_a_result_is_stored_once(sweep, tmp_path):
