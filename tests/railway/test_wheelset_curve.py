@@ -44,8 +44,8 @@ def test_methods_agree_in_the_curve() -> None:
 
 
 def test_flanges_push_the_rails_apart() -> None:
-    """At gauge 1575 mm, less than the flanges span, both sides bear on tread and flange, alike on both sides."""
-    result = solve(WheelsetTangentCase, gauge_mm=1575.0, back_to_back_mm=1515.0)
+    """At gauge 1580.5 mm, which the flanges fill, both sides bear on tread and flange, alike on both sides."""
+    result = solve(WheelsetTangentCase, gauge_mm=1580.5, back_to_back_mm=1515.0)
     assert result.status.converged, result.status.message
     assert sorted((patch.side, patch.region) for patch in result.patches) == [
         ("left", "crown"), ("left", "gauge corner"), ("right", "crown"), ("right", "gauge corner"),
