@@ -150,7 +150,7 @@ def distance_along(fixed: Floats, moved: Floats, along: Floats) -> float:
 
 
 def outline(solution: ContactSolution, part: Part, n: int) -> tuple[Floats, float]:
-    """Deformed boundary in n points an edge, and the sagitta that its largest turn by deformation explains.
+    """Deformed boundary in n points an edge, and the sagitta that its turns and its curved edges explain.
 
     Sides that turn by less than 15 degrees at both ends count as chords of an arc.
     """
@@ -176,10 +176,20 @@ def outline(solution: ContactSolution, part: Part, n: int) -> tuple[Floats, floa
     order_of_loop = [0]
     while follows[order_of_loop[-1]] != 0:
         order_of_loop.append(follows[order_of_loop[-1]])
+    away = at[nodes[:, 1]] - at[nodes[:, 0]]
+    bulge = np.abs(away[:, 0] * edges[1][:, 1] - away[:, 1] * edges[1][:, 0]) / np.linalg.norm(edges[1], axis=1)
+    points = np.einsum("ta,eai->eti", shapes, at[nodes])[order_of_loop].reshape(-1, 2)
+    drawn = turns[0][order_of_loop]
+    drawn = drawn[np.abs(drawn) > 1e-9]
+    small = np.abs(drawn) < np.deg2rad(15.0)
+    arc = np.where(small & np.roll(small, 1), np.maximum(drawn, np.roll(drawn, 1)), 0.0).max()
+    away = at[nodes[:, 1]] - at[nodes[:, 0]]
+    bulge = np.abs(away[:, 0] * edges[1][:, 1] - away[:, 1] * edges[1][:, 0]) / np.linalg.norm(edges[1], axis=1)
     points = np.einsum("ta,eai->eti", shapes, at[nodes])[order_of_loop].reshape(-1, 2)
     small = np.abs(turns[0]) < np.deg2rad(15.0)
     arc = np.where(small & small[np.argsort(follows)], turns[0], 0.0).max() if len(ends) > 2 else 0.0
-    return points, longest * float(np.abs(turns[1] - turns[0]).max() + 2.0 * arc) / 8.0
+    turned = longest * float(np.abs(turns[1] - turns[0]).max() + 4.0 * arc) / 8.0
+    return points, max(turned, float(bulge.max()))
 
 
 def overlap(one: Floats, other: Floats) -> float:

@@ -357,6 +357,8 @@ def test_supports_tell_what_they_bear():
 def test_three_bodies_hand_the_force_down():
     """A plate held at its right side bears a part of the push; the block below it bears the rest."""
     values = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).model_dump()
+    # what is held is no surface: it has to be beside the other bodies
+    values["bodies"][1]["rectangle"]["width_mm"] = WIDTH + 3.0
     values["bodies"].append(box("ground", -2.0 * LOWER, LOWER, young_MPa=3000.0, poisson=LOWER_POISSON))
     values["supports"] = [
         *values["supports"][:2], {"body": "lower", "edges": "right", "hold": "xy"},

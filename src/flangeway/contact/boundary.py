@@ -174,7 +174,7 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> F
     added_before = np.where(first, 0.0, added[previous])
     at_start, at_end = np.where(first, 0.0, curved[previous]), curved
     # of the two halves of a chord, as on dual polygons, each has a turn at one end: that of the other half is its own
-    ends = ~first & (np.abs(at_start) <= STRAIGHT), ~last & (np.abs(at_end) <= STRAIGHT)
+    ends = ~first & (np.abs(was[previous]) <= STRAIGHT), ~last & (np.abs(was) <= STRAIGHT)
     half = ends[0] ^ ends[1]
     at_start, at_end = (
         np.where(half & ends[0], at_start[previous], at_start),

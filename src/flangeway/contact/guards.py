@@ -15,7 +15,7 @@ from flangeway.contact.boundary import SHARP, Boundary, turns_of
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
 from flangeway.contact.node_to_segment import NodePairs, NodeToSegment
 from flangeway.contact.pairs import Pairs
-from flangeway.contact.search import nearest_edges
+from flangeway.contact.search import has_node, leads_out, nearest_edges
 from flangeway.contact.shape import shape_functions
 from flangeway.contact.surface import Surface
 
@@ -288,6 +288,10 @@ def _paired(
     found = np.flatnonzero(partners >= 0)
     found = found[_within(closest_parameters(points[found], edges[partners[found]]), margins[partners[found]])]
     nodes, partners = nodes[found], partners[found]
+    gaps = node_edge_gaps(positions[nodes], edges[partners])
+    ways = -np.minimum(gaps.gaps, 0.0)[:, None] * gaps.normals
+    inside = ~leads_out(positions[nodes], ways, positions[edge_places], has_node(edge_places, nodes))
+    nodes, partners = nodes[inside], partners[inside]
     after, ahead = np.flatnonzero(margins[partners, 1] == HOLLOW), np.flatnonzero(margins[partners, 0] == HOLLOW)
     beside = (partners[after] + 1) % len(edges), (partners[ahead] - 1) % len(edges)
     nodes = np.concatenate((nodes, nodes[after], nodes[ahead]))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.checks import are_finite, check_positive
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
-from flangeway.contact.search import nearest_edges
+from flangeway.contact.search import has_node, leads_out, nearest_edges
 from flangeway.contact.shape import shape_functions
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.errors import InputError, short
@@ -177,6 +177,11 @@ class NodeToSegment:
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())
         near = _within(kinematics.parameters, self.overhang) & (kinematics.gaps < reach)
+        behind = np.flatnonzero(near & (kinematics.gaps < 0.0))
+        ways = -kinematics.gaps[behind, None] * kinematics.normals[behind]
+        near[behind] = ~leads_out(
+            positions[nodes[behind]], ways, positions[edge_places], has_node(edge_places, nodes[behind])
+        )
         return nodes[near], partner[nodes[near]], kinematics.take(near)
 
 

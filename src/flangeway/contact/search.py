@@ -13,6 +13,8 @@ PAIRS_PER_CHUNK = 2_000_000
 FEW_PAIRS = 50_000  # to measure as many is faster than an index
 FIRST_NEIGHBOURS = 8  # edges measured for each point at first; four times as many in each further round
 LAST_NEIGHBOURS = 512  # beyond, all edges are measured
+HARDLY = 1e-6
+"""Depth over the longest edge that is none; see `leads_out`."""
 CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
 
 
@@ -100,6 +102,43 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
             pairs = np.repeat(part, len(members)), np.tile(members, len(part))
             best.measure(points, directions, chords, *pairs)
     return best.edges
+
+
+def leads_out(points: Floats, ways: Floats, edges: Floats, own: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Whether ways inwards from points of a surface lead out again through another edge of it.
+
+    The far sides of two slender bodies side by side face each other as well, through both bodies.
+
+    Parameters
+    ----------
+    points, ways
+        Points of the surface, and vectors from them, each (n, 2).
+    edges
+        Positions of the surface's edges' nodes, shape (n_edges, order + 1, 2).
+    own
+        Edges that each point is on, shape (n, n_edges).
+
+    """
+    starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
+    result = np.zeros(len(points), dtype=np.bool_)
+    far = np.flatnonzero(np.linalg.norm(ways, axis=1) > HARDLY * float(np.linalg.norm(chords, axis=1).max()))
+    if len(far) == 0:
+        return result
+    points, ways, own = points[far], ways[far], own[far]
+    apart, way = starts - points[:, None], ways[:, None]
+    area = way[..., 0] * chords[:, 1] - way[..., 1] * chords[:, 0]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        on_way = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
+        on_edge = (apart[..., 0] * way[..., 1] - apart[..., 1] * way[..., 0]) / area
+    crossed = (on_way > 0.0) & (on_way < 1.0 - HARDLY) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~own
+    result[far] = crossed.any(axis=1)
+    return result
+
+
+def has_node(edge_places: Ints, nodes: Ints) -> NDArray[np.bool_]:
+    """Which edges of a surface have each of some nodes, shape (n, n_edges)."""
+    result: NDArray[np.bool_] = (edge_places == nodes[:, None, None]).any(axis=2)
+    return result
 
 
 class _Chords:

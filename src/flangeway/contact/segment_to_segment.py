@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
+from flangeway.contact.boundary import Boundary
 from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
-from flangeway.contact.search import candidate_pairs
+from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 
@@ -25,6 +26,12 @@ Ints = NDArray[np.int64]
 
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
+
+DEEP = 0.1
+"""Depth over the length of an edge from which it may be that of another edge."""
+
+FARTHER = 4.0
+"""Depth behind an edge over the distance from another edge from which what is there came in through that one."""
 
 DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
 """Biorthogonal functions of an edge as combinations of its two hats."""
@@ -201,27 +208,22 @@ class SegmentToSegment:
 
 
 def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> NDArray[np.bool_]:
-    """Pieces whose way to the primary leads inwards and out again through another edge of their own surface.
+    """Pieces that face the primary through their own body, see `leads_out`, or nearly so.
 
-    The far sides of two slender bodies side by side face each other as well, through both bodies.
+    What lies deep behind an edge, beside its length, and far nearer to another edge came in through that one.
     """
     middle = ((pieces.starts + pieces.ends) / 2.0)[:, None]
-    start, end = edges[pieces.edges, 0], edges[pieces.edges, -1]
-    other, other_end = primary_edges[pieces.partners, 0], primary_edges[pieces.partners, -1]
-    at, along = start + middle * (end - start), end - start
-    share = ((at - other) * along).sum(axis=1) / ((other_end - other) * along).sum(axis=1)
-    way = other + share[:, None] * (other_end - other) - at
+    start, along = edges[pieces.edges, 0], edges[pieces.edges, -1] - edges[pieces.edges, 0]
+    other = primary_edges[pieces.partners, 0]
+    chord = primary_edges[pieces.partners, -1] - other
+    at = start + middle * along
+    share = ((at - other) * along).sum(axis=1) / (chord * along).sum(axis=1)
+    way = other + share[:, None] * chord - at
     result = np.zeros(len(pieces), dtype=np.bool_)
     behind = np.flatnonzero(along[:, 0] * way[:, 1] - along[:, 1] * way[:, 0] > 0.0)
-    if len(behind) == 0:
-        return result
-    first, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
-    way, apart = way[behind, None], first - at[behind, None]
-    area = way[..., 0] * chords[:, 1] - way[..., 1] * chords[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        on_way = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
-        on_edge = (apart[..., 0] * way[..., 1] - apart[..., 1] * way[..., 0]) / area
-    crossed = (on_way > 0.0) & (on_way < 1.0) & (on_edge >= 0.0) & (on_edge <= 1.0)
-    crossed[np.arange(len(behind)), pieces.edges[behind]] = False
-    result[behind] = crossed.any(axis=1)
+    at, way, along = at[behind], way[behind], along[behind]
+    deep = np.linalg.norm(way, axis=1) > DEEP * np.linalg.norm(along, axis=1)
+    ends = Boundary(edges[:, [0, -1]], np.zeros(len(edges)))
+    deep[deep] = np.linalg.norm(way[deep], axis=1) > FARTHER * ends.nearest((at + way)[deep])[0]
+    result[behind] = deep | leads_out(at, way, edges, pieces.edges[behind, None] == np.arange(len(edges)))
     return result

@@ -33,6 +33,9 @@ Ints = NDArray[np.int64]
 SETTLE_AFTER = 8
 """Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
+HALVE_AFTER = 16
+"""Iterations after which every other step is half of Newton's: it leads out of a circle of two states."""
+
 NEAR = 0.5
 """Part of the largest displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
@@ -251,6 +254,9 @@ class _Run:
                     "smaller steps, a finer mesh or a softer penalty"
                 )
             moved, new_forces, applied = step
+            halved = iteration >= HALVE_AFTER and iteration % 2 == 0
+            if halved:
+                moved = (self.displacements + moved) / 2.0
             after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= SETTLE_AFTER)
             carried = _carried(self.current, new_forces, after)
             scale = max(float(np.abs(moved).max(initial=0.0)), 1e-300)
@@ -261,7 +267,7 @@ class _Run:
             self.displacements, self.current, self.forces = moved, after, carried
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
-            if residual <= max(self.settings.tolerance, floor):
+            if residual <= max(self.settings.tolerance, floor) and not halved:
                 return None
         return self._explain()
 
