@@ -188,7 +188,7 @@ def outline(solution: ContactSolution, part: Part, n: int) -> tuple[Floats, floa
     points = np.einsum("ta,eai->eti", shapes, at[nodes])[order_of_loop].reshape(-1, 2)
     small = np.abs(turns[0]) < np.deg2rad(15.0)
     arc = np.where(small & small[np.argsort(follows)], turns[0], 0.0).max() if len(ends) > 2 else 0.0
-    turned = longest * float(np.abs(turns[1] - turns[0]).max() + 4.0 * arc) / 8.0
+    turned = longest * float(2.0 * np.abs(turns[1] - turns[0]).max() + 4.0 * arc) / 8.0
     return points, max(turned, float(bulge.max()))
 
 

@@ -73,8 +73,8 @@ class Boundary:
 
         The sagitta ``h^2 / 8 R`` is found from the edges themselves: two chords of a circle meet at the angle h / R. An
         edge on a curve that was drawn turns at both ends to one side, by less than `SHARP`; straight sides do not,
-        and a corner is at one end. What the deformation adds to a turn counts wherever it is. A curved edge
-        has at least the distance of its nodes from its chord.
+        and a corner is at one end. What the deformation adds to the turns at both ends counts wherever it is. A curved
+        edge has at least the distance of its nodes from its chord.
 
         Parameters
         ----------
@@ -184,7 +184,7 @@ def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> F
     at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
     smooth = np.where(at_start * at_end > 0.0, np.minimum(np.abs(at_start), np.abs(at_end)), 0.0)
     lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
-    own = lengths / 8.0 * (np.where(half, 2.0, 1.0) * smooth + np.maximum(added, added_before))
+    own = lengths / 8.0 * (np.where(half, 2.0, 1.0) * smooth + (added + added_before))
     chord = (deformed[:, -1] - deformed[:, 0]) / lengths[:, None]
     inner = deformed[:, 1:-1] - deformed[:, :1]
     bulge = np.abs(inner[..., 0] * chord[:, None, 1] - inner[..., 1] * chord[:, None, 0]).max(axis=1, initial=0.0)
