@@ -34,7 +34,7 @@ SETTLE_AFTER = 8
 """Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
 
 HALVE_AFTER = 16
-"""Iterations after which every other step is half of Newton's: it leads out of a circle of two states."""
+"""Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
 
 NEAR = 0.5
 """Part of the largest displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -164,7 +164,16 @@ def solve_contact(
         Its status says whether it converged.
 
     """
-    run = _Run(response, constraints, placements, settings or NewtonSettings(), start)
+    settings = settings or NewtonSettings()
+    state = _solved(_Run(response, constraints, placements, settings, start))
+    if not state.status.converged and state.history and state.history[-1].changed:
+        damped = _solved(_Run(response, constraints, placements, settings, start, damped=True))
+        return damped if damped.status.converged else state
+    return state
+
+
+def _solved(run: "_Run") -> ContactState:
+    """Solve, and guard nodes that penetrate, until none does."""
     for _ in range(MOST_ROUNDS):
         state = run.solve()
         if not (state.status.converged and run.guard()):
@@ -184,8 +193,11 @@ class _Run:
         placements: tuple[Placement, ...],
         settings: NewtonSettings,
         start: ContactState | None,
+        *,
+        damped: bool = False,
     ) -> None:
         self.response, self.constraints, self.placements, self.settings = response, constraints, placements, settings
+        self.damped = damped
         self.rotations = response.rotations(placements)
         self.reference = response.reference(placements)
         self.history: list[Iteration] = []
@@ -254,7 +266,7 @@ class _Run:
                     "smaller steps, a finer mesh or a softer penalty"
                 )
             moved, new_forces, applied = step
-            halved = iteration >= HALVE_AFTER and iteration % 2 == 0
+            halved = self.damped and iteration >= HALVE_AFTER and iteration % 2 == 0
             if halved:
                 moved = (self.displacements + moved) / 2.0
             after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= SETTLE_AFTER)
