@@ -29,6 +29,8 @@ OVERHANG = 0.1
 """The same, for an iteration that goes round in circles."""
 EARLY = 0.9
 """Depth over that which chords of curves explain from which a node is guarded: between nodes it may be larger."""
+ALIKE = 0.02
+"""Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
 HARDLY = 1e-6
 """Turn of a joint that is straight but for round-off."""
 HOLLOW = 0.5
@@ -392,3 +394,32 @@ def _in_box(points: Floats, edges: Floats, margin: float) -> Bools:
     low, high = edges.min(axis=(0, 1)) - margin, edges.max(axis=(0, 1)) + margin
     inside: Bools = ((points >= low) & (points <= high)).all(axis=1)
     return inside
+
+
+def corners_on_corners(surfaces: tuple[Surface, Surface], positions: tuple[Floats, Floats]) -> Floats:
+    """Places at which sharp corners of two surfaces are in each other so that either side may bear, shape (n, 2).
+
+    Parameters
+    ----------
+    surfaces
+        Secondary and primary surface.
+    positions
+        Of their nodes before the deformation, each (n, 2).
+
+    """
+    found = []
+    for side, other in ((0, 1), (1, 0)):
+        places = surfaces[other].edge_places[:, [0, -1]]
+        joints = np.flatnonzero(_sharp(positions[other], surfaces[other])[places[:, 1]])
+        own = np.flatnonzero(_sharp(positions[side], surfaces[side]))
+        if len(own) == 0 or len(joints) == 0:
+            continue
+        pair = own.repeat(len(joints)), np.tile(joints, len(own))
+        edges = positions[other][places]
+        into, out = edges[pair[1]], edges[(pair[1] + 1) % len(edges)]
+        depths = -np.stack([node_edge_gaps(positions[side][pair[0]], each).gaps for each in (into, out)])
+        lengths = np.minimum(*(np.linalg.norm(each[:, 1] - each[:, 0], axis=1) for each in (into, out)))
+        alike = np.abs(depths[0] - depths[1]) <= ALIKE * depths.max(axis=0)
+        alike &= (depths.min(axis=0) > 0.0) & (depths.max(axis=0) < lengths)
+        found.append(positions[side][pair[0][alike]])
+    return np.concatenate(found) if found else np.empty((0, 2))

@@ -212,6 +212,11 @@ def press(
     state = follow(solve_at, None, steps)
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
+    elif state.status.converged:
+        undeformed = state.positions - state.displacements
+        for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
+            more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): it is chance on which of its sides the force acts"
+            state = replace(state, status=replace(state.status, message=state.status.message + more))
     return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flangeway.contact.boundary import LITTLE, ROUND_OFF
 from flangeway.contact.contact import Contact
-from flangeway.contact.guards import guarded, n_keys, penetrating
+from flangeway.contact.guards import corners_on_corners, guarded, n_keys, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
@@ -147,6 +147,12 @@ class ContactSystem:
             more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.armed[number])
             armed.append((one, other))
         return self._with(armed, positions, lin, settle=False) if more else None
+
+    def corners_on_corners(self, reference: Floats, number: int) -> Floats:
+        """Places (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
+        contact = self.contacts[number]
+        sides = contact.secondary, contact.primary
+        return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
     def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
         """Largest penetration that the law of a contact explains, with what is little beside the largest displacement.
