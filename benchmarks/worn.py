@@ -3,7 +3,7 @@
 The rail is worn at its gauge corner and crown, and its shape is worn into the wheel's tread at several lateral motions.
 Both are noisy as measured profiles are, and read from the instrument's files. Accuracy is the residual of the
 equilibrium over the load. The peer is the same program on the bundled pair, in the same run: the ratio of the two times
-is at most 3.
+is at most 3 for the equilibrium.
 """
 
 import tempfile
