@@ -15,6 +15,10 @@ FIRST_NEIGHBOURS = 8  # edges measured for each point at first; four times as ma
 LAST_NEIGHBOURS = 512  # beyond, all edges are measured
 HARDLY = 1e-6
 """Depth over the longest edge that is none; see `leads_out`."""
+DEEP = 0.1
+"""Depth behind an edge over its length from which it may be that of another edge."""
+FARTHER = 4.0
+"""Depth behind an edge over the distance from another one from which what is there came in through that one."""
 CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
 
 
@@ -105,9 +109,10 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
 
 
 def leads_out(points: Floats, ways: Floats, edges: Floats, own: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether ways inwards from points of a surface lead out again through another edge of it.
+    """Whether ways inwards from points of a surface lead out again through another edge of it, or nearly so.
 
-    The far sides of two slender bodies side by side face each other as well, through both bodies.
+    The far sides of two slender bodies side by side face each other as well, through both bodies. What is deep behind
+    an edge, beside its length, and far nearer to another one came in through that one.
 
     Parameters
     ----------
@@ -131,7 +136,12 @@ def leads_out(points: Floats, ways: Floats, edges: Floats, own: NDArray[np.bool_
         on_way = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
         on_edge = (apart[..., 0] * way[..., 1] - apart[..., 1] * way[..., 0]) / area
     crossed = (on_way > 0.0) & (on_way < 1.0 - HARDLY) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~own
-    result[far] = crossed.any(axis=1)
+    ends, lengths = points + ways, np.hypot(chords[:, 0], chords[:, 1])
+    share = np.einsum("nei,ei->ne", ends[:, None] - starts, chords) / lengths**2
+    apart = np.linalg.norm(ends[:, None] - starts - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
+    depths = np.linalg.norm(ways, axis=1)
+    nearer = FARTHER * np.where(own, np.inf, apart).min(axis=1) < depths
+    result[far] = crossed.any(axis=1) | (nearer & (depths > DEEP * np.where(own, lengths, 0.0).max(axis=1)))
     return result
 
 

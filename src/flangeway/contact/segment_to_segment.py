@@ -15,7 +15,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
-from flangeway.contact.boundary import Boundary
 from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
@@ -26,12 +25,6 @@ Ints = NDArray[np.int64]
 
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
-
-DEEP = 0.1
-"""Depth over the length of an edge from which it may be that of another edge."""
-
-FARTHER = 4.0
-"""Depth behind an edge over the distance from another edge from which what is there came in through that one."""
 
 DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
 """Biorthogonal functions of an edge as combinations of its two hats."""
@@ -171,15 +164,18 @@ class SegmentToSegment:
         candidates = candidate_pairs(edges, primary_edges, max(reach, depth))
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))
-        on_secondary, on_primary = edges[pieces.edges], primary_edges[pieces.partners]
         lengths = secondary.edge_lengths[pieces.edges]
-        found = integrate(pieces, on_secondary, on_primary, lengths, second=True)
+        found = integrate(pieces, edges[pieces.edges], primary_edges[pieces.partners], lengths, second=True)
 
         of_piece = hats.of_edge[pieces.edges]
         covered = np.zeros(len(hats.nodes))
         np.add.at(covered, of_piece, found.lengths)
         thickness = secondary.part.body.thickness
         keys = np.flatnonzero(covered * thickness > LEAST_COVERED * hats.areas)
+        if len(keys) == 0:  # at most slivers, which bear nothing
+            pieces = pieces.take(np.empty(0, dtype=np.int64))
+            found = integrate(pieces, edges[pieces.edges], primary_edges[pieces.partners], lengths[:0], second=True)
+            of_piece = of_piece[:0]
         # pieces with a hat that is all but uncovered give nothing to it: their weight is zero
         row_of = np.zeros(len(hats.nodes), dtype=np.int64)
         row_of[keys] = np.arange(len(keys))
@@ -208,10 +204,7 @@ class SegmentToSegment:
 
 
 def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> NDArray[np.bool_]:
-    """Pieces that face the primary through their own body, see `leads_out`, or nearly so.
-
-    What lies deep behind an edge, beside its length, and far nearer to another edge came in through that one.
-    """
+    """Pieces that face the primary through their own body, see `leads_out`."""
     middle = ((pieces.starts + pieces.ends) / 2.0)[:, None]
     start, along = edges[pieces.edges, 0], edges[pieces.edges, -1] - edges[pieces.edges, 0]
     other = primary_edges[pieces.partners, 0]
@@ -221,9 +214,6 @@ def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> NDA
     way = other + share[:, None] * chord - at
     result = np.zeros(len(pieces), dtype=np.bool_)
     behind = np.flatnonzero(along[:, 0] * way[:, 1] - along[:, 1] * way[:, 0] > 0.0)
-    at, way, along = at[behind], way[behind], along[behind]
-    deep = np.linalg.norm(way, axis=1) > DEEP * np.linalg.norm(along, axis=1)
-    ends = Boundary(edges[:, [0, -1]], np.zeros(len(edges)))
-    deep[deep] = np.linalg.norm(way[deep], axis=1) > FARTHER * ends.nearest((at + way)[deep])[0]
-    result[behind] = deep | leads_out(at, way, edges, pieces.edges[behind, None] == np.arange(len(edges)))
+    own = pieces.edges[behind, None] == np.arange(len(edges))
+    result[behind] = leads_out(at[behind], way[behind], edges, own)
     return result
