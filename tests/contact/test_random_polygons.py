@@ -270,6 +270,6 @@ def random_case(seed: int) -> Case:
 
 
 def test_few_random_cases_fail() -> None:
-    """Of 150 random cases fewer than 2 % do not converge."""
-    failed = [seed for seed in range(150) if not random_case(seed).solve().status.converged]
-    assert len(failed) <= 2, failed
+    """Of 200 random cases fewer than 2 % do not converge."""
+    failed = [seed for seed in range(200) if not random_case(seed).solve().status.converged]
+    assert len(failed) < 4, failed

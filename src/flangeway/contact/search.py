@@ -17,8 +17,9 @@ HARDLY = 1e-6
 """Depth over the longest edge that is none; see `leads_out`."""
 DEEP = 0.1
 """Depth behind an edge over its length from which it may be that of another edge."""
-FARTHER = 4.0
-"""Depth behind an edge over the distance from another one from which what is there came in through that one."""
+FARTHER, SLENDER = 4.0, 10.0
+"""Depth behind an edge over the distance from another one from which what is there came in through that one; and from
+an edge of the point itself, which has to be larger than in a sharp corner."""
 CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
 
 
@@ -140,7 +141,7 @@ def leads_out(points: Floats, ways: Floats, edges: Floats, own: NDArray[np.bool_
     share = np.einsum("nei,ei->ne", ends[:, None] - starts, chords) / lengths**2
     apart = np.linalg.norm(ends[:, None] - starts - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
     depths = np.linalg.norm(ways, axis=1)
-    nearer = FARTHER * np.where(own, np.inf, apart).min(axis=1) < depths
+    nearer = (np.where(own, SLENDER, FARTHER) * apart).min(axis=1) < depths
     result[far] = crossed.any(axis=1) | (nearer & (depths > DEEP * np.where(own, lengths, 0.0).max(axis=1)))
     return result
 
