@@ -1,11 +1,13 @@
 """Overlaps of bodies are found where they are, and contact is none."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from flangeway.geometry import Placement, circle
 from flangeway.mesh import rectangle_grid, triangulate
-from flangeway.post import deepest_overlap, moved_mesh
+from flangeway.post import deepest_overlap
 from flangeway.study import CASES
 
 
@@ -51,7 +53,7 @@ def test_chords_of_two_arcs_are_no_overlap():
 def test_displacements_and_the_placement_move_the_mesh():
     """A box drawn out by its displacements reaches into the one beside it."""
     mesh = box(0.0, 0.0)
-    drawn = moved_mesh(mesh, mesh.points * [0.5, 0.0], Placement(0.0, (0.1, 0.0)))
+    drawn = replace(mesh, points=mesh.points * [1.5, 1.0]).placed(Placement(0.0, (0.1, 0.0)))
     assert drawn.points[:, 0].max() == pytest.approx(1.6)
     assert deepest_overlap(drawn, box(1.2, 0.0)).depth == pytest.approx(0.4)
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
+from flangeway.railway.flange_root import with_wide_throat
 from flangeway.railway.profiles import wheel
 from flangeway.railway.rigid_contact import contact_locus
-from flangeway.railway.throat import with_wide_throat
 from flangeway.study.rigid import run_geometry
 from flangeway.study.rigid_case import GEOMETRY_CASES, find_geometry_case
 

@@ -5,7 +5,7 @@ from flangeway.post.lines import CutForce, StressLine, displacements_at, force_t
 from flangeway.post.location import locate
 from flangeway.post.nodal_balance import nodal_imbalance, nodal_residual
 from flangeway.post.norms import ErrorNorms, error_norms
-from flangeway.post.overlap import Overlap, deepest_overlap, moved_mesh
+from flangeway.post.overlap import Overlap, deepest_overlap
 from flangeway.post.pressure import PressurePatch, pressure_patches
 from flangeway.post.reactions import Reaction, reactions
 from flangeway.post.recovery import RecoveredStresses, recovered_stresses
@@ -34,7 +34,6 @@ __all__ = [
     "error_norms",
     "force_through_cut",
     "locate",
-    "moved_mesh",
     "nodal_imbalance",
     "nodal_residual",
     "nodal_stresses",

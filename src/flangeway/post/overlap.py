@@ -1,12 +1,11 @@
 """Whether two bodies overlap, whatever contact was looked for."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact.boundary import ROUND_OFF, Boundary, deepest_intrusion
-from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 
 Floats = NDArray[np.float64]
@@ -27,11 +26,6 @@ class Overlap:
 
     depth: float
     place: tuple[float, float]
-
-
-def moved_mesh(mesh: PolyMesh, displacements: Floats, placement: Placement) -> PolyMesh:
-    """Mesh of a deformed body in space, by the displacements of its points in its frame, shape (n_points, 2)."""
-    return replace(mesh, points=mesh.points + displacements).placed(placement)
 
 
 def deepest_overlap(one: PolyMesh, other: PolyMesh) -> Overlap | None:

@@ -1,5 +1,6 @@
-"""The AAR-1B with another flange root, and the one that was identified from a published position."""
+"""The AAR-1B with other arcs of its flange root, and the root that was identified from a published position."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -26,8 +27,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
 
     Taper, height, thickness and angle of the flange stay, the radius of the narrow arc and the slope (30 degrees) at
     which it follows the wide one too. Narrow arc and flange face move by what keeps the thickness at
-    `GAUGE_HEIGHT_MM`. (`flangeway.railway.throat.with_wide_throat` keeps their places instead; then the slope between
-    the arcs changes.)
+    `GAUGE_HEIGHT_MM`.
 
     Parameters
     ----------
@@ -42,8 +42,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
         If the wheel has no such arcs, or they do not fit between tread and tip of the flange.
 
     """
-    parts: dict[str, Segment] = dict(zip(profile.outline.names, profile.outline.segments, strict=True))
-    narrow, wide, tread = (parts.get(part) for part in ("throat_R1", "throat_R2", "tread_1:20"))
+    parts, narrow, wide, tread = _root_of(profile)
     face, tip, land = (parts.get(part) for part in ("flange_face_75deg", "flange_tip_front", "flange_tip_land"))
     if not (
         isinstance(narrow, Arc)
@@ -88,6 +87,50 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
     )
 
 
+def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
+    """Return an AAR-1B with another radius of the wide arc between tread and narrow arc, tangent to both.
+
+    The narrow arc keeps its place, and the slope between the arcs changes; see `with_flange_root` for the other way.
+
+    Parameters
+    ----------
+    profile
+        Wheel with segments ``throat_R1``, ``throat_R2`` and ``tread_1:20``.
+    radius_mm
+        Radius, larger than that of the narrow arc.
+
+    Raises
+    ------
+    InputError
+        If the wheel has no such arcs, or no arc of the radius is tangent to both neighbours.
+
+    """
+    parts, narrow, wide, tread = _root_of(profile)
+    if profile.title == IDENTIFIED or not (
+        isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)
+    ):
+        raise InputError(f"wide_throat_radius_mm for {profile.title}", "AAR-1B", "leave it out")
+    along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
+    # the outline has the wheel on its left: the flange root's hollow arcs have their centres on its right
+    arm = np.array(narrow.centre) - np.array(tread.start)
+    depth, place = float(arm @ off), float(arm @ along)
+    square = (radius_mm - narrow.radius) ** 2 - (radius_mm - depth) ** 2
+    if radius_mm <= narrow.radius or square <= 0.0:
+        raise InputError(
+            f"wide_throat_radius_mm = {radius_mm:g}",
+            f"more than {0.5 * (narrow.radius + depth):.1f} mm",
+            "leave it out for 38.1 mm",
+        )
+    foot = np.array(tread.start) + (place + math.sqrt(square)) * along
+    centre = foot + radius_mm * off
+    ray = np.array(narrow.centre) - centre
+    joint = as_point(centre + radius_mm * ray / np.hypot(*ray))
+    parts["throat_R1"] = Arc(narrow.start, joint, narrow.centre, narrow.counter_clockwise)
+    parts["throat_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
+    parts["tread_1:20"] = Line(as_point(foot), tread.end)
+    return replace(profile, outline=Outline.from_segments(parts.values(), parts.keys()))
+
+
 def identified_wheel() -> WheelProfile:
     """Return the AAR-1B whose flange root was identified; see `IDENTIFIED_RADIUS_MM`."""
     found = with_flange_root(wheel("AAR-1B"), IDENTIFIED_RADIUS_MM)
@@ -101,6 +144,12 @@ def identified_wheel() -> WheelProfile:
         ),
         source=f"{found.source} The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021).",
     )
+
+
+def _root_of(profile: WheelProfile) -> tuple[dict[str, Segment], Segment | None, Segment | None, Segment | None]:
+    """Return all segments by name; narrow arc, wide arc and tread, None where the wheel has no such segment."""
+    parts: dict[str, Segment] = dict(zip(profile.outline.names, profile.outline.segments, strict=True))
+    return parts, parts.get("throat_R1"), parts.get("throat_R2"), parts.get("tread_1:20")
 
 
 def _gauge_point(narrow: Arc) -> NDArray[np.float64]:

@@ -6,6 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from flangeway.errors import InputError
+from flangeway.railway.flange_root import with_wide_throat
 from flangeway.railway.load import (
     GRAVITY_M_S2,
     LARGEST_SLOPE,
@@ -17,7 +18,6 @@ from flangeway.railway.load import (
 from flangeway.railway.problem import WheelsetProblem
 from flangeway.railway.profile_file import ReadOptions
 from flangeway.railway.profiles import WheelProfile
-from flangeway.railway.throat import with_wide_throat
 from flangeway.railway.track import USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.study.case import Case
 from flangeway.study.wheelset_profiles import rail_named, wheel_named

@@ -8,11 +8,10 @@ import numpy as np
 
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
-from flangeway.railway.flange_root import IDENTIFIED, IDENTIFIED_RADIUS_MM, with_flange_root
+from flangeway.railway.flange_root import IDENTIFIED, IDENTIFIED_RADIUS_MM, with_flange_root, with_wide_throat
 from flangeway.railway.problem import WheelsetProblem
 from flangeway.railway.profiles import WheelProfile, wheel
 from flangeway.railway.result import WheelsetResult, solve_wheelset
-from flangeway.railway.throat import with_wide_throat
 from flangeway.railway.track import WheelsetMotion
 from flangeway.study.case import Progress
 from flangeway.study.reproductions.common import ReproducedNumber, percent, published_rows
