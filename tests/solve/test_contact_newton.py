@@ -191,6 +191,9 @@ class Counted:
         self.count += 1
         return self.system.linearise(*arguments, **options)
 
+    def guarded(self, *arguments):
+        return self.system.guarded(*arguments)
+
     def describe(self, key, positions):
         return self.system.describe(key, positions)
 
