@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import pickle
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -56,11 +57,13 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
         raise InputError(f"{place}vary.{key} = []", "one value or more", "give values, or leave the key out")
     if len(given) > MOST_ROWS:
         refuse_too_many(len(given), place)
-    seen: set[str] = set()
+    seen: set[bytes] = set()
     for value in given:
-        if repr(value) in seen:
+        # not as text, which Python refuses to write of whole numbers with thousands of digits
+        written = pickle.dumps(value)
+        if written in seen:
             raise InputError(f"{place}vary.{key} with {short(value)} twice", "each value once", "leave one out")
-        seen.add(repr(value))
+        seen.add(written)
     return given
 
 
