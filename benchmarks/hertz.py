@@ -9,8 +9,8 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from benchmarks.measurement import ITSELF, NO_PEER, Measurement, timed
-from flangeway.study.hertz import HertzModel, HertzProblem, build_hertz, solve_hertz
-from flangeway.study.reproductions.hertz import CODES, LEVELS, REFERENCE_FORCE, published_problem
+from flangeway.validation.hertz.hertz_discs import HertzModel, HertzProblem, build_hertz, solve_hertz
+from flangeway.validation.hertz.hertz_reproduced import CODES, LEVELS, REFERENCE_FORCE, published_problem
 
 
 def measurements() -> Iterator[Measurement]:

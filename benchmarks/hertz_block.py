@@ -20,7 +20,7 @@ from flangeway.mesh import PolyMesh, Refinement, triangulate
 from flangeway.problems import Body, Part
 from flangeway.solve import CondensedBodies, ContactState, NewtonSettings, solve_contact
 from flangeway.solve.sensitivity import motion_derivatives
-from flangeway.study.half_disc import ARC, CUT, HalfDisc
+from flangeway.validation.hertz.half_disc import ARC, CUT, HalfDisc
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,7 @@ from benchmarks.hertz_block import BASE, RADIUS, STEEL, TOP, Block, Floats, Pres
 from benchmarks.peers import run_calculix, run_python
 from benchmarks.peers.calculix_deck import deck, read
 from flangeway.mesh import PolyMesh
-from flangeway.study.half_disc import ARC, CUT
+from flangeway.validation.hertz.half_disc import ARC, CUT
 
 Ints = NDArray[np.int64]
 

@@ -18,16 +18,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measurement import ITSELF, Measurement, timed
-from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
-from flangeway.railway.lane_patches import patches_of
-from flangeway.railway.load import Load
-from flangeway.railway.positions import Positions, PositionTable, solve_positions
-from flangeway.railway.prepared import PreparedWheelset, prepare
-from flangeway.railway.problem import Prescribed, WheelsetProblem
-from flangeway.railway.rigid_contact import contact_locus
-from flangeway.railway.track import WheelsetMotion
-from flangeway.solve import Cache
-from flangeway.study import WheelsetTangentCase
+from flangeway.cases import WheelsetTangentCase
+from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
+from flangeway.railway.positions.positions_patches import patches_of
+from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
+from flangeway.railway.rigid.rigid_contact import contact_locus
+from flangeway.railway.track.placements import WheelsetMotion
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
+from flangeway.system.disk_cache import Cache
 
 Floats = NDArray[np.float64]
 

@@ -16,6 +16,13 @@ from numpy.typing import NDArray
 from scipy.spatial import Voronoi
 
 from benchmarks.measurement import NO_PEER, Measurement
+from flangeway.cases.bodies.cook import (
+    MIDDLE,
+    NEARLY_INCOMPRESSIBLE,
+    NEARLY_INCOMPRESSIBLE_WORK,
+    cook_triangles,
+    solve_cook,
+)
 from flangeway.contact import SegmentToSegment
 from flangeway.contact.enforcement import Multiplier
 from flangeway.elements import (
@@ -34,9 +41,8 @@ from flangeway.post import displacements_at
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
-from flangeway.study.cook import MIDDLE, NEARLY_INCOMPRESSIBLE, NEARLY_INCOMPRESSIBLE_WORK, cook_triangles, solve_cook
-from flangeway.study.half_disc import HalfDisc
-from flangeway.study.hertz import HertzProblem, solve_hertz
+from flangeway.validation.hertz.half_disc import HalfDisc
+from flangeway.validation.hertz.hertz_discs import HertzProblem, solve_hertz
 
 Floats = NDArray[np.float64]
 

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measurement import ITSELF, Measurement, timed
-from flangeway.railway.miniprof import write_miniprof
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.track import Track, Wheelset, WheelsetMotion
-from flangeway.study import WheelsetTangentCase, run_case
-from flangeway.study.rigid import GeometryRun, run_geometry
-from flangeway.study.rigid_case import find_geometry_case
-from flangeway.study.runner import CaseRun
+from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import GeometryRun, run_geometry
+from flangeway.cases.wheelset.runner import CaseRun
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
 
 Floats = NDArray[np.float64]
 

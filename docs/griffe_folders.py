@@ -11,25 +11,30 @@ class Folders(griffe.Extension):
 
     def on_package(self, *, pkg: griffe.Module, loader: griffe.GriffeLoader, **_: Any) -> None:
         """Change the package once it is loaded."""
-        for folder in sorted(Path(pkg.filepath).parent.iterdir()):
-            if (folder / "__init__.py").exists():
-                _hide_exports(pkg.members[folder.name])
-            elif any(folder.glob("*.py")):
-                _add(folder, pkg, loader)
+        _complete(Path(pkg.filepath).parent, pkg, loader)
+
+
+def _complete(folder: Path, package: griffe.Module, loader: griffe.GriffeLoader) -> None:
+    for inner in sorted(folder.iterdir()):
+        if not any(inner.rglob("*.py")):
+            continue
+        if not (inner / "__init__.py").exists():
+            _add(inner, package, loader)
+        else:
+            _hide_exports(package.members[inner.name])
+        _complete(inner, package.members[inner.name], loader)
 
 
 def _hide_exports(package: griffe.Object | griffe.Alias) -> None:
     for member in package.members.values():
         if member.is_alias:
             member.public = False
-        elif member.is_module:
-            _hide_exports(member)
 
 
-def _add(folder: Path, pkg: griffe.Module, loader: griffe.GriffeLoader) -> None:
+def _add(folder: Path, package: griffe.Module, loader: griffe.GriffeLoader) -> None:
     shared = {"lines_collection": loader.lines_collection, "modules_collection": loader.modules_collection}
     added = griffe.Module(folder.name, filepath=[folder], **shared)
-    pkg.set_member(folder.name, added)
+    package.set_member(folder.name, added)
     for path in sorted(folder.glob("*.py")):
         code = path.read_text(encoding="utf-8")
         loader.lines_collection[path] = code.splitlines()

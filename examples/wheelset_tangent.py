@@ -17,8 +17,8 @@ import math
 import tempfile
 from pathlib import Path
 
+from flangeway.cases import WheelsetTangentCase, run_case
 from flangeway.report import write_outputs
-from flangeway.study import WheelsetTangentCase, run_case
 
 
 def main(size_scale: float = 1.0, folder: Path | None = None) -> None:

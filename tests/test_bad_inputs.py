@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.profiles.bundled import rail, wheel
 
 TABLE = tomllib.loads((Path(__file__).parent / "bad_inputs.toml").read_text(encoding="utf-8"))["row"]
 KEYS = {"name", "about", "command", "files", "given", "allowed", "advice"}

@@ -13,7 +13,7 @@ import pytest
 import typer
 
 from flangeway import cli
-from flangeway.study import WheelsetTangentCase
+from flangeway.cases import WheelsetTangentCase
 
 MAIN = "from flangeway.cli import main; main()"
 

@@ -12,8 +12,9 @@ What most scripts need stands here, in the order in which a script uses it:
 - whole cases, a wheelset among them: `load_case` gives one by name or from a case file, and its `run` computes it.
 
 Wrong input is an `InputError`, every error of the package a `FlangewayError`. The packages have the rest, and follow
-the flow of data: `exact`, `geometry`, `mesh`, `elements`, `space`, `materials`, `problems`, `solve`, `contact`, `post`,
-`railway`, `study`, `report`. All is loaded when it is first used, so that importing this package takes no time.
+the flow of data: `exact`, `geometry`, `mesh`, `formats`, `elements`, `space`, `materials`, `problems`, `solve`,
+`contact`, `post`, `railway`, `cases`, `campaign`, `report`, `validation`. All is loaded when it is first used, so that
+importing this package takes no time.
 """
 
 from importlib import import_module
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from flangeway import geometry as geometry
     from flangeway import mesh as mesh
     from flangeway import post as post
+    from flangeway.cases import load_case
     from flangeway.contact import (
         Contact,
         Multiplier,
@@ -37,18 +39,19 @@ if TYPE_CHECKING:
     )
     from flangeway.elements import Lagrange, Virtual
     from flangeway.errors import FlangewayError, InputError
+    from flangeway.formats import read_mesh, write_vtu
     from flangeway.geometry import Outline, Placement
     from flangeway.materials import Elastic
-    from flangeway.mesh import PolyMesh, dual, read_mesh, triangulate, write_vtu
+    from flangeway.mesh import PolyMesh, dual, triangulate
     from flangeway.post import pressure_patches, recovered_stresses, stresses_at
     from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
     from flangeway.report import plot_mesh, plot_stress
     from flangeway.solve import solve_elasticity, solve_torsion
     from flangeway.space import Space
-    from flangeway.study import load_case
 
 _PACKAGES = ("elements", "exact", "geometry", "mesh", "post")
 _HOMES = {
+    "cases": ("load_case",),
     "contact": (
         "Contact",
         "Multiplier",
@@ -62,13 +65,13 @@ _HOMES = {
     "errors": ("FlangewayError", "InputError"),
     "geometry": ("Outline", "Placement"),
     "materials": ("Elastic",),
-    "mesh": ("PolyMesh", "dual", "read_mesh", "triangulate", "write_vtu"),
+    "formats": ("read_mesh", "write_vtu"),
+    "mesh": ("PolyMesh", "dual", "triangulate"),
     "post": ("pressure_patches", "recovered_stresses", "stresses_at"),
     "problems": ("Body", "Elasticity", "Part", "Torsion", "Traction", "fixed"),
     "report": ("plot_mesh", "plot_stress"),
     "solve": ("solve_elasticity", "solve_torsion"),
     "space": ("Space",),
-    "study": ("load_case",),
 }
 _PACKAGE_OF = {name: package for package, names in _HOMES.items() for name in names}
 

@@ -5,11 +5,9 @@ from collections.abc import Sequence
 from numbers import Integral, Real
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 SMALLEST, LARGEST = 1e-100, 1e100
 """Limits of positive numbers, beyond any unit's choice: products of a few of them neither vanish nor overflow."""

@@ -15,11 +15,17 @@ from flangeway.contact import (
     SegmentToSegment,
     Surface,
 )
-from flangeway.contact.contact import Pairing
+from flangeway.contact.contact_pair import Pairing
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Outline, Placement, circle, polygon, rectangle
 from flangeway.solve import NewtonSettings, StepSettings
-from flangeway.study.pressed_boxes import ContactCase, Discretisation, Method, pressed_boxes, surface_of
+from flangeway.validation.contact_patch.pressed_boxes import (
+    ContactCase,
+    Discretisation,
+    Method,
+    pressed_boxes,
+    surface_of,
+)
 
 BALANCED = 1e-10
 WAYS: dict[str, tuple[Pairing, Enforcement]] = {

@@ -9,11 +9,11 @@ import pytest
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
-from flangeway.contact.contact import Pairing
+from flangeway.contact.contact_pair import Pairing
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
 from flangeway.solve import solve_contact
-from flangeway.study.pressed_boxes import Discretisation, Method, surface_of
+from flangeway.validation.contact_patch.pressed_boxes import Discretisation, Method, surface_of
 
 Floats = NDArray[np.float64]
 

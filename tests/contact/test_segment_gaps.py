@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.contact.edge_pieces import find_pieces, integrate
 from flangeway.contact.kinematics import closest_parameters
-from flangeway.contact.pieces import find_pieces, integrate
 from flangeway.contact.search import candidate_pairs
 from flangeway.elements.quadrature import gauss_lobatto
 

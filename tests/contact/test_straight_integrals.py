@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.contact.pieces import Pieces, _distances, find_pieces, integrate
+from flangeway.contact.edge_pieces import Pieces, _distances, find_pieces, integrate
 
 
 @pytest.fixture

@@ -13,9 +13,9 @@ from pathlib import Path
 import pytest
 
 from flangeway import cli
-from flangeway.study.campaign import columns, results
-from flangeway.study.campaign.campaign import ROWS_OF_A_CHUNK
-from flangeway.study.campaign.run import MOST_LOSSES
+from flangeway.campaign import columns, results
+from flangeway.campaign.campaign import ROWS_OF_A_CHUNK
+from flangeway.campaign.campaign_run import MOST_LOSSES
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "run-a-campaign.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text|toml|csv)\n(.*?)```", TEXT, flags=re.DOTALL)

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from flangeway.study import CASES, load_case
-from flangeway.study.case_file import FORMAT
+from flangeway.cases import CASES, load_case
+from flangeway.cases.case_file import FORMAT
 
 PAGE = Path(__file__).parents[2] / "docs" / "how-to" / "write-a-case-file.md"
 TEXT = PAGE.read_text(encoding="utf-8")

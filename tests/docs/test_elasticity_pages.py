@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_row
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
@@ -12,7 +13,6 @@ from flangeway.mesh import rectangle_grid
 from flangeway.problems import Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
-from flangeway.study.cook import NEARLY_INCOMPRESSIBLE_WORK, CookCode, cook_row
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.study.rigid import throat_effect
-from flangeway.study.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import throat_effect
 
 ROOT = Path(__file__).parents[2]
 TEXT = (ROOT / "docs" / "theory" / "wheel-rail-geometry.md").read_text(encoding="utf-8")

@@ -10,9 +10,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flangeway.mesh import dual, expected, long_meshes, memory, refine, section_mesher
-from flangeway.solve import cache, condensed
-from flangeway.space.memory import BYTES_AN_ENTRY
+from flangeway.mesh import dual, long_meshes, refine, section_mesher
+from flangeway.mesh import expected_size as expected
+from flangeway.solve import condensed
+from flangeway.space.assembly_memory import BYTES_AN_ENTRY
+from flangeway.system import disk_cache as cache
+from flangeway.system import memory_limits as memory
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "memory-threads-and-cache.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```(python|sh|text)\n(.*?)```", TEXT, flags=re.DOTALL)

@@ -3,8 +3,8 @@
 import re
 from pathlib import Path
 
-from flangeway.railway import joining, profile_checks, smoothing
-from flangeway.railway.profile_file import FORMATS
+from flangeway.railway.profiles import joining, profile_checks, smoothing
+from flangeway.railway.profiles.profile_file import FORMATS
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md").read_text(encoding="utf-8")
 

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.geometry import read_section
-from flangeway.study.section import run_section
+from flangeway.cases.section.section_run import run_section
+from flangeway.formats import read_section
 
 TEXT = (Path(__file__).parents[2] / "docs" / "tutorials" / "section.md").read_text(encoding="utf-8")
 FILES = dict(re.findall(r"`(\w+\.toml)`:\n\n```toml\n(.*?)```", TEXT, flags=re.DOTALL))

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.railway.load import curve_force_N
-from flangeway.study import WheelsetCurveCase
+from flangeway.cases import WheelsetCurveCase
+from flangeway.railway.track.wheelset_load import curve_force_N
 
 DOCS = Path(__file__).parents[2] / "docs"
 

@@ -5,7 +5,7 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
-from flangeway.exact.hertz import DEPTH_OF_MAX_SHEAR
+from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 
 
 @pytest.fixture

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from flangeway.cases import load_case
 from flangeway.errors import InputError
-from flangeway.mesh import read_mesh
-from flangeway.study import load_case
+from flangeway.formats import read_mesh
 
 MESH = """*NODE
 1, 0., 0.

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 import scipy.sparse.linalg as sla
 
+from flangeway.cases.bodies.cook import cook_grid, solve_cook
 from flangeway.elements import Virtual
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, rectangle_grid
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
-from flangeway.study.cook import cook_grid, solve_cook
 
 
 def zigzag_mesh() -> PolyMesh:

@@ -5,13 +5,13 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.contact import Contact, ContactSystem, Multiplier, NodeToSegment, SegmentToSegment, Surface
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.geometry import Arc, Line, Outline, Placement, circle, rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import dual, triangulate
 from flangeway.problems import Body, Part
-from flangeway.study.two_bodies import TwoBodiesCase
 
 STEEL = Elastic(210e3, 0.3)
 INTERFERENCE, LAME_MPA = 0.02, 54.087

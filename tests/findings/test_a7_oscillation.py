@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 import pytest
 
+from flangeway.cases.bodies.hertz_case import HertzCase
+from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.post.pressure import scatter_of
-from flangeway.report.bodies_tables import case_rows
+from flangeway.report.bodies.bodies_text import case_rows
 from flangeway.report.case_outputs import write_case
-from flangeway.study.hertz_case import HertzCase
-from flangeway.study.two_bodies import TwoBodiesCase
 
 
 def punch(**changes: Any) -> TwoBodiesCase:

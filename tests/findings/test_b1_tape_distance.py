@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.joining import joined, on_plain_body
-from flangeway.railway.miniprof import write_miniprof
-from flangeway.railway.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rigid_contact import RigidWheelset, path_of_contact
-from flangeway.railway.track import Track, Wheelset
-from flangeway.study import WheelsetTangentCase
+from flangeway.cases import WheelsetTangentCase
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.joining import joined, on_plain_body
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.rigid.rigid_contact import RigidWheelset, path_of_contact
+from flangeway.railway.track.placements import Track, Wheelset
 
 TAPE_MM = 72.0
 

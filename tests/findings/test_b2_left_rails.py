@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cli import app
 from flangeway.errors import InputError
-from flangeway.railway.miniprof import write_miniprof
-from flangeway.railway.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles import rail, wheel
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.study.rigid_case import GeometryCase
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 
 
 def head(corner_mm=0.0, face_mm=0.0, lean=0.0):

@@ -1,10 +1,10 @@
 """A worn, conforming pair costs no second model: its wide contact is foreseen from the rigid wheelset."""
 
 from benchmarks.worn import worn_pair
-from flangeway.railway.rigid_side import RigidSide
-from flangeway.study import WheelsetTangentCase, run_case
-from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import find_geometry_case
+from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.railway.rigid.rigid_side import RigidSide
 
 
 def test_b3_worn_pair(tmp_path):

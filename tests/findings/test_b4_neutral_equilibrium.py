@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.railway.conicity import equivalent_conicity
-from flangeway.railway.rolling import RollingRadiusDifference
-from flangeway.study.conicities import conicities_of
-from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import find_geometry_case
+from flangeway.cases.rigid.conicities import conicities_of
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.railway.rigid.conicity import equivalent_conicity
+from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
 
 PUBLISHED = {1.0: 0.000, 1.4: 0.000, 2.4: 0.450, 3.0: 0.493, 4.0: 0.488, 5.0: 0.476}
 """Equivalent conicity of wheel I on rail A over the amplitude, EN 15302:2021, annex K, as A. Rohrbeck gives it."""

@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from flangeway.cases.profile.profile_run import run_profile
 from flangeway.errors import InputError
-from flangeway.railway.profile_file import read_profile
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.segment_files import write_segment_csv
-from flangeway.study.profile import run_profile
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.segment_files import write_segment_csv
+from flangeway.railway.profiles.profile_file import read_profile
 
 
 def rounded_csv(digits, unit="mm", gap=0.0):

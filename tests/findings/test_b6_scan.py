@@ -2,8 +2,8 @@
 
 import pytest
 
-from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_case import find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
 
 
 def scan(**values):

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
+from flangeway.campaign import Campaign
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, run_case
+from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
-from flangeway.railway.rigid_contact import contact_locus
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase, run_case
-from flangeway.study.campaign import Campaign
-from flangeway.study.rigid_case import GeometryCase
+from flangeway.railway.rigid.rigid_contact import contact_locus
 
 
 @pytest.mark.parametrize(("gauge", "distance"), [(1435, 1360), (1445, 1360), (1520, 1440), (1600, 1515), (1668, 1593)])

@@ -5,9 +5,9 @@ import math
 import pytest
 from matplotlib.figure import Figure
 
-from flangeway.report.sketch import draw_sketch
-from flangeway.report.tables import rigid_table
-from flangeway.study import WheelsetCurveCase, run_case
+from flangeway.cases import WheelsetCurveCase, run_case
+from flangeway.report.page.page_tables import rigid_table
+from flangeway.report.wheelset.sketch import draw_sketch
 
 
 def test_b7_the_lateral_force_is_not_said_to_be_along_the_track():

@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.curvature import conforming
-from flangeway.report.fields import part_fields
-from flangeway.report.outputs import _pictures
-from flangeway.report.subsurface_figure import subsurface_lines
-from flangeway.report.tables import bending_table, contacts_table, stresses_table
-from flangeway.report.wheelset_figure import wheelset_figure
-from flangeway.study import WheelsetTangentCase, run_case
-from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import GeometryCase
+from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases.rigid.rigid_case import GeometryCase
+from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.railway.profiles.curvature import conforming
+from flangeway.report.figures.fields import part_fields
+from flangeway.report.page.page_tables import bending_table, contacts_table, stresses_table
+from flangeway.report.wheelset.subsurface_figure import subsurface_lines
+from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.report.wheelset.wheelset_outputs import _pictures
 
 
 @pytest.fixture(scope="module")

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from flangeway.study import WheelsetCurveCase
-from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import GeometryCase
+from flangeway.cases import WheelsetCurveCase
+from flangeway.cases.rigid.rigid_case import GeometryCase
+from flangeway.cases.rigid.rigid_run import run_geometry
 
 
 @pytest.mark.parametrize(

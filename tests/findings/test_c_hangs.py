@@ -8,12 +8,12 @@ import time
 
 import pytest
 
+from flangeway.campaign import Campaign
+from flangeway.cases.case_file import read_case
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid
 from flangeway.space import Space
-from flangeway.study.campaign import Campaign
-from flangeway.study.case_file import read_case
 
 
 def test_c_very_many_unknown_keys_are_refused_at_once(tmp_path):
@@ -68,7 +68,7 @@ main()
 """
 
 
-@pytest.mark.parametrize("module", ["typer", "flangeway.cli.common", "pydantic", "numpy", "flangeway.study"])
+@pytest.mark.parametrize("module", ["typer", "flangeway.cli.common", "pydantic", "numpy", "flangeway.cases"])
 def test_c_an_early_interruption_is_told(module, tmp_path, interruptible):
     """Ctrl-C while the program is still loading: status 130 and the usual words, no traceback."""
     process = subprocess.Popen(
@@ -88,7 +88,7 @@ def test_c_work_in_another_process_heeds_an_ignored_interruption(tmp_path):
     """Begun in the background, where Ctrl-C is ignored, neither the program nor its mesher ends by it."""
     code = (
         "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
-        "from flangeway.mesh.own_process import in_own_process\n"
+        "from flangeway.system.own_process import in_own_process\n"
         "print(in_own_process(signal.raise_signal, signal.SIGINT))\n"
     )
     done = subprocess.run(

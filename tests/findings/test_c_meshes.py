@@ -3,13 +3,14 @@
 import numpy as np
 import pytest
 
+from flangeway.cases.bodies.bodies_shape import body_shape
+from flangeway.cases.bodies.bodies_tables import BodyTable
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
+from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Arc, Line, Placement
-from flangeway.mesh import PolyMesh, read_mesh, rectangle_grid, write_vtu
+from flangeway.mesh import PolyMesh, rectangle_grid
 from flangeway.space import Space
-from flangeway.study.bodies_shape import body_shape
-from flangeway.study.bodies_tables import BodyTable
 
 
 @pytest.mark.parametrize("direction", [None, "left", 1, 0.0])

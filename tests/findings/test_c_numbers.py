@@ -24,13 +24,13 @@ from flangeway.mesh import (
 )
 from flangeway.post import stresses_along
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement, Pressure, Spring, Torsion, Traction, fixed
-from flangeway.railway.discretisation import Discretisation
-from flangeway.railway.load import Load
-from flangeway.railway.positions import Positions
-from flangeway.railway.problem import Prescribed
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rolling import RollingRadiusDifference
-from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+from flangeway.railway.positions.many_positions import Positions
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
+from flangeway.railway.track.discretisation import Discretisation
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.solve import NewtonSettings, StepSettings, solve_elasticity
 from flangeway.space import Space
 

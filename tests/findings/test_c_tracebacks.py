@@ -8,13 +8,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from flangeway.campaign import Row
+from flangeway.campaign.chunk import Chunk, compute
+from flangeway.cases import CASES, find_case
+from flangeway.cases.bodies.pressing import _Search
 from flangeway.errors import UnforeseenError
-from flangeway.mesh.own_process import in_own_process
 from flangeway.solve import Status
-from flangeway.study import CASES, find_case
-from flangeway.study.campaign import Row
-from flangeway.study.campaign.chunk import Chunk, compute
-from flangeway.study.pressing import _Search
+from flangeway.system.own_process import in_own_process
 
 FORESEEN = ("foresaw", "Traceback")
 
@@ -26,13 +26,13 @@ def defect(*_, **__):
 def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch):
     """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
     for place in (
-        "flangeway.study.cook_case.CookCase.run",
-        "flangeway.study.rigid.run_geometry",
-        "flangeway.study.section.run_section",
-        "flangeway.study.profile.run_profile",
-        "flangeway.study.campaign.Campaign.from_file",
-        "flangeway.study.case_template.schema",
-        "flangeway.report.reproductions.find_reproductions",
+        "flangeway.cases.bodies.cook_case.CookCase.run",
+        "flangeway.cases.rigid.rigid_run.run_geometry",
+        "flangeway.cases.section.section_run.run_section",
+        "flangeway.cases.profile.profile_run.run_profile",
+        "flangeway.campaign.Campaign.from_file",
+        "flangeway.cases.case_template.schema",
+        "flangeway.validation.reproduction.find_reproductions",
     ):
         monkeypatch.setattr(place, defect)
     commands = (
@@ -58,7 +58,7 @@ def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call,
 
 def test_c_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     """A row of a campaign and a process of the mesher store or raise the same sentence, with the traceback if asked."""
-    monkeypatch.setattr("flangeway.study.cook_case.CookCase.run", defect)
+    monkeypatch.setattr("flangeway.cases.bodies.cook_case.CookCase.run", defect)
     case = find_case("cook").from_values({})
     (result,) = compute(Chunk((Row(1, {}, case),))).results
     assert result.status == "failed"

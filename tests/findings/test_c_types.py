@@ -5,9 +5,9 @@ import sqlite3
 import numpy as np
 import pytest
 
+from flangeway.campaign import Campaign
+from flangeway.cases import CASES, load_case
 from flangeway.errors import InputError
-from flangeway.study import CASES, load_case
-from flangeway.study.campaign import Campaign
 
 BODY = 'case = "two-bodies"\n[[bodies]]\nname = "a"\n'
 LOOSE = {

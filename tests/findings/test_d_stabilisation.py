@@ -2,14 +2,14 @@
 
 import pytest
 
+from flangeway.cases.bodies.cook import MIDDLE, cook_grid, solve_cook
 from flangeway.contact import SegmentToSegment
 from flangeway.contact.enforcement import Multiplier
 from flangeway.elements import Virtual
 from flangeway.post import displacements_at
 from flangeway.space import Space
-from flangeway.study.cook import MIDDLE, cook_grid, solve_cook
-from flangeway.study.half_disc import HalfDisc
-from flangeway.study.hertz import HertzProblem, solve_hertz
+from flangeway.validation.hertz.half_disc import HalfDisc
+from flangeway.validation.hertz.hertz_discs import HertzProblem, solve_hertz
 
 REFERENCE = 30.7494
 

@@ -12,7 +12,8 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, DrawnSection, read_section
+from flangeway.formats import DrawnSection, read_section
+from flangeway.geometry import Arc
 
 BOX = 'unit = "mm"\n[outer]\npoints = [[0, 0], [40, 0], [40, 20], [0, 20]]\n'
 
@@ -450,5 +451,5 @@ def test_bundled_csv_files_read_as_half_outlines():
     from importlib.resources import files  # noqa: PLC0415
 
     for name, area in (("136RE_R10_A_arcs.csv", 8602.42), ("60E1_derived_arcs.csv", 7677.5)):
-        found = read_section(files("flangeway.railway") / "data" / name, mirrored=True)
+        found = read_section(files("flangeway.railway.profiles") / "data" / name, mirrored=True)
         np.testing.assert_allclose(found.section.area, area, rtol=1e-5)

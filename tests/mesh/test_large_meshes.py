@@ -24,9 +24,9 @@ from flangeway.mesh import (
     triangulate,
     triangulate_section,
 )
-from flangeway.mesh.expected import expected_mesh
-from flangeway.mesh.memory import refuse_beyond_memory
-from flangeway.mesh.own_process import in_own_process
+from flangeway.mesh.expected_size import expected_mesh
+from flangeway.system.memory_limits import refuse_beyond_memory
+from flangeway.system.own_process import in_own_process
 
 BOTTOM = [(-0.5, -0.5), (0.5, -0.5)]
 AROUND = [*BOTTOM, (0.5, 0.5), (-0.5, 0.5), (-0.5, -0.5)]
@@ -58,7 +58,7 @@ import os, re
 import gmsh
 from flangeway.geometry import Region, Section, rectangle, square
 from flangeway.mesh import Refinement, triangulate, triangulate_section
-from flangeway.mesh.expected import expected_mesh
+from flangeway.mesh.expected_size import expected_mesh
 from flangeway.mesh.section_mesher import _expected
 
 def resident(name):

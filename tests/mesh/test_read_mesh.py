@@ -12,8 +12,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
+from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Placement
-from flangeway.mesh import PolyMesh, check, conforming, dual, read_mesh, rectangle_grid, refined, write_vtu
+from flangeway.mesh import PolyMesh, check, conforming, dual, rectangle_grid, refined
 
 # two squares, the right one of two triangles; the left one is clockwise
 ABAQUS = """*Heading

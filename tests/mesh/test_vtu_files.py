@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.mesh import dual, rectangle_grid, write_vtu
+from flangeway.formats import write_vtu
+from flangeway.mesh import dual, rectangle_grid
 
 
 def test_polygons_and_values_come_back(tmp_path):

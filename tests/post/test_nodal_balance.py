@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flangeway.cases import CASES
 from flangeway.elements import Lagrange, Virtual
 from flangeway.geometry import square
 from flangeway.materials import Elastic
@@ -12,7 +13,6 @@ from flangeway.problems import BodyForce, ElasticField, Elasticity, TemperatureC
 from flangeway.solve import solve_elasticity
 from flangeway.solve.loaded import LoadedBodies
 from flangeway.space import Space
-from flangeway.study import CASES
 
 
 def solved(element):

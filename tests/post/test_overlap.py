@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.cases import CASES
 from flangeway.geometry import Placement, circle
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.post import deepest_overlap
-from flangeway.study import CASES
 
 
 def box(x, y):

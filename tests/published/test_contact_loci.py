@@ -17,9 +17,9 @@ import numpy as np
 import pytest
 
 from flangeway import cli
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rigid_contact import RigidWheelset, contact_jumps, contact_locus
-from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_jumps, contact_locus
+from flangeway.railway.track.placements import Track, Wheelset
 
 PUBLISHED = {
     # lateral motion in mm: roll in mrad; depth in mm below the reference height, loaded, of the first touch on the

@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from flangeway import InputError
+from flangeway.cases.wheelset.wheelset_profiles import wheel_named
+from flangeway.cases.wheelset.wheelset_tangent import WheelsetTangentCase
 from flangeway.geometry import Arc
-from flangeway.railway.discretisation import Discretisation
-from flangeway.railway.flange_root import IDENTIFIED, identified_wheel, with_flange_root
-from flangeway.railway.profiles import wheel
-from flangeway.railway.result import solve_wheelset
-from flangeway.study.contact_refinement import contact_name
-from flangeway.study.reproductions.wheel_rail_tables import published_case, published_problem
-from flangeway.study.wheelset_profiles import wheel_named
-from flangeway.study.wheelset_tangent import WheelsetTangentCase
+from flangeway.railway.profiles.bundled import wheel
+from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root
+from flangeway.railway.track.discretisation import Discretisation
+from flangeway.railway.wheelset.wheelset_result import solve_wheelset
+from flangeway.validation.wheel_rail.contact_refinement import contact_name
+from flangeway.validation.wheel_rail.wheel_rail_tables import published_case, published_problem
 
 
 @pytest.mark.parametrize("radius", [30.0, 38.1, 49.2, 60.0])

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.study.hertz import HertzModel, build_hertz, solve_hertz
-from flangeway.study.reproductions.hertz import CODES, EXTREMES, hertz_row, published_problem, published_value
+from flangeway.validation.hertz.hertz_discs import HertzModel, build_hertz, solve_hertz
+from flangeway.validation.hertz.hertz_reproduced import CODES, EXTREMES, hertz_row, published_problem, published_value
 
 FORCE = 251.84
 P0 = 671.5

@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from flangeway.study.torsion import (
+from flangeway.validation.torsion.torsion_meshes import (
     TorsionCode,
     convergence_rate,
     published_reading,

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.balance import balance_of
-from flangeway.railway.result import solve_wheelset
-from flangeway.railway.support import holding_force, support_reactions
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.railway.wheelset.residual import balance_of
+from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
+from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.solve import CondensedBodies
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
 
 COARSE = {"size_scale": 3.0}
 

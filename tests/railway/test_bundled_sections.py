@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.profiles import rail
-from flangeway.railway.sections import BUNDLED, bundled_section
+from flangeway.railway.profiles.bundled import rail
+from flangeway.railway.profiles.bundled_sections import BUNDLED, bundled_section
 
 
 def test_60e1_agrees_with_the_standard():

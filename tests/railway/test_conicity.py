@@ -8,13 +8,13 @@ from scipy.special import ellipk, gamma
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line
-from flangeway.railway.conicity import conicity_by_regression, equivalent_conicity, klingel_wavelength
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rigid_contact import RigidWheelset, contact_locus
-from flangeway.railway.rigid_curve import RigidCurve
-from flangeway.railway.rigid_side import RigidSide
-from flangeway.railway.rolling import RollingRadiusDifference
-from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.conicity import conicity_by_regression, equivalent_conicity, klingel_wavelength
+from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_locus
+from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
+from flangeway.railway.track.placements import Track, Wheelset
 
 AMPLITUDES = np.array([0.1, 1.0, 3.0, 7.5])
 

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flangeway.railway import field_columns
-from flangeway.railway.field_columns import FieldColumns
+from flangeway.railway.positions import field_columns
+from flangeway.railway.positions.field_columns import FieldColumns
 
 Floats = NDArray[np.float64]
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.railway.judgement import judged
-from flangeway.railway.missed import missed_contact
-from flangeway.railway.result import solve_wheelset
+from flangeway.cases import WheelsetTangentCase
+from flangeway.railway.wheelset.missed_overlap import missed_contact
+from flangeway.railway.wheelset.wheelset_checks import judged
+from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.solve import CondensedBodies
-from flangeway.study import WheelsetTangentCase
 
 COARSE = {"size_scale": 3.0}
 

@@ -6,13 +6,13 @@ import numpy as np
 import pytest
 
 from flangeway.materials import Elastic
-from flangeway.railway.discretisation import Discretisation
-from flangeway.railway.load import Load
-from flangeway.railway.problem import WheelsetProblem
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.result import WheelsetResult, solve_wheelset
-from flangeway.railway.track import Track, Wheelset
-from flangeway.solve import Cache
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.track.discretisation import Discretisation
+from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
+from flangeway.system.disk_cache import Cache
 
 
 def problem(load_n: float = 200e3) -> WheelsetProblem:
@@ -38,10 +38,10 @@ def test_a_second_run_computes_nothing_anew(folder: Path, monkeypatch: pytest.Mo
         raise AssertionError("computed again")
 
     for name in (
-        "flangeway.railway.known_rest.rigid_rest",
-        "flangeway.railway.cached_mesh.triangulate",
+        "flangeway.railway.rigid.cached_start.rigid_rest",
+        "flangeway.railway.wheelset.cached_mesh.triangulate",
         "flangeway.solve.condensed.factorise",
-        "flangeway.railway.result.find_equilibrium",
+        "flangeway.railway.wheelset.wheelset_result.find_equilibrium",
     ):
         monkeypatch.setattr(name, refuse)
     second = solve_wheelset(problem())

@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 from flangeway.materials import Elastic
 from flangeway.post import stresses_along
 from flangeway.problems import ElasticField
-from flangeway.railway import positions
-from flangeway.railway.discretisation import ROLES, Discretisation, Role
-from flangeway.railway.lane_shear import LoadedPatch, largest_shears
-from flangeway.railway.load import Load
-from flangeway.railway.positions import Positions, solve_positions
-from flangeway.railway.prepared import PreparedWheelset, prepare
-from flangeway.railway.problem import WheelsetProblem
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.subsurface import SubsurfaceExtreme, closest_on_boundary
-from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.positions import many_positions as positions
+from flangeway.railway.positions.many_positions import Positions, solve_positions
+from flangeway.railway.positions.positions_shear import LoadedPatch, largest_shears
+from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
+from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.subsurface import SubsurfaceExtreme, closest_on_boundary
 from flangeway.solve import CondensedBodies
 
 Floats = NDArray[np.float64]

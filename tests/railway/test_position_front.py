@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.lane_newton import LaneState
-from flangeway.railway.lanes import Demands
-from flangeway.railway.position_front import FARTHEST, MOST_STATES, MOST_TRIES, SMALL_SHARES, Front, Journey
+from flangeway.railway.positions.position_queue import FARTHEST, MOST_STATES, MOST_TRIES, SMALL_SHARES, Front, Journey
+from flangeway.railway.positions.positions_newton import LaneState
+from flangeway.railway.positions.surface_positions import Demands
 
 STATE = LaneState(np.zeros(3), ())
 

@@ -10,17 +10,17 @@ from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.post import stresses_along
 from flangeway.problems import ElasticField
-from flangeway.railway.discretisation import ROLES, Discretisation
-from flangeway.railway.equilibrium import FIRST_PENETRATION_MM
-from flangeway.railway.lane_patches import patches_of
-from flangeway.railway.lane_shear import lines_below
-from flangeway.railway.load import Load
-from flangeway.railway.positions import Positions, PositionTable, solve_positions
-from flangeway.railway.prepared import PreparedWheelset, prepare
-from flangeway.railway.problem import Prescribed, WheelsetProblem
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.subsurface import SEARCHED, largest_on
-from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
+from flangeway.railway.positions.positions_patches import patches_of
+from flangeway.railway.positions.positions_shear import lines_below
+from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.track.discretisation import ROLES, Discretisation
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
+from flangeway.railway.wheelset.subsurface import SEARCHED, largest_on
 
 STEEL = Elastic(210e3, 0.3)
 PAIRS = {"S1002 on 60E1": ("60E1", "S1002"), "AAR-1B on 136RE": ("136RE", "AAR-1B")}

@@ -5,8 +5,8 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
-from flangeway.railway.profile_file import FORMATS, ReadOptions, profile_text, read_profile
-from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.profile_file import FORMATS, ReadOptions, profile_text, read_profile
 
 NANOMETRE = 1e-6  # in mm
 

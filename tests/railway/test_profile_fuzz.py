@@ -8,10 +8,10 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from flangeway.cases.profile.profile_run import run_profile
 from flangeway.errors import InputError
-from flangeway.railway.profile_file import FORMATS, MeasuredProfile, ReadOptions, profile_text, read_profile
-from flangeway.railway.profiles import wheel
-from flangeway.study.profile import run_profile
+from flangeway.railway.profiles.bundled import wheel
+from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, ReadOptions, profile_text, read_profile
 
 WORDS = (
     "header.begin", "header.end", "spline.begin", "spline.end", "point.begin", "point.end", "units.len.f = 1000",

@@ -5,7 +5,9 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.mesh import check, triangulate
-from flangeway.railway.joining import (
+from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
+from flangeway.railway.profiles.formats.segment_files import write_segment_csv
+from flangeway.railway.profiles.joining import (
     BLEND_FACTOR,
     LARGEST_BLEND_MM,
     LEAST_BLEND_MM,
@@ -13,13 +15,11 @@ from flangeway.railway.joining import (
     nominal_profile,
     on_plain_body,
 )
-from flangeway.railway.pieces import lengths_along, pieces_between, point_at
-from flangeway.railway.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles import RailProfile, rail, wheel
-from flangeway.railway.rigid_contact import RigidWheelset, contact_locus
-from flangeway.railway.segment_files import write_segment_csv
-from flangeway.railway.track import Track, Wheelset
-from flangeway.railway.whole_outline import whole_profile
+from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_between, point_at
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
+from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_locus
+from flangeway.railway.track.placements import Track, Wheelset
 
 
 def file_of(folder, points, kind, head="", name="m.txt"):

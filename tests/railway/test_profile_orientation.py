@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 
 RAW = ReadOptions(smooth_mm=0.0)
 

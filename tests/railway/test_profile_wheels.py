@@ -9,9 +9,9 @@ import pytest
 from flangeway.errors import InputError
 from flangeway.geometry import Arc
 from flangeway.mesh import check, triangulate
-from flangeway.railway.measures import measures
-from flangeway.railway.profiles import RAILS, WHEELS, rail, wheel
-from flangeway.railway.wheel_contours import POLYNOMIAL_TOLERANCE_MM, heavy_haul_contour, s1002_contour
+from flangeway.railway.profiles.bundled import RAILS, WHEELS, rail, wheel
+from flangeway.railway.profiles.measures import measures
+from flangeway.railway.profiles.wheel_contours import POLYNOMIAL_TOLERANCE_MM, heavy_haul_contour, s1002_contour
 
 # EN 13715: z over y, the tread's polynomial as in public programs
 TREAD = [0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,

@@ -8,7 +8,7 @@ import pytest
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Line, Outline
 from flangeway.mesh import Refinement, check, dual, triangulate
-from flangeway.railway.profiles import rail, wheel
+from flangeway.railway.profiles.bundled import rail, wheel
 
 # printed in the files: area mm2, centroid above base mm, Ix mm4, Iy mm4
 PRINTED = {

@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.post import stresses_at
 from flangeway.problems import ElasticField
-from flangeway.railway.bending import narrowest_web, rail_bending
-from flangeway.railway.profiles import rail
-from flangeway.railway.result import solve_wheelset
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.railway.profiles.bundled import rail
+from flangeway.railway.wheelset.bending import narrowest_web, rail_bending
+from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 
 THICKNESS = 10.0
 

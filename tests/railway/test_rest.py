@@ -4,9 +4,9 @@ import math
 
 import pytest
 
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
-from flangeway.railway.rest import rigid_rest
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.railway.rigid.elastic_start import rigid_rest
 
 
 @pytest.mark.parametrize("cant", [1 / 40, 1 / 30, 1 / 100])

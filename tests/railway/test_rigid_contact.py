@@ -5,20 +5,14 @@ import math
 import numpy as np
 import pytest
 
+from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rigid_contact import (
-    RigidWheelset,
-    contact_jumps,
-    contact_locus,
-    locus_of,
-    path_of_contact,
-)
-from flangeway.railway.rigid_curve import RigidCurve
-from flangeway.railway.rigid_side import RigidSide
-from flangeway.railway.track import Track, Wheelset
-from flangeway.study.rigid_case import find_geometry_case
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_jumps, contact_locus, locus_of, path_of_contact
+from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.track.placements import Track, Wheelset
 
 HALF_DISTANCE, RADIUS, CONE = 750.0, 460.0, math.atan(1.0 / 20.0)
 

@@ -7,8 +7,8 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line, Placement
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rigid_curve import STEEPEST_RAD, RigidCurve
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.rigid_curve import STEEPEST_RAD, RigidCurve
 
 
 @pytest.fixture(params=["rail", "wheel"])

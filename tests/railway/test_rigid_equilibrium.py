@@ -8,17 +8,13 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
-from flangeway.railway.load import Load, curve_force_N, superelevation_angle
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.rigid_contact import RigidWheelset, contact_locus, locus_of, path_of_contact
-from flangeway.railway.rigid_curve import RigidCurve
-from flangeway.railway.rigid_equilibrium import (
-    RigidContactPoint,
-    held_ratios,
-    rigid_equilibrium,
-)
-from flangeway.railway.rigid_side import RigidSide
-from flangeway.railway.track import Track, Wheelset
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_locus, locus_of, path_of_contact
+from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, held_ratios, rigid_equilibrium
+from flangeway.railway.rigid.rigid_side import RigidSide
+from flangeway.railway.track.placements import Track, Wheelset
+from flangeway.railway.track.wheelset_load import Load, curve_force_N, superelevation_angle
 
 WEIGHT = 300e3
 CURVE = Load(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from flangeway.cases import WheelsetTangentCase
 from flangeway.errors import InputError
-from flangeway.railway.result import solve_wheelset
-from flangeway.railway.subsurface import (
+from flangeway.railway.wheelset.subsurface import (
     by_normal,
     closest_on_boundary,
     hertz_below,
@@ -15,7 +15,7 @@ from flangeway.railway.subsurface import (
     largest_shear,
     stresses_below,
 )
-from flangeway.study import WheelsetTangentCase
+from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 
 
 @pytest.fixture(scope="module")

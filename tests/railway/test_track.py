@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
 
 
 def head_points(track: Track, side: str) -> np.ndarray:

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
-from flangeway.railway.load import Load, superelevation_angle
-from flangeway.railway.prepared import prepare
-from flangeway.railway.problem import Prescribed
-from flangeway.railway.result import WheelsetResult, solve_wheelset
-from flangeway.railway.rigid_contact import contact_locus
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.railway.positions.prepared_wheelset import prepare
+from flangeway.railway.rigid.rigid_contact import contact_locus
+from flangeway.railway.track.wheelset_load import Load, superelevation_angle
+from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 
 S1002_ON_60E1: dict[str, str | float] = {
     "rail": "60E1",

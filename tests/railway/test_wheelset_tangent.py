@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 
 from flangeway.materials import Elastic
-from flangeway.railway.balance import balance_of, jacobian_of
-from flangeway.railway.equilibrium import contact_at, find_equilibrium
-from flangeway.railway.model import Discretisation, Load, WheelsetProblem, build_model
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.result import WheelsetResult, solve_wheelset
-from flangeway.railway.track import Track, Wheelset, WheelsetMotion
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.wheelset.equilibrium import contact_at, find_equilibrium
+from flangeway.railway.wheelset.residual import balance_of, jacobian_of
+from flangeway.railway.wheelset.wheelset_model import Discretisation, Load, WheelsetProblem, build_model
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.solve import CondensedBodies, SparseBodies
 
 

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from flangeway.railway.miniprof import write_miniprof
-from flangeway.railway.profile_file import ReadOptions, profile_text, read_profile
-from flangeway.railway.profiles import rail, wheel
-from flangeway.railway.simpack import write_simpack
-from flangeway.railway.smoothing import smoothed, usual_wavelength_mm
-from flangeway.railway.track import Track, Wheelset, WheelsetMotion
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, run_case
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.simpack import write_simpack
+from flangeway.railway.profiles.profile_file import ReadOptions, profile_text, read_profile
+from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
 
 NOISE_MM = 0.03
 SPACING_MM = 0.25

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
-from flangeway.contact.contact import Pairing
+from flangeway.contact.contact_pair import Pairing
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Placement, rectangle
-from flangeway.study.pressed_boxes import Discretisation, Method, surface_of
+from flangeway.validation.contact_patch.pressed_boxes import Discretisation, Method, surface_of
 
 
 def settled_steps(solution: ContactSolution) -> np.ndarray:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from flangeway.study import WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetTangentCase, run_case
 
 
 @pytest.fixture(scope="session")

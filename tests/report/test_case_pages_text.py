@@ -8,21 +8,21 @@ from html import unescape
 import numpy as np
 import pytest
 
+from flangeway.cases import CASES
+from flangeway.cases.case import GivenText
+from flangeway.cases.case_file import read_case
+from flangeway.cases.section.torsion_case import TorsionCase
 from flangeway.post import corner_stresses
 from flangeway.report import scenes
-from flangeway.report.bodies_page import bodies_page
-from flangeway.report.body_fields import bodies_fields, body_fields
-from flangeway.report.body_steps import body_steps
-from flangeway.report.case_text import case_text
-from flangeway.report.command import command_line, section_command
-from flangeway.report.html import report_page
-from flangeway.report.newton_history import load_steps, newton_figure, steps_table
-from flangeway.report.section_page import section_page
+from flangeway.report.bodies.bodies_page import bodies_page
+from flangeway.report.bodies.body_fields import bodies_fields, body_fields
+from flangeway.report.bodies.body_steps import body_steps
+from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
+from flangeway.report.page.case_text import case_text
+from flangeway.report.page.command import command_line, section_command
+from flangeway.report.page.html_page import report_page
+from flangeway.report.section.section_page import section_page
 from flangeway.solve import Status
-from flangeway.study import CASES
-from flangeway.study.case import GivenText
-from flangeway.study.case_file import read_case
-from flangeway.study.torsion_case import TorsionCase
 
 COARSE = {"size_mm": 1.5, "body_size_mm": 15.0, "indentation_mm": 1.0, "n_steps": 2, "order": 2}
 HEADINGS = ["Summary", "Warnings", "Assumptions", "Fields", "Numbers", "Inputs", "Run it again"]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flangeway.report.few_colours import few_colours
+from flangeway.report.figures.few_colours import few_colours
 
 
 def with_opacity(colours):

@@ -6,7 +6,7 @@ import pytest
 from flangeway.geometry import Placement
 from flangeway.post import Stresses
 from flangeway.report import part_fields
-from flangeway.report.fields import placed_stresses
+from flangeway.report.figures.fields import placed_stresses
 
 ROWS = np.array([[120.0, -40.0, 25.0, 24.0], [0.0, 0.0, -70.0, 0.0]])
 

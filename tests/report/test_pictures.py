@@ -7,13 +7,13 @@ import pytest
 from matplotlib.text import Text
 
 from flangeway.report import part_fields
-from flangeway.report.bending_figure import bending_figure
-from flangeway.report.contact_figure import contact_figure
-from flangeway.report.drawing import Room, StressColours, figure_with_room, png, power_of_ten
-from flangeway.report.pressure_figure import pressure_figure
-from flangeway.report.rigid_elastic_figure import rigid_elastic_figure
-from flangeway.report.subsurface_figure import subsurface_figure, subsurface_lines
-from flangeway.report.wheelset_figure import deformation_factor, wheelset_figure
+from flangeway.report.figures.drawing import Room, StressColours, figure_with_room, png, power_of_ten
+from flangeway.report.wheelset.bending_figure import bending_figure
+from flangeway.report.wheelset.contact_figure import contact_figure
+from flangeway.report.wheelset.pressure_figure import pressure_figure
+from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
+from flangeway.report.wheelset.subsurface_figure import subsurface_figure, subsurface_lines
+from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
 
 
 def figures(run):

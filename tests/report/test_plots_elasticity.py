@@ -12,8 +12,8 @@ from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, refined, triangulate
 from flangeway.post import corner_stresses, displacements_at, nodal_stresses, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
-from flangeway.report.display import NO_EDGE, display, displayed_stresses, edge_weights
-from flangeway.report.plots import (
+from flangeway.report.figures.display import NO_EDGE, display, displayed_stresses, edge_weights
+from flangeway.report.figures.plots import (
     plot_deformed,
     plot_displacement,
     plot_function,

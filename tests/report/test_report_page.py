@@ -9,14 +9,16 @@ from html.parser import HTMLParser
 
 import pytest
 
+from flangeway.cases import CASES, WheelsetTangentCase
+from flangeway.cases.case import GivenText
 from flangeway.errors import InputError
-from flangeway.report import command_line, outputs, write_outputs
+from flangeway.report import command_line, write_outputs
 from flangeway.report.case_outputs import case_files
-from flangeway.report.html import report_page
-from flangeway.report.outputs import NAMES, PICTURES
-from flangeway.report.wheelset_page import wheelset_page
-from flangeway.study import CASES, WheelsetTangentCase, refuse_unwritable
-from flangeway.study.case import GivenText
+from flangeway.report.page.html_page import report_page
+from flangeway.report.wheelset import wheelset_outputs as outputs
+from flangeway.report.wheelset.wheelset_outputs import NAMES, PICTURES
+from flangeway.report.wheelset.wheelset_page import wheelset_page
+from flangeway.system.output_folder import refuse_unwritable
 
 VOID = {"meta", "img", "br", "link", "input"}
 

@@ -8,11 +8,12 @@ import pytest
 
 from flangeway.elements import Virtual
 from flangeway.errors import InputError
+from flangeway.formats import write_vtu
 from flangeway.materials import Elastic
-from flangeway.mesh import dual, rectangle_grid, write_vtu
+from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import corner_stresses, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
-from flangeway.report.series import Frame, solution_frame, write_frame, write_series
+from flangeway.report.figures.series import Frame, solution_frame, write_frame, write_series
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 

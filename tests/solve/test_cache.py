@@ -16,9 +16,9 @@ from flangeway.geometry import rectangle
 from flangeway.materials import Elastic
 from flangeway.mesh import triangulate
 from flangeway.problems import Body
-from flangeway.solve import Cache, CacheWarning, CondensedBodies, SurfaceNodes
-from flangeway.solve import cache as cache_module
-from flangeway.solve.cache import content_key
+from flangeway.solve import CondensedBodies, SurfaceNodes
+from flangeway.system import disk_cache as cache_module
+from flangeway.system.disk_cache import Cache, CacheWarning, content_key
 
 
 @pytest.fixture
@@ -76,7 +76,7 @@ WRITER = """
 import sys
 from pathlib import Path
 import numpy as np
-from flangeway.solve.cache import Cache
+from flangeway.system.disk_cache import Cache
 for _ in range(40):
     value = float(sys.argv[2])
     Cache(Path(sys.argv[1]), 10**9).store("shared", {"a": np.full(200_000, value), "b": np.full(200_000, value)})

@@ -13,13 +13,14 @@ from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import FlangewayError, InputError, OutOfMemoryError
 from flangeway.geometry import square
 from flangeway.materials import Elastic
-from flangeway.mesh import memory, triangulate
-from flangeway.mesh.memory import memory_left, peak_memory_bytes, refuse_beyond_memory
+from flangeway.mesh import triangulate
 from flangeway.problems import Body, Elasticity, Torsion, fixed
 from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes, solve_elasticity, solve_torsion
 from flangeway.solve.linear import cholesky, ldlt
 from flangeway.space import Space
-from flangeway.space.memory import BYTES_AN_ENTRY
+from flangeway.space.assembly_memory import BYTES_AN_ENTRY
+from flangeway.system import memory_limits as memory
+from flangeway.system.memory_limits import memory_left, peak_memory_bytes, refuse_beyond_memory
 
 LIMIT = "FLANGEWAY_MEMORY_GB"
 MEASURED = """
@@ -28,7 +29,8 @@ import numpy as np
 from flangeway.elements import Lagrange
 from flangeway.geometry import square
 from flangeway.materials import Elastic
-from flangeway.mesh import memory, triangulate
+from flangeway.system import memory_limits as memory
+from flangeway.mesh import triangulate
 from flangeway.problems import Elasticity, fixed
 from flangeway.solve.constraints import find_constraints
 from flangeway.solve.linear import cholesky

@@ -5,8 +5,8 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.report.validation_page import section_text
-from flangeway.study import WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.validation.validation_page import section_text
 
 
 @pytest.fixture(scope="session")

@@ -7,8 +7,8 @@ from flangeway.elements import Virtual
 from flangeway.errors import InputError
 from flangeway.exact.notch import EXPONENT, Notch
 from flangeway.mesh import check, rectangle_grid
-from flangeway.study.adaptive import adapt
-from flangeway.study.l_shape import EXACT, MATERIAL, adaptive_rows, l_shape, uniform_rows
+from flangeway.post.adaptive import adapt
+from flangeway.validation.elasticity.l_shape import EXACT, MATERIAL, adaptive_rows, l_shape, uniform_rows
 
 
 def test_the_exact_stresses_are_those_of_the_exact_displacements():

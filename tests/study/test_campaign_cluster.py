@@ -10,9 +10,9 @@ from pathlib import Path
 
 import pytest
 
+from flangeway.campaign import Campaign, cluster_workers, results, run_campaign
+from flangeway.campaign.chunk import Chunk, compute
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.study.campaign import Campaign, cluster_workers, results, run_campaign
-from flangeway.study.campaign.chunk import Chunk, compute
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # of the libraries of the cluster
 

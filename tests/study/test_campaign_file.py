@@ -6,9 +6,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
+from flangeway.campaign import Campaign
 from flangeway.errors import InputError
-from flangeway.railway.profiles import rail
-from flangeway.study.campaign import Campaign
+from flangeway.railway.profiles.bundled import rail
 
 
 def read(folder, text, **files):

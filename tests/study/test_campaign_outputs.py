@@ -11,16 +11,17 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from flangeway.campaign import Campaign, CampaignProgress, position_rows, results
+from flangeway.campaign import results_table as table
+from flangeway.campaign.campaign import Row
+from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS
+from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.railway import cached_mesh
-from flangeway.report.campaign_figures import campaign_figures
-from flangeway.report.campaign_outputs import print_campaign, write_campaign, write_export
-from flangeway.report.sweep_animation import is_sweep, sweep_frames
-from flangeway.study.campaign import Campaign, CampaignProgress, position_rows, results, table
-from flangeway.study.campaign.campaign import Row
-from flangeway.study.campaign.chunk import Chunk, compute
-from flangeway.study.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS
-from flangeway.study.campaign.database import CampaignDatabase
+from flangeway.railway.wheelset import cached_mesh
+from flangeway.report.campaign.campaign_figures import campaign_figures
+from flangeway.report.campaign.campaign_outputs import print_campaign, write_campaign, write_export
+from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames
 
 SWEEP = """
 case = "wheelset-tangent"

@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
+from flangeway.campaign import Campaign, results, run_campaign
+from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError
-from flangeway.study.campaign import Campaign, results, run_campaign
-from flangeway.study.campaign.chunk import Chunk, compute
-from flangeway.study.campaign.database import CampaignDatabase
 
 SYNTHETIC = '''
 """A case that takes a moment, and one that kills its worker."""
@@ -25,8 +25,8 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 from pydantic import Field
 from flangeway.solve import Status
-from flangeway.study.case import RunnableCase
-from flangeway.study.cases import CASES
+from flangeway.cases.case import RunnableCase
+from flangeway.cases.case_names import CASES
 
 @dataclass
 class SumRun:
@@ -57,7 +57,7 @@ CASES["sum"] = SumCase
 DRIVER = '''
 import os, random, signal, sys, time
 import sum_case
-from flangeway.study.campaign import Campaign, run_campaign
+from flangeway.campaign import Campaign, run_campaign
 
 def one(file, database, told=None):
     def progress(now):

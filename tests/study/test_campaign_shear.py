@@ -5,9 +5,9 @@ from collections import OrderedDict
 import numpy as np
 import pytest
 
-from flangeway.study.campaign import Campaign, position_rows, results, run_campaign
-from flangeway.study.campaign.chunk import Chunk, compute
-from flangeway.study.campaign.columns import PATCH_SHEAR_COLUMNS, WHEELSET_SHEAR_COLUMNS
+from flangeway.campaign import Campaign, position_rows, results, run_campaign
+from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.columns import PATCH_SHEAR_COLUMNS, WHEELSET_SHEAR_COLUMNS
 
 SWEEP = """
 case = "wheelset-tangent"

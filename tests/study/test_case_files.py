@@ -8,11 +8,11 @@ import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
+from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, load_case, schema, write_template
+from flangeway.cases.case import GivenText
+from flangeway.cases.case_file import FORMAT, check_case, read_case
+from flangeway.cases.case_template import toml_value
 from flangeway.errors import InputError
-from flangeway.study import CASES, WheelsetCurveCase, WheelsetTangentCase, load_case, schema, write_template
-from flangeway.study.case import GivenText
-from flangeway.study.case_file import FORMAT, check_case, read_case
-from flangeway.study.case_template import toml_value
 
 COARSE = {
     "wheelset-tangent": {"size_scale": 4.0},

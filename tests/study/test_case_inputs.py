@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
+from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
+from flangeway.cases.case import GivenText
 from flangeway.errors import InputError
-from flangeway.railway.profiles import rail, wheel
-from flangeway.study import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
-from flangeway.study.case import GivenText
+from flangeway.railway.profiles.bundled import rail, wheel
 
 
 def test_defaults_are_the_published_measures():

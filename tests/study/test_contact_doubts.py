@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from flangeway.cases import CASES
 from flangeway.post import contact_doubts, cut_zones, pressure_patches
-from flangeway.study import CASES
 
 NAMES = ["the contact"]
 

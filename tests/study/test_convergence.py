@@ -4,8 +4,8 @@ import copy
 
 import pytest
 
+from flangeway.cases import Convergence, WheelsetTangentCase, run_halved
 from flangeway.errors import InputError
-from flangeway.study import Convergence, WheelsetTangentCase, run_halved
 
 
 @pytest.fixture(scope="module")

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.study import write_together
+from flangeway.system.output_folder import write_together
 
 MAIN = "from flangeway.cli import main; main()"
 RUN = ("run", "hertz", "--set", "size_mm=0.5")
@@ -127,7 +127,7 @@ def test_no_memory_is_told(call, monkeypatch, tmp_path, text):
     def fail(*_, **__):
         raise MemoryError(text)
 
-    monkeypatch.setattr("flangeway.study.two_bodies.press_loaded", fail)
+    monkeypatch.setattr("flangeway.cases.bodies.two_bodies.press_loaded", fail)
     status, out, err = call(*RUN)
     assert status == 1
     assert "flangeway: out of memory" in err
@@ -145,7 +145,7 @@ def test_a_real_limit_of_memory_is_told(tmp_path):
         pytest.skip("limits of the address space are those of Linux")
     # what is loaded already, and little more
     code = (
-        "import re, resource, flangeway.report.case_outputs, flangeway.study, gmsh\n"
+        "import re, resource, flangeway.report.case_outputs, flangeway.cases, gmsh\n"
         "used = int(re.search(r'VmSize:\\s+(\\d+)', open('/proc/self/status').read())[1]) * 1024\n"
         "resource.setrlimit(resource.RLIMIT_AS, (used + 40 * 2**20,) * 2)\n" + MAIN
     )
@@ -165,7 +165,7 @@ def test_interruption_while_files_are_moved(call, monkeypatch, tmp_path, argumen
     def stop(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("flangeway.study.output.os.replace", stop)
+    monkeypatch.setattr("flangeway.system.output_folder.os.replace", stop)
     status, out, err = call(*arguments)
     assert status == 130
     assert "interrupted; nothing was written" in err

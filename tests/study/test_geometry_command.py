@@ -7,12 +7,12 @@ import json
 import numpy as np
 import pytest
 
+from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, find_geometry_case
+from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.errors import InputError
-from flangeway.railway.flange_root import with_wide_throat
-from flangeway.railway.profiles import wheel
-from flangeway.railway.rigid_contact import contact_locus
-from flangeway.study.rigid import run_geometry
-from flangeway.study.rigid_case import GEOMETRY_CASES, find_geometry_case
+from flangeway.railway.profiles.bundled import wheel
+from flangeway.railway.profiles.flange_root import with_wide_throat
+from flangeway.railway.rigid.rigid_contact import contact_locus
 
 COARSE = ("--set", "step_mm=0.1")
 

@@ -2,8 +2,8 @@
 
 import tracemalloc
 
+from flangeway.cases.bodies.bodies_floating import free_axis
 from flangeway.mesh import rectangle_grid
-from flangeway.study.bodies_floating import free_axis
 
 
 def test_many_held_nodes_take_little_memory():

@@ -3,7 +3,7 @@
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.study import refuse_unwritable, write_together
+from flangeway.system.output_folder import refuse_unwritable, write_together
 
 
 def everything(folder):

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from flangeway.railway.profile_file import read_profile
-from flangeway.railway.profiles import rail, wheel
-from flangeway.study.profile import run_profile
+from flangeway.cases.profile.profile_run import run_profile
+from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.profile_file import read_profile
 
 FILES = {"profile.png", "curvature.png", "profile.json"}
 
@@ -62,7 +62,7 @@ def test_conversion_keeps_the_smoothed_wheel(ending, call, files, tmp_path):
 
 
 def _options(**given):
-    from flangeway.railway.profile_file import ReadOptions  # noqa: PLC0415
+    from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
 
     return ReadOptions(**given)
 
@@ -107,7 +107,7 @@ def test_a_failing_picture_leaves_nothing(call, files, tmp_path, monkeypatch):
     def fail(*_):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("flangeway.report.profile_outputs.curvature_figure", fail)
+    monkeypatch.setattr("flangeway.report.profile.profile_outputs.curvature_figure", fail)
     status, _, err = call("profile", "tread.txt", "--to", "y.txt")
     assert status == 130
     assert "interrupted" in err

@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from flangeway.report.reproductions import REPRODUCTIONS
-from flangeway.study.reproductions.contact_patch import (
+from flangeway.validation.contact_patch.contact_patch_reproduced import (
     PASSED,
     PUBLISHED,
     ContactPatchReproduction,
     PatchRun,
     reproduce_contact_patch,
 )
+from flangeway.validation.registry import REPRODUCTIONS
 
 
 @pytest.fixture(scope="module")

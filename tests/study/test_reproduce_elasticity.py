@@ -6,17 +6,17 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from flangeway.cases.bodies.cook import ENERGY, CookCode, cook_reference, cook_row
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid, refined
-from flangeway.report import reproductions
-from flangeway.report.refinement_figures import hanging_points
-from flangeway.report.reproductions import Reproduction
-from flangeway.report.validation_page import Chapter
-from flangeway.study.closed_form import closed_form_values
-from flangeway.study.cook import ENERGY, CookCode, cook_reference, cook_row
-from flangeway.study.patch_test import PatchCode, patch_row
-from flangeway.study.reproductions import elasticity
-from flangeway.study.reproductions.elasticity import COOK, reproduce_elasticity
+from flangeway.validation import registry as reproductions
+from flangeway.validation.elasticity import elasticity_reproduced as elasticity
+from flangeway.validation.elasticity.closed_form import closed_form_values
+from flangeway.validation.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
+from flangeway.validation.elasticity.patch_test import PatchCode, patch_row
+from flangeway.validation.elasticity.refinement_figures import hanging_points
+from flangeway.validation.reproduction import Reproduction
+from flangeway.validation.validation_page import Chapter
 
 PUBLISHED = {
     "strain energy": 1542.159,

@@ -14,10 +14,9 @@ from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.mesh import check, edges_halved
-from flangeway.report.reproductions import REPRODUCTIONS
-from flangeway.study.half_disc import ARC, CUT, HalfDisc
-from flangeway.study.hertz import HertzProblem, solve_hertz
-from flangeway.study.reproductions.hertz import (
+from flangeway.validation.hertz.half_disc import ARC, CUT, HalfDisc
+from flangeway.validation.hertz.hertz_discs import HertzProblem, solve_hertz
+from flangeway.validation.hertz.hertz_reproduced import (
     CODES,
     EXTREMES,
     FORCE_LIMITS,
@@ -25,6 +24,7 @@ from flangeway.study.reproductions.hertz import (
     published_problem,
     reproduce_hertz,
 )
+from flangeway.validation.registry import REPRODUCTIONS
 
 
 @pytest.fixture(scope="module")

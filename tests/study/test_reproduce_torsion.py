@@ -5,9 +5,10 @@ import csv
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.report.reproductions import REPRODUCTIONS, find_reproductions
-from flangeway.study.reproductions import ReproducedNumber, write_rows
-from flangeway.study.reproductions.torsion import LIMITS, reproduce_torsion
+from flangeway.validation.published_numbers import ReproducedNumber, write_rows
+from flangeway.validation.registry import REPRODUCTIONS
+from flangeway.validation.reproduction import find_reproductions
+from flangeway.validation.torsion.torsion_reproduced import LIMITS, reproduce_torsion
 
 
 @pytest.fixture(scope="module")

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 from rich.console import Console
 
-from flangeway.report.reproductions import REPRODUCTIONS
-from flangeway.study.contact_refinement import contact_name
-from flangeway.study.reproductions.wheel_rail import WheelRailReproduction, reproduce_wheel_rail
-from flangeway.study.reproductions.wheel_rail_tables import CASES, CODES
-from flangeway.study.rigid_limit import extrapolated_differences_mm
+from flangeway.validation.registry import REPRODUCTIONS
+from flangeway.validation.wheel_rail.contact_refinement import contact_name
+from flangeway.validation.wheel_rail.rigid_limit import extrapolated_differences_mm
+from flangeway.validation.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
+from flangeway.validation.wheel_rail.wheel_rail_tables import CASES, CODES
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from flangeway.report.reproductions import REPRODUCTIONS
+from flangeway.validation.registry import REPRODUCTIONS
 
 BOX = """
 title = "Box girder"
@@ -78,7 +78,7 @@ def test_reproduce_torsion_quick(call, tmp_path):
 @pytest.mark.usefixtures("coarse")
 def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch):
     """When too few numbers are within their limits, the files are written and the status is 1."""
-    from flangeway.study.reproductions import torsion  # noqa: PLC0415
+    from flangeway.validation.torsion import torsion_reproduced as torsion  # noqa: PLC0415
 
     monkeypatch.setitem(torsion.LIMITS, "relative_error", 1e-6)
     monkeypatch.setattr(torsion, "_NEIGHBOURS", np.array([1.0]))

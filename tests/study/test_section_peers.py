@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from flangeway.geometry import DrawnSection, Region, Section, polygon, rectangle, square
-from flangeway.study.section import SectionOptions, find_section, run_section
+from flangeway.cases.section.section_run import SectionOptions, find_section, run_section
+from flangeway.formats import DrawnSection
+from flangeway.geometry import Region, Section, polygon, rectangle, square
 
 pytest.importorskip("sectionproperties", reason="the peer is installed with the extra 'dev'")
 

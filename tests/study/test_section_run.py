@@ -5,10 +5,11 @@ import math
 import numpy as np
 import pytest
 
+from flangeway.cases.section.section_run import SectionOptions, find_section, run_section, usual_size
 from flangeway.errors import InputError
 from flangeway.exact import Rectangle
-from flangeway.geometry import DrawnSection, PartMaterial, Region, Section, circle, polygon, rectangle, square
-from flangeway.study.section import SectionOptions, find_section, run_section, usual_size
+from flangeway.formats import DrawnSection, PartMaterial
+from flangeway.geometry import Region, Section, circle, polygon, rectangle, square
 
 
 def drawn(region, **options):

@@ -5,9 +5,9 @@ import json
 import numpy as np
 import pytest
 
-from flangeway.report.tables import motion_table
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase, run_case, summarise, write_summary
-from flangeway.study.summary import published_position
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, run_case, summarise, write_summary
+from flangeway.cases.wheelset.summary import published_position
+from flangeway.report.page.page_tables import motion_table
 
 IN_SPACE = {"horizontal_in_space_mm", "vertical_in_space_mm"}
 SHAPE = {

@@ -8,14 +8,15 @@ import meshio
 import numpy as np
 import pytest
 
+from flangeway.cases import load_case
+from flangeway.cases.bodies.bodies_shape import part_of_mesh
+from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
-from flangeway.mesh import read_mesh, rectangle_grid
+from flangeway.formats import read_mesh
+from flangeway.mesh import rectangle_grid
 from flangeway.report.case_outputs import write_case
 from flangeway.solve import Status, solve_contact
-from flangeway.study import load_case
-from flangeway.study.bodies_shape import part_of_mesh
-from flangeway.study.two_bodies import TwoBodiesCase
 
 WIDTH, UPPER, LOWER = 6.0, 2.0, 3.0
 UPPER_POISSON = 0.2
@@ -304,8 +305,8 @@ def test_a_push_that_fails_tells_why(monkeypatch, most):
         state = solve_contact(*given, **more)
         return replace(state, status=Status(False, "no luck", 1)) if state.forces.any() else state
 
-    monkeypatch.setattr("flangeway.study.pressing.solve_contact", fails)
-    monkeypatch.setattr("flangeway.study.pressing.MOST_TRIALS", most)
+    monkeypatch.setattr("flangeway.cases.bodies.pressing.solve_contact", fails)
+    monkeypatch.setattr("flangeway.cases.bodies.pressing.MOST_TRIALS", most)
     run = stack(0.1, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
     assert not run.status.converged
     assert re.search(r"at 0\.1\d* along the push: no luck", run.status.message)

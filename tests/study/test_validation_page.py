@@ -7,11 +7,12 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
-from flangeway.report import reproductions
-from flangeway.report.reproductions import REPRODUCTIONS, Reproduction
-from flangeway.report.validation_page import Chapter, PagePicture, section_text
-from flangeway.report.validation_tables import PageTable, digits, relative
-from flangeway.study.reproductions import ReproducedNumber
+from flangeway.validation import registry as reproductions
+from flangeway.validation.published_numbers import ReproducedNumber
+from flangeway.validation.registry import REPRODUCTIONS
+from flangeway.validation.reproduction import Reproduction
+from flangeway.validation.validation_page import Chapter, PagePicture, section_text
+from flangeway.validation.validation_tables import PageTable, digits, relative
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")

@@ -16,7 +16,14 @@ os.environ["MPLBACKEND"] = "agg"
 
 try:
     # each adds its commands, in the order in which help lists them
-    from flangeway.cli import cases, campaign, geometry, section, profile, reproduce
+    from flangeway.cli import (
+        run_cases as cases,
+        campaign_command as campaign,
+        geometry_command as geometry,
+        section_command as section,
+        profile_command as profile,
+        reproduce_command as reproduce,
+    )
     from flangeway.cli.app import app, main
 except KeyboardInterrupt:
     print("flangeway: interrupted; nothing was written", file=sys.stderr)

@@ -38,7 +38,7 @@ Unit = Annotated[
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
     """Return what ``--set`` says, by key."""
-    from flangeway.study.case import GivenText  # noqa: PLC0415
+    from flangeway.cases.case import GivenText  # noqa: PLC0415
 
     given: dict[str, Any] = {}
     for setting in settings or []:

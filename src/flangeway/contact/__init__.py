@@ -1,6 +1,6 @@
 """Contact surfaces, search, pairing, gap kinematics and enforcement."""
 
-from flangeway.contact.contact import Contact
+from flangeway.contact.contact_pair import Contact
 from flangeway.contact.enforcement import AugmentedLagrange, Multiplier, Penalty
 from flangeway.contact.node_to_segment import NodeToSegment
 from flangeway.contact.press import ContactSolution, LoadStep, press

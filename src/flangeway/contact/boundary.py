@@ -4,14 +4,10 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flangeway.contact.edge_shapes import shape_functions
 from flangeway.contact.search import candidate_pairs
-from flangeway.contact.shape import shape_functions
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from flangeway.types import Bools, Floats, Ints
 
 SHARP = np.deg2rad(15.0)
 """Turn between two edges from which they meet in a corner that was drawn, not in one of a curve's chords."""

@@ -9,19 +9,15 @@ side the node is on. Its gap is invariant to rigid motions, so the forces on bot
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.contact.boundary import SHARP, Boundary, turns_of
+from flangeway.contact.edge_shapes import shape_functions
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
 from flangeway.contact.node_to_segment import NodePairs, NodeToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.search import has_node, leads_out, nearest_edges
-from flangeway.contact.shape import shape_functions
 from flangeway.contact.surface import Surface
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from flangeway.types import Bools, Floats, Ints
 
 SLACK = 1e-3
 """Parts of an edge beyond its ends within which a guarded node stays with it, as in `NodeToSegment`."""

@@ -4,13 +4,12 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+
+from flangeway.types import Floats, Ints
 
 if TYPE_CHECKING:
     from flangeway.contact.surface import Surface
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 SHARP = np.deg2rad(30.0)
 """Turn of a surface above which the two sides of a node have a constraint each."""

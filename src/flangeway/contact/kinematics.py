@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact.shape import as_complex, derivative, edge_series, horner, shape_functions
-
-Floats = NDArray[np.float64]
+from flangeway.contact.edge_shapes import as_complex, derivative, edge_series, horner, shape_functions
+from flangeway.types import Floats
 
 ENOUGH = 1e-9
 """Change of a parameter after which another of Newton's, of the size of its square, is round-off."""

@@ -6,14 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.checks import are_finite, check_positive
+from flangeway.contact.edge_shapes import shape_functions
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
 from flangeway.contact.search import has_node, leads_out, nearest_edges
-from flangeway.contact.shape import shape_functions
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.errors import InputError, short
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)

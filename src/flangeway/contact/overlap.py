@@ -5,14 +5,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.contact.boundary import ROUND_OFF, Boundary, deepest_intrusion
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.problems import Part
 from flangeway.solve import BodyResponse, ContactState
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True)

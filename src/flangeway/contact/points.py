@@ -13,24 +13,19 @@ nodes move, xi with them (points of quadrature are fixed parts of a piece, whose
 where y_dot is the rate at fixed eta and x_dot that of the moving point. Second derivatives are sums of products of two
 rates, so that those of a piece are one product of two matrices with few rows: the rates and their factors.
 
-Vectors of the plane are complex numbers; see `flangeway.contact.shape`. Derivatives by nodes' positions are complex as
-well, their parts those by x and by y: the rate is the real part of ``conj(derivative) velocity``.
+Vectors of the plane are complex numbers; see `flangeway.contact.edge_shapes`. Derivatives by nodes' positions are
+complex as well, their parts those by x and by y: the rate is the real part of ``conj(derivative) velocity``.
 """
 
 from copy import copy
 from typing import Self
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flangeway.contact.edge_shapes import as_complex, derivative, edge_series, horner, shape_functions
 from flangeway.contact.kinematics import ENOUGH
-from flangeway.contact.shape import as_complex, derivative, edge_series, horner, shape_functions
 from flangeway.elements.quadrature import gauss
-
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from flangeway.types import Bools, Complex, Floats, Ints
 
 
 def ray_parameters(series: Complex, points: Complex, tangents: Complex) -> Floats:

@@ -6,10 +6,9 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import refused
-from flangeway.contact.contact import Contact
+from flangeway.contact.contact_pair import Contact
 from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
@@ -26,8 +25,7 @@ from flangeway.solve import (
     follow,
     solve_contact,
 )
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 PATHS: dict[str, Callable[..., BodyResponse]] = {"condensed": CondensedBodies, "sparse": SparseBodies}
 
@@ -160,7 +158,7 @@ def press(
     """Move parts against each other and find the contact forces.
 
     The status says whether the equations are solved and no bodies overlap, whatever edges were given. What else may
-    make the answer worthless, as too few elements in the contact, is found by `flangeway.post.contact_doubts`.
+    make the answer worthless, as too few elements in the contact, is found by `flangeway.post.contact_checks`.
 
     Parameters
     ----------

@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 PAIRS_PER_CHUNK = 2_000_000
 FEW_PAIRS = 50_000  # to measure as many is faster than an index

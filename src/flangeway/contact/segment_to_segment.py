@@ -15,13 +15,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
-from flangeway.contact.pieces import PieceIntegrals, Pieces, find_pieces, integrate
+from flangeway.contact.edge_pieces import PieceIntegrals, Pieces, find_pieces, integrate
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""

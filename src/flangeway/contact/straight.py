@@ -10,10 +10,8 @@ whose derivatives by ``a_n, b_n, A, B`` are ``h_a, h_b, -m h_a, -m h_b`` with th
 """
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
-Bools = NDArray[np.bool_]
+from flangeway.types import Bools, Floats
 
 
 def straight_integrals(

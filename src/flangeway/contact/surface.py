@@ -7,17 +7,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact.boundary import sagittas_of
+from flangeway.contact.edge_shapes import as_complex, as_vectors
 from flangeway.contact.hats import SHARP, Hats
-from flangeway.contact.shape import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
 from flangeway.geometry.arrays import point_text
 from flangeway.mesh.chains import chain_starts, ordered_pairs
 from flangeway.problems import Part
+from flangeway.types import Complex, Floats
 
-Floats = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 Ints = NDArray[np.int32]
 
 FAR = 0.25

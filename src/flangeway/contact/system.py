@@ -9,17 +9,14 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.contact.boundary import LITTLE, ROUND_OFF
-from flangeway.contact.contact import Contact
+from flangeway.contact.contact_pair import Contact
 from flangeway.contact.guards import corners_on_corners, guarded, n_keys, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
 from flangeway.solve import Linearisation, SurfaceNodes
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from flangeway.types import Bools, Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)

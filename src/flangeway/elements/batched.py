@@ -1,9 +1,8 @@
 """Dense algebra on many small symmetric matrices, element index last."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 def cholesky(matrices: Floats) -> Floats:

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer
 from flangeway.elements import monomials
@@ -12,8 +12,7 @@ from flangeway.elements.projection import Polygons
 from flangeway.elements.virtual import HIGHEST_ORDER
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import as_points
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

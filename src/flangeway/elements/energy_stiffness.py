@@ -1,13 +1,9 @@
 """Stiffness of one scalar field on a batch of cells, from the energy of its reconstruction."""
 
-import numpy as np
-from numpy.typing import NDArray
-
 from flangeway.elements.reconstruction import Element, Reconstruction
 from flangeway.elements.stabilisation import IdentityStabilisation
 from flangeway.elements.virtual import Virtual
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 def energy_stiffness(element: Element, reconstruction: Reconstruction, moduli: Floats) -> Floats:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_integer
 from flangeway.elements import monomials
@@ -12,8 +11,7 @@ from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto, triangle
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.errors import InputError
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 HIGHEST_ORDER = 3
 

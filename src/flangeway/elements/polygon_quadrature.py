@@ -1,11 +1,9 @@
 """Quadrature on simple polygons, convex or not, with all points inside and all weights positive."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import triangle
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 def polygon_quadrature(vertices: Floats, degree: int) -> tuple[Floats, Floats]:

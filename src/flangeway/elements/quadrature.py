@@ -3,10 +3,9 @@
 from functools import cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import roots_jacobi
 
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 def _read_only(*arrays: Floats) -> tuple[Floats, ...]:

@@ -10,12 +10,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements import batched, monomials
 from flangeway.elements.monomials import Frame, n_monomials
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 Function = Callable[[Floats], Floats]
 """A function of points (n, 2) with values (n,), or (n, m) for m components."""
 

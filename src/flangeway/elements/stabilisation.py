@@ -8,14 +8,12 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import batched
 from flangeway.elements.monomials import n_monomials
 from flangeway.elements.reconstruction import Reconstruction
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 class Stabilisation(ABC):

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_integer, refused
 from flangeway.elements import monomials
@@ -13,8 +12,7 @@ from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.stabilisation import IdentityStabilisation, SpectralStabilisation, Stabilisation
 from flangeway.errors import InputError
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 HIGHEST_ORDER = 10
 

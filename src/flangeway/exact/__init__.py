@@ -1,9 +1,9 @@
 """Solutions in closed form."""
 
-from flangeway.exact.elasticity import PlateWithHole, ThickCylinder
-from flangeway.exact.hertz import LineContact, contact_modulus
+from flangeway.exact.cylinder_and_hole import PlateWithHole, ThickCylinder
+from flangeway.exact.hertz_line_contact import LineContact, contact_modulus
 from flangeway.exact.notch import Notch
-from flangeway.exact.torsion import (
+from flangeway.exact.torsion_bars import (
     CircularSector,
     Ellipse,
     EquilateralTriangle,

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 OPENING = 0.75 * np.pi
 """Half of the angle that the body fills at the corner."""

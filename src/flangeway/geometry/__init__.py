@@ -1,33 +1,21 @@
 """Outlines made of straight lines and circular arcs, and the regions and sections inside them."""
 
-from flangeway.geometry.arrays import (
-    BoolArray,
-    FloatArray,
-    IntArray,
-    Point,
-    as_point,
-    as_points,
-)
+from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray, Point, as_point, as_points
 from flangeway.geometry.contour import Contour
-from flangeway.geometry.drawn_section import UNITS, DrawnSection, PartMaterial
 from flangeway.geometry.outline import Outline
-from flangeway.geometry.outline_files import read_section
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section, nested_regions
 from flangeway.geometry.segments import Arc, Line, Segment
 from flangeway.geometry.shapes import circle, polygon, rectangle, square
 
 __all__ = [
-    "UNITS",
     "Arc",
     "BoolArray",
     "Contour",
-    "DrawnSection",
     "FloatArray",
     "IntArray",
     "Line",
     "Outline",
-    "PartMaterial",
     "Placement",
     "Point",
     "Region",
@@ -38,7 +26,6 @@ __all__ = [
     "circle",
     "nested_regions",
     "polygon",
-    "read_section",
     "rectangle",
     "square",
 ]

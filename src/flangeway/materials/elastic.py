@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_finite, check_positive, refused
 from flangeway.materials.material import (
@@ -14,8 +13,8 @@ from flangeway.materials.material import (
     check_hypothesis,
     no_expansion,
 )
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 NEAR = 0.01
 """Distance of ``1 - 2 nu`` from zero that means a nearly incompressible material."""
 

@@ -4,12 +4,11 @@ from abc import ABC, abstractmethod
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive, refused
 from flangeway.errors import InputError
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 MOST_BULK = 5.0
 """Bulk over shear modulus in the plane above which stabilisations no longer grow: that of nu = 0.4 in plane strain."""
 

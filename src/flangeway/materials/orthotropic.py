@@ -15,8 +15,8 @@ from flangeway.materials.material import (
     check_hypothesis,
     no_expansion,
 )
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 Triple = tuple[float, float, float]
 
 

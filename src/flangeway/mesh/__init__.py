@@ -1,23 +1,19 @@
 """Meshes of polygons: triangulation, dual polygons, refinement, checks and files."""
 
-from flangeway.mesh.checks import check
 from flangeway.mesh.conforming import conforming
 from flangeway.mesh.dual import dual
-from flangeway.mesh.files import read_mesh
 from flangeway.mesh.gmsh_mesher import triangulate
 from flangeway.mesh.halved import edges_halved
 from flangeway.mesh.long_meshes import long_meshes_told
 from flangeway.mesh.marking import doerfler_marking
-from flangeway.mesh.mending import MeshFile
+from flangeway.mesh.mesh_checks import check
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.refine import refined
 from flangeway.mesh.section_mesher import dual_section, triangulate_section
 from flangeway.mesh.sizing import Refinement
 from flangeway.mesh.structured import rectangle_grid
-from flangeway.mesh.vtu import write_vtu
 
 __all__ = [
-    "MeshFile",
     "PolyMesh",
     "Refinement",
     "check",
@@ -27,10 +23,8 @@ __all__ = [
     "dual_section",
     "edges_halved",
     "long_meshes_told",
-    "read_mesh",
     "rectangle_grid",
     "refined",
     "triangulate",
     "triangulate_section",
-    "write_vtu",
 ]

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flangeway.mesh.checks import hanging_points
+from flangeway.mesh.mesh_checks import hanging_points
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import offsets_of, row_numbers
 

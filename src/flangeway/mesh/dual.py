@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import FloatArray, IntArray, point_text
-from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import next_in_row, offsets_of, row_numbers
+from flangeway.system.memory_limits import refuse_large_mesh
 
 BYTES_A_TRIANGLE = 420
 """Of the construction; measured 170 to 450."""

@@ -12,7 +12,7 @@ from flangeway.geometry.arrays import FloatArray, IntArray
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Arc, halved
-from flangeway.mesh.expected import expected_mesh
+from flangeway.mesh.expected_size import expected_mesh
 from flangeway.mesh.gmsh_session import generate, gmsh_model
 from flangeway.mesh.long_meshes import made
 from flangeway.mesh.polymesh import PolyMesh
@@ -77,7 +77,7 @@ def triangulate(
         If a size makes no mesh or far too many triangles or edges on the boundary, a hole is not
         inside, the algorithm is unknown, or Gmsh refuses the region.
     OutOfMemoryError
-        If there is no memory for so many triangles; see `flangeway.mesh.expected`.
+        If there is no memory for so many triangles; see `flangeway.mesh.expected_size`.
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
 

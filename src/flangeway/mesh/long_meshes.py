@@ -5,10 +5,10 @@ from contextlib import contextmanager
 from contextvars import ContextVar
 from typing import Any
 
-from flangeway.mesh.expected import ExpectedMesh
-from flangeway.mesh.memory import refuse_large_mesh
-from flangeway.mesh.own_process import BYTES, in_own_process
+from flangeway.mesh.expected_size import ExpectedMesh
 from flangeway.mesh.polymesh import PolyMesh
+from flangeway.system.memory_limits import refuse_large_mesh
+from flangeway.system.own_process import BYTES, in_own_process
 
 LONG = 3.0
 """Seconds for which one waits without a word, and after Ctrl-C."""

@@ -3,20 +3,18 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import FloatArray, IntArray, point_text
 from flangeway.mesh.kernel import cell_centres, star_parts
-from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.ragged import offsets_of
 from flangeway.mesh.sides import Sides, cell_sides
 from flangeway.mesh.snapping import Curves, snapped_points
-
-Ints = NDArray[np.int64]
-Bools = NDArray[np.bool_]
+from flangeway.system.memory_limits import refuse_large_mesh
+from flangeway.types import Bools, Ints
 
 BYTES_A_TRIANGLE = 740
 BYTES_A_POLYGON = 2400

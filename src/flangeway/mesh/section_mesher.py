@@ -14,7 +14,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, IntArray, Outline, Placement, Region, Section
 from flangeway.geometry.segments import halved
 from flangeway.mesh.dual import dual
-from flangeway.mesh.expected import ExpectedMesh, expected_mesh
+from flangeway.mesh.expected_size import ExpectedMesh, expected_mesh
 from flangeway.mesh.gmsh_mesher import (
     ALGORITHMS,
     OPTIONS,

@@ -7,8 +7,8 @@ import numpy as np
 from flangeway.checks import check_integer, check_positive
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import Point, as_point
-from flangeway.mesh.memory import refuse_large_mesh
 from flangeway.mesh.polymesh import PolyMesh
+from flangeway.system.memory_limits import refuse_large_mesh
 
 BYTES_A_SQUARE = 140
 """Of triangles, the larger; measured."""

@@ -1,19 +1,23 @@
 """What is computed from a solution: stresses, contact pressure, section constants, error norms."""
 
-from flangeway.post.contact_doubts import ContactDoubts, contact_doubts, cut_zones
+from flangeway.post.adaptive import AdaptiveRun, AdaptiveStep, adapt
+from flangeway.post.contact_checks import ContactDoubts, contact_doubts, cut_zones
 from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
 from flangeway.post.location import locate
-from flangeway.post.nodal_balance import nodal_imbalance, nodal_residual
+from flangeway.post.nodal_equilibrium import nodal_imbalance, nodal_residual
 from flangeway.post.norms import ErrorNorms, error_norms
 from flangeway.post.overlap import Overlap, deepest_overlap
 from flangeway.post.pressure import PressurePatch, pressure_patches
 from flangeway.post.reactions import Reaction, reactions
 from flangeway.post.recovery import RecoveredStresses, recovered_stresses
-from flangeway.post.section import SectionConstants, section_constants
+from flangeway.post.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.post.stress import Stresses, cell_stresses, corner_stresses, nodal_stresses
-from flangeway.post.torsion import corner_shear_stresses, shear_stresses
+from flangeway.post.torsion_stress import corner_shear_stresses, shear_stresses
 
 __all__ = [
+    "AdaptiveRun",
+    "AdaptiveStep",
     "ContactDoubts",
     "CutForce",
     "ErrorNorms",
@@ -21,9 +25,11 @@ __all__ = [
     "PressurePatch",
     "Reaction",
     "RecoveredStresses",
+    "RefinementRow",
     "SectionConstants",
     "StressLine",
     "Stresses",
+    "adapt",
     "cell_stresses",
     "contact_doubts",
     "corner_shear_stresses",
@@ -40,8 +46,11 @@ __all__ = [
     "pressure_patches",
     "reactions",
     "recovered_stresses",
+    "refine_adaptively",
+    "refine_uniformly",
     "section_constants",
     "shear_stresses",
+    "stress_errors",
     "stresses_along",
     "stresses_at",
 ]

@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from flangeway.checks import check_integer
 from flangeway.elements import Reconstruction, monomials
@@ -15,9 +15,8 @@ from flangeway.post.location import OUTSIDE, locate
 from flangeway.post.stress import Stresses
 from flangeway.problems import ElasticField
 from flangeway.space import CellBatch
+from flangeway.types import Floats, Ints
 
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 Point = Sequence[float]
 Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
 """Reconstruction of a batch, and coefficients of the field's components, shape (n_components, n, n_cells)."""

@@ -6,9 +6,7 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 NEAR = 1e-9
 """Distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh."""

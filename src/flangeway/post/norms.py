@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements import Function
 from flangeway.space import Space
 from flangeway.space.functions import at_points, cell_quadrature, quadrature_degree
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.contact.boundary import ROUND_OFF, Boundary, deepest_intrusion
 from flangeway.mesh import PolyMesh
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.solve import ContactState
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 

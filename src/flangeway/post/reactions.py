@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.problems import RigidHandle, Spring, Support
 from flangeway.solve import ElasticitySolution
 from flangeway.solve.constraints import RANK, HandleNodes, Rows
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

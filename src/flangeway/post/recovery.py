@@ -5,7 +5,6 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.elements import batched, monomials, polygon_quadrature
 from flangeway.elements.monomials import n_monomials
@@ -13,9 +12,7 @@ from flangeway.errors import InputError
 from flangeway.post.stress import Stresses, at_mesh_points
 from flangeway.problems import Elasticity
 from flangeway.solve import ElasticitySolution
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 SMALLEST_SINGULAR = 1e-11
 """Eigenvalue of a patch's normal equations, over the largest, below which a polynomial is not seen by its cells."""

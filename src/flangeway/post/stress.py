@@ -3,13 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements import monomials
 from flangeway.mesh import PolyMesh
 from flangeway.problems import ElasticField, Elasticity
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,10 @@ from flangeway.elements import Element
 from flangeway.errors import InputError
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
-from flangeway.problems.elasticity import Elasticity
+from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.space import CondensedMatrix, Space, SymmetricMatrix
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float]
 Components = Literal["x", "y", "xy"]
 

@@ -7,8 +7,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.mesh import PolyMesh
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

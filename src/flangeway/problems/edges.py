@@ -7,8 +7,7 @@ from numpy.typing import NDArray
 
 from flangeway.elements.quadrature import gauss, gauss_lobatto
 from flangeway.space import Space
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,12 +2,8 @@
 
 from dataclasses import dataclass
 
-import numpy as np
-from numpy.typing import NDArray
-
-from flangeway.problems.elasticity import Elasticity
-
-Floats = NDArray[np.float64]
+from flangeway.problems.elasticity_problem import Elasticity
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)

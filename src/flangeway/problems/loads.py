@@ -16,10 +16,10 @@ from flangeway.elements import Reconstruction, polygon_quadrature
 from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.problems.edges import edge_quadrature
-from flangeway.problems.given import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
+from flangeway.problems.prescribed import Scalar, Vector, check_scalar, check_vector, scalar_at, vector_at
 from flangeway.space import CellBatch, Space
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float]
 
 

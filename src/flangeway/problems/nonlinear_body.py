@@ -6,15 +6,13 @@ from typing import Protocol, Self
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.elements import polygon_quadrature
-from flangeway.problems.elasticity import Elasticity
-from flangeway.problems.items import Ints, Item
+from flangeway.problems.elasticity_problem import Elasticity
+from flangeway.problems.items import Item
 from flangeway.problems.strains import STRAIN_PLACES
 from flangeway.space import CellBatch
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats, Ints
 
 
 class StressLaw(Protocol):

@@ -4,15 +4,13 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
 from flangeway.elements.quadrature import gauss
 from flangeway.problems.edges import edge_shapes
 from flangeway.space import CellBatch
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 STRAIN_PLACES = np.array([[0, 2, 3], [2, 1, -1]])
 """Place among xx, yy, 2 xy, zz of the strain that is a component's (row) derivative by x, by y, or its hoop strain."""

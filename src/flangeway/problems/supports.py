@@ -3,13 +3,12 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import are_finite, is_finite
 from flangeway.errors import InputError, short
-from flangeway.problems.given import Scalar, check_scalar, check_vector
+from flangeway.problems.prescribed import Scalar, check_scalar, check_vector
+from flangeway.types import Floats
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float]
 
 

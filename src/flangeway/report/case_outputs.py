@@ -5,28 +5,28 @@ from pathlib import Path
 
 from rich.console import Console
 
-from flangeway.report.bodies_figures import pressure_figure, stress_figure
-from flangeway.report.bodies_page import bodies_page
-from flangeway.report.bodies_tables import case_rows
-from flangeway.report.body_fields import bodies_fields
-from flangeway.report.body_steps import body_steps
-from flangeway.report.command import command_line
-from flangeway.report.console import print_files, print_notices, print_rows, print_status
-from flangeway.report.drawing import png
-from flangeway.report.html import Picture, report_page
-from flangeway.report.newton_history import newton_figure
-from flangeway.report.outputs import NAMES as WHEELSET_NAMES
-from flangeway.report.outputs import write_outputs
-from flangeway.report.section_outputs import NAMES as SECTION_NAMES
-from flangeway.report.section_outputs import print_section, section_writers
-from flangeway.report.series import write_collection
-from flangeway.report.terminal import print_summary
-from flangeway.study import CaseRun, write_summary, write_together
-from flangeway.study.bodies_run import BodiesRun
-from flangeway.study.case import Case, Run
-from flangeway.study.output import Writer, bytes_writer, text_writer
-from flangeway.study.torsion_case import TorsionCase, TorsionRun
-from flangeway.study.wheelset_case import WheelsetCase
+from flangeway.cases import CaseRun, write_summary
+from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.case import Case, Run
+from flangeway.cases.section.torsion_case import TorsionCase, TorsionRun
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure
+from flangeway.report.bodies.bodies_page import bodies_page
+from flangeway.report.bodies.bodies_text import case_rows
+from flangeway.report.bodies.body_fields import bodies_fields
+from flangeway.report.bodies.body_steps import body_steps
+from flangeway.report.figures.drawing import png
+from flangeway.report.figures.newton_history import newton_figure
+from flangeway.report.figures.series import write_collection
+from flangeway.report.page.command import command_line
+from flangeway.report.page.console import print_files, print_notices, print_rows, print_status
+from flangeway.report.page.html_page import Picture, report_page
+from flangeway.report.section.section_outputs import NAMES as SECTION_NAMES
+from flangeway.report.section.section_outputs import print_section, section_writers
+from flangeway.report.wheelset.terminal import print_summary
+from flangeway.report.wheelset.wheelset_outputs import NAMES as WHEELSET_NAMES
+from flangeway.report.wheelset.wheelset_outputs import write_outputs
+from flangeway.system.output_folder import Writer, bytes_writer, text_writer, write_together
 
 SUMMARY, REPORT, COLLECTION = "summary.json", "report.html", "bodies.pvd"
 STEPS = "steps"

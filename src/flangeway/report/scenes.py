@@ -4,20 +4,18 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.section.section_run import SectionRun
 from flangeway.post import shear_stresses
-from flangeway.report.body_fields import BodyFields, body_fields
-from flangeway.report.body_steps import BodySteps, body_steps
-from flangeway.report.fields import PartFields
-from flangeway.report.section_figures import warping_about_shear_centre
-from flangeway.report.tables import contact_name
+from flangeway.report.bodies.body_fields import BodyFields, body_fields
+from flangeway.report.bodies.body_steps import BodySteps, body_steps
+from flangeway.report.figures.fields import PartFields
+from flangeway.report.page.page_tables import contact_name
+from flangeway.report.section.section_figures import warping_about_shear_centre
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
-from flangeway.report.viewer.model import DISPLACEMENT, Formula
-from flangeway.study.bodies_run import BodiesRun
-from flangeway.study.section import SectionRun
-
-Floats = NDArray[np.float64]
+from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
+from flangeway.types import Floats
 
 VIEW_WIDTHS = 8.0
 """Width of the view of a contact over the half width of the contact."""

@@ -1,20 +1,17 @@
 """Linear solvers, condensation, Newton's method for contact, and adaptive steps."""
 
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes
-from flangeway.solve.cache import Cache, CacheWarning
+from flangeway.solve.body_response import BodyResponse, SurfaceNodes
 from flangeway.solve.condensed import CondensedBodies
-from flangeway.solve.elasticity import ElasticitySolution, solve_elasticity
+from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasticity
 from flangeway.solve.linearisation import Constraints, Linearisation
 from flangeway.solve.newton import ContactState, Iteration, NewtonSettings, solve_contact
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Status
 from flangeway.solve.steps import StepSettings, follow
-from flangeway.solve.torsion import TorsionSolution, solve_torsion
+from flangeway.solve.torsion_solution import TorsionSolution, solve_torsion
 
 __all__ = [
     "BodyResponse",
-    "Cache",
-    "CacheWarning",
     "CondensedBodies",
     "Constraints",
     "ContactState",

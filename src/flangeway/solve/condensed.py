@@ -10,14 +10,12 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from flangeway._core import Cholesky
-from flangeway.mesh.memory import refuse_beyond_memory
 from flangeway.problems import Body
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components
-from flangeway.solve.cache import Cache, content_key
+from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components
 from flangeway.solve.linear import factorise
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.system.disk_cache import Cache, content_key
+from flangeway.system.memory_limits import refuse_beyond_memory
+from flangeway.types import Floats, Ints
 
 DENSE_COPIES = 6
 """Dense matrices of the surface's unknowns that exist at a time while the flexibility is made."""

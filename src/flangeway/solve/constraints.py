@@ -8,12 +8,10 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 from flangeway.problems import Elasticity, PrescribedDisplacement, RigidHandle
-from flangeway.problems.elasticity import ON_AXIS
-from flangeway.problems.given import scalar_at
+from flangeway.problems.elasticity_problem import ON_AXIS
+from flangeway.problems.prescribed import scalar_at
 from flangeway.problems.supports import axes
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 RANK = 1e-10
 """Eigenvalue of directions below which they are dependent."""

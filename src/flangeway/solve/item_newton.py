@@ -18,8 +18,7 @@ from flangeway.problems.items import Item
 from flangeway.solve.linear import NO_UNKNOWNS, cholesky
 from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 MOST_DENSE = 3000
 """Unknowns of nonlinear items up to which the others are condensed: a dense matrix of 72 MB, solved in about 1 s."""

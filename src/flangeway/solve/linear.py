@@ -5,10 +5,10 @@ from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError
 from flangeway.errors import InputError, short
-from flangeway.mesh.memory import memory_left, out_of_memory
 from flangeway.problems import Body
-from flangeway.solve.rigid import refuse_floating
+from flangeway.solve.free_motions import refuse_floating
 from flangeway.space import SymmetricMatrix
+from flangeway.system.memory_limits import memory_left, out_of_memory
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
 NO_UNKNOWNS.setflags(write=False)

@@ -2,14 +2,10 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.solve.body_response import BodyResponse, SurfaceNodes
+from flangeway.types import Floats, Ints
 
 
 class LoadedBodies(BodyResponse):

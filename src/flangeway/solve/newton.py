@@ -17,18 +17,14 @@ from dataclasses import dataclass, field
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.checks import check_integer, check_tolerance
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity
-from flangeway.solve.bodies import BodyResponse
+from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.linearisation import Constraints, Linearisation, contact_loads
 from flangeway.solve.status import Status
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
+from flangeway.types import Floats
 
 SETTLE_AFTER = 8
 """Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever."""

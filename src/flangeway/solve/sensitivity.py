@@ -5,11 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.solve.bodies import BodyResponse
+from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.linearisation import contact_loads
 from flangeway.solve.newton import ContactState
-
-Floats = NDArray[np.float64]
+from flangeway.types import Floats
 
 QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 

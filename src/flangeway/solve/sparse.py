@@ -5,16 +5,13 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway._core import Ldlt
-from flangeway.solve.bodies import BodyResponse, SurfaceNodes, components, turning
+from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components, turning
+from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.linear import ldlt
-from flangeway.solve.rigid import refuse_floating
 from flangeway.space import SymmetricMatrix
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
+from flangeway.types import Floats, Ints
 
 
 class SparseBodies(BodyResponse):

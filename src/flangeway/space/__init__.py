@@ -1,8 +1,8 @@
 """Spaces of discrete functions on a mesh."""
 
-from flangeway.space.condensation import CondensedMatrix, assemble_condensed
+from flangeway.space.cell_condensation import CondensedMatrix, assemble_condensed
 from flangeway.space.functions import interpolate, load_vector
-from flangeway.space.space import CellBatch, Space
+from flangeway.space.spaces import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
 
 __all__ = [

@@ -1,13 +1,11 @@
 """Given functions on a space: interpolation and loads."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.elements import Function, polygon_quadrature
 from flangeway.errors import InputError
-from flangeway.space.space import CellBatch, Space
-
-Floats = NDArray[np.float64]
+from flangeway.space.spaces import CellBatch, Space
+from flangeway.types import Floats
 
 
 def quadrature_degree(space: Space) -> int:

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from matplotlib.path import Path as Outline
 
+from flangeway.cases import CASES
 from flangeway.post import Stresses
 from flangeway.report.case_outputs import write_case
-from flangeway.study import CASES
 
 SQUARE = {"rectangle": {"width_mm": 10.0, "height_mm": 10.0}}
 STACK = {

@@ -5,7 +5,7 @@ import pytest
 
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
-from flangeway.report.fields import PartFields
+from flangeway.report.figures.fields import PartFields
 
 
 def test_fields_parts_lines_and_deformation_change_the_picture(opened):

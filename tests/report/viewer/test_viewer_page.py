@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from flangeway.railway.equilibrium import TOLERANCE
-from flangeway.report.case_text import case_text
-from flangeway.report.convergence_figure import convergence_figure
-from flangeway.report.drawing import png
-from flangeway.study import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.study.case_file import read_case
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.case_file import read_case
+from flangeway.railway.wheelset.equilibrium import TOLERANCE
+from flangeway.report.figures.drawing import png
+from flangeway.report.page.case_text import case_text
+from flangeway.report.wheelset.convergence_figure import convergence_figure
 
 
 def test_it_loads_without_complaints_and_without_network(open_page, folder):

@@ -9,7 +9,7 @@ from matplotlib.path import Path as Outline
 
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
-from flangeway.report.fields import PartFields
+from flangeway.report.figures.fields import PartFields
 
 
 @cache

@@ -9,16 +9,16 @@ import meshio
 import numpy as np
 import pytest
 
+from flangeway.cases import CASES
 from flangeway.post import Stresses
-from flangeway.report import body_steps
-from flangeway.report.bodies_page import bodies_page
-from flangeway.report.body_fields import bodies_fields
+from flangeway.report.bodies import body_steps
+from flangeway.report.bodies.bodies_page import bodies_page
+from flangeway.report.bodies.body_fields import bodies_fields
 from flangeway.report.case_outputs import write_case
-from flangeway.report.html import report_page
+from flangeway.report.page.html_page import report_page
 from flangeway.report.scenes import bodies_scene
 from flangeway.report.viewer import packed_parts
 from flangeway.solve import Status
-from flangeway.study import CASES
 
 SQUARE = {"rectangle": {"width_mm": 10.0, "height_mm": 10.0}}
 CONTACT = {

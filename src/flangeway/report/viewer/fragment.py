@@ -5,8 +5,8 @@ from html import escape
 from importlib.resources import files
 
 from flangeway.errors import InputError
-from flangeway.report.viewer.model import Scene
 from flangeway.report.viewer.packing import json_in_script, packed_parts
+from flangeway.report.viewer.scene_model import Scene
 
 PROGRAM = (
     "data.js",

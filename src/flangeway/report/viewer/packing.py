@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.report.viewer.model import ShownPart
-
-Floats = NDArray[np.float64]
+from flangeway.report.viewer.scene_model import ShownPart
+from flangeway.types import Floats
 
 LEVEL = 6
 """Of compression; 9 takes five times as long for a page that is two thousandths smaller."""

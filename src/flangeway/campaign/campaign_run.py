@@ -1,0 +1,200 @@
+"""Run a campaign: hand out what is not done, store what is, until nothing is left."""
+
+import os
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from flangeway.campaign.campaign import Campaign, Row
+from flangeway.campaign.chunk import Chunk, Outcome
+from flangeway.campaign.cluster_workers import ClusterWorkers
+from flangeway.campaign.columns import RowResult
+from flangeway.campaign.database import WAITING, CampaignDatabase
+from flangeway.campaign.local_workers import LocalWorkers
+from flangeway.campaign.workers import Lost, Workers
+from flangeway.errors import InputError
+from flangeway.system.versions import versions
+
+MOST_LOSSES = 3
+"""Workers that a row may cost before it counts as failed."""
+PATIENCE_S = 1.0
+
+
+@dataclass(frozen=True)
+class CampaignProgress:
+    """How far a campaign is.
+
+    Parameters
+    ----------
+    n_rows
+        Number of all rows.
+    counts
+        Number of rows by status: ``waiting``, ``converged``, ``not converged``, ``failed``.
+    seconds_left
+        Time that what is left takes at the speed so far; None until there is one.
+
+    """
+
+    n_rows: int
+    counts: dict[str, int]
+    seconds_left: float | None
+
+    @property
+    def n_done(self) -> int:
+        """Number of rows that wait for nothing."""
+        return self.n_rows - self.counts.get(WAITING, 0)
+
+    @property
+    def all_converged(self) -> bool:
+        """Whether every row is done and converged."""
+        return self.counts.get("converged", 0) == self.n_rows
+
+
+Progress = Callable[[CampaignProgress], None]
+
+
+def run_campaign(
+    campaign: Campaign,
+    database: str | Path,
+    *,
+    workers: int | None = None,
+    scheduler: str | None = None,
+    fresh: bool = False,
+    progress: Progress = lambda _: None,
+) -> CampaignProgress:
+    """Compute the rows of a campaign that its database does not hold yet.
+
+    However it ends, by an error, Ctrl-C or a killed process, the rows that were reported are kept and the same call
+    goes on with the others. In a script it must stand below ``if __name__ == "__main__":``, since worker processes
+    import the script.
+
+    Parameters
+    ----------
+    campaign
+        What to compute.
+    database
+        The SQLite file, on a local disk; made if needed.
+    workers
+        Number of processes of this machine; as many as it has cores if left out.
+    scheduler
+        Address of a scheduler of `dask.distributed` whose workers compute instead.
+    fresh
+        Whether to drop what the database holds.
+    progress
+        Called when rows are stored, and once at the beginning.
+
+    Returns
+    -------
+    CampaignProgress
+        The end.
+
+    Raises
+    ------
+    InputError
+        If there is no worker, the database holds another campaign or another process writes it, the scheduler is not
+        there, or its workers have another version.
+    MissingLibraryError
+        If the system lacks a library.
+
+    """
+    if workers is not None and scheduler is not None:
+        raise InputError("workers and scheduler", "one of both", "a cluster's workers are started on its machines")
+    if workers is not None and workers < 1:  # before anything is written
+        raise InputError(f"workers = {workers}", "one worker or more", "leave it out to use all cores")
+    with CampaignDatabase(Path(database), fresh=fresh) as store:
+        store.begin(campaign)
+        run = _Run(campaign, store, progress)
+        if run.chunks:
+            cores = len(os.sched_getaffinity(0))
+            n_workers = min(workers if workers is not None else cores, len(run.chunks))
+            with closing(_Stopped(ClusterWorkers(scheduler) if scheduler else LocalWorkers(n_workers))) as held:
+                run.go(held.workers)
+        return run.report()
+
+
+@dataclass(frozen=True)
+class _Stopped:
+    """Workers that are stopped at the end of a block."""
+
+    workers: Workers
+
+    def close(self) -> None:
+        self.workers.stop()
+
+
+class _Run:
+    """One call of `run_campaign`."""
+
+    def __init__(self, campaign: Campaign, store: CampaignDatabase, progress: Progress) -> None:
+        waiting = store.waiting()
+        # a chunk is stored at once, so either all of its rows wait or none, but for those that were split
+        alike = Counter(row.bodies for row in campaign.rows)
+        self.chunks = deque(
+            Chunk(rows, first, shear=campaign.shear, n_alike=alike[rows[0].bodies])
+            for first, rows in campaign.chunks
+            if any(row.number in waiting for row in rows)
+        )
+        self._store, self._progress = store, progress
+        self._n_rows, self._n_before = len(campaign.rows), len(campaign.rows) - len(waiting)
+        self._start = time.monotonic()
+        self._counts = Counter(store.counts())
+        self.report()
+
+    def go(self, workers: Workers) -> None:
+        """Have all chunks computed and stored."""
+        n_running = 0
+        while self.chunks or n_running:
+            while self.chunks and workers.n_free:
+                workers.start(self.chunks.popleft())
+                n_running += 1
+            found = workers.finished(PATIENCE_S)
+            n_running -= len(found)
+            done = [(chunk, outcome) for chunk, outcome in found if isinstance(outcome, Outcome)]
+            for chunk, outcome in found:
+                if isinstance(outcome, Lost):
+                    self._try_again(chunk, outcome)
+            if done:
+                self._keep(done)
+
+    def report(self) -> CampaignProgress:
+        """Tell how far it is."""
+        counts = dict(self._counts)
+        waiting = counts.get(WAITING, 0)
+        done = self._n_rows - waiting - self._n_before
+        left = (time.monotonic() - self._start) / done * waiting if done else None
+        now = CampaignProgress(self._n_rows, counts, left)
+        self._progress(now)
+        return now
+
+    def _keep(self, done: list[tuple[Chunk, Outcome]]) -> None:
+        own = versions()["flangeway"]
+        for _, outcome in done:
+            if outcome.version != own:
+                raise InputError(
+                    f"a worker with flangeway {outcome.version}",
+                    f"workers with flangeway {own}, as here",
+                    "install the same version on all machines, and start the workers again",
+                )
+        rows = [row for chunk, _ in done for row in chunk.rows]
+        self._store_results(rows, [result for _, outcome in done for result in outcome.results])
+
+    def _try_again(self, chunk: Chunk, lost: Lost) -> None:
+        """Put a lost chunk at the front, row by row if it is lost again; a row that is lost too often has failed."""
+        losses = chunk.losses + lost.workers
+        if losses < MOST_LOSSES - 1 or (losses < MOST_LOSSES and len(chunk.rows) == 1):
+            self.chunks.appendleft(replace(chunk, losses=losses))
+        elif len(chunk.rows) > 1:
+            alone = [replace(chunk, rows=(row,), losses=MOST_LOSSES - 1) for row in chunk.rows]
+            self.chunks.extendleft(reversed(alone))
+        else:
+            reason = f"{losses} workers died while they computed this row; the last one: {lost.reason}"
+            self._store_results(chunk.rows, [RowResult("failed", reason)])
+
+    def _store_results(self, rows: Sequence[Row], results: Sequence[RowResult]) -> None:
+        for status in self._store.store(rows, results):
+            self._counts[WAITING] -= 1
+            self._counts[status] += 1
+        self.report()

@@ -1,0 +1,166 @@
+"""Workers that are processes of this machine."""
+
+import multiprocessing
+import os
+import signal
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from multiprocessing.connection import Connection, wait
+from multiprocessing.process import BaseProcess
+from typing import Any
+
+from flangeway.campaign.chunk import Chunk, Outcome, compute
+from flangeway.campaign.workers import Lost
+from flangeway.errors import FlangewayError, InputError
+
+READY = "ready"
+# read when NumPy and the core are imported: one thread each, or processes wait for each other's
+ONE_THREAD = {
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+    "MKL_NUM_THREADS": "1",
+    "RAYON_NUM_THREADS": "1",
+}
+STOP_S = 2.0
+MOST_FAILED_STARTS = 3
+
+
+@dataclass(eq=False)
+class _Worker:
+    """A process, the line to it, and what it computes."""
+
+    process: BaseProcess
+    line: Connection
+    ready: bool = False
+    chunk: Chunk | None = None
+
+
+class LocalWorkers:
+    """Processes of this machine, each told what to compute over a line of its own.
+
+    So it is known which chunk a process computed that died. The processes end when this one does, however it ends.
+
+    Parameters
+    ----------
+    n_workers
+        How many, one or more.
+
+    """
+
+    def __init__(self, n_workers: int) -> None:
+        # forks of a fresh process that has imported what is needed: nothing of this one comes along, and a new worker
+        # is there at once
+        self._context = multiprocessing.get_context("forkserver")
+        self._context.set_forkserver_preload([compute.__module__])
+        self._workers: list[_Worker] = []
+        self._failed_starts = 0
+        for _ in range(n_workers):
+            self._workers.append(self._new())
+
+    @property
+    def n_free(self) -> int:
+        """See `Workers`."""
+        return sum(worker.ready and worker.chunk is None for worker in self._workers)
+
+    def start(self, chunk: Chunk) -> None:
+        """See `Workers`."""
+        worker = next(worker for worker in self._workers if worker.ready and worker.chunk is None)
+        worker.chunk = chunk
+        with suppress(OSError):  # it has died: told by `finished`
+            worker.line.send(chunk)
+
+    def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
+        """See `Workers`."""
+        found: list[tuple[Chunk, Outcome | Lost]] = []
+        waiting = {worker.line: worker for worker in self._workers}
+        for line in wait(list(waiting), timeout=seconds):
+            worker = waiting[line]  # type: ignore[index]
+            try:
+                message = worker.line.recv()
+            except (EOFError, OSError):
+                found += self._replaced(worker)
+                continue
+            if isinstance(message, FlangewayError):
+                raise message
+            if message == READY:
+                worker.ready, self._failed_starts = True, 0
+            elif worker.chunk is not None:
+                found.append((worker.chunk, message))
+                worker.chunk = None
+        return found
+
+    def stop(self) -> None:
+        """See `Workers`."""
+        for worker in self._workers:
+            worker.line.close()
+            worker.process.kill()
+        for worker in self._workers:
+            worker.process.join(STOP_S)
+        self._workers.clear()
+
+    def _new(self) -> _Worker:
+        mine, its = self._context.Pipe()
+        process = self._context.Process(target=_serve, args=(its,), daemon=True)
+        with _environment():
+            process.start()
+        its.close()  # else it would stay open when the process dies
+        return _Worker(process, mine)
+
+    def _replaced(self, worker: _Worker) -> Iterator[tuple[Chunk, Outcome | Lost]]:
+        """Put a new process in the place of a dead one, and tell what was lost."""
+        worker.line.close()
+        worker.process.join()
+        self._failed_starts += not worker.ready
+        if self._failed_starts >= MOST_FAILED_STARTS:
+            raise InputError(
+                f"{self._failed_starts} worker processes that ended before they began, the last one "
+                f"{_ending(worker.process.exitcode)}",
+                "a script that does nothing when it is imported",
+                'put what your script does below a line: if __name__ == "__main__":',
+            )
+        self._workers[self._workers.index(worker)] = self._new()
+        if worker.chunk is not None:
+            yield worker.chunk, Lost(_ending(worker.process.exitcode))
+
+
+def _ending(code: int | None) -> str:
+    if code is not None and code < 0:
+        return f"killed by signal {-code}, {signal.Signals(-code).name}"
+    return f"ended with status {code}"
+
+
+@contextmanager
+def _environment() -> Iterator[None]:
+    """Set what a new process shall read, except what the user has set."""
+    missing = [name for name in ONE_THREAD if name not in os.environ]
+    os.environ.update({name: ONE_THREAD[name] for name in missing})
+    try:
+        yield
+    finally:
+        for name in missing:
+            os.environ.pop(name, None)
+
+
+def _serve(line: "Connection[Any, Any]") -> None:
+    """Compute what comes over the line until it ends; the life of a worker."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the coordinator
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    line.send(READY)
+    while True:
+        try:
+            chunk = line.recv()
+        except EOFError:
+            return
+        try:
+            line.send(compute(chunk))
+        except FlangewayError as reason:
+            line.send(reason)
+
+
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        wait([parent.sentinel])
+        os._exit(1)

@@ -1,0 +1,167 @@
+"""Values of the inputs that vary: lists, ranges, and tables in CSV."""
+
+import itertools
+import math
+import pickle
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from flangeway.cases.case import GivenText, closest
+from flangeway.errors import InputError, short
+from flangeway.system.file_content import csv_cells
+
+RANGE_KEYS = ("from", "to", "n", "step")
+MOST_ROWS = 1_000_000
+LARGEST_VALUE = 1e100
+"""No input is larger; up to it ends and steps of ranges do not overflow."""
+VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
+
+
+def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
+    """Return inputs inside tables by their paths, ``bodies.disc.size_mm``; ranges stay tables."""
+    found: dict[str, Any] = {}
+    for key, value in values.items():
+        if isinstance(value, dict) and value and not set(value) & set(RANGE_KEYS):
+            found |= flattened(value, f"{above}{key}.")
+        else:
+            found[f"{above}{key}"] = value
+    return found
+
+
+def values_of(key: str, given: Any, place: str) -> list[Any]:
+    """Values of one input.
+
+    Parameters
+    ----------
+    key
+        The input.
+    given
+        A list, or a range: a table with ``from``, ``to`` and ``n`` or ``step``.
+    place
+        File and line, to stand before a message.
+
+    Raises
+    ------
+    InputError
+        If it is neither, or without values.
+
+    """
+    if isinstance(given, dict):
+        return _range(key, given, place)
+    if not isinstance(given, list):
+        raise InputError(
+            f"{place}vary.{key} = {short(given)}", VALUES_ALLOWED, "one value for all rows stands under [inputs]"
+        )
+    if not given:
+        raise InputError(f"{place}vary.{key} = []", "one value or more", "give values, or leave the key out")
+    if len(given) > MOST_ROWS:
+        refuse_too_many(len(given), place)
+    seen: set[bytes] = set()
+    for value in given:
+        # not as text, which Python refuses to write of whole numbers with thousands of digits
+        written = pickle.dumps(value)
+        if written in seen:
+            raise InputError(f"{place}vary.{key} with {short(value)} twice", "each value once", "leave one out")
+        seen.add(written)
+    return given
+
+
+def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
+    name = f"{place}vary.{key}"
+    for inner, value in given.items():
+        if inner not in RANGE_KEYS:
+            raise InputError(f"{name}.{inner}", ", ".join(RANGE_KEYS), closest(inner, list(RANGE_KEYS)))
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST_VALUE:
+            raise InputError(
+                f"{name}.{inner} = {short(value)}",
+                f"a number up to {LARGEST_VALUE:g}",
+                "correct it; numbers stand without quotation marks",
+            )
+    if not {"from", "to"} <= set(given) or ("n" in given) == ("step" in given):
+        raise InputError(
+            f"{name} = {short(given)}",
+            "from, to, and one of n and step",
+            "{ from = -7, to = 7, n = 141 } has 141 values",
+        )
+    low, high = float(given["from"]), float(given["to"])
+    if "n" in given:
+        number = given["n"]
+        if not isinstance(number, int) or not 2 <= number <= MOST_ROWS:
+            raise InputError(f"{name}.n = {short(number)}", f"a whole number from 2 up to {MOST_ROWS}", "give another")
+        steps = number - 1
+    else:
+        step = float(given["step"])
+        steps = round((high - low) / step) if abs(step) * MOST_ROWS > abs(high - low) else 0
+        if not 1 <= steps < MOST_ROWS or not math.isclose(low + steps * step, high, abs_tol=1e-9 * abs(step)):
+            raise InputError(
+                f"{name}.step = {step:g}",
+                f"a step that leads from {low:g} to {high:g}",
+                "correct it, or give n instead",
+            )
+    if low == high:
+        raise InputError(f"{name} from {low:g} to {high:g}", "two different ends", "one value stands under [inputs]")
+    # rounded, so that -7 to 7 has 0 and 0.1, not 1e-16 and 0.09999999999999964
+    digits = 12 - math.ceil(math.log10(max(abs(low), abs(high))))
+    return [round(low + (high - low) * i / steps, digits) + 0.0 for i in range(steps + 1)]
+
+
+def grid(varied: Mapping[str, list[Any]], place: str) -> list[dict[str, Any]]:
+    """All combinations, the last key fastest."""
+    n_rows = math.prod(len(values) for values in varied.values())
+    refuse_too_many(n_rows, place)
+    return [dict(zip(varied, values, strict=True)) for values in itertools.product(*varied.values())]
+
+
+def refuse_too_many(n_rows: int, place: str) -> None:
+    """Refuse more rows than one campaign can have."""
+    if n_rows > MOST_ROWS:
+        raise InputError(f"{place}{n_rows} rows", f"up to {MOST_ROWS}", "make several campaigns of it")
+
+
+def read_table(path: Path) -> list[dict[str, Any]]:
+    """Rows of a CSV file with the names of inputs in its first line, all as text: 60E1 is a rail, not a number.
+
+    Raises
+    ------
+    InputError
+        If it cannot be read, a name comes twice, or a line has another number of cells or an empty one.
+
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, ValueError) as reason:  # what is no UTF-8, or a zero byte in the name, is the latter
+        why = getattr(reason, "strerror", None) or reason
+        raise InputError(
+            f"table {path}: {why}", "a CSV file in UTF-8, its path relative to the campaign's file", "correct the path"
+        ) from reason
+    first = text.partition("\n")[0]
+    separator = ";" if ";" in first else "\t" if "\t" in first else ","
+    lines = []
+    for number, line in enumerate(text.splitlines(), 1):
+        try:
+            cells = csv_cells(line, number, separator)
+        except InputError as reason:
+            raise InputError(f"table {path}, {reason.given}", reason.allowed, reason.advice) from reason
+        if any(cells):
+            lines.append((number, cells))
+    if len(lines) < 2:
+        raise InputError(
+            f"table {path} with {len(lines)} lines", "a line with names of inputs and a line for each row", "add rows"
+        )
+    names = lines[0][1]
+    for place, name in enumerate(names):
+        if not name or name in names[:place]:
+            what = f"the column {name} twice" if name else "a column without a name"
+            raise InputError(f"table {path}, line {lines[0][0]}: {what}", "each input once", "correct the first line")
+    rows = []
+    for number, cells in lines[1:]:
+        if len(cells) != len(names) or "" in cells:
+            what = "an empty cell" if len(cells) == len(names) else f"{len(cells)} cells"
+            raise InputError(
+                f"table {path}, line {number}: {what}",
+                f"{len(names)} values: {', '.join(names)}",
+                "complete the line, or remove it",
+            )
+        rows.append(dict(zip(names, map(GivenText, cells), strict=True)))
+    return rows

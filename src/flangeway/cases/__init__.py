@@ -1,0 +1,40 @@
+"""Cases by name, their inputs, their runs, and what these leave for programs to read."""
+
+from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
+from flangeway.cases.bodies.cook import CookCode, CookRow, cook_row, solve_cook
+from flangeway.cases.case import Case, Run, RunnableCase
+from flangeway.cases.case_file import load_case
+from flangeway.cases.case_names import CASES, find_case
+from flangeway.cases.case_template import schema, write_template
+from flangeway.cases.convergence import Convergence, run_halved
+from flangeway.cases.wheelset.runner import CaseRun, run_case
+from flangeway.cases.wheelset.summary import summarise, write_summary
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_curve import WheelsetCurveCase
+from flangeway.cases.wheelset.wheelset_tangent import WheelsetTangentCase
+
+__all__ = [
+    "CASES",
+    "BodiesRun",
+    "BodyResult",
+    "Case",
+    "CaseRun",
+    "Convergence",
+    "CookCode",
+    "CookRow",
+    "Run",
+    "RunnableCase",
+    "WheelsetCase",
+    "WheelsetCurveCase",
+    "WheelsetTangentCase",
+    "cook_row",
+    "find_case",
+    "load_case",
+    "run_case",
+    "run_halved",
+    "schema",
+    "solve_cook",
+    "summarise",
+    "write_summary",
+    "write_template",
+]

@@ -1,0 +1,416 @@
+"""From the tables of a case file to bodies, loads, supports and contacts."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.cases.bodies.bodies_floating import free_axis, resting_point
+from flangeway.cases.bodies.bodies_places import edges_at, free_edges, keys_of_place, point_at
+from flangeway.cases.bodies.bodies_shape import BodyShape, body_shape
+from flangeway.cases.bodies.bodies_tables import (
+    BodyTable,
+    ContactTable,
+    LoadTable,
+    MotionTable,
+    PlaceTable,
+    SupportTable,
+    elastic,
+)
+from flangeway.cases.bodies.pressing import Push
+from flangeway.cases.case import closest
+from flangeway.contact import (
+    AugmentedLagrange,
+    Contact,
+    ContactSystem,
+    Multiplier,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+    Surface,
+)
+from flangeway.contact.enforcement import Enforcement
+from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Contour, Placement
+from flangeway.materials import Material
+from flangeway.mesh import PolyMesh
+from flangeway.problems import Body, BodyForce, Elasticity, Part, PointForce, PrescribedDisplacement, Pressure, Traction
+from flangeway.problems.body import Components
+from flangeway.problems.loads import Load
+from flangeway.space import Space
+from flangeway.types import Floats
+
+if TYPE_CHECKING:
+    from flangeway.cases.bodies.two_bodies import TwoBodiesCase
+
+Ints = NDArray[np.int32]
+
+LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3")
+
+
+def element_of(method: str, order: int) -> Element:
+    """Elements of a method: ``"fem"`` or ``"vem"``."""
+    return Lagrange(order) if method == "fem" else Virtual(order)
+
+
+@dataclass(frozen=True, eq=False)
+class BodyModel:
+    """One body with its supports and loads, in contact or not.
+
+    Parameters
+    ----------
+    name
+        Its name.
+    problem
+        Elastic problem with supports and loads, without contact.
+    part
+        The body as it is in contact; None if it is in none.
+    load_N
+        Resultant of the loads, shape (2,).
+    slides
+        Axis along which its supports let it slide.
+
+    """
+
+    name: str
+    problem: Elasticity
+    part: Part | None
+    load_N: Floats  # noqa: N815 (the unit newton)
+    slides: Literal["x", "y"] | None = None
+
+    @property
+    def moved_before_contact(self) -> bool:
+        """Whether loads or given displacements move it without contact."""
+        given = any(s.x or s.y for s in self.problem.prescribed)
+        return bool(self.problem.loads) or given
+
+
+@dataclass(frozen=True, eq=False)
+class BodiesModel:
+    """All bodies and what presses them.
+
+    Parameters
+    ----------
+    bodies
+        Bodies by name.
+    contacts
+        Contacts.
+    motion
+        Rigid motion of the supports of parts.
+    push
+        Force behind the supports of one part.
+    notices
+        What was mended or assumed.
+
+    """
+
+    bodies: Mapping[str, BodyModel]
+    contacts: tuple[Contact, ...]
+    motion: Mapping[Part, Placement]
+    push: Push | None
+    notices: tuple[str, ...]
+
+
+def build_bodies(case: "TwoBodiesCase") -> BodiesModel:
+    """Mesh the bodies and find supports, loads and contact surfaces on them.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, a place is empty, or keys contradict each other; the message names the table.
+
+    """
+    return _Builder(case).model()
+
+
+class _Builder:
+    """One call of `build_bodies`."""
+
+    def __init__(self, case: "TwoBodiesCase") -> None:
+        self.case = case
+        self.notices: list[str] = []
+        self.tables = {body.name: body for body in case.bodies}
+        if not case.bodies:
+            raise InputError("bodies = []", "one body or more", "add [[bodies]] with a name and a shape")
+        names = [body.name for body in case.bodies]
+        for number, body in enumerate(case.bodies):
+            if body.name in names[:number]:
+                raise InputError(
+                    f"bodies[{number + 1}].name = {body.name!r} for the second time", "a name for each", "rename one"
+                )
+        self.shapes: dict[str, BodyShape] = {}
+        self.meshes: dict[str, PolyMesh] = {}
+        self.in_contact = {name for table in case.contacts for name in (table.secondary, table.primary)}
+
+    def model(self) -> BodiesModel:
+        self._refuse_unknown()
+        for number, table in enumerate(self.case.bodies, 1):
+            key = f"bodies[{number}]"
+            try:
+                self.shapes[table.name] = body_shape(table, key, self.notices)
+                self.meshes[table.name] = self.shapes[table.name].mesh
+            except InputError as reason:
+                if reason.given.startswith("bodies["):
+                    raise
+                raise InputError(f"{key} {table.name!r}: {reason.given}", reason.allowed, reason.advice) from reason
+        held = {name: self._held(name) for name in self.tables}
+        loads = {name: self._loads(name) for name in self.tables}
+        bodies = {name: self._body(name, held[name], loads[name]) for name in self.tables}
+        contacts = tuple(
+            self._contact(table, f"contacts[{n}]", bodies) for n, table in enumerate(self.case.contacts, 1)
+        )
+        if contacts:
+            ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
+        motion, push = self._motions(bodies)
+        return BodiesModel(bodies, contacts, motion, push, tuple(self.notices))
+
+    def _refuse_unknown(self) -> None:
+        """Refuse tables for bodies that are not there."""
+        rows = [(f"supports[{n}].body", table.body) for n, table in enumerate(self.case.supports, 1)]
+        rows += [(f"loads[{n}].body", load.body) for n, load in enumerate(self.case.loads, 1)]
+        rows += [(f"motions[{n}].body", motion.body) for n, motion in enumerate(self.case.motions, 1)]
+        for n, pair in enumerate(self.case.contacts, 1):
+            rows += [(f"contacts[{n}].secondary", pair.secondary), (f"contacts[{n}].primary", pair.primary)]
+        for key, name in rows:
+            if name not in self.tables:
+                known = list(self.tables)
+                raise InputError(f"{key} = {name!r}", f"the bodies {', '.join(known)}", closest(name, known))
+
+    def _held(self, name: str) -> list[tuple[SupportTable, str | tuple[float, float]]]:
+        """Supports of a body with their edge sets or points."""
+        found: list[tuple[SupportTable, str | tuple[float, float]]] = []
+        for number, table in enumerate(self.case.supports, 1):
+            if table.body != name:
+                continue
+            key = f"supports[{number}]"
+            for component, value in (("x", table.x_mm), ("y", table.y_mm)):
+                if value and component not in table.hold:
+                    raise InputError(
+                        f"{key}.{component}_mm = {value:g} with hold = {table.hold!r}",
+                        "displacements of held components",
+                        f'set hold = "xy" or "{component}", or leave {component}_mm out',
+                    )
+            found.append((table, self._place(table, table.point_mm, key)))
+        return found
+
+    def _loads(self, name: str) -> list[Load]:
+        found: list[Load] = []
+        for number, table in enumerate(self.case.loads, 1):
+            if table.body == name:
+                found.append(self._load(table, f"loads[{number}]"))
+        return found
+
+    def _load(self, table: LoadTable, key: str) -> Load:
+        given = [name for name in LOAD_KEYS if getattr(table, name) is not None]
+        if len(given) != 1:
+            raise InputError(
+                f"{key} with {' and '.join(given) or 'no load'}",
+                f"one of {', '.join(LOAD_KEYS)}",
+                "make each a [[loads]] of its own" if given else "add one of them",
+            )
+        kind = given[0]
+        if table.cells is not None and kind != "body_force_N_mm3":
+            raise InputError(f"{key}.cells with {kind}", "cells with body_force_N_mm3", "leave cells out")
+        if kind == "body_force_N_mm3":
+            if keys_of_place(table) or table.point_mm is not None:
+                raise InputError(f"{key}.{kind} with a place", "the whole body, or cells", "leave the place out")
+            if table.cells is not None:
+                self.meshes[table.body].cell_set(table.cells)
+            return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
+        where = self._place(table, table.point_mm, key)
+        if not isinstance(where, str):
+            if table.force_N is None:
+                raise InputError(f"{key}.{kind} at a point", "force_N at a point", "give edges for it")
+            return PointForce(where, table.force_N)
+        if table.pressure_MPa is not None:
+            return Pressure(where, table.pressure_MPa)
+        if table.traction_MPa is not None:
+            return Traction(where, table.traction_MPa)
+        mesh = self.meshes[table.body]
+        pairs = mesh.edge_sets[where]
+        area = float(np.linalg.norm(np.diff(mesh.points[pairs], axis=1), axis=-1).sum()) * self.case.thickness_mm
+        x, y = table.force_N or (0.0, 0.0)
+        return Traction(where, (x / area, y / area))
+
+    def _place(self, table: PlaceTable, point: tuple[float, float] | None, key: str) -> str | tuple[float, float]:
+        """Name of an edge set made for a place, or a point."""
+        given = keys_of_place(table)
+        if point is not None:
+            if given:
+                raise InputError(f"{key}.point_mm with {' and '.join(given)}", "a point, or edges", "keep one of them")
+            return point_at(self.meshes[table.body], self.tables[table.body].order, table.body, point, key)
+        if not given:
+            raise InputError(f"{key} without a place", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "say where")
+        lines = (table.at_x_mm, table.at_y_mm)
+        mesh = self.meshes[table.body]
+        pairs = edges_at(mesh, table.body, table.edges, table.box_mm, lines, key, "edges")
+        self.meshes[table.body] = mesh.with_edge_set(key, pairs)
+        return key
+
+    def _body(
+        self, name: str, held: list[tuple[SupportTable, str | tuple[float, float]]], loads: list[Load]
+    ) -> BodyModel:
+        table, mesh = self.tables[name], self.meshes[name]
+        material = self._material(table, mesh)
+        supports = [
+            PrescribedDisplacement(
+                where, support.x_mm if "x" in support.hold else None, support.y_mm if "y" in support.hold else None
+            )
+            for support, where in held
+        ]
+        thickness = self.case.thickness_mm
+        if name not in self.in_contact:
+            space = Space(mesh, element_of(table.method, table.order))
+            problem = Elasticity(space, material, thickness, loads, supports, name)
+            return BodyModel(name, problem, None, problem.load_vector().sum(axis=0))
+        if not held:
+            raise InputError(
+                f"body {name!r} in contact without supports",
+                "supports that fix both translations and the rotation, contact left out",
+                "add [[supports]]; to press it by a force, hold it and add [[motions]] with push_N",
+            )
+        components: dict[str | tuple[float, float], Components] = {}
+        for support, where in held:
+            components[where] = "xy" if where in components and components[where] != support.hold else support.hold
+        slides = free_axis(name, mesh, components)
+        if slides is not None:
+            hold = resting_point(name, mesh, self._touching(name))
+            components[hold] = slides
+            supports.append(PrescribedDisplacement(hold, **{slides: 0.0}))
+        body = Body(name, mesh, element_of(table.method, table.order), material, components, thickness)
+        problem = Elasticity(body.space, material, thickness, loads, supports, name)
+        return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0), slides)
+
+    def _touching(self, name: str) -> Ints:
+        """Points of a body that are on contact surfaces."""
+        found = []
+        for number, table in enumerate(self.case.contacts, 1):
+            for role in ("secondary", "primary"):
+                if getattr(table, role) == name:
+                    edges, box = getattr(table, f"{role}_edges"), getattr(table, f"{role}_box_mm")
+                    key = f"contacts[{number}]"
+                    found.append(edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges"))
+        return np.unique(np.vstack(found))
+
+    def _material(self, table: BodyTable, mesh: PolyMesh) -> Material | Mapping[str, Material]:
+        if not table.materials:
+            return elastic(table, self.case.hypothesis)
+        for name in table.materials:
+            if name not in mesh.cell_sets:
+                known = sorted(mesh.cell_sets)
+                number = self.case.bodies.index(table) + 1
+                raise InputError(f"bodies[{number}].materials.{name}", ", ".join(known), closest(name, known))
+        return {name: elastic(each, self.case.hypothesis) for name, each in table.materials.items()}
+
+    def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
+        sides = [self._surface(table, role, key, bodies) for role in ("secondary", "primary")]
+        pairing = SegmentToSegment() if table.pairing == "segment-to-segment" else NodeToSegment()
+        try:
+            found = Contact(sides[0], sides[1], pairing, Multiplier())
+            return replace(found, enforcement=_enforcement(table, found))
+        except InputError as reason:
+            raise InputError(f"{key}: {reason.given}", reason.allowed, reason.advice) from reason
+
+    def _surface(self, table: ContactTable, role: str, key: str, bodies: Mapping[str, BodyModel]) -> Surface:
+        name = getattr(table, role)
+        edges, box = getattr(table, f"{role}_edges"), getattr(table, f"{role}_box_mm")
+        part = bodies[name].part
+        assert part is not None
+        pairs = edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges")
+        free = free_edges(part.body, pairs)
+        if len(free) == 0:
+            raise InputError(
+                f"{key}.{role} = {name!r}: its surface is held all along",
+                "a surface that can move",
+                "shorten the support",
+            )
+        if len(free) < len(pairs) and edges is not None:
+            self.notices.append(
+                f"{name}: {len(pairs) - len(free)} of the {len(pairs)} edges of its contact surface touch a support "
+                "and are left out of the contact."
+            )
+        pairs = free
+        points = self.meshes[name].points[np.unique(pairs)]
+        curve = self._curve(name, edges, points, table.curved, f"{key}.curved")
+        try:
+            return Surface(part, pairs, curve)
+        except InputError as reason:
+            raise InputError(f"{key}.{role}: {reason.given}", reason.allowed, reason.advice) from reason
+
+    def _curve(
+        self, name: str, edges: str | list[str] | None, points: Floats, wanted: bool | None, key: str
+    ) -> Contour | None:
+        """Drawn curve of a surface through points (n, 2), unless it is not wanted, or is left out and has no arcs."""
+        if wanted is False:
+            return None
+        curve = self.shapes[name].curve([edges] if isinstance(edges, str) else edges, points)
+        if curve is None and wanted:
+            raise InputError(
+                f"{key} = true for {name!r}, whose mesh came without an outline",
+                "bodies whose outlines are given",
+                "give its shape as an outline, or leave curved out and take elements far smaller than its radii",
+            )
+        if curve is None or not (wanted or any(isinstance(segment, Arc) for segment in curve.segments)):
+            return None
+        return curve
+
+    def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[dict[Part, Placement], Push | None]:
+        motion: dict[Part, Placement] = {}
+        push = None
+        for number, table in enumerate(self.case.motions, 1):
+            key = f"motions[{number}]"
+            part = bodies[table.body].part
+            if part is None:
+                raise InputError(
+                    f"{key}.body = {table.body!r}, which is in no contact",
+                    "bodies in contact",
+                    "move its supports by x_mm",
+                )
+            if part in motion or (push is not None and push.part is part):
+                raise InputError(f"{key}.body = {table.body!r} for the second time", "one motion each", "join them")
+            if table.push_N is None:
+                motion[part] = _placement(table)
+                continue
+            if push is not None or table.rotation_deg or table.shift_mm != (0.0, 0.0) or table.push_N == (0.0, 0.0):
+                raise InputError(
+                    f"{key}.push_N = {list(table.push_N)}",
+                    "one push in a case, of a force that is not zero, without shift and rotation",
+                    "press one body by a force and hold or shift the others",
+                )
+            size = float(np.hypot(*table.push_N))
+            push = Push(part, (table.push_N[0] / size, table.push_N[1] / size), size)
+        return motion, self._sliding(bodies, push)
+
+    def _sliding(self, bodies: Mapping[str, BodyModel], push: Push | None) -> Push | None:
+        """Push of the one body that its supports let slide: none but its loads."""
+        for body in bodies.values():
+            if body.slides is None or body.part is None:
+                continue
+            load = float(body.load_N["xy".index(body.slides)])
+            if push is not None or load == 0.0:
+                raise InputError(
+                    f"body {body.name!r}, which its supports let slide in {body.slides}, "
+                    + ("beside another one that is pushed" if push is not None else "without a load along it"),
+                    "one body whose force along its way must be borne by contact",
+                    f"hold it in {body.slides} as well, or give it a load along {body.slides}",
+                )
+            sign = float(np.sign(load))
+            push = Push(body.part, (sign, 0.0) if body.slides == "x" else (0.0, sign), 0.0)
+        return push
+
+
+def _placement(table: MotionTable) -> Placement:
+    shift = Placement(0.0, table.shift_mm)
+    return shift.after(Placement.about([table.centre_mm], float(np.deg2rad(table.rotation_deg))))
+
+
+def _enforcement(table: ContactTable, contact: Contact) -> Enforcement:
+    if table.enforcement == "multiplier":
+        return Multiplier()
+    penalty = contact.suggested_penalty if table.penalty_MPa_mm is None else table.penalty_MPa_mm
+    if table.enforcement == "penalty":
+        return Penalty(penalty, per="length")
+    return AugmentedLagrange(penalty, per="length", penetration=table.penetration_mm)

@@ -1,0 +1,238 @@
+"""Meshes of the bodies of a case file: shorthand shapes, outlines, outline files, mesh files."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.cases.bodies.bodies_tables import BodyTable, DiscTable, FineTable
+from flangeway.cases.case import closest
+from flangeway.errors import InputError
+from flangeway.formats import read_mesh, read_section
+from flangeway.formats.mesh_repair import DrawnMesh, mended_mesh
+from flangeway.formats.outline_files import ENDINGS
+from flangeway.formats.outline_toml import outline_region
+from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
+from flangeway.geometry.arrays import Point
+from flangeway.geometry.region import Region
+from flangeway.geometry.segments import Segment
+from flangeway.mesh import PolyMesh, Refinement, dual, triangulate
+
+UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+SHAPES = ("rectangle", "disc", "outline", "file")
+DIAGONAL_PER_SIZE = 20.0
+MOST_EDGES = 100_000
+RIM, CUT = "rim", "cut"
+
+
+@dataclass(frozen=True, eq=False)
+class BodyShape:
+    """A meshed shape in mm, where it stands at first.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    loops
+        Its outlines; none of a mesh file.
+
+    """
+
+    mesh: PolyMesh
+    loops: tuple[Outline, ...] = ()
+
+    def curve(self, names: Sequence[str] | None, points: NDArray[np.float64]) -> Contour | None:
+        """Drawn curve along points (n, 2) of one outline; of named sides alone where these are one chain."""
+        if not self.loops:
+            return None
+        loop = min(self.loops, key=lambda each: float(each.closest(points)[2].max()))
+        try:
+            return loop if names is None else loop.part([name for name in names if name in loop.names])
+        except InputError:
+            return loop
+
+
+def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
+    """Mesh of a body in mm, where it stands at first.
+
+    Parameters
+    ----------
+    body
+        The body.
+    key
+        How messages call its table.
+    notices
+        Gets what was mended.
+
+    Raises
+    ------
+    InputError
+        If there is not one shape, a key does not go with it, or the shape or the mesh is wrong.
+
+    """
+    given = [shape for shape in SHAPES if getattr(body, shape) is not None]
+    if len(given) != 1:
+        raise InputError(
+            f"{key}.{given[1] if given else 'name'} = {body.name!r} with {' and '.join(given) or 'no shape'}",
+            f"one of {', '.join(SHAPES)}",
+            "keep one" if given else "add one, such as rectangle = { width_mm = 10.0, height_mm = 5.0 }",
+        )
+    place = Placement(np.deg2rad(body.rotation_deg), body.shift_mm)
+    if body.file is not None and Path(body.file).suffix.lower() not in ENDINGS:
+        return BodyShape(_mesh_of_file(body, key, notices).placed(place))
+    for name, value in (("cells", body.cells), ("materials", body.materials or None)):
+        if value is not None:
+            raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
+    region, factor = _region(body, key, notices)
+    outline, holes = region.loops[0], region.loops[1:]
+    diagonal = float(np.hypot(*np.ptp(outline.bounds(), axis=0)))
+    size = diagonal / DIAGONAL_PER_SIZE if body.size_mm is None else body.size_mm / factor
+    fine = [_refinement(each, f"{key}.fine[{n}]", region, factor) for n, each in enumerate(body.fine, 1)]
+    triangles = _scaled(triangulate(outline, size=size, holes=holes, refinements=fine), factor)
+    mesh = (triangles if body.method == "fem" else dual(triangles)).placed(place)
+    return BodyShape(mesh, tuple(_scaled_outline(loop, factor).transformed(place) for loop in region.loops))
+
+
+def _region(body: BodyTable, key: str, notices: list[str]) -> tuple[Region, float]:
+    """Region and the length of its unit in mm."""
+    if body.file is not None:
+        drawn = read_section(body.file, unit=body.unit)
+        if len(drawn.section.regions) != 1:
+            raise InputError(
+                f"{key}.file = {body.file!r} with {len(drawn.section.regions)} parts", "one part", "make each a body"
+            )
+        notices += [f"{body.name}: {notice}" for notice in drawn.notices]
+        return drawn.section.regions[0], UNITS_MM[drawn.unit]
+    if body.unit is not None:
+        raise InputError(f"{key}.unit = {body.unit!r} without file", "a file's unit", "leave it out, and give mm")
+    if body.rectangle is not None:
+        shape = body.rectangle
+        return Region(rectangle(shape.width_mm, shape.height_mm, shape.centre_mm)), 1.0
+    if body.disc is not None:
+        return Region(disc_outline(body.disc)), 1.0
+    return outline_region(body.outline or {}, f"{key}.outline: ", notices), 1.0
+
+
+def disc_outline(disc: DiscTable) -> Outline:
+    """Outline of a disc or a half disc."""
+    x, y = disc.centre_mm
+    if disc.half is None:
+        segments = circle(disc.radius_mm, disc.centre_mm).segments
+        return Outline.from_segments(segments, [RIM] * len(segments))
+    sign = 1.0 if disc.half == "upper" else -1.0
+    first, last = (x + sign * disc.radius_mm, y), (x - sign * disc.radius_mm, y)
+    apex = (x, y + sign * disc.radius_mm)
+    arcs = [Arc(a, b, disc.centre_mm, counter_clockwise=True) for a, b in ((first, apex), (apex, last))]
+    return Outline.from_segments([*arcs, Line(last, first)], [RIM, RIM, CUT])
+
+
+def _refinement(fine: FineTable, key: str, region: Region, factor: float) -> Refinement:
+    size = fine.size_mm / factor
+    if (fine.edges is None) == (fine.at_mm is None):
+        given = "neither edges nor at_mm" if fine.edges is None else "both edges and at_mm"
+        raise InputError(f"{key} with {given}", "one of them", "say where the mesh is finer by one of both")
+    if not (fine.at_mm or fine.edges):
+        raise InputError(
+            f"{key}.{'edges' if fine.at_mm is None else 'at_mm'} = []",
+            "one place or more",
+            f"give places, or remove {key}",
+        )
+    if fine.at_mm is not None:
+        return Refinement(np.array(fine.at_mm).reshape(-1, 2) / factor, size, fine.growth)
+    wanted = [fine.edges] if isinstance(fine.edges, str) else list(fine.edges or [])
+    known = sorted({name for loop in region.loops for name in loop.names})
+    points = []
+    for name in wanted:
+        if name not in known:
+            raise InputError(f"{key}.edges = {name!r}", ", ".join(known), closest(name, known))
+        for loop in region.loops:
+            for segment, label in zip(loop.segments, loop.names, strict=True):
+                if label == name:
+                    if segment.length > MOST_EDGES * size:
+                        raise InputError(
+                            f"{key}.size_mm = {fine.size_mm:g} along {segment.length * factor:g} mm",
+                            f"at most {MOST_EDGES} edges along a side",
+                            "take a larger size",
+                        )
+                    along = np.linspace(0.0, 1.0, int(np.ceil(segment.length / (4.0 * size))) + 1)
+                    points.append(segment.point(along))
+    return Refinement(np.vstack(points), size, fine.growth)
+
+
+def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
+    for name, value in (("size_mm", body.size_mm), ("fine", body.fine or None)):
+        if value is not None:
+            raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
+    # bodies that touch must stay apart
+    read = read_mesh(str(body.file), merge_points=body.cells is None)
+    told, mesh = list(read.notices), read.mesh
+    if body.cells is not None:
+        known = sorted(mesh.cell_sets)
+        wanted = [body.cells] if isinstance(body.cells, str) else body.cells
+        if not wanted:
+            raise InputError(f"{key}.cells = []", f"cell sets of the file: {', '.join(known)}", "leave cells out")
+        for name in wanted:
+            if name not in known:
+                sets = f"cell sets of the file: {', '.join(known) or 'it has none'}"
+                raise InputError(f"{key}.cells = {name!r}", sets, closest(name, known) if known else "leave cells out")
+        mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
+        cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
+        joined = mended_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
+        told += [f"body {body.name}: {notice}" for notice in joined.notices]
+        mesh = joined.mesh
+    told = [f"{Path(str(body.file)).name}: {notice}" for notice in told]
+    notices += [notice for notice in told if notice not in notices]
+    if body.method == "fem" and (mesh.cell_sizes > 3).any():
+        raise InputError(
+            f"{key}.method = 'fem' for {body.file}, whose cells have up to {mesh.cell_sizes.max()} corners",
+            'triangles for "fem", any polygons for "vem"',
+            'set method = "vem"',
+        )
+    return _scaled(mesh, UNITS_MM[body.unit or "mm"])
+
+
+def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
+    """Mesh of some cells, with what is left of the sets; edges between them and the others are boundary."""
+    keep = np.unique(cells)
+    sizes = mesh.cell_sizes[keep]
+    starts = mesh.cell_offsets[keep].astype(np.int64)
+    offsets = np.concatenate(([0], np.cumsum(sizes)))
+    entries = np.repeat(starts - offsets[:-1], sizes) + np.arange(offsets[-1])
+    points, corners = np.unique(mesh.cell_points[entries], return_inverse=True)
+    number = np.full(mesh.n_points, -1)
+    number[points] = np.arange(len(points))
+    place = np.full(mesh.n_cells, -1)
+    place[keep] = np.arange(len(keep))
+    bare = PolyMesh(mesh.points[points], offsets.astype(np.int32), corners.astype(np.int32))
+    outer = {(int(a), int(b)) for a, b in np.sort(bare.boundary_edges, axis=1)}
+    edge_sets = {}
+    for name, pairs in mesh.edge_sets.items():
+        mine = number[pairs]
+        inside = [row for row in mine.tolist() if min(row) >= 0 and (min(row), max(row)) in outer]
+        if inside:
+            edge_sets[name] = np.array(inside, dtype=np.int32)
+    cell_sets = {name: place[members][place[members] >= 0] for name, members in mesh.cell_sets.items()}
+    cell_sets = {name: members for name, members in cell_sets.items() if len(members)}
+    return PolyMesh(bare.points, bare.cell_offsets, bare.cell_points, cell_sets, edge_sets)
+
+
+def _scaled_outline(outline: Outline, factor: float) -> Outline:
+    def scaled(point: Point) -> Point:
+        return factor * point[0], factor * point[1]
+
+    segments: list[Segment] = []
+    for each in outline.segments:
+        start, end = scaled(each.start), scaled(each.end)
+        if isinstance(each, Line):
+            segments.append(Line(start, end))
+        else:
+            segments.append(Arc(start, end, scaled(each.centre), each.counter_clockwise))
+    return Outline.from_segments(segments, outline.names)
+
+
+def _scaled(mesh: PolyMesh, factor: float) -> PolyMesh:
+    if factor == 1.0:
+        return mesh
+    return PolyMesh(mesh.points * factor, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)

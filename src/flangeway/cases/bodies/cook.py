@@ -1,0 +1,225 @@
+"""Cook's membrane (seed 5.2.2): its meshes, its solutions, and its refinement where the error is."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import polygon
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
+from flangeway.post import displacements_at, recovered_stresses, stresses_at
+from flangeway.post.adaptive import adapt
+from flangeway.post.refinement import Measure, RefinementRow, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.problems import Elasticity, Traction, fixed
+from flangeway.solve import ElasticitySolution, solve_elasticity
+from flangeway.space import Space
+
+YOUNG, TRACTION = 70.0, 6.25
+CORNERS = ((0.0, 0.0), (48.0, 44.0), (48.0, 60.0), (0.0, 44.0))
+SIDES = ("bottom", "right", "top", "left")
+MIDDLE, CORNER = (48.0, 52.0), (48.0, 60.0)
+"""Where displacements are compared: the middle and the upper end of the loaded side."""
+
+ENERGY = 1542.1595
+"""Strain energy of the exact solution: orders 3 and 4 on adaptively refined meshes agree on it to 1e-8."""
+
+NEARLY_INCOMPRESSIBLE = 0.4999
+NEARLY_INCOMPRESSIBLE_WORK = 2652.4
+"""Work of the load for that Poisson's ratio: orders 3 and 4 agree on it to 5e-5."""
+
+SIZE = 10.0
+FINER_AT_CORNERS = (4.0, 4.0, 8.0, 10.0)
+"""Edges of the coarsest mesh, and how many times shorter they are at the corners: at the last one stresses grow without
+limit, and at the last but one the shear of the loaded side does not fit the free one."""
+
+LARGEST_LEVEL = 6
+HIGHEST_PUBLISHED_ORDER = 2
+QUADRATURE_DEGREE = 3
+
+
+@dataclass(frozen=True)
+class CookCode:
+    """One configuration, such as ``VCM3O2`` (seed Figure 52).
+
+    Parameters
+    ----------
+    method
+        ``"F"`` for Lagrange triangles, ``"V"`` for virtual elements on their dual polygons, ``"H"`` for both: triangles
+        inside, and at the boundary triangles whose outer edge is halved, as virtual quadrilaterals (seed Figure 68).
+    level
+        Refinement, 1 to 4 for the published ones.
+    order
+        Order of the elements.
+
+    """
+
+    method: str
+    level: int
+    order: int
+
+    def __post_init__(self) -> None:
+        if self.method not in ("F", "V", "H"):
+            raise InputError(f"CookCode(method={self.method!r})", "'F', 'V' or 'H'", "choose one of these")
+        if not 1 <= self.level <= LARGEST_LEVEL:
+            raise InputError(f"CookCode(level={self.level})", f"1 to {LARGEST_LEVEL}", "choose one of these")
+
+    def __str__(self) -> str:
+        return f"{self.method}CM{self.level}O{self.order}"
+
+    def space(self) -> Space:
+        """Mesh and elements."""
+        return method_space(cook_triangles(self.level), self.method, self.order)
+
+
+@dataclass(frozen=True, eq=False)
+class CookRow:
+    """One solution of the membrane.
+
+    Parameters
+    ----------
+    code
+        Its configuration.
+    poisson
+        Poisson's ratio.
+    n_unknowns
+        Components of displacement at nodes, prescribed ones too; those inside cells are condensed.
+    energy
+        Strain energy per thickness.
+    middle, corner
+        Vertical displacements at `MIDDLE` and `CORNER`.
+    solution
+        The solution.
+
+    """
+
+    code: CookCode
+    poisson: float
+    n_unknowns: int
+    energy: float
+    middle: float
+    corner: float
+    solution: ElasticitySolution
+
+
+def cook_triangles(level: int) -> PolyMesh:
+    """Delaunay triangles, finer towards the corners; each level has the triangles of the one before cut into four."""
+    refinements = [
+        Refinement(np.array([corner]), SIZE / finer, 0.25)
+        for corner, finer in zip(CORNERS, FINER_AT_CORNERS, strict=True)
+    ]
+    mesh = triangulate(polygon(CORNERS, names=SIDES), size=SIZE, refinements=refinements)
+    for _ in range(level - 1):
+        mesh = refined(mesh)
+    return mesh
+
+
+def published_virtual(order: int) -> Virtual:
+    """Virtual element with the published stabilisation, half of the trace; above order 2, unpublished, the default."""
+    return Virtual(order, TraceStabilisation() if order <= HIGHEST_PUBLISHED_ORDER else None)
+
+
+def method_space(triangles: PolyMesh, method: str, order: int) -> Space:
+    """Space of a method, see `CookCode`, on triangles whose boundary is in edge sets."""
+    if method == "F":
+        return Space(triangles, Lagrange(order))
+    if method == "V":
+        return Space(dual(triangles), published_virtual(order))
+    mesh = triangles
+    for name in triangles.edge_sets:
+        mesh = edges_halved(mesh, name)
+    sizes = mesh.cell_sizes
+    sets = {
+        name: np.flatnonzero(chosen).astype(np.int32)
+        for name, chosen in (("triangles", sizes == 3), ("rim", sizes > 3))
+    }
+    mixed = PolyMesh(mesh.points, mesh.cell_offsets, mesh.cell_points, sets, mesh.edge_sets)
+    elements: Mapping[str, Element] = {"triangles": Lagrange(order), "rim": published_virtual(order)}
+    return Space(mixed, elements)
+
+
+def cook_grid(n: int) -> PolyMesh:
+    """The membrane in n by n equal quadrilaterals, as a first mesh to refine."""
+    grid = rectangle_grid(1.0, 1.0, n, n, cells="quadrilaterals")
+    s, t = grid.points.T
+    points = np.stack((48.0 * s, 44.0 * s + t * (44.0 - 28.0 * s)), axis=1)
+    return PolyMesh(points, grid.cell_offsets, grid.cell_points, edge_sets=grid.edge_sets)
+
+
+def solve_cook(space: Space, poisson: float = 1.0 / 3.0) -> ElasticitySolution:
+    """Plane strain, held on the left, with a shear traction upwards on the right."""
+    material = Elastic(YOUNG, poisson)
+    return solve_elasticity(
+        Elasticity(space, material, loads=[Traction("right", (0.0, TRACTION))], supports=[fixed("left")])
+    )
+
+
+def cook_row(code: CookCode, poisson: float = 1.0 / 3.0) -> CookRow:
+    """Solve one configuration."""
+    space = code.space()
+    solution = solve_cook(space, poisson)
+    middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
+    return CookRow(code, poisson, 2 * space.n_nodes, solution.energy, middle, corner, solution)
+
+
+def cook_reference(tolerance: float) -> ElasticitySolution:
+    """Solution of order 3 on an adaptively refined mesh.
+
+    Parameters
+    ----------
+    tolerance
+        Estimated error over the exact solution's energy norm.
+
+    """
+    run = adapt(
+        lambda mesh: solve_cook(Space(mesh, Virtual(3))),
+        cook_grid(4),
+        lambda solution: recovered_stresses(solution).cell_errors,
+        tolerance=_norm(tolerance),
+    )
+    return run.last.solution
+
+
+def cook_uniform(
+    element: Element, mesh: PolyMesh, n_levels: int, *, reference: ElasticitySolution
+) -> list[RefinementRow]:
+    """Solve on a mesh and on its uniform refinements; errors are against a reference, see `cook_reference`."""
+    return refine_uniformly(lambda mesh: solve_cook(Space(mesh, element)), mesh, _measure(reference), n_levels)
+
+
+def cook_adaptive(
+    element: Element, mesh: PolyMesh, *, tolerance: float, reference: ElasticitySolution
+) -> list[RefinementRow]:
+    """Refine a mesh by the recovered stresses' error estimate.
+
+    Parameters
+    ----------
+    element
+        Virtual elements, which take cells with hanging points.
+    mesh
+        First mesh.
+    tolerance
+        Estimated error over the exact solution's energy norm at which to end.
+    reference
+        What errors are found against, see `cook_reference`.
+
+    """
+    return refine_adaptively(
+        lambda mesh: solve_cook(Space(mesh, element)), mesh, _measure(reference), tolerance=_norm(tolerance)
+    )
+
+
+def _norm(share: float) -> float:
+    """A share of the exact solution's energy norm."""
+    return share * float(np.sqrt(2.0 * ENERGY))
+
+
+def _measure(reference: ElasticitySolution) -> Measure:
+    def measure(solution: ElasticitySolution) -> tuple[float, float]:
+        return stress_errors(
+            solution, lambda points: stresses_at(reference, points).components[:, :3], degree=QUADRATURE_DEGREE
+        )
+
+    return measure

@@ -1,0 +1,346 @@
+"""What all cases share: named inputs with ranges, checked before anything is computed."""
+
+import difflib
+import math
+from abc import abstractmethod
+from collections.abc import Callable, Mapping
+from types import UnionType
+from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
+
+import annotated_types as at
+from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
+from pydantic.fields import FieldInfo
+
+from flangeway.checks import is_number
+from flangeway.errors import InputError, short
+from flangeway.solve import Status
+from flangeway.system.file_content import toml_data
+from flangeway.types import Key
+
+Progress = Callable[[str], None]
+
+MOST_TOLD = 5
+"""Faults that one message tells; the others are counted."""
+LARGEST_NUMBER = 1e30
+"""No length, force or modulus is larger in its unit."""
+
+_BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
+
+
+Pair = Annotated[tuple[float, float], Strict(False)]
+"""Two numbers in a list, as files have them."""
+Box = Annotated[tuple[float, float, float, float], Strict(False)]
+
+
+class GivenText(str):
+    """A value of the command line or of a CSV table: the input's type decides whether it is a number, true, or text."""
+
+
+class Run(Protocol):
+    """What every run of a case has, whatever the case."""
+
+    @property
+    def case(self) -> "Case":
+        """The inputs."""
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+
+    @property
+    def summary(self) -> dict[str, Any]:
+        """Plain numbers with their units in the keys."""
+
+
+class Table(BaseModel):
+    """A group of inputs inside a case: a table of a case file. A number is a number, not a text nor a truth value."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _typed(cls, values: Any) -> Any:
+        """Read what is `GivenText`, and take tuples and NumPy's numbers as Python's lists and numbers."""
+        if not isinstance(values, Mapping):
+            return values
+        fields = cls.model_fields
+        return {key: _typed(value, fields[key].annotation) if key in fields else value for key, value in values.items()}
+
+
+class Case(Table):
+    """Inputs of a computation; every key bears its unit, and what is left out has a default.
+
+    Build one with `from_values`, which raises `InputError`.
+    """
+
+    name: ClassVar[str]
+    title: ClassVar[str]
+    essential: ClassVar[tuple[str, ...]] = ()
+    """Keys that stand in a new case file; the others stand there as comments."""
+    example: ClassVar[Mapping[str, Any]] = {}
+    """Values of a new case file where they are not the defaults."""
+
+    @classmethod
+    def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:
+        """Return the case with some inputs changed.
+
+        Parameters
+        ----------
+        values
+            Inputs by key; text that may be a number is `GivenText`.
+        where
+            Text to put before what is said about a key, such as its file and line.
+
+        Raises
+        ------
+        InputError
+            If a key is unknown or a value is not allowed; the message says what is, for each.
+
+        """
+        try:
+            _refuse_huge(values, where)
+            return cls(**values)
+        except ValidationError as reason:
+            raise _input_error(cls, reason, values, where) from None
+
+    @classmethod
+    def tables_of_inputs(cls) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+        """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
+        return _inputs_of(cls, "")
+
+
+class RunnableCase(Case):
+    """A case that `flangeway run` computes; subclasses say how."""
+
+    @abstractmethod
+    def check(self) -> None:
+        """Raise `InputError` for what is wrong beyond single values, without computing."""
+
+    @abstractmethod
+    def run(self, progress: Progress = lambda _: None) -> Run:
+        """Compute the case.
+
+        Parameters
+        ----------
+        progress
+            Called with a sentence at each stage.
+
+        Raises
+        ------
+        InputError
+            If the inputs make no problem that can be solved.
+        MissingLibraryError
+            If the mesh generator lacks a shared library of the system.
+
+        """
+
+
+def _inputs_of(table: type[Table], path: str) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+    rows, inner = [], []
+    for key, field in table.model_fields.items():
+        default = "needed" if field.is_required() else _text(field.get_default(call_default_factory=True))
+        kind = table_in(field.annotation)
+        if kind is not None:
+            several = "[]" if any(get_origin(each) is list for each in alternatives(field.annotation)) else ""
+            inner += _inputs_of(kind, f"{path}{key}{several}.")
+            default = default if field.is_required() else "none"
+        rows.append((key, default, allowed(field), field.description or ""))
+    return [(path.rstrip("."), rows), *inner]
+
+
+def allowed(field: FieldInfo) -> str:
+    """Say in words what a field accepts."""
+    bounds = [
+        f"{word} {getattr(limit, attribute):g}"
+        for kind, attribute, word in _BOUNDS
+        for limit in field.metadata
+        if isinstance(limit, kind)
+    ]
+    return " or ".join(_words(field.annotation, " ".join(bounds)))
+
+
+def _words(annotation: Any, bounds: str = "") -> list[str]:
+    """What the alternatives of a type are called."""
+    words = []
+    for kind in alternatives(annotation):
+        origin, members = get_origin(kind), get_args(kind)
+        if origin is Literal:
+            words += [str(value) for value in members]
+        elif kind is float:
+            words.append(f"a number {bounds}".strip())
+        elif kind is int:
+            words.append(f"a whole number {bounds}".strip())
+        elif kind is bool:
+            words.append("true or false")
+        elif kind is str:
+            words.append("a name")
+        elif origin is tuple:
+            words.append(f"[{', '.join(' or '.join(_words(each, bounds)) for each in members)}]")
+        elif members == (str,):
+            words.append("a list of names")
+        elif origin in (list, dict):
+            inner = " or ".join(_words(members[-1], bounds)).replace("a table with", "tables with")
+            words.append(f"{'a list' if origin is list else 'a table'}{f' of {inner}' if inner else ''}")
+        elif table_in(kind):
+            words.append(f"a table with the keys {', '.join(kind.model_fields)}")
+    return words
+
+
+def alternatives(annotation: Any) -> tuple[Any, ...]:
+    """Types of a union, or the one type that there is."""
+    if get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    if get_origin(annotation) in (Union, UnionType):
+        return tuple(kind for each in get_args(annotation) for kind in alternatives(each))
+    return (annotation,)
+
+
+def table_in(annotation: Any) -> type[Table] | None:
+    """Type of the tables that an input holds, alone, in a list or by name; None for plain values."""
+    for kind in alternatives(annotation):
+        if isinstance(kind, type) and issubclass(kind, Table):
+            return kind
+        if get_origin(kind) in (list, dict):
+            return table_in(get_args(kind)[-1])
+    return None
+
+
+def closest(word: str, known: list[str]) -> str:
+    """Advice that names the known word most like the given one."""
+    near = difflib.get_close_matches(word, known, n=1, cutoff=0.5)
+    return f"did you mean {near[0]}?" if near else "choose one of these"
+
+
+def key_text(key: Key) -> str:
+    """Write a path of keys: ``bodies[1].young_MPa``, counted from 1."""
+    text = ""
+    for item in key:
+        text += f"[{item + 1}]" if isinstance(item, int) else f".{item}" if text else item
+    return text
+
+
+def _text(value: object) -> str:
+    if value is None or isinstance(value, bool):
+        return "none" if value is None else str(value).lower()
+    return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None:
+    """Refuse numbers, also as text and inside tables, whose squares and products would leave the range of floats."""
+    if isinstance(value, Mapping):
+        for name, inner in value.items():
+            _refuse_huge(inner, where, (*key, name))
+    elif isinstance(value, list | tuple):
+        for place, inner in enumerate(value):
+            _refuse_huge(inner, where, (*key, place))
+    elif isinstance(value, int | float | GivenText):
+        try:
+            number = abs(float(value))
+        except ValueError:  # a name
+            return
+        except OverflowError:  # an integer of hundreds of digits
+            number = 2.0 * LARGEST_NUMBER
+        if LARGEST_NUMBER < number < math.inf:
+            raise InputError(
+                f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {LARGEST_NUMBER:g}", "correct it"
+            )
+
+
+def _typed(value: Any, annotation: Any) -> Any:
+    """A value as the types of an input want it, where that is no guess."""
+    kinds = alternatives(annotation)
+    if isinstance(value, GivenText):
+        return _read(value, kinds)
+    if is_number(value) and not isinstance(value, int | float):
+        return value.item() if hasattr(value, "item") else float(value)
+    inner = next((get_args(kind)[-1] for kind in kinds if get_origin(kind) in (dict, list)), Any)
+    if isinstance(value, Mapping) and table_in(inner) is None and all(table_in(kind) is None for kind in kinds):
+        return {key: _typed(each, inner) for key, each in value.items()}
+    return list(value) if isinstance(value, tuple) else value
+
+
+def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
+    """What a text says as one of some types; itself where none of them fits."""
+    choices = [choice for kind in kinds if get_origin(kind) is Literal for choice in get_args(kind)]
+    readers: list[Callable[[str], Any]] = [{str(choice): choice for choice in choices}.__getitem__]
+    if bool in kinds:
+        readers.append(lambda word: {"true": True, "false": False}[word.lower()])
+    readers += [kind for kind in (int, float) if kind in kinds]
+    if Any in kinds or text[:1] in ("[", "{"):
+        readers.append(lambda toml: toml_data(f"value = {toml}", "")["value"])
+    for read in readers:
+        try:
+            return read(text)
+        except (KeyError, ValueError, InputError):
+            continue
+    return str(text)
+
+
+def _advice(key: str, field: FieldInfo) -> str:
+    if field.is_required():
+        return f"give {key}: {field.description}"
+    default = field.get_default(call_default_factory=True)
+    return f"leave {key} out to take {_text(default)} ({field.description})"
+
+
+def _input_error(
+    case: type[Case], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
+) -> InputError:
+    given, allow, advice = [], [], []
+    faults: dict[Key, tuple[Any, type[Table], FieldInfo | None]] = {}
+    for error in reason.errors(include_url=False, include_context=False):
+        key, table, field = _found(case, error["loc"])
+        faults.setdefault(key, (error, table, field))
+    for key, (error, table, field) in [*faults.items()][:MOST_TOLD]:
+        name, text = str(key[-1]) if key else "", key_text(key)
+        if error["type"] == "missing" and field is not None:
+            given.append(f"{where(key[:-1])}no {text}")
+            allow.append(f"{name} is {allowed(field)}")
+            advice.append(_advice(name, field))
+        elif field is None:
+            known = list(table.model_fields)
+            inside = key_text(key[:-1])
+            given.append(f"{where(key)}an input called {short(name)}{f' in {inside}' if inside else ''}")
+            allow.append(f"the inputs of {inside or case.name}: {', '.join(known)}")
+            advice.append(closest(name, known))
+        else:
+            last = next(item for item in reversed(key) if isinstance(item, str))
+            given.append(f"{where(key)}{text} = {short(_at(values, key, error['input']))}")
+            allow.append(f"{last} is {allowed(field)}")
+            advice.append(_advice(last, field))
+    if len(faults) > MOST_TOLD:
+        given.append(f"and {len(faults) - MOST_TOLD} more")
+    return InputError("; ".join(given), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advice)))
+
+
+def _at(values: Any, key: Key, otherwise: Any) -> Any:
+    """The value as it was given at a path; another one where the path leads nowhere."""
+    for item in key:
+        try:
+            values = values[item]
+        except (KeyError, IndexError, TypeError):
+            return otherwise
+    return values
+
+
+def _found(case: type[Table], location: Key) -> tuple[Key, type[Table], FieldInfo | None]:
+    """Path of a fault without the names of alternatives, the table it is in, and the field, None for unknown keys."""
+    path: list[str | int] = []
+    table: type[Table] = case
+    inner: type[Table] | None = case
+    field: FieldInfo | None = None
+    by_name = False
+    for item in location:
+        if isinstance(item, int) or by_name:
+            path.append(item)
+            by_name = False
+        elif inner is not None and item in inner.model_fields:
+            table, field = inner, inner.model_fields[item]
+            path.append(item)
+            inner = table_in(field.annotation)
+            by_name = any(get_origin(kind) is dict for kind in alternatives(field.annotation))
+        elif inner is not None and not item.startswith(("list[", "dict[")):
+            return (*path, item), inner, None
+        else:
+            break  # the name of one of several types
+    return tuple(path), table, field

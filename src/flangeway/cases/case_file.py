@@ -1,0 +1,237 @@
+"""Cases in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys."""
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from flangeway.cases.case import RunnableCase, key_text
+from flangeway.cases.case_names import find_case
+from flangeway.errors import InputError, short
+from flangeway.system.file_content import is_file
+from flangeway.system.toml_file import TomlFile, TomlKind
+from flangeway.system.versions import versions
+from flangeway.types import Key
+
+FORMAT = 1
+"""Number of the format that this version writes; files of lower numbers are read, higher ones refused."""
+ENDING = ".toml"
+
+FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file")
+"""Inputs that may name a file; paths in a case file are relative to its folder."""
+PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".csv", ".dxf", ".mpt")
+MESH_ENDINGS = (".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas")
+FILE_ENDINGS = (ENDING, ".txt", ".dat", *PROFILE_ENDINGS, *MESH_ENDINGS)
+
+
+def is_case_file(name: str | Path) -> bool:
+    """Whether a name means a case file, not a case."""
+    path = Path(name)
+    return path.suffix.lower() in (ENDING, *PROFILE_ENDINGS, *MESH_ENDINGS) or is_file(path)
+
+
+def load_case(name_or_file: str | Path, **settings: Any) -> RunnableCase:
+    """Return the case of a name with its defaults, or that of a case file.
+
+    Parameters
+    ----------
+    name_or_file
+        Name of a case, or a TOML file.
+    settings
+        Inputs that go before those of the file.
+
+    Raises
+    ------
+    InputError
+        If there is no such case or file, or an input is wrong; of files the message names file, line and key.
+
+    """
+    return read_case(name_or_file, settings)
+
+
+def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = None) -> RunnableCase:
+    """Return a case as `load_case` does.
+
+    Parameters
+    ----------
+    name_or_file
+        Name of a case, or a TOML file.
+    settings
+        Inputs that go before those of the file. Those inside tables are named by points, items of a list by their
+        numbers from 1 or by their ``name``: ``bodies.disc.size_mm``.
+
+    """
+    given = dict(settings or {})
+    if not is_case_file(name_or_file):
+        return _by_name(str(name_or_file), given)
+    _refuse_other_file(Path(name_or_file))
+    text = CaseText.read(Path(name_or_file))
+    case, values = text.case()
+    inputs = _set(text.resolved(values), given)
+    replaced = {key.partition(".")[0] for key in given}
+
+    def where(key: Key) -> str:
+        return "" if key and key[0] in replaced else text.place(key)
+
+    return case.from_values(inputs, where)
+
+
+def _by_name(name: str, settings: Mapping[str, Any]) -> RunnableCase:
+    case = find_case(name)
+    values = _set({}, settings)
+    missing = [key for key in case.example if case.model_fields[key].is_required() and key not in values]
+    if missing:
+        raise InputError(
+            f"the case {case.name} without {' and '.join(missing)}",
+            f"a case file with {' and '.join(missing)}",
+            f"`flangeway init {case.name}` writes one to begin with, `flangeway run {case.name}.toml` computes it",
+        )
+    return case.from_values(values)
+
+
+def _refuse_other_file(file: Path) -> None:
+    """Refuse meshes, outlines and profiles, which are inputs of a case and no case themselves."""
+    ending = file.suffix.lower()
+    if ending in MESH_ENDINGS or ending in PROFILE_ENDINGS:
+        what, case, key = ("a mesh or a deck", "two-bodies", "file")
+        if ending in PROFILE_ENDINGS:
+            what, case, key = ("an outline or a profile", "wheelset-tangent", "rail, wheel or file")
+        raise InputError(
+            f"{file}, which is {what}, not a case",
+            "the name of a case, or a case file (.toml), which gives materials, supports, loads and contacts",
+            f'name it in a case file: `flangeway init {case}` writes one, {key} = "{file.name}" names it there',
+        )
+
+
+def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
+    """Raise `InputError` for what is wrong beyond single values; the message names the file, if one is given."""
+    try:
+        case.check()
+    except InputError as reason:
+        if file is None:
+            raise
+        place = CaseText.read(Path(file)).place(_key_in(reason.given))
+        raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _key_in(message: str) -> Key:
+    """Key that a message starts with, as `key_text` writes it."""
+    path = re.match(r"\w+(?:\[\d+\]|\.\w+)*", message)
+    key: list[str | int] = []
+    for name, number in re.findall(r"(\w+)(?:\[(\d+)\])?", path[0] if path else ""):
+        key += [name] if not number else [name, int(number) - 1]
+    return tuple(key)
+
+
+class CaseText(TomlFile):
+    """A case file."""
+
+    kind = TomlKind(
+        name="case file",
+        instead=", or the name of a case",
+        get_one="correct the name; `flangeway init NAME` writes a case file",
+        lines='lines such as gauge_mm = 1435.0 or rail = "60E1"',
+        too_large="give meshes in files of their own",
+    )
+
+    def case(self) -> tuple[type[RunnableCase], dict[str, Any]]:
+        """Type of the case, and its inputs."""
+        name, values = self.name_and_values()
+        try:
+            return find_case(name if isinstance(name, str) else short(name)), values
+        except InputError as reason:
+            raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
+
+    def name_and_values(self) -> tuple[Any, dict[str, Any]]:
+        """What the key ``case`` says, and the inputs."""
+        values = dict(self.data)
+        self._refuse_other_format(values.pop("flangeway", FORMAT))
+        if "case" not in values:
+            raise InputError(
+                f"{self.file}: no key case",
+                'a line such as case = "wheelset-tangent" at the top',
+                "add it; `flangeway cases` lists the names"
+                + (", `flangeway section` reads outlines" if "outer" in values or "parts" in values else ""),
+            )
+        return values.pop("case"), values
+
+    def _refuse_other_format(self, number: Any) -> None:
+        place = self.place(("flangeway",))
+        if isinstance(number, bool) or not isinstance(number, int) or number < 1:
+            raise InputError(
+                f"{place}flangeway = {short(number)}", f"the number of the file's format, {FORMAT}", "leave it out"
+            )
+        if number > FORMAT:
+            raise InputError(
+                f"{place}flangeway = {short(number)}, a newer format than this version reads",
+                f"up to {FORMAT} in flangeway {versions()['flangeway']}",
+                "install a newer flangeway, or write the file anew with `flangeway init`",
+            )
+
+    def resolved(self, values: Mapping[str, Any], above: Key = ()) -> dict[str, Any]:
+        """Inputs with the files' names made independent of the current folder.
+
+        Raises
+        ------
+        InputError
+            If a file is not there.
+
+        """
+        found: dict[str, Any] = {}
+        for key, value in values.items():
+            here = (*above, key)
+            if isinstance(value, dict):
+                found[key] = self.resolved(value, here)
+            elif isinstance(value, list):
+                found[key] = [
+                    self.resolved(item, (*here, number)) if isinstance(item, dict) else item
+                    for number, item in enumerate(value)
+                ]
+            else:
+                found[key] = self._path(here, value) if key in FILE_KEYS and isinstance(value, str) else value
+        return found
+
+    def _path(self, key: Key, name: str) -> str:
+        path = self.file.parent / name
+        if is_file(path):
+            return str(path)
+        if Path(name).suffix.lower() in FILE_ENDINGS or "/" in name:
+            raise InputError(
+                f"{self.place(key)}{key_text(key)} = {short(name)}: there is no such file",
+                f"a file, its path relative to the case file's folder {self.file.parent.resolve()}",
+                "correct the path, or copy the file there",
+            )
+        return name
+
+
+def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values with some replaced, those inside tables named by points."""
+    found: dict[str, Any] = dict(values)
+    for name, value in settings.items():
+        path = name.split(".")
+        if len(path) > 1:
+            _set_inside(found, path, value, name)
+        else:
+            found[name] = value
+    return found
+
+
+def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) -> None:
+    place: Any = values
+    for number, item in enumerate(path):
+        known: dict[str, Any] = {}
+        if isinstance(place, list):
+            known = {str(n): n - 1 for n in range(1, len(place) + 1)}
+            known |= {str(each["name"]): n for n, each in enumerate(place) if isinstance(each, dict) and "name" in each}
+        elif isinstance(place, dict):
+            known = {key: key for key in place}
+        last = number == len(path) - 1
+        if isinstance(place, dict) and last:
+            place[item] = value
+            return
+        if item not in known or last:
+            raise InputError(
+                f"--set {name}", f"at {'.'.join(path[:number]) or 'the top'} one of: {', '.join(known) or 'nothing'}",
+                "name tables by their keys, and items of lists by their numbers from 1 or their names",
+            )  # fmt: skip
+        place = place[known[item]]

@@ -1,0 +1,157 @@
+"""Case files to begin with: every key with its meaning, unit, range and default; and the JSON Schema of all cases."""
+
+import json
+import math
+import os
+from collections.abc import Mapping
+from typing import Any
+
+from pydantic.fields import FieldInfo
+
+from flangeway.cases.case import RunnableCase, Table, allowed, table_in
+from flangeway.cases.case_file import FILE_KEYS, FORMAT
+from flangeway.cases.case_names import CASES
+
+WIDTH = 110
+
+
+def write_template(case: type[RunnableCase]) -> str:
+    """Return the text of a case file.
+
+    Keys that most users change are set, the others stand as comments with their defaults: the file computes the same as
+    the case without inputs.
+
+    Parameters
+    ----------
+    case
+        Type of the case.
+
+    """
+    lines = [
+        f"# {case.title}.",
+        "#",
+        f"# Compute it with `flangeway run` and this file's name. `flangeway cases {case.name}` explains the keys;",
+        "# lines that start with # are comments: remove the # to set a key.",
+        "",
+        f"flangeway = {FORMAT}  # format of this file",
+        f'case = "{case.name}"',
+    ]
+    plain = {key: field for key, field in case.model_fields.items() if table_in(field.annotation) is None}
+    for key, field in plain.items():
+        active = key in case.essential or key in case.example
+        lines += ["", *_entry(key, field, case.example.get(key, _default(field)), active=active)]
+    for key, field in case.model_fields.items():
+        table = table_in(field.annotation)
+        if table is not None:
+            lines += _tables(key, field, table, case.example.get(key))
+    return "\n".join(lines) + "\n"
+
+
+def write_case_file(case: RunnableCase) -> str:
+    """Return the text of a case file in the current folder with the inputs of a case that are not the defaults."""
+    lines = [f"# {case.title}.", "", f"flangeway = {FORMAT}", f'case = "{case.name}"']
+    tables: list[str] = []
+    for key, value in case.model_dump(exclude_defaults=True).items():
+        if table_in(type(case).model_fields[key].annotation) is None:
+            lines.append(f"{key} = {toml_value(value)}")
+            continue
+        for item in value if isinstance(value, list) else [value]:
+            tables += ["", f"[[{key}]]" if isinstance(value, list) else f"[{key}]"]
+            for name, each in item.items():
+                seen = os.path.relpath(each) if name in FILE_KEYS else each
+                tables.append(f"{name} = {toml_value(seen)}")
+    return "\n".join([*lines, *tables]) + "\n"
+
+
+def _tables(key: str, field: FieldInfo, table: type[Table], example: Any) -> list[str]:
+    """Tables of one key: those of the example, or one as a comment."""
+    lines = ["", "", f"# {field.description}."]
+    several = isinstance(_default(field), list) or isinstance(example, list)
+    header = f"[[{key}]]" if several else f"[{key}]"
+    items = example if isinstance(example, list) else [example] if example else []
+    for number, item in enumerate(items):
+        lines += ["", header] if number else [header]
+        if number:
+            lines += [f"{name} = {toml_value(value)}" for name, value in item.items()]
+            continue
+        for name, entry in table.model_fields.items():
+            active = name in item
+            lines += ["", *_entry(name, entry, item.get(name, _default(entry)), active=active)]
+    if not items:
+        lines.append(f"# {header}")
+        for name, entry in table.model_fields.items():
+            lines += ["#", *_entry(name, entry, _default(entry), active=False)]
+    return lines
+
+
+def _entry(key: str, field: FieldInfo, value: Any, *, active: bool) -> list[str]:
+    """Comment and line of a key."""
+    lines = _wrapped(f"{field.description} ({allowed(field)})")
+    if active:
+        return [*lines, f"{key} = {toml_value(value)}"]
+    if value is None or value == []:
+        return [*lines, f"# {key} ="]
+    return [*lines, f"# {key} = {toml_value(value)}"]
+
+
+def _wrapped(text: str) -> list[str]:
+    lines, line = [], "#"
+    for word in text.split():
+        if len(line) + len(word) >= WIDTH:
+            lines.append(line)
+            line = "#"
+        line += f" {word}"
+    return [*lines, line]
+
+
+def _default(field: FieldInfo) -> Any:
+    return None if field.is_required() else field.get_default(call_default_factory=True)
+
+
+def toml_value(value: Any) -> str:
+    """Write a value as TOML; lists and tables in one line."""
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        if isinstance(value, float) and not math.isfinite(value):
+            raise ValueError(f"no number to write: {value}")
+        return repr(value)
+    if isinstance(value, str):
+        return json.dumps(value, ensure_ascii=False)
+    if isinstance(value, Table):
+        value = value.model_dump(exclude_defaults=True)
+    if isinstance(value, Mapping):
+        return "{ " + ", ".join(f"{key} = {toml_value(each)}" for key, each in value.items()) + " }"
+    return "[" + ", ".join(toml_value(each) for each in value) + "]"
+
+
+def schema() -> dict[str, Any]:
+    """Return the JSON Schema of case files, with the keys, units, ranges and meanings of all cases.
+
+    Editors use it for completion and to mark mistakes, as those with Taplo where the first line of a file is
+    ``#:schema flangeway.schema.json``.
+    """
+    choices: list[dict[str, Any]] = []
+    definitions: dict[str, Any] = {}
+    for name, case in CASES.items():
+        described = case.model_json_schema()
+        definitions |= described.pop("$defs", {})
+        choices.append(
+            {
+                "title": case.title,
+                "type": "object",
+                "properties": {
+                    "flangeway": {"const": FORMAT, "description": "format of the file; may be left out"},
+                    "case": {"const": name, "description": case.title},
+                    **described["properties"],
+                },
+                "required": ["case", *described.get("required", [])],
+                "additionalProperties": False,
+            }
+        )
+    return {
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Case file of flangeway",
+        "oneOf": choices,
+        "$defs": definitions,
+    }

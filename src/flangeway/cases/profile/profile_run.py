@@ -1,0 +1,225 @@
+"""A profile from a file or by name, checked, measured, joined and converted: what ``flangeway profile`` does."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Contour, Outline
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.railway.profiles.formats.raw_profile import Kind
+from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, nominal_profile
+from flangeway.railway.profiles.measures import measures, worn_side
+from flangeway.railway.profiles.orientation import Orientation
+from flangeway.railway.profiles.profile_file import (
+    FORMATS,
+    MeasuredProfile,
+    ReadOptions,
+    frame_origin,
+    profile_text,
+    read_profile,
+)
+from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.system.memory_limits import peak_memory_bytes
+from flangeway.system.versions import versions
+
+FRAMES = {
+    "top": "x = 0 in the middle of the head, away from the track's middle; y = 0 at the top of the rail, up",
+    "base": "x = 0 in the middle of the base, away from the track's middle; y = 0 at its underside, up",
+    "gauge": "x = 0 at the gauge face, away from the track's middle; y = 0 at the top of the rail, up",
+    "tape": "x = 0 on the tape line, away from the track's middle; y = 0 on the tread there, up",
+}
+"""What the coordinates are, by the origin of the frame."""
+
+TOP_OFF_MM = 0.05
+"""Height of a rail's top from the file's y = 0 above which the frame says where it is."""
+
+_SPACING_MM = 0.25
+_DEVIATION_MM = 2e-4
+
+
+@dataclass(frozen=True, eq=False)
+class ProfileRun:
+    """A profile and all that is known of it.
+
+    Parameters
+    ----------
+    profile
+        Running surface, or whole outline, as it was read.
+    body
+        Whole rail or wheel: bundled, from a closed outline, or joined; None for a running surface alone.
+    join
+        How it was joined, None if it was not.
+    summary
+        What ``profile.json`` holds.
+
+    """
+
+    profile: MeasuredProfile
+    body: RailProfile | WheelProfile | None
+    join: Joined | None
+    summary: dict[str, Any] = field(default_factory=dict)
+
+
+def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str | None = None) -> ProfileRun:
+    """Read a profile from a file, or take a bundled one by its name.
+
+    Parameters
+    ----------
+    name_or_file
+        A name such as ``"S1002"``, or a file; see `flangeway.railway.profiles.profile_file.FORMATS`.
+    options
+        What the file does not say itself.
+    join
+        Name of the nominal rail or wheel that gives the body.
+
+    Raises
+    ------
+    InputError
+        If there is neither, the file is wrong, or the profile does not fit the body.
+
+    """
+    given = options or ReadOptions()
+    path = Path(name_or_file)
+    if path.suffix.lower() not in FORMATS and not path.exists() and len(path.parts) == 1:
+        if given != ReadOptions() or join is not None:
+            raise InputError(f"options of a file for the bundled {name_or_file}", "a file", "leave them out")
+        return _bundled(name_or_file)
+    profile = read_profile(path, given)
+    done = joined(profile, join) if join is not None else None
+    body: RailProfile | WheelProfile | None = done.profile if done is not None else None
+    if isinstance(profile.surface, Outline):
+        body = whole_profile(profile)
+    return ProfileRun(profile, body, done, _summary(profile, body, done))
+
+
+def converted(run: ProfileRun, ending: str) -> str:
+    """Return the text of a file of another format; CSV and DXF hold the whole outline if there is one.
+
+    Raises
+    ------
+    InputError
+        If the format is unknown or cannot hold the profile.
+
+    """
+    body = run.body
+    if ending in (".csv", ".dxf") and body is not None:
+        # a joined rail stands on its base
+        origin = "base" if isinstance(body, RailProfile) else frame_origin(run.profile)
+        return profile_text(run.profile, ending, body.outline, origin)
+    if body is not None and isinstance(run.profile.surface, Outline):
+        return profile_text(_running_surface(run.profile, body), ending)
+    return profile_text(run.profile, ending)
+
+
+def _running_surface(profile: MeasuredProfile, body: RailProfile | WheelProfile) -> MeasuredProfile:
+    """Return the running surface of a profile whose file holds the whole outline."""
+    surface = body.running_surface
+    taken = profile.orientation
+    if profile.kind == "rail":
+        taken = Orientation(**{**vars(taken), "origin": "base"})
+    return MeasuredProfile(profile.title, profile.format, taken, _along(surface), surface, None)
+
+
+def _along(surface: Contour) -> np.ndarray[Any, np.dtype[np.float64]]:
+    return surface.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM)
+
+
+def _bundled(name: str) -> ProfileRun:
+    try:
+        body = nominal_profile(name)
+    except InputError as reason:
+        raise InputError(
+            f"a profile called {name!r}",
+            f"{BUNDLED_NAMES}, or a file that ends with {', '.join(FORMATS)}",
+            reason.advice,
+        ) from reason
+    how = dict.fromkeys(("kind", "unit", "up", "side", "origin", "tape line"), "bundled")
+    kind: Kind
+    kind, origin, tape = (
+        ("rail", "base", None) if isinstance(body, RailProfile) else ("wheel", "tape", body.flange_back_mm)
+    )
+    taken = Orientation(kind, "mm", True, False, False, origin, tape, (0.0, 0.0), how)
+    surface = body.running_surface
+    profile = MeasuredProfile(body.title, "bundled", taken, _along(surface), surface, None)
+    return ProfileRun(profile, body, None, _summary(profile, body, None))
+
+
+def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, join: Joined | None) -> dict[str, Any]:
+    taken, surface = profile.orientation, profile.surface
+    running = body.running_surface if body is not None and join is None else surface
+    low, high = running.bounds()
+    curvatures = np.array([segment.curvature for segment in running.segments])
+    smoothing = profile.smoothing
+    arcs = sum(isinstance(segment, Arc) for segment in surface.segments)
+    # a rail joined or whole stands on its base, also if its file counted from the top
+    on_base = profile.kind == "rail" and body is not None
+    summary: dict[str, Any] = {
+        "title": profile.title,
+        "format": profile.format,
+        "kind": profile.kind,
+        "read_as": {
+            "unit": taken.unit,
+            "second_coordinate_up": taken.upwards,
+            "mirrored": taken.mirrored,
+            "order_reversed": taken.reversed_order,
+            "origin": taken.origin,
+            "tape_line_from_flange_back_mm": taken.tape_mm,
+            "shift_mm": list(taken.shift_mm),
+            "how": dict(taken.how),
+        },
+        "frame": FRAMES["base"] if on_base else _frame(profile),
+        "points": len(profile.points),
+        "length_mm": running.length,
+        "lower_left_mm": low.tolist(),
+        "upper_right_mm": high.tolist(),
+        "lines": surface.n_segments - arcs,
+        "arcs": arcs,
+        "smallest_convex_radius_mm": _radius(curvatures.max(initial=0.0)),
+        "smallest_hollow_radius_mm": _radius(-curvatures.min(initial=0.0)),
+        "measures": measures(running, profile.kind),
+        "worn_side": None if profile.kind == "wheel" or (side := worn_side(running)) is None else vars(side),
+        "smoothing": None,
+        "join": None,
+        "area_mm2": body.outline.area if body is not None else None,
+        "certainty": body.certainty if body is not None else "",
+        "source": body.source if body is not None else "",
+        "notices": list(dict.fromkeys((*profile.notices, *(body.notices if body is not None else ())))),
+        "peak_memory_MB": peak_memory_bytes() / 1e6,
+        "versions": versions(),
+    }
+    if smoothing is not None:
+        summary["smoothing"] = {
+            "noise_um": smoothing.noise_um,
+            "wavelength_mm": smoothing.wavelength_mm,
+            "rms_deviation_um": smoothing.rms_um,
+            "largest_deviation_um": smoothing.largest_um,
+            "limit_um": smoothing.limit_um,
+            "points_held_to_limit": smoothing.n_held,
+        }
+    if join is not None:
+        summary["join"] = {
+            "nominal": join.nominal.title,
+            "area_less_than_nominal_mm2": join.nominal.outline.area - join.profile.outline.area,
+            "joints": [
+                {"name": j.name, "end_mm": list(j.end), "landing_mm": list(j.landing), "gap_mm": j.gap_mm}
+                for j in join.joints
+            ],
+        }
+    return summary
+
+
+def _frame(profile: MeasuredProfile) -> str:
+    """Say what the coordinates are; a file's origin need not lie on the head's top."""
+    text, top = FRAMES[frame_origin(profile)], float(profile.surface.bounds()[1, 1])
+    if profile.kind == "rail" and frame_origin(profile) != "base" and abs(top) > TOP_OFF_MM:
+        text = text.replace(
+            "at the top of the rail, up", f"where the file has it, up: the rail's top lies at {top:.3f}"
+        )
+    return text
+
+
+def _radius(curvature: float) -> float | None:
+    return 1.0 / curvature if curvature > 1e-9 else None

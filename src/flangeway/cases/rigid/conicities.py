@@ -1,0 +1,162 @@
+"""Equivalent conicity over the amplitude, from profiles or from a file of a rolling radius difference."""
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+from pydantic import Field
+
+from flangeway.cases.case import Case
+from flangeway.errors import InputError
+from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, conicity_by_regression, equivalent_conicity
+from flangeway.railway.rigid.rolling_file import read_rolling_radius_difference
+from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
+from flangeway.system.versions import versions
+from flangeway.types import Floats
+
+STEP_MM = 0.1
+FIRST_MM = 0.5
+
+
+@dataclass(frozen=True, eq=False)
+class Conicities:
+    """Equivalent conicity over the amplitude.
+
+    Parameters
+    ----------
+    amplitudes_mm, integration, regression
+        Amplitudes, and conicity by integration and by linear regression, (n,); empty if the wheelset does not steer.
+    notices
+        Sentences on amplitudes without a conicity.
+
+    """
+
+    amplitudes_mm: Floats
+    integration: Floats
+    regression: Floats
+    notices: tuple[str, ...]
+
+    def at_reference(self) -> dict[str, float] | None:
+        """Conicity at the usual amplitude; None where it is not there."""
+        at = np.flatnonzero(np.abs(self.amplitudes_mm - REFERENCE_AMPLITUDE_MM) < 1e-6)
+        if not len(at):
+            return None
+        found = (float(each[at[0]]) for each in (self.amplitudes_mm, self.integration, self.regression))
+        return dict(zip(("amplitude_mm", "integration", "regression"), found, strict=True))
+
+
+def conicities_of(difference: RollingRadiusDifference, largest_mm: float | None) -> Conicities:
+    """Conicity at amplitudes 0.1 mm apart, as far as the difference is given.
+
+    Parameters
+    ----------
+    difference
+        Rolling radius difference.
+    largest_mm
+        Largest amplitude that is wanted; None: as far as the difference goes.
+
+    """
+    none: Floats = np.zeros(0)
+    try:
+        middle = difference.centred_mm
+    except InputError as error:
+        return Conicities(none, none, none, (f"no equivalent conicity: {error.given}",))
+    room = min(middle - float(difference.lateral_mm[0]), float(difference.lateral_mm[-1]) - middle)
+    largest = room if largest_mm is None else min(largest_mm, room)
+    amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(largest / STEP_MM + 1e-9) + 1.0) * STEP_MM
+    while len(amplitudes) and not _fits(difference, float(amplitudes[-1])):
+        amplitudes = amplitudes[:-1]
+    notices = []
+    reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
+    if largest_mm is not None and reached < math.floor(largest_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
+        notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
+    found = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
+    aside = amplitudes[np.isnan(found)]
+    if len(aside):
+        notices.append(
+            f"no equivalent conicity by integration at {len(aside)} amplitudes from {aside[0]:.1f} to {aside[-1]:.1f} "
+            "mm: the rolling radius difference pushes the wheelset away from the middle, about which it does not swing"
+        )
+    regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
+    return Conicities(amplitudes, found, regression, tuple(notices))
+
+
+def _fits(difference: RollingRadiusDifference, amplitude: float) -> bool:
+    """Whether the motion stays where the difference is given; it need not be centred where the difference is zero."""
+    try:
+        equivalent_conicity(difference, [amplitude])
+        conicity_by_regression(difference, [amplitude])
+    except InputError:
+        return False
+    return True
+
+
+@dataclass(frozen=True, eq=False)
+class ConicityRun:
+    """Equivalent conicity from a file.
+
+    Parameters
+    ----------
+    difference
+        What the file holds.
+    conicities
+        Conicity over the amplitude.
+    summary
+        What ``geometry.json`` holds.
+
+    """
+
+    difference: RollingRadiusDifference
+    conicities: Conicities
+    summary: dict[str, Any]
+
+
+class ConicityCase(Case):
+    """What is asked of a rolling radius difference."""
+
+    name: ClassVar[str] = "conicity"
+    title: ClassVar[str] = "Equivalent conicity of a rolling radius difference"
+
+    unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
+        None, description="unit of both columns; what the file says if left out"
+    )
+    largest_amplitude_mm: float | None = Field(
+        None, ge=FIRST_MM, le=30.0, description="largest amplitude; as far as the difference is given if left out"
+    )
+
+
+def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
+    """Read a rolling radius difference and compute its conicity.
+
+    Parameters
+    ----------
+    file
+        See `flangeway.railway.rigid.rolling_file.read_rolling_radius_difference`.
+    values
+        Inputs of a `ConicityCase`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read as a rolling radius difference, or an input is wrong.
+
+    """
+    start = time.perf_counter()
+    case = ConicityCase.from_values(values)
+    difference = read_rolling_radius_difference(file, case.unit)
+    conicities = conicities_of(difference, case.largest_amplitude_mm)
+    summary = {
+        "case": file.stem,
+        "title": f"Equivalent conicity of the rolling radius difference in {file.name}",
+        "inputs": {"file": str(file), **case.model_dump()},
+        "lateral_motion_without_difference_mm": difference.centred_mm if len(conicities.amplitudes_mm) else None,
+        "equivalent_conicity": conicities.at_reference(),
+        "notices": list(conicities.notices),
+        "versions": versions(),
+        "timings_s": {"total": time.perf_counter() - start},
+    }
+    return ConicityRun(difference, conicities, summary)

@@ -1,0 +1,133 @@
+"""Inputs of ``flangeway geometry``: a rigid wheelset on two rigid rails, its profiles, measures and load."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, ClassVar, Literal
+
+from pydantic import Field
+
+from flangeway.cases.case import closest
+from flangeway.cases.case_file import CaseText
+from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
+from flangeway.errors import InputError, short
+from flangeway.railway.rigid.rigid_contact import RigidWheelset
+from flangeway.railway.rigid.yawed import LARGEST_YAW_RAD
+
+
+class GeometryCase(WheelsetInputs):
+    """A rigid wheelset on two rigid rails; thickness and material are for Hertz's estimate."""
+
+    name: ClassVar[str] = "geometry"
+    title: ClassVar[str] = "Contact geometry of a rigid wheelset on rigid rails"
+
+    largest_lateral_mm: float = Field(
+        8.0, gt=0.0, le=60.0, description="largest lateral motion that is shown; less where a flange climbs before"
+    )
+    step_mm: float = Field(0.02, ge=1e-3, le=1.0, description="distance of the positions")
+    largest_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0, description="largest amplitude of the conicity")
+    roll: Literal["free", "none"] = Field(
+        "free", description="free: both wheels touch; none: no roll, as in the reference results of EN 15302"
+    )
+
+    yaw_mrad: float = Field(
+        0.0, ge=-1e3 * LARGEST_YAW_RAD, le=1e3 * LARGEST_YAW_RAD,
+        description="yaw of the axle, counter-clockwise seen from above: the right wheel is ahead",
+    )  # fmt: skip
+
+    @property
+    def yaw_rad(self) -> float:
+        """Yaw of the axle in radians."""
+        return 1e-3 * self.yaw_mrad
+
+    def curves(self) -> RigidWheelset:
+        """Return the rigid curves.
+
+        Raises
+        ------
+        InputError
+            If a profile is unknown or a length is not allowed.
+
+        """
+        return RigidWheelset.of(self.track(), self.wheelset(), self.yaw_rad)
+
+
+GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
+    "wheelset-curve": (
+        "136RE and AAR-1B in a curve of 400 m at 70 km/h, superelevation 3 cm",
+        {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "largest_lateral_mm": 9.9},
+    ),
+    "s1002-60e1": (
+        "S1002 on 60E1 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm",
+        {
+            "rail": "60E1",
+            "wheel": "S1002",
+            "gauge_mm": 1435.0,
+            "gauge_depth_mm": 14.0,
+            "back_to_back_mm": 1360.0,
+            "wheel_radius_mm": 460.0,
+            "wheel_radius_at": "tape-line",
+            "barycentre_height_mm": 1000.0,
+            "axle_load_kN": 225.0,
+            "largest_lateral_mm": 7.0,
+        },
+    ),
+}
+"""Title and what differs from the defaults, by name."""
+
+
+OWN_NAME = "geometry"
+"""What a case file of nothing but the geometry is called in it."""
+
+
+def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
+    """Return a case by its name with some inputs changed.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or an input is wrong.
+
+    """
+    if name not in GEOMETRY_CASES:
+        raise InputError(
+            f"a geometry case called {name!r}",
+            f"one of: {', '.join(GEOMETRY_CASES)}; a case file; or a file of a rolling radius difference",
+            closest(name, list(GEOMETRY_CASES)),
+        )
+    return GeometryCase.from_values({**GEOMETRY_CASES[name][1], **values})
+
+
+def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
+    """Return what a case file says of the geometry, and a sentence on what it says besides.
+
+    Parameters
+    ----------
+    file
+        A case file of a wheelset, as `flangeway.cases.case_file.read_case` reads it, or with ``case = "geometry"``.
+    values
+        Inputs that go before those of the file.
+
+    Raises
+    ------
+    InputError
+        If the file is of another case, or an input is wrong; the message names file, line and key.
+
+    """
+    text = CaseText.read(file)
+    name, given = text.name_and_values()
+    if name != OWN_NAME and name not in GEOMETRY_CASES:
+        raise InputError(
+            f"{text.place(('case',))}case = {short(name)}",
+            f"a wheelset: {', '.join((OWN_NAME, *GEOMETRY_CASES))}",
+            "`flangeway run` computes the other cases",
+        )
+    unused = [key for key in given if key not in GeometryCase.model_fields and key in WheelsetCase.model_fields]
+    used = {key: value for key, value in given.items() if key not in unused}
+    base = GEOMETRY_CASES[name][1] if name != OWN_NAME else {}
+    case = GeometryCase.from_values(
+        {**base, **text.resolved(used), **values}, lambda key: "" if key and key[0] in values else text.place(key)
+    )
+    notice = f"not needed by the geometry, and left out: {', '.join(unused)}"
+    return case, (notice,) if unused else ()

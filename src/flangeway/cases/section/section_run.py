@@ -1,0 +1,351 @@
+"""Constants of a cross-section from a name or a file: what ``flangeway section`` computes."""
+
+import math
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+
+from flangeway.cases.case import Progress
+from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.elements.lagrange import HIGHEST_ORDER
+from flangeway.errors import InputError
+from flangeway.formats import DrawnSection, read_section
+from flangeway.formats.outline_files import ENDINGS
+from flangeway.geometry import Arc, Section
+from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
+from flangeway.mesh.expected_size import expected_mesh
+from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
+from flangeway.railway.profiles.bundled_sections import bundled_section
+from flangeway.space import Space
+from flangeway.system.memory_limits import peak_memory_bytes
+from flangeway.system.versions import versions
+
+METHODS = ("fem", "vem")
+
+HIGHEST_VIRTUAL_ORDER = 6
+_USUAL_TRIANGLES = 3000
+_MOST_TRIANGLES = 30_000
+_MOST_EDGES = 10_000
+_CELLS_ACROSS_WALL = 4.0
+_SAGITTA = 1e-4  # of the mean thickness: chords then change the torsion constant by about 1e-4 of it
+_WORTHWHILE = 0.6  # chords hardly shorter than the size are not worth a refinement of their own
+_GROWTH = 0.3
+
+
+@dataclass(frozen=True)
+class SectionOptions:
+    """How a section is computed.
+
+    Parameters
+    ----------
+    size
+        Length of a triangle's edge in the section's unit; None takes `usual_size`.
+    order
+        Order of the elements.
+    method
+        ``"fem"`` for triangles, ``"vem"`` for their dual polygons.
+    poisson
+        Poisson's ratio for the shear centre; None takes that of the section's materials, or 0.
+
+    Raises
+    ------
+    InputError
+        If the method is unknown, or the order, size or Poisson's ratio is not allowed.
+
+    """
+
+    size: float | None = None
+    order: int = 2
+    method: str = "fem"
+    poisson: float | None = None
+
+    def __post_init__(self) -> None:
+        """Check what can be checked without the section."""
+        if self.method not in METHODS:
+            raise InputError(f"--method {self.method}", "fem or vem", "choose one of them")
+        highest = HIGHEST_ORDER if self.method == "fem" else HIGHEST_VIRTUAL_ORDER
+        if not 1 <= self.order <= highest:
+            raise InputError(
+                f"--order {self.order} with --method {self.method}", f"1 to {highest}", "leave it out for 2"
+            )
+        if self.size is not None and not (self.size > 0.0 and math.isfinite(self.size)):
+            raise InputError(f"--size {self.size}", "a positive length", "leave it out for a usual one")
+        if self.poisson is not None and not 0.0 <= self.poisson <= 0.5:
+            raise InputError(f"--poisson {self.poisson}", "0 to 0.5", "leave it out for Trefftz's shear centre")
+
+    @property
+    def element(self) -> Element:
+        """The element."""
+        return Lagrange(self.order) if self.method == "fem" else Virtual(self.order)
+
+
+@dataclass(frozen=True, eq=False)
+class SectionRun:
+    """A section and its constants.
+
+    Parameters
+    ----------
+    drawn
+        What was read.
+    options
+        How it was computed; the size is filled in.
+    space
+        Space on the mesh.
+    constants
+        The constants; area, centroid and second moments exact for the outline's lines and arcs.
+    summary
+        What ``section.json`` holds.
+
+    """
+
+    drawn: DrawnSection
+    options: SectionOptions
+    space: Space
+    constants: SectionConstants
+    summary: dict[str, Any]
+
+
+def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
+    """Return a bundled section by its name, or read one from a file.
+
+    Raises
+    ------
+    InputError
+        If there is neither, or the file is wrong.
+
+    """
+    path = Path(name_or_file)
+    if path.suffix.lower() in ENDINGS or path.exists() or len(path.parts) > 1:
+        return read_section(path, unit=unit, mirrored=mirrored)
+    if unit is not None or mirrored:
+        asked = f"the unit {unit}" if unit is not None else "a mirror image"
+        raise InputError(f"{asked} for {name_or_file}", "a file", "leave it out for a bundled section")
+    return bundled_section(name_or_file)
+
+
+def run_section(
+    drawn: DrawnSection, options: SectionOptions | None = None, progress: Progress = lambda _: None
+) -> SectionRun:
+    """Mesh a section and compute its constants by both formulations of torsion.
+
+    Parameters
+    ----------
+    drawn
+        The section.
+    options
+        How; the usual way if left out.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the section is in several pieces, its parts overlap, or an option is not allowed.
+    MissingLibraryError
+        If the mesh generator lacks a shared library of the system.
+
+    """
+    start = time.perf_counter()
+    given = options or SectionOptions()
+    poisson, notices = _poisson(drawn, given)
+    options = replace(given, size=given.size or usual_size(drawn.section), poisson=poisson)
+    progress("meshing the section")
+    mesh = section_mesh(drawn.section, options)
+    space = Space(mesh, options.element)
+    progress(f"solving for the warping function and Prandtl's function, {space.n_dofs} unknowns each")
+    moduli: float | dict[str, float] = 1.0
+    if drawn.materials:
+        moduli = {name: material.shear_modulus_MPa for name, material in drawn.materials.items()}
+    constants = section_constants(space, shear_modulus=moduli, poisson=poisson)
+    weights = _young_weights(drawn)
+    exact = replace(
+        constants,
+        area=drawn.section.area,
+        centroid=drawn.section.centroid(weights),
+        second_moments=drawn.section.second_moments(weights),
+    )
+    summary = _summary(drawn, options, space, exact)
+    summary["notices"] = [*drawn.notices, *notices, *_corner_notices(drawn)]
+    summary["timings_s"] = {"total": time.perf_counter() - start}
+    summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
+    return SectionRun(drawn, options, space, exact, summary)
+
+
+def usual_size(section: Section) -> float:
+    """Return an element size with four triangles across a wall and about 3000 in a compact section.
+
+    Limits of 30,000 triangles and 10,000 edges on the boundary keep foils from taking minutes.
+    """
+    per_triangle = section.area / (0.25 * math.sqrt(3.0))
+    compact, smallest = math.sqrt(per_triangle / _USUAL_TRIANGLES), math.sqrt(per_triangle / _MOST_TRIANGLES)
+    boundary = sum(region.boundary_length for region in section.regions)
+    return max(min(section.mean_thickness / _CELLS_ACROSS_WALL, compact), smallest, boundary / _MOST_EDGES)
+
+
+def section_mesh(section: Section, options: SectionOptions) -> PolyMesh:
+    """Return triangles, or their dual polygons, finer along arcs so that their chords hardly change the section.
+
+    Raises
+    ------
+    InputError
+        If the section is in pieces that do not touch, or as for `triangulate_section`.
+
+    """
+    size = options.size or usual_size(section)
+    for region in section.regions:
+        expected_mesh(region, size, ())  # refuses a size before arcs are cut into chords as fine
+    triangles = triangulate_section(section, size=size, refinements=_along_arcs(section, size))
+    n_pieces = _n_pieces(triangles)
+    if n_pieces > 1:
+        raise InputError(
+            f"a section in {n_pieces} pieces that do not touch",
+            "parts that share edges",
+            "join them, or compute each piece alone",
+        )
+    return triangles if options.method == "fem" else dual_section(triangles)
+
+
+def _along_arcs(section: Section, size: float) -> list[Refinement]:
+    """Return refinements along arcs; the sagitta of chords shrinks with the square of the size."""
+    sagitta = _SAGITTA * section.mean_thickness * (size / usual_size(section)) ** 2
+    # parts that touch draw their common arc twice, in both directions
+    arcs = {
+        (min(arc.start, arc.end), max(arc.start, arc.end), arc.centre): arc
+        for region in section.regions
+        for loop in region.loops
+        for arc in loop.segments
+        if isinstance(arc, Arc)
+    }
+    found = []
+    for arc in arcs.values():
+        chord = math.sqrt(8.0 * arc.radius * sagitta)
+        if chord < _WORTHWHILE * size:
+            n_chords = max(math.ceil(arc.length / chord), 2)
+            found.append(Refinement(arc.point(np.linspace(0.0, 1.0, n_chords + 1)), chord, _GROWTH))
+    return found
+
+
+def _n_pieces(mesh: PolyMesh) -> int:
+    """Return how many groups of cells are not joined by edges."""
+    joined = mesh.edge_cells[(mesh.edge_cells >= 0).all(axis=1)]
+    graph = sp.coo_array((np.ones(len(joined)), joined.T), shape=(mesh.n_cells, mesh.n_cells))
+    return int(sp.csgraph.connected_components(graph, directed=False)[0])
+
+
+def _poisson(drawn: DrawnSection, options: SectionOptions) -> tuple[float, list[str]]:
+    """Return Poisson's ratio for the shear centre, and what to say about it."""
+    ratios = {material.poisson for material in drawn.materials.values()}
+    if options.poisson is not None and ratios:
+        raise InputError(
+            f"--poisson {options.poisson:g} for a section with materials", "the materials' own", "leave it out"
+        )
+    if len(ratios) > 1:
+        return 0.0, [
+            "The materials have several Poisson's ratios: the shear centre is Trefftz's, and it and the warping "
+            "constant are weighted by shear moduli."
+        ]
+    return next(iter(ratios), options.poisson or 0.0), []
+
+
+def _young_weights(drawn: DrawnSection) -> dict[str, float] | None:
+    """Return each part's Young's modulus over their mean over the area, None for one material."""
+    if not drawn.materials:
+        return None
+    mean = _mean(drawn, {name: material.young_MPa for name, material in drawn.materials.items()})
+    return {name: material.young_MPa / mean for name, material in drawn.materials.items()}
+
+
+def _mean(drawn: DrawnSection, values: Mapping[str, float]) -> float:
+    parts = drawn.section.parts
+    return sum(values[name] * region.area for name, region in parts.items()) / drawn.section.area
+
+
+def _corner_notices(drawn: DrawnSection) -> list[str]:
+    corners = np.vstack([region.reentrant_corners() for region in drawn.section.regions])
+    if not len(corners) or len(drawn.section.parts) > 1:
+        return []
+    x, y = corners[0]
+    return [
+        f"{len(corners)} sharp reentrant corner{'s' * (len(corners) > 1)}, the first at ({x:.6g}, {y:.6g}): the "
+        "elastic stress there has no limit, so that no largest shear stress is given."
+    ]
+
+
+def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constants: SectionConstants) -> dict[str, Any]:
+    """Return the numbers, with the section's unit in the keys."""
+    unit, mesh = drawn.unit, space.mesh
+    largest, smallest = constants.principal_moments
+    low, high = constants.torsion_bounds
+    summary: dict[str, Any] = {
+        "title": drawn.title,
+        f"area_{unit}2": constants.area,
+        f"boundary_length_{unit}": sum(region.boundary_length for region in drawn.section.regions),
+        f"centroid_{unit}": list(constants.centroid),
+        f"second_moments_{unit}4": dict(zip(("xx", "yy", "xy"), constants.second_moments, strict=True)),
+        f"principal_moments_{unit}4": [largest, smallest],
+        "principal_angle_deg": _angle_deg(constants.principal_angle),
+        **_bending(drawn, constants),
+        f"torsion_constant_{unit}4": constants.torsion_constant,
+        f"torsion_constant_prandtl_{unit}4": low,
+        f"torsion_constant_warping_{unit}4": high,
+        "torsion_bounds_certain": constants.bounds_certain,
+        f"shear_centre_{unit}": list(constants.shear_centre),
+        f"shear_centre_trefftz_{unit}": list(constants.shear_centre_trefftz),
+        "poisson": options.poisson,
+        f"warping_constant_{unit}6": constants.warping_constant,
+        f"max_shear_stress_per_torque_per_{unit}3": _max_shear(drawn, constants),
+        "mesh": {
+            "method": options.method,
+            "order": options.order,
+            f"size_{unit}": options.size,
+            "cells": mesh.n_cells,
+            "unknowns": space.n_dofs,
+            f"area_{unit}2": float(mesh.cell_areas.sum()),
+        },
+        "unit": unit,
+        "certainty": drawn.certainty,
+        "versions": versions(),
+    }
+    if drawn.materials:
+        summary["weights"] = {
+            "reference_young_MPa": _mean(drawn, {k: m.young_MPa for k, m in drawn.materials.items()}),
+            "reference_shear_modulus_MPa": _mean(drawn, {k: m.shear_modulus_MPa for k, m in drawn.materials.items()}),
+            "meaning": "Centroid and second moments are weighted by Young's modulus over its reference, all that "
+            "concerns torsion by shear modulus over its reference. Multiply by the reference for stiffnesses.",
+        }
+    return summary
+
+
+def _bending(drawn: DrawnSection, constants: SectionConstants) -> dict[str, dict[str, float]]:
+    """Return radii of gyration, and second moments over the distance of the outermost points on each side."""
+    unit, (xx, yy, _) = drawn.unit, constants.second_moments
+    radii = {"xx": math.sqrt(xx / constants.area), "yy": math.sqrt(yy / constants.area)}
+    found = {f"radii_of_gyration_{unit}": radii}
+    if len(drawn.section.parts) == 1:  # of several materials each has a stress of its own
+        low, high = np.abs(drawn.section.bounds() - constants.centroid).tolist()
+        found[f"section_moduli_{unit}3"] = {
+            "top": xx / high[1],
+            "bottom": xx / low[1],
+            "right": yy / high[0],
+            "left": yy / low[0],
+        }
+    return found
+
+
+def _angle_deg(angle_rad: float) -> float:
+    """Return an angle of an axis above -90 and up to 90 degrees."""
+    angle = math.degrees(angle_rad)
+    return angle + 180.0 if angle <= -90.0 + 1e-9 else angle
+
+
+def _max_shear(drawn: DrawnSection, constants: SectionConstants) -> float | None:
+    """Return the largest shear stress for a torque of one, None where it has no limit or depends on the part."""
+    if len(drawn.section.parts) > 1 or any(len(region.reentrant_corners()) for region in drawn.section.regions):
+        return None
+    stresses = corner_shear_stresses(constants.prandtl)
+    return float(np.hypot(*stresses.T).max() / constants.prandtl.torsional_rigidity)

@@ -1,0 +1,274 @@
+"""Inputs of a wheelset on two rails that the rigid and the elastic computation share."""
+
+import math
+from typing import Literal
+
+from pydantic import Field
+
+from flangeway.cases.case import Case
+from flangeway.cases.wheelset.wheelset_profiles import rail_named, wheel_named
+from flangeway.errors import InputError
+from flangeway.railway.profiles.bundled import WheelProfile
+from flangeway.railway.profiles.flange_root import with_wide_throat
+from flangeway.railway.profiles.profile_file import ReadOptions
+from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
+from flangeway.railway.track.wheelset_load import (
+    GRAVITY_M_S2,
+    LARGEST_SLOPE,
+    Load,
+    balanced_superelevation_mm,
+    curve_force_N,
+    superelevation_angle,
+)
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+
+LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
+
+N_AXLES = 4
+"""Wheelsets of a usual wagon."""
+
+
+class WheelsetInputs(Case):
+    """Profiles, measures, load and material of a wheelset on two rails."""
+
+    rail: str = Field("136RE", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
+    crown_radius_in: float | None = Field(
+        None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in; 10 if left out"
+    )
+    wheel: str = Field("AAR-1B", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
+    throat_radius_mm: float | None = Field(
+        None, gt=0.0, description="radius of the AAR-1B's throat beside the flange; the file's if left out"
+    )
+    wide_throat_radius_mm: float | None = Field(
+        None, gt=0.0, description="radius of the wide arc between the AAR-1B's throat and tread; the file's if left out"
+    )
+    left_rail: str | None = Field(None, description="rail of the left side, likewise; as on the right if left out")
+    left_wheel: str | None = Field(None, description="wheel of the left side, likewise; as on the right if left out")
+    rail_unit: LengthUnit | None = Field(None, description="unit of the rail's file, if it names none; mm if left out")
+    rail_mirror: bool = Field(False, description="whether the rail's file holds a left-hand rail, to be reversed")
+    wheel_unit: LengthUnit | None = Field(
+        None, description="unit of the wheel's file, if it names none; mm if left out"
+    )
+    wheel_mirror: bool = Field(False, description="whether the wheel's file holds a left-hand wheel, to be reversed")
+    wheel_tape_mm: float | None = Field(
+        None, ge=40.0, le=110.0, description="tape line from the flange's back; the file's, else the measured, else 70"
+    )
+    left_rail_unit: LengthUnit | None = Field(None, description="rail_unit of left_rail")
+    left_rail_mirror: bool = Field(False, description="rail_mirror of left_rail")
+    left_wheel_unit: LengthUnit | None = Field(None, description="wheel_unit of left_wheel")
+    left_wheel_mirror: bool = Field(False, description="wheel_mirror of left_wheel")
+    left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0, description="wheel_tape_mm of left_wheel")
+    rail_body: str | None = Field(
+        None,
+        description="bundled rail with web and foot for a file's head; if left out, the other side's or the nearest",
+    )
+    wheel_body: str | None = Field(
+        None, description="bundled wheel with the rim for a file's running surface, or plain; likewise if left out"
+    )
+    gauge_mm: float = Field(Track.gauge_mm, gt=0.0, description="distance between the rails' heads")
+    gauge_depth_mm: float | None = Field(
+        None, gt=0.0, description="depth below the tops above which the gauge is measured; closest points if left out"
+    )
+    cant: float = Field(Track.cant, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025")
+    back_to_back_mm: float | None = Field(
+        None,
+        gt=0.0,
+        description="distance between the wheels' inner faces; if left out, that of the gauge: "
+        + ", ".join(f"{each.back_to_back_mm:g} for {each.gauge_mm:g}" for each in USUAL_GAUGES),
+    )
+    wheel_radius_mm: float = Field(
+        Wheelset.radius_mm, ge=150.0, description="distance from the axle to the place wheel_radius_at"
+    )
+    wheel_radius_at: Literal["flange-tip", "tape-line"] = Field(
+        "flange-tip", description="where wheel_radius_mm is measured"
+    )
+    left_wheel_radius_mm: float | None = Field(
+        None, ge=150.0, description="radius of the left wheel, likewise; same at the tape line if left out"
+    )
+    barycentre_height_mm: float = Field(
+        Wheelset.barycentre_height_mm, description="height of the car's barycentre above the axle"
+    )
+    axle_load_kN: float = Field(  # noqa: N815 (the unit kilonewton)
+        300.0, gt=0.0, le=1e5, description="weight that the wheelset bears; it presses on the rails"
+    )
+    car_mass_t: float | None = Field(
+        None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"
+    )
+    n_axles: int = Field(N_AXLES, ge=1, description="wheelsets that share car_mass_t")
+    lateral_force_kN: float = Field(  # noqa: N815
+        0.0, description="horizontal force at the barycentre, to the right: centrifugal force of a curve to the left"
+    )
+    speed_km_h: float | None = Field(
+        None, ge=0.0, description="speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"
+    )
+    curve_radius_m: float | None = Field(
+        None, description="radius of the curve, positive to the left, negative to the right; needs speed_km_h"
+    )
+    superelevation_mm: float | Literal["from-speed"] = Field(
+        0.0, description="height of the right rail over the left one; from-speed: what balances speed and radius"
+    )
+    cant_deficiency_mm: float = Field(
+        0.0, ge=0.0, description="what a superelevation from-speed lacks of the balanced one"
+    )
+    superelevation_base_mm: float | None = Field(
+        None,
+        gt=0.0,
+        description="width over which superelevation is measured, between the running circles 1500 on standard gauge; "
+        "the gauge if left out",
+    )
+    thickness_mm: float = Field(
+        WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
+    )
+    young_MPa: float = Field(  # noqa: N815 (the unit megapascal)
+        210e3, gt=0.0, description="Young's modulus of wheels and rails"
+    )
+    poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
+
+    def load(self) -> Load:
+        """Return weight, lateral force and tilt of the track.
+
+        Raises
+        ------
+        InputError
+            If speed or radius stands alone, or a force is given besides both.
+
+        """
+        weight = 1e3 * self.axle_load_kN
+        if self.car_mass_t is not None:
+            if "axle_load_kN" in self.model_fields_set:
+                raise InputError("axle_load_kN and car_mass_t", "one of both", "leave one out")
+            weight = 1e3 * self.car_mass_t / self.n_axles * GRAVITY_M_S2
+        elif self.n_axles != N_AXLES:
+            raise InputError("n_axles without car_mass_t", "both", "give car_mass_t, or axle_load_kN alone")
+        lateral = 1e3 * self.lateral_force_kN
+        base = self._superelevation_base
+        if (self.speed_km_h is None) != (self.curve_radius_m is None):
+            raise InputError("one of speed_km_h and curve_radius_m", "both or neither", "give the other one as well")
+        if self.speed_km_h is not None and self.curve_radius_m is not None:
+            if "lateral_force_kN" in self.model_fields_set:
+                raise InputError(
+                    "lateral_force_kN with speed_km_h and curve_radius_m", "the force or both of these", "leave it out"
+                )
+            if self.curve_radius_m == 0.0:
+                raise InputError(
+                    "curve_radius_m = 0",
+                    "a radius above 0 for a curve to the left, below 0 for one to the right",
+                    "give it in m, or leave curve_radius_m and speed_km_h out on straight track",
+                )
+            lateral = curve_force_N(weight, self.speed_km_h, self.curve_radius_m)
+        return Load(weight, lateral, superelevation_angle(self._superelevation(base), base))
+
+    def derived(self) -> list[str]:
+        """Return in sentences what follows from other inputs: distance of the wheels and base of the superelevation."""
+        sentences = []
+        if self.back_to_back_mm is None:
+            usual = usual_gauge(self.gauge_mm)
+            sentences.append(
+                f"Back to back {usual.back_to_back_mm:g} mm, from the gauge of {self.gauge_mm:g} mm: {usual.source}."
+            )
+        base = self._superelevation_base
+        height = self._superelevation(base)
+        if height:
+            which = "the gauge" if self.superelevation_base_mm is None else "superelevation_base_mm"
+            sentences.append(
+                f"Superelevation {height:.4g} mm over a base of {base:g} mm: {which}, tilt of the track "
+                f"{superelevation_angle(height, base):.5f} rad."
+            )
+        return sentences
+
+    @property
+    def _superelevation_base(self) -> float:
+        return self.gauge_mm if self.superelevation_base_mm is None else self.superelevation_base_mm
+
+    def _superelevation(self, base: float) -> float:
+        """Height of the right rail over the left one in mm."""
+        if self.superelevation_mm != "from-speed":
+            if self.cant_deficiency_mm:
+                raise InputError(
+                    f"cant_deficiency_mm with superelevation_mm = {float(self.superelevation_mm):g}",
+                    "superelevation_mm = from-speed, from which it is taken off",
+                    "give from-speed, or leave cant_deficiency_mm out: a given height lacks what it lacks",
+                )
+            height = float(self.superelevation_mm)
+            # what a case of a curve has by default is of its outer rail
+            to_the_right = self.curve_radius_m is not None and self.curve_radius_m < 0.0
+            return -height if to_the_right and "superelevation_mm" not in self.model_fields_set else height
+        if self.speed_km_h is None or self.curve_radius_m is None:
+            raise InputError(
+                "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"
+            )
+        balanced = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
+        what = f"{abs(balanced):.4g} mm that balance {self.speed_km_h:g} km/h and {abs(self.curve_radius_m):g} m"
+        height = abs(balanced) - self.cant_deficiency_mm
+        if height < 0.0:
+            raise InputError(
+                f"cant_deficiency_mm = {self.cant_deficiency_mm:g}",
+                f"at most the {what}",
+                "lower it, or raise the speed",
+            )
+        if height > LARGEST_SLOPE * base:
+            raise InputError(
+                f"superelevation_mm = from-speed: the {what}",
+                f"at most {LARGEST_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
+                "give the superelevation that is there, or what is not balanced as cant_deficiency_mm",
+            )
+        return math.copysign(height, balanced)
+
+    def track(self) -> Track:
+        """Return the rails in their places."""
+        left, read = None, self._reading("rail")
+        left_read = self._reading("left_rail")
+        if self.left_rail is not None and (self.left_rail, left_read) != (self.rail, read):
+            crown = self._crown(self.left_rail)
+            left = rail_named(self.left_rail, crown, self.rail_body, self.rail, left_read, "left_rail")
+        right = rail_named(self.rail, self._crown(self.rail), self.rail_body, self.left_rail, read)
+        return Track(right, self.gauge_mm, self.cant, left, self.gauge_depth_mm)
+
+    def _crown(self, name: str) -> float | None:
+        """Radius of the crown for a rail, left out only where the other side's rail is the one that takes it."""
+        other = {self.rail, self.left_rail or self.rail} - {name}
+        return None if name != "136RE" and "136RE" in other else self.crown_radius_in
+
+    def _reading(self, key: Literal["rail", "left_rail", "wheel", "left_wheel"]) -> ReadOptions:
+        """Return what the inputs say of the file of a profile.
+
+        Raises
+        ------
+        InputError
+            If they say something of a left profile that there is not.
+
+        """
+        name = getattr(self, key)
+        options = {each: getattr(self, f"{key}_{each}", None) for each in ("unit", "mirror", "tape_mm")}
+        said = [f"{key}_{each}" for each, value in options.items() if value]
+        if name is None and said:
+            raise InputError(
+                f"{' and '.join(said)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
+            )
+        right = key.removeprefix("left_")
+        if name == getattr(self, right):  # the same file has the same unit
+            options = {each: getattr(self, f"{right}_{each}", None) if v is None else v for each, v in options.items()}
+        return ReadOptions(unit=options["unit"], mirror=bool(options["mirror"]), tape_mm=options["tape_mm"])
+
+    def _wheel(self, key: Literal["wheel", "left_wheel"]) -> WheelProfile:
+        name, read = str(getattr(self, key)), self._reading(key)
+        other = self.left_wheel if key == "wheel" else self.wheel
+        if name != "AAR-1B" and other == "AAR-1B":
+            return wheel_named(name, None, self.wheel_body, other, read, key)
+        found = wheel_named(name, self.throat_radius_mm, self.wheel_body, other, read, key)
+        return found if self.wide_throat_radius_mm is None else with_wide_throat(found, self.wide_throat_radius_mm)
+
+    def wheelset(self) -> Wheelset:
+        """Return the wheels on their axle."""
+        right = self._wheel("wheel")
+        left, left_read = None, self._reading("left_wheel")
+        if self.left_wheel is not None and (self.left_wheel, left_read) != (self.wheel, self._reading("wheel")):
+            left = self._wheel("left_wheel")
+        radius, left_radius = self.wheel_radius_mm, self.left_wheel_radius_mm
+        if self.wheel_radius_at == "tape-line":
+            radius += right.flange_height_mm
+            left_radius = None if left_radius is None else left_radius + (left or right).flange_height_mm
+        distance = self.back_to_back_mm
+        if distance is None:
+            distance = usual_gauge(self.gauge_mm).back_to_back_mm
+        return Wheelset(right, distance, radius, self.barycentre_height_mm, left, left_radius)

@@ -1,0 +1,215 @@
+"""Rails and wheels of cases by the names that users give: bundled ones, or files of profiles."""
+
+import re
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+from flangeway.errors import InputError
+from flangeway.geometry import Outline
+from flangeway.railway.profiles.bundled import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
+from flangeway.railway.profiles.formats.raw_profile import Kind
+from flangeway.railway.profiles.joining import joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile, side_notices
+from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.railway.track.placements import Side, Track, Wheelset
+from flangeway.system.file_content import is_file
+
+READ_AS_IT_IS = ReadOptions()
+PLAIN = "plain"
+"""Body of a wheel that is like no bundled one: a block above its running surface."""
+
+
+def rail_named(
+    name: str,
+    crown_radius_in: float | None,
+    body: str | None = None,
+    other: str | None = None,
+    options: ReadOptions = READ_AS_IT_IS,
+    key: str = "rail",
+) -> RailProfile:
+    """Return a bundled rail, a file's running surface on the body of a bundled one, or a file's whole outline.
+
+    Parameters
+    ----------
+    name
+        Of a bundled rail, or of a file.
+    crown_radius_in
+        Radius of a 136RE's crown; None: the usual one.
+    body
+        The bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's ends.
+    other
+        The rail of the other side.
+    options
+        What the file does not say: unit, mirror, distance of the tape line.
+    key
+        Name of the input, for messages: the options are called after it, such as ``rail_unit``.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name, or the file holds a wheel, cannot be read or does not fit the body.
+
+    """
+    if not _means_file(name):
+        _refuse_other_kind(name, "rail")
+        _refuse_options(name, options, key)
+        return rail(name, crown_radius_in=crown_radius_in)
+    found = _from_file(name, "rail", body, other, options, key)
+    if not isinstance(found, RailProfile):
+        raise TypeError("a rail's file gives a rail")
+    return found
+
+
+def wheel_named(
+    name: str,
+    throat_radius_mm: float | None,
+    body: str | None = None,
+    other: str | None = None,
+    options: ReadOptions = READ_AS_IT_IS,
+    key: str = "wheel",
+) -> WheelProfile:
+    """Return a bundled wheel, or one from a file; body, other side, options and errors as `rail_named`."""
+    if not _means_file(name):
+        _refuse_other_kind(name, "wheel")
+        _refuse_options(name, options, key)
+        if name == IDENTIFIED:
+            if throat_radius_mm is not None:
+                raise InputError(f"throat_radius_mm = {throat_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+            return identified_wheel()
+        return wheel(name, throat_radius_mm=throat_radius_mm)
+    found = _from_file(name, "wheel", body, other, options, key)
+    if not isinstance(found, WheelProfile):
+        raise TypeError("a wheel's file gives a wheel")
+    return found
+
+
+def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
+    for option, value in vars(options).items():
+        if value != getattr(READ_AS_IT_IS, option):
+            raise InputError(f"{key}_{option} of the bundled {name}", "a file", f"leave {key}_{option} out")
+
+
+_joined = lru_cache(maxsize=8)(joined)
+"""The nearest body is found by joining all, so one is joined already."""
+
+
+def _from_file(
+    name: str, kind: Kind, body: str | None, other: str | None, options: ReadOptions, key: str
+) -> RailProfile | WheelProfile:
+    measured = _read(name, kind, options, key)
+    if measured.kind != kind:
+        raise InputError(
+            f"{key} = {name}, which holds a {measured.kind}", f"a {kind}", "exchange the keys rail and wheel"
+        )
+    if isinstance(measured.surface, Outline):
+        return whole_profile(measured)
+    bodies = RAILS if kind == "rail" else (*WHEELS, PLAIN)
+    body = body or _nearest_body(measured, other)
+    if body == PLAIN and kind == "wheel":
+        return on_plain_body(measured)
+    try:
+        wanted = nominal_profile(body)
+    except InputError as reason:
+        raise InputError(
+            f"{kind}_body = {body}", ", ".join(bodies), "choose the one most like the measured"
+        ) from reason
+    if isinstance(wanted, RailProfile) != (kind == "rail"):
+        raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
+    try:
+        return _joined(measured, body).profile
+    except InputError as reason:
+        others = [each for each in bodies if each != body and _fits(measured, each)]
+        advice = (
+            f"flangeway profile {name} --join {body} shows what it is taken for; options say what the file does not"
+        )
+        if others:
+            advice = f"is it the profile of another {kind}? Give {kind}_body = {' or '.join(others)}"
+        given, allowed = (_as_keys(text, key) for text in (reason.given, reason.allowed))
+        raise InputError(f"{key} = {name}: {given}", allowed, advice) from reason
+
+
+def _as_keys(text: str, key: str) -> str:
+    """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
+    text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
+    for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
+        text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
+    return text
+
+
+def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
+    """Read a file; where neither file nor shape tells what it holds, the key does."""
+    try:
+        measured = read_profile(name, options)
+    except InputError as reason:
+        if "--kind" in reason.allowed:
+            try:
+                measured = read_profile(name, replace(options, kind=kind))
+                return replace(measured, notices=tuple(_as_keys(each, key) for each in measured.notices))
+            except InputError as second:
+                reason = second
+        given, allowed, advice = (_as_keys(text, key) for text in (reason.given, reason.allowed, reason.advice))
+        if "--" in f"{allowed} {advice}":
+            advice += f": options of `flangeway profile {name}`, whose --to writes a file for {kind}"
+        raise InputError(f"{key} = {given}", allowed, advice) from reason
+    return replace(measured, notices=tuple(_as_keys(each, key) for each in measured.notices))
+
+
+def _fits(measured: MeasuredProfile, body: str) -> bool:
+    try:
+        on_plain_body(measured) if body == PLAIN else _joined(measured, body)
+    except InputError:
+        return False
+    return True
+
+
+def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
+    """Return the other side's body if it fits; else the bundled one that is nearest to the surface's ends."""
+    names = RAILS if measured.kind == "rail" else WHEELS
+    gaps = {}
+    for name in names:
+        try:
+            gaps[name] = max(joint.gap_mm for joint in _joined(measured, name).joints)
+        except InputError:
+            continue
+    if other is not None and other in (gaps or names):
+        return other
+    return min(gaps, key=lambda name: gaps[name]) if gaps else names[0]
+
+
+def _refuse_other_kind(name: str, kind: Kind) -> None:
+    if name in (WHEELS if kind == "rail" else RAILS):
+        other = "wheel" if kind == "rail" else "rail"
+        raise InputError(
+            f"{kind} = {name}, which is a {other}",
+            ", ".join(RAILS if kind == "rail" else WHEELS),
+            "exchange the keys rail and wheel",
+        )
+
+
+def _means_file(name: str) -> bool:
+    path = Path(name)
+    return path.suffix.lower() in FORMATS or is_file(path)
+
+
+def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
+    """Return how far the profiles can be trusted, and what was assumed when their files were read, in sentences."""
+    both: tuple[Side, Side] = ("right", "left")
+    wheels = [("Wheel", each) for each in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
+    rails = [("Rail", each) for each in dict.fromkeys(track.rail_of(side) for side in both)]
+    profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
+    return [
+        *(f"{word} {each.title}. {each.certainty}" for word, each in profiles),
+        *(f"{notice} ({each.title})" for _, each in profiles for notice in each.notices),
+    ]
+
+
+def worn_field_sides(track: Track) -> list[str]:
+    """Return a warning for each rail that is worn more at the side that no flange reaches."""
+    warnings = []
+    for side, key in (("right", "rail"), ("left", "left_rail")):
+        if side == "right" or not track.is_symmetric:
+            head = track.rail_of("left" if side == "left" else "right").running_surface
+            warnings += [_as_keys(each, key) for each in side_notices(head)]
+    return warnings

@@ -1,0 +1,131 @@
+"""``flangeway campaign``."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from flangeway.cli.app import app
+from flangeway.cli.common import DONE, FAILED, INTERRUPTED, Out, complain, errors_as_exit_status, say, stdout
+
+if TYPE_CHECKING:
+    from flangeway.campaign import CampaignProgress
+
+CampaignFile = Annotated[Path, typer.Argument(metavar="FILE", help="A campaign's file (.toml).")]
+WorkersOption = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out.", show_default=False),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option(
+        "--scheduler", metavar="ADDRESS", help="A scheduler of dask.distributed whose workers compute instead."
+    ),
+]
+Fresh = Annotated[bool, typer.Option("--fresh", help="Drop the results that are there, and compute all anew.")]
+Export = Annotated[
+    str | None,
+    typer.Option(
+        "--export", metavar="[csv|parquet]", help="Format of the tables; once all is done, nothing else is written."
+    ),
+]
+
+LINE_EVERY_S = 5.0
+
+
+@app.command()
+def campaign(
+    file: CampaignFile,
+    out: Out = None,
+    workers: WorkersOption = None,
+    scheduler: Scheduler = None,
+    fresh: Fresh = False,
+    export: Export = None,
+) -> None:
+    """Run a case over many inputs: results row by row in one SQLite file, tables, pictures (out/FILE)."""
+    with errors_as_exit_status():
+        from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
+        from flangeway.campaign.results_table import refuse_format  # noqa: PLC0415
+        from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
+            DATABASE,
+            check_campaign_folder,
+            print_campaign,
+            write_campaign,
+            write_export,
+        )
+
+        if export is not None:
+            refuse_format(export)
+        wanted = Campaign.from_file(file)
+        folder = out or Path("out", file.stem)
+        check_campaign_folder(folder)
+        database = folder / DATABASE
+        had_all = not fresh and database.is_file() and results(database).is_done
+        try:
+            with _rows_shown() as progress:
+                end = run_campaign(
+                    wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=progress
+                )
+        except KeyboardInterrupt:
+            complain(f"interrupted; what is done is kept in {database}, and the same command goes on from there")
+            raise typer.Exit(INTERRUPTED) from None
+        table = results(database)
+        if export is not None and had_all:
+            files = write_export(table, folder, export)
+        else:
+            files = write_campaign(wanted, table, folder, export or "csv", say)
+        print_campaign(stdout(), end, table, [database, *files])
+        raise typer.Exit(DONE if end.all_converged else FAILED)
+
+
+@contextmanager
+def _rows_shown() -> Iterator[Callable[["CampaignProgress"], None]]:
+    """Show on stderr how many rows are done and the time left: a bar on a terminal, some lines elsewhere."""
+    from rich.console import Console  # noqa: PLC0415
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
+
+    console = Console(stderr=True)
+    if not console.is_terminal:
+        yield _lines()
+        return
+    columns = (
+        *(TimeElapsedColumn(), BarColumn(), MofNCompleteColumn()),
+        TextColumn("{task.description}", markup=False),
+    )
+    with Progress(*columns, console=console, transient=True) as bar:
+        task = bar.add_task("starting the workers", total=None)
+
+        def show(now: "CampaignProgress") -> None:
+            bar.update(task, total=now.n_rows, completed=now.n_done, description=_left(now))
+
+        yield show
+
+
+def _lines() -> Callable[["CampaignProgress"], None]:
+    last = -LINE_EVERY_S
+
+    def show(now: "CampaignProgress") -> None:
+        nonlocal last
+        if time.monotonic() - last >= LINE_EVERY_S or now.n_done == now.n_rows:
+            last = time.monotonic()
+            say(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
+
+    return show
+
+
+def _left(now: "CampaignProgress") -> str:
+    """Time left and the numbers of rows that went wrong."""
+    words = []
+    if now.n_done == now.n_rows:
+        words.append("done")
+    elif now.seconds_left is None:
+        words.append("time left not known yet")
+    else:
+        hours, seconds = divmod(round(now.seconds_left), 3600)
+        minutes, seconds = divmod(seconds, 60)
+        words.append(f"{hours}:{minutes:02}:{seconds:02} left")
+    words += [f"{now.counts[status]} {status}" for status in ("not converged", "failed") if now.counts.get(status)]
+    return ", ".join(words)

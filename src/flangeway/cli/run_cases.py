@@ -1,0 +1,227 @@
+"""``flangeway run``, ``check``, ``init``, ``schema``, ``converge`` and ``cases``."""
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from flangeway.cli.app import app
+from flangeway.cli.common import (
+    DONE,
+    FAILED,
+    Out,
+    errors_as_exit_status,
+    path_given,
+    progress_shown,
+    settings_of,
+    stdout,
+)
+from flangeway.errors import InputError
+
+if TYPE_CHECKING:
+    from flangeway.cases import WheelsetCase
+    from flangeway.cases.case import RunnableCase
+
+CaseOrFile = Annotated[
+    str,
+    typer.Argument(metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), or a case file."),
+]
+CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
+NewName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them.")]
+To = Annotated[
+    Path | None,
+    typer.Option(
+        "--to", metavar="FILE", help="The file; NAME.toml if left out.", show_default=False, parser=path_given
+    ),
+]
+SchemaTo = Annotated[
+    Path | None,
+    typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False, parser=path_given),
+]
+ListedName = Annotated[
+    str | None, typer.Argument(metavar="[CASE]", help="The one to explain; all if left out.", show_default=False)
+]
+# text, not numbers or choices: the case checks all values, with one kind of message
+Method = Annotated[
+    str | None,
+    typer.Option("--method", metavar="[fem|vem]", help="Triangles, or polygons with virtual elements."),
+]
+CaseOrder = Annotated[
+    str | None, typer.Option("--order", metavar="[1|2]", help="Order of the elements of a case.", show_default=False)
+]
+SizeScale = Annotated[
+    str | None,
+    typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them."),
+]
+Primary = Annotated[
+    str | None,
+    typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies that give the segments of contact."),
+]
+Crown = Annotated[
+    str | None,
+    typer.Option("--crown-radius", metavar="[8|10|14]", help="Radius of the rail's crown in inches."),
+]
+Set = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Any other input of the case, as often as needed."),
+]
+
+CaseWork = Callable[[str, "RunnableCase", Path | None], bool]
+"""Work on the case of a name or file, with a folder for the results; whether it ended well."""
+
+
+def _command_on_a_case(work: CaseWork) -> CaseWork:
+    """Add a command that takes a case with its options; the exit status says whether its work ended well."""
+
+    @app.command(work.__name__, help=work.__doc__)
+    def command(
+        case: CaseOrFile,
+        method: Method = None,
+        order: CaseOrder = None,
+        size_scale: SizeScale = None,
+        primary: Primary = None,
+        crown_radius: Crown = None,
+        set_: Set = None,
+        out: Out = None,
+    ) -> None:
+        with errors_as_exit_status():
+            inputs = _case(
+                case,
+                set_,
+                method=method,
+                order=order,
+                size_scale=size_scale,
+                primary=primary,
+                crown_radius_in=crown_radius,
+            )
+            raise typer.Exit(DONE if work(case, inputs, out) else FAILED)
+
+    return work
+
+
+@_command_on_a_case
+def run(name: str, case: "RunnableCase", out: Path | None) -> bool:
+    """Run a case or a case file: summary here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
+    from flangeway.report.case_outputs import case_files, print_case, write_case  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    folder = out or Path("out", Path(name).stem)
+    refuse_unwritable(folder, case_files(case))
+    with progress_shown() as progress:
+        done = case.run(progress)
+        files = write_case(done, folder, progress)
+    print_case(stdout(), done, files)
+    return done.status.converged
+
+
+@_command_on_a_case
+def converge(name: str, case: "RunnableCase", out: Path | None) -> bool:
+    """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge/converge.json)."""
+    from flangeway.cases import run_halved, write_summary  # noqa: PLC0415
+    from flangeway.report.wheelset.terminal import print_convergence  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable, write_together  # noqa: PLC0415
+
+    wheelset = _wheelset(case)
+    folder, file = out or Path("out", f"{Path(name).stem}-converge"), "converge.json"
+    refuse_unwritable(folder, (file,))
+    with progress_shown() as progress:
+        found = run_halved(wheelset, progress)
+    files = write_together(folder, {file: lambda path: write_summary(path, found.to_json())})
+    print_convergence(stdout(), found, files[0])
+    return found.within
+
+
+@app.command()
+def cases(case: ListedName = None) -> None:
+    """List the cases and their inputs, with defaults and what is allowed."""
+    with errors_as_exit_status():
+        from rich.table import Column, Table  # noqa: PLC0415
+
+        from flangeway.cases import CASES, find_case  # noqa: PLC0415
+
+        console = stdout()
+        wanted = list(CASES.values()) if case is None else [find_case(case)]
+        for kind in wanted:
+            console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
+            for caption, rows in kind.tables_of_inputs():
+                if caption:
+                    console.print(f"  {caption}", markup=False)
+                table = Table(Column("key", no_wrap=True), "default", "allowed", "meaning", box=None, pad_edge=False)
+                for row in rows:
+                    table.add_row(*row)
+                console.print(table, markup=False)
+
+
+@app.command()
+def init(name: NewName, to: To = None) -> None:
+    """Write a case file to begin with: every key with its meaning, unit, range and default."""
+    with errors_as_exit_status():
+        from flangeway.cases import find_case, write_template  # noqa: PLC0415
+        from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
+
+        text = write_template(find_case(name))
+        file = to or Path(f"{name}.toml")
+        _refuse_existing(file, "choose another name with --to, or remove it")
+        write_together(file.parent, {file.name: text_writer(text)})
+        stdout().print(f"{file}: edit it, then flangeway run {file}", markup=False, soft_wrap=True)
+
+
+@app.command()
+def check(file: CaseFile, set_: Set = None) -> None:
+    """Check a case file without computing: keys, values, ranges, files, shapes; what is wrong is told with its line."""
+    with errors_as_exit_status():
+        inputs = _case(str(file), set_)
+        given = len(inputs.model_fields_set)
+        stdout().print(
+            f"{file}: a case {inputs.name} with {given} input{'s' * (given != 1)}; nothing is wrong. Compute it with "
+            f"flangeway run {file}",
+            markup=False,
+            soft_wrap=True,
+        )
+
+
+@app.command()
+def schema(to: SchemaTo = None) -> None:
+    """Print the JSON Schema of case files, with which editors complete keys and mark mistakes."""
+    with errors_as_exit_status():
+        import json  # noqa: PLC0415
+
+        from flangeway.cases.case_template import schema as case_schema  # noqa: PLC0415
+        from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
+
+        text = json.dumps(case_schema(), indent=2, ensure_ascii=False) + "\n"
+        if to is None:
+            typer.echo(text, nl=False)
+            return
+        write_together(to.parent, {to.name: text_writer(text)})
+        stdout().print(f"{to}: name it in the first line of a case file, #:schema {to}", markup=False, soft_wrap=True)
+
+
+def _case(name: str, settings: list[str] | None, **options: str | None) -> "RunnableCase":
+    """Return the case with the options that are given, by key, checked as far as possible before computing."""
+    from flangeway.cases.case import GivenText  # noqa: PLC0415
+    from flangeway.cases.case_file import check_case, is_case_file, read_case  # noqa: PLC0415
+
+    given: dict[str, Any] = {key: GivenText(value) for key, value in options.items() if value is not None}
+    given |= settings_of(settings, f"`flangeway cases` lists the keys of {name}")
+    case = read_case(name, given)
+    with progress_shown():
+        check_case(case, name if is_case_file(name) else None)
+    return case
+
+
+def _wheelset(case: "RunnableCase") -> "WheelsetCase":
+    """Return the case if it is one of a wheelset."""
+    from flangeway.cases import CASES, WheelsetCase  # noqa: PLC0415
+
+    if isinstance(case, WheelsetCase):
+        return case
+    names = [name for name, kind in CASES.items() if issubclass(kind, WheelsetCase)]
+    raise InputError(f"a case called {case.name!r}", f"one of: {', '.join(names)}", "choose one of these")
+
+
+def _refuse_existing(file: Path, advice: str) -> None:
+    if os.path.lexists(file):
+        raise InputError(f"file {file}, which is there already", "the name of a new file", advice)

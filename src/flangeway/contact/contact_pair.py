@@ -1,0 +1,129 @@
+"""Contact between two surfaces."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import get_args
+
+import numpy as np
+
+from flangeway.checks import is_finite, refused
+from flangeway.contact.enforcement import Enforcement, Multiplier
+from flangeway.contact.node_to_segment import NodeToSegment
+from flangeway.contact.segment_to_segment import SegmentToSegment
+from flangeway.contact.surface import Surface
+from flangeway.errors import InputError, short
+from flangeway.materials import Material
+from flangeway.types import Floats
+
+Pairing = NodeToSegment | SegmentToSegment
+
+
+@dataclass(frozen=True, eq=False)
+class Contact:
+    """Frictionless contact between two surfaces.
+
+    Parameters
+    ----------
+    secondary
+        Surface that gives nodes, or over which gaps are averaged. The one with the finer mesh is the better choice.
+    primary
+        Surface that gives segments.
+    pairing
+        How the surfaces are compared.
+    enforcement
+        How the condition of no penetration is enforced.
+    friction
+        Coefficient of friction: only 0 can be solved.
+
+    Raises
+    ------
+    InputError
+        If the surfaces belong to one part or to parts of unlike thickness or hypothesis, if the pairing and the
+        enforcement do not go together, if a penalty has no value (the message suggests one for these bodies), or for
+        friction.
+
+    """
+
+    secondary: Surface
+    primary: Surface
+    pairing: Pairing
+    enforcement: Enforcement
+    friction: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, kinds in (("pairing", Pairing), ("enforcement", Enforcement)):
+            if not isinstance(value := getattr(self, name), kinds):
+                allowed = " or ".join(f"{kind.__name__}(...)" for kind in get_args(kinds))
+                raise refused("Contact", name, value, allowed, "make one, with its parentheses")
+        if self.secondary.part is self.primary.part:
+            raise InputError(
+                f"a contact of {self.primary.part.name!r} with itself",
+                "surfaces of two parts",
+                "model the two sides as two parts",
+            )
+        if self.secondary.part.body.thickness != self.primary.part.body.thickness:
+            raise InputError(
+                f"a contact of {self._names} with thicknesses {self.secondary.part.body.thickness} and "
+                f"{self.primary.part.body.thickness}",
+                "one thickness for both",
+                "give both bodies the length over which they touch",
+            )
+        hypotheses = [_materials(side)[0].hypothesis for side in (self.secondary, self.primary)]
+        if hypotheses[0] != hypotheses[1]:
+            raise InputError(
+                f"a contact of {self._names} in {' and '.join(word.replace('_', ' ') for word in hypotheses)}",
+                "both in plane strain, or both in plane stress",
+                "take one hypothesis for both materials",
+            )
+        if not (is_finite(self.friction) and self.friction == 0.0):
+            raise InputError(
+                f"Contact(friction={short(self.friction)}) of {self._names}",
+                "0: contact is frictionless",
+                "leave friction out; tangential forces are not modelled",
+            )
+        self._refuse_nonsense()
+
+    @property
+    def node_areas(self) -> Floats:
+        """Areas of the secondary nodes, length times thickness, if the primary faces them all: shape (n_nodes,)."""
+        return self.pairing.node_areas(self.secondary)
+
+    @property
+    def suggested_penalty(self) -> float:
+        """Ten times the larger stiffness over the mean length of the secondary edges, a pressure per length."""
+        stiffest = max(
+            float(material.matrix.diagonal().max())
+            for surface in (self.secondary, self.primary)
+            for material in _materials(surface)
+        )
+        return 10.0 * stiffest / float(np.mean(self.secondary.edge_lengths))
+
+    @property
+    def _names(self) -> str:
+        return f"{self.secondary.part.name!r} on {self.primary.part.name!r}"
+
+    def _refuse_nonsense(self) -> None:
+        if isinstance(self.enforcement, Multiplier):
+            return
+        name = type(self.enforcement).__name__
+        if self.enforcement.per == "node" and isinstance(self.pairing, SegmentToSegment):
+            raise InputError(
+                f"SegmentToSegment with {name}(per='node') of {self._names}",
+                "per='length': the gap is averaged over the surface, not taken at nodes",
+                "take per='length', or NodeToSegment",
+            )
+        if self.enforcement.value is None:
+            value = self.suggested_penalty
+            if self.enforcement.per == "node":
+                value *= float(np.mean(self.node_areas))
+            raise InputError(
+                f"{name} without a value for {self._names}",
+                "a number > 0",
+                f"for these bodies and meshes start with {name}({value:.2g}, per={self.enforcement.per!r}); "
+                "a larger one penetrates less",
+            )
+
+
+def _materials(surface: Surface) -> tuple[Material, ...]:
+    material = surface.part.body.material
+    return tuple(material.values()) if isinstance(material, Mapping) else (material,)

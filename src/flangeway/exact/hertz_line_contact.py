@@ -1,0 +1,143 @@
+"""Contact of parallel cylinders by Hertz (Johnson, 1985, "Contact Mechanics", 4.2; seed Table 2 as corrected)."""
+
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flangeway.checks import check_positive
+from flangeway.errors import InputError
+from flangeway.types import Floats
+
+DEPTH_OF_MAX_SHEAR = 0.7861513777574233
+"""Depth over the half width where the shear stress on the axis is greatest, the root of ``(sqrt(5) - 1) / 2``."""
+
+
+@dataclass(frozen=True)
+class LineContact:
+    """Contact of two cylinders with parallel axes under a force per length.
+
+    Parameters
+    ----------
+    force_per_length
+        Force P per length out of the plane, > 0.
+    relative_curvature
+        Sum of the two curvatures at the contact, ``1/R = 1/R1 + 1/R2 > 0``; a concave side counts negative.
+    modulus
+        Contact modulus E*, with ``1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2``.
+
+    """
+
+    force_per_length: float
+    relative_curvature: float
+    modulus: float
+
+    def __post_init__(self) -> None:
+        for name in ("force_per_length", "relative_curvature", "modulus"):
+            advice = "check the sign of the load and of the curvatures: convex is positive"
+            check_positive("LineContact", name, getattr(self, name), advice=advice)
+
+    @classmethod
+    def of_max_pressure(cls, max_pressure: float, relative_curvature: float, modulus: float) -> Self:
+        """Contact with a given largest pressure, ``P = pi R p0^2 / E*``."""
+        return cls(
+            np.pi * max_pressure * abs(max_pressure) / (relative_curvature * modulus), relative_curvature, modulus
+        )
+
+    @property
+    def half_width(self) -> float:
+        """Half width a of the contact, ``a^2 = 4 P R / (pi E*)``."""
+        radius = 1.0 / self.relative_curvature
+        return float(np.sqrt(4.0 * self.force_per_length * radius / (np.pi * self.modulus)))
+
+    @property
+    def max_pressure(self) -> float:
+        """Largest pressure ``p0 = 2 P / (pi a)``."""
+        return 2.0 * self.force_per_length / (np.pi * self.half_width)
+
+    @property
+    def max_shear(self) -> float:
+        """Largest shear stress in the plane, ``0.3003 p0`` at `DEPTH_OF_MAX_SHEAR` below the middle (seed 2.75)."""
+        depth = DEPTH_OF_MAX_SHEAR
+        return self.max_pressure * (depth - depth**2 / float(np.hypot(1.0, depth)))
+
+    def pressure(self, x: ArrayLike) -> Floats:
+        """Pressure at distances x from the middle, ``p0 sqrt(1 - x^2 / a^2)``, zero outside."""
+        relative = 1.0 - (np.asarray(x, dtype=np.float64) / self.half_width) ** 2
+        return self.max_pressure * np.sqrt(np.maximum(relative, 0.0))
+
+    def stresses(self, x: ArrayLike, depth: ArrayLike) -> Floats:
+        """Stresses in a half plane (McEwen, 1949; Johnson, 1985, eq. 4.49; on the axis seed 2.73 to 2.75).
+
+        Parameters
+        ----------
+        x
+            Distances from the middle along the surface, of a shape that fits that of `depth`.
+        depth
+            Depths z >= 0 below the surface.
+
+        Returns
+        -------
+        Floats
+            Normal stress along the surface, normal stress across it and their shear ``xz`` with z pointing into the
+            body, tension positive, shape (..., 3).
+
+        Raises
+        ------
+        InputError
+            If a depth is negative.
+
+        """
+        along, z = np.broadcast_arrays(np.asarray(x, dtype=np.float64), np.asarray(depth, dtype=np.float64))
+        if (z < 0.0).any():
+            raise InputError(f"a depth of {z.min():g}", "depths >= 0", "measure them from the surface into the body")
+        a = self.half_width
+        difference = a**2 - along**2 + z**2
+        root = np.hypot(difference, 2.0 * along * z)
+        # the smaller of the two squares from their product, which loses no digits
+        larger = (root + np.abs(difference)) / 2.0
+        smaller = np.where(larger > 0.0, (along * z) ** 2 / np.where(larger > 0.0, larger, 1.0), 0.0)
+        m = np.sqrt(np.where(difference > 0.0, larger, smaller))
+        n = np.copysign(np.sqrt(np.where(difference > 0.0, smaller, larger)), along)
+        total = np.maximum(root, np.finfo(np.float64).tiny)
+        share = (z**2 + n**2) / total
+        along_surface = m * (1.0 + share) - 2.0 * z
+        across = m * (1.0 - share)
+        shear = n * (m**2 - z**2) / total
+        return -(self.max_pressure / a) * np.stack((along_surface, across, shear), axis=-1)
+
+    def axis_stresses_in_disc(self, depth: ArrayLike, radius: float) -> Floats:
+        """Stresses on the line of symmetry of a disc that is pressed at both ends of a diameter (Johnson, 1985, 5.6).
+
+        Beside those in a half plane stand the even tension ``P / (pi R)`` across the diameter, and along it what the
+        opposite contact adds.
+
+        Parameters
+        ----------
+        depth
+            Depths z below the contact, 0 <= z < 2 R, shape (n,).
+        radius
+            Radius R of the disc.
+
+        Returns
+        -------
+        Floats
+            As of `stresses`, the shear being zero, shape (n, 3).
+
+        """
+        z = np.asarray(depth, dtype=np.float64)
+        if not (radius > 0.0 and (z < 2.0 * radius).all()):
+            raise InputError(
+                f"depths up to {z.max():g} in a disc of radius {radius}", "a radius above half of them", "check both"
+            )
+        result = self.stresses(0.0, z)
+        even = self.force_per_length / np.pi
+        result[..., 0] += even / radius
+        result[..., 1] += even * (1.0 / radius - 2.0 / (2.0 * radius - z))
+        return result
+
+
+def contact_modulus(plane_modulus_1: float, plane_modulus_2: float) -> float:
+    """Contact modulus E* of two bodies with plane moduli ``E / (1 - nu^2)``."""
+    return 1.0 / (1.0 / plane_modulus_1 + 1.0 / plane_modulus_2)

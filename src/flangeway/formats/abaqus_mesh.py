@@ -1,0 +1,270 @@
+"""Plane meshes from Abaqus input files."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+
+from flangeway.errors import LONGEST_VALUE, InputError, short
+from flangeway.formats.abaqus_assembly import DeckBlock, flat_blocks
+from flangeway.formats.mesh_repair import DrawnMesh
+
+_PLANE = re.compile(r"(?:CPE|CPS|CAX|CPEG|CGAX|M3D|S|STRI|R3D)(3|4|6|8|9|65)(?:[A-Z0-9]*)$")
+_LINES = {"T2D2": 2, "T2D3": 3, "T3D2": 2, "T3D3": 3, "B21": 2, "B22": 3, "B31": 2, "B32": 3, "R2D2": 2, "RAX2": 2}
+_GENERATING = (
+    *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "INCLUDE", "SYSTEM"),
+    *("PARAMETER", "IMPERFECTION", "IMPORT", "IMPORT NSET", "IMPORT ELSET"),
+)
+_READ = {
+    "NODE": ("NSET", "SYSTEM"),
+    "ELEMENT": ("TYPE", "ELSET"),
+    "NSET": ("NSET", "ELSET", "GENERATE", "INSTANCE", "INTERNAL", "UNSORTED"),
+    "ELSET": ("ELSET", "GENERATE", "INSTANCE", "INTERNAL"),
+    "SURFACE": ("NAME", "TYPE", "INTERNAL"),
+    "INSTANCE": ("NAME", "PART"),
+}
+"""Keywords that are read, with the parameters that are known."""
+MOST_NAMED = 30
+_SILENT = ("HEADING", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE")
+
+
+@dataclass
+class _Model:
+    """What has been read so far; elements and nodes by the numbers of the file."""
+
+    nodes: dict[int, list[float]] = field(default_factory=dict)
+    cells: dict[int, list[int]] = field(default_factory=dict)
+    lines: dict[int, list[int]] = field(default_factory=dict)
+    node_sets: dict[str, list[int]] = field(default_factory=dict)
+    element_sets: dict[str, list[int]] = field(default_factory=dict)
+    surfaces: dict[str, list[tuple[str, str]]] = field(default_factory=dict)
+    notices: list[str] = field(default_factory=list)
+    middles: list[int] = field(default_factory=list)
+    n_instances: int = 0
+
+
+def read_abaqus(path: Path) -> DrawnMesh:
+    """Read nodes, plane elements, sets and surfaces, of parts and instances too (see `flat_blocks`).
+
+    Element sets become cell sets. Surfaces of elements (``S1`` to ``S4``, or the whole rim), sets of line elements, and
+    the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name.
+    Elements of second order are read as their corners.
+
+    Raises
+    ------
+    InputError
+        If the file generates, includes or moves nodes, has elements that are not plane, or is broken;
+        and if a keyword that is read has a parameter that is not. Keywords that are not read are named in a notice.
+
+    """
+    try:
+        text = path.read_text(encoding="utf-8-sig", errors="strict")
+    except UnicodeDecodeError:
+        text = path.read_text(encoding="latin-1")
+    if "\0" in text:
+        raise InputError(f"{path}, which is binary", "an Abaqus input file, which is text", "export it as .inp")
+    model = _Model()
+    left: dict[str, None] = {}
+    for block in flat_blocks(text):
+        if block.keyword in _READ or block.keyword in _GENERATING:
+            _take(model, block)
+        elif block.keyword not in _SILENT:
+            left[f"*{block.keyword[:LONGEST_VALUE]}"] = None
+    if left:
+        named = ", ".join([*left][:MOST_NAMED]) + (f" and {len(left) - MOST_NAMED} others" * (len(left) > MOST_NAMED))
+        model.notices.append(
+            f"Only nodes, elements, sets and surfaces are read; not {named}: give materials, supports, loads and "
+            "contacts in the case."
+        )
+    if not model.nodes:
+        raise InputError(f"{path} without *NODE", "an Abaqus input file with nodes and elements", "export the mesh")
+    return _drawn(model)
+
+
+def _take(model: _Model, block: DeckBlock) -> None:
+    if block.keyword in _GENERATING:
+        raise InputError(block.place, "a file that lists its nodes and elements", "export the mesh as plain lists")
+    for name in block.parameters:
+        if name not in _READ[block.keyword]:
+            raise InputError(
+                f"{block.place} with the parameter {short(name)}",
+                f"the parameters {', '.join(_READ[block.keyword])}",
+                "export the mesh as plain lists, without it",
+            )
+    if block.keyword == "NODE":
+        _take_nodes(model, block)
+    elif block.keyword == "ELEMENT":
+        _take_elements(model, block)
+    elif block.keyword in ("NSET", "ELSET"):
+        sets = model.node_sets if block.keyword == "NSET" else model.element_sets
+        name = block.parameters.get(block.keyword, "")
+        found = _members(sets, block)
+        if block.keyword == "NSET" and "ELSET" in block.parameters:
+            elements = _members(model.element_sets, replace(block, rows=((block.parameters["ELSET"],),)))
+            of_element = model.cells | model.lines
+            found = [node for each in elements for node in of_element.get(each, ())]
+        sets.setdefault(name, []).extend(found)
+    elif block.keyword == "SURFACE":
+        _take_surface(model, block)
+    else:
+        model.n_instances += 1
+        if model.n_instances > 1 or block.rows:
+            raise InputError(
+                f"{block.place}, {'a second one' if model.n_instances > 1 else 'which is moved'}",
+                "one part, or one instance at its own place",
+                "export each part by itself, and place and join the meshes afterwards",
+            )
+
+
+def _take_nodes(model: _Model, block: DeckBlock) -> None:
+    if block.parameters.get("SYSTEM", "R").upper() != "R":
+        raise InputError(f"{block.place} in another system", "rectangular coordinates", "export them as such")
+    for row in block.rows:
+        try:
+            number = int(row[0])
+            coordinates = [float(word.upper().replace("D", "E")) for word in row[1:4]]
+        except ValueError as reason:
+            raise InputError(
+                f"{block.place_of(row)}: {', '.join(row)}", "a number and coordinates", "repair it"
+            ) from reason
+        if len(coordinates) < 2:
+            raise InputError(
+                f"{block.place_of(row)}: node {number} with {len(coordinates)} coordinates", "2 or 3", "repair it"
+            )
+        if number in model.nodes:
+            raise InputError(
+                f"{block.place_of(row)}: node {number} for the second time",
+                "one part, with each number once",
+                "export each part by itself",
+            )
+        model.nodes[number] = [*coordinates, 0.0][:3]
+        if "NSET" in block.parameters:
+            model.node_sets.setdefault(block.parameters["NSET"], []).append(number)
+
+
+def _take_elements(model: _Model, block: DeckBlock) -> None:
+    kind = block.parameters.get("TYPE", "").upper()
+    plane = _PLANE.match(kind)
+    if plane is None and kind not in _LINES:
+        raise InputError(
+            f"{block.place} of type {kind or 'unknown'}",
+            f"plane elements such as CPE3, CPS4, CAX6, and lines {', '.join(_LINES)}",
+            "export the plane elements only",
+        )
+    n_nodes = {"65": 6}.get(plane[1], int(plane[1])) if plane else _LINES[kind]
+    n_corners = (3 if n_nodes in (3, 6) else 4) if plane else 2
+    flat = [number for row in block.rows for number in _numbers(block, row)]
+    if len(flat) % (n_nodes + 1):
+        raise InputError(
+            f"{block.place} of type {kind} with {len(flat)} numbers",
+            f"{n_nodes + 1} for each element: its own and {n_nodes} nodes",
+            "repair the lines",
+        )
+    for start in range(0, len(flat), n_nodes + 1):
+        number, nodes = flat[start], flat[start + 1 : start + 1 + n_nodes]
+        corners = nodes[:n_corners] if plane else nodes[:: n_nodes - 1]  # a line's middle is its second node
+        model.middles += [node for node in nodes if node not in corners]
+        if number in model.cells or number in model.lines:
+            raise InputError(f"{block.place}: element {number} for the second time", "each number once", "repair it")
+        (model.cells if plane else model.lines)[number] = corners
+        if "ELSET" in block.parameters:
+            model.element_sets.setdefault(block.parameters["ELSET"], []).append(number)
+
+
+def _members(sets: dict[str, list[int]], block: DeckBlock) -> list[int]:
+    """Numbers of a set: given one by one, as ranges, or by the names of other sets."""
+    members: list[int] = []
+    for row in block.rows:
+        if "GENERATE" in block.parameters:
+            limits = _numbers(block, row)
+            if len(limits) not in (2, 3) or limits[-1] < 1:
+                raise InputError(f"{block.place}: {', '.join(row)}", "first, last and step", "repair the line")
+            members += range(limits[0], limits[1] + 1, limits[2] if len(limits) == 3 else 1)
+            continue
+        for word in row:
+            name = word.strip('"').rpartition(".")[2]
+            if name.lstrip("-").isdigit():
+                members.append(int(name))
+            elif name in sets:
+                members += sets[name]
+            else:
+                raise InputError(f"{block.place} with the set '{word}'", "sets defined before", "reorder the file")
+    return members
+
+
+def _take_surface(model: _Model, block: DeckBlock) -> None:
+    name = block.parameters.get("NAME", "")
+    kind = block.parameters.get("TYPE", "ELEMENT").upper()
+    if kind == "NODE":
+        for row in block.rows:
+            word = row[0].rpartition(".")[2]
+            found = [int(word)] if word.isdigit() else model.node_sets.get(word, [])
+            model.node_sets.setdefault(name, []).extend(found)
+    elif kind == "ELEMENT":
+        model.surfaces.setdefault(name, []).extend(
+            (row[0].rpartition(".")[2], row[1].upper() if len(row) > 1 else "") for row in block.rows
+        )
+    else:
+        model.notices.append(f"Surface '{name}' of type {kind} left out.")
+
+
+def _faces(model: _Model, where: str, face: str) -> list[list[int]]:
+    """Edges of the elements of a set, or of one element: a numbered face of each, or all that no other of them has."""
+    members = [int(where)] if where.isdigit() else model.element_sets.get(where, [])
+    cells = [model.cells[number] for number in members if number in model.cells]
+    if face in ("S1", "S2", "S3", "S4"):
+        first = int(face[1]) - 1
+        return [[cell[first], cell[(first + 1) % len(cell)]] for cell in cells if first < len(cell)]
+    count: dict[tuple[int, int], list[int]] = {}
+    for cell in cells:
+        for a, b in zip(cell, cell[1:] + cell[:1], strict=True):
+            count.setdefault((min(a, b), max(a, b)), []).append(a)
+    return [list(pair) for pair, found in count.items() if len(found) == 1]
+
+
+def _drawn(model: _Model) -> DrawnMesh:
+    place = {number: row for row, number in enumerate(model.nodes)}
+    for number, corners in (model.cells | model.lines).items():
+        missing = [node for node in corners if node not in place]
+        if missing:
+            raise InputError(
+                f"element {number} with node {missing[0]}, which is missing",
+                "nodes that the file lists under *NODE",
+                "add the node, or correct the element",
+            )
+    row_of = {number: row for row, number in enumerate(model.cells)}
+    cell_sets, edge_sets = {}, {}
+    for name, members in model.element_sets.items():
+        rows = [row_of[number] for number in members if number in row_of]
+        pairs = [model.lines[number] for number in members if number in model.lines]
+        if rows:
+            cell_sets[name] = np.array(rows)
+        if pairs:
+            edge_sets[name] = np.array([[place[a], place[b]] for a, b in pairs])
+    for name, entries in model.surfaces.items():
+        pairs = [pair for where, face in entries for pair in _faces(model, where, face)]
+        if pairs:
+            edge_sets[name] = np.array([[place[a], place[b]] for a, b in pairs])
+        else:
+            model.notices.append(f"Surface '{name}': no edge of a plane element is in it; left out.")
+    return DrawnMesh(
+        np.array(list(model.nodes.values())),
+        [np.array([place[node] for node in corners]) for corners in model.cells.values()],
+        cell_sets,
+        edge_sets,
+        {
+            name: np.array([place[node] for node in members if node in place], dtype=np.int64)
+            for name, members in model.node_sets.items()
+        },
+        tuple(model.notices),
+        np.array([place[node] for node in model.middles if node in place], dtype=np.int64),
+    )
+
+
+def _numbers(block: DeckBlock, row: Sequence[str]) -> list[int]:
+    try:
+        return [int(word) for word in row]
+    except ValueError as reason:
+        raise InputError(f"{block.place}: {', '.join(row)}", "whole numbers", "repair the line") from reason

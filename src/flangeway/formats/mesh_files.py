@@ -1,0 +1,193 @@
+"""Meshes read from the files of other programs."""
+
+import contextlib
+import io
+import re
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.formats.abaqus_mesh import read_abaqus
+from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, mended_mesh
+from flangeway.mesh.gmsh_session import gmsh_model
+from flangeway.system.file_content import is_file
+from flangeway.types import Ints
+
+_CORNERS = {
+    **dict.fromkeys(("line", *(f"line{n}" for n in range(3, 12)), "VTK_LAGRANGE_CURVE"), 2),
+    **dict.fromkeys(("triangle", "VTK_LAGRANGE_TRIANGLE"), 3),
+    **{f"triangle{n}": 3 for n in (6, 7, 10, 15, 21, 28, 36, 45, 55, 66)},
+    **dict.fromkeys(("quad", "VTK_LAGRANGE_QUADRILATERAL"), 4),
+    **{f"quad{n}": 4 for n in (8, 9, 16, 25, 36, 49, 64, 81, 100, 121)},
+}
+"""Number of corners, which come first, of meshio's plane cells and lines."""
+
+_OPTIONS = {"General.Terminal": 0, "Mesh.MshFileVersion": 4.1, "Mesh.Binary": 0, "Mesh.SaveAll": 0}
+
+
+def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
+    """Read a plane mesh of triangles, quadrilaterals or polygons.
+
+    - Gmsh (``.msh``, versions 2.2, 4.0 and 4.1): physical surfaces become cell sets, physical curves edge sets, by
+      their names or, where they have none, their numbers.
+    - Abaqus (``.inp``): element sets become cell sets, surfaces and node sets edge sets.
+    - What meshio reads by the file's ending, such as VTU with polygons, VTK, XDMF, MED, Nastran. Cells of a VTU written
+      by `write_vtu` get their numbers back.
+
+    Cells of second or higher order are read as the polygons of their corners. Clockwise cells are turned, cells given
+    twice and unused points left out, points at one place made one, points that hang on an edge added to its cell; each
+    with a notice. Edge sets hold boundary edges.
+
+    Parameters
+    ----------
+    path
+        The file.
+    merge_points
+        Whether points at the same place become one. With False a crack, or bodies that touch, stay apart.
+
+    Returns
+    -------
+    MeshFile
+        The mesh, ``.mesh``, and the notices, ``.notices``.
+
+    Raises
+    ------
+    InputError
+        If the file is missing, empty, of an unknown kind, broken, not plane, or has cells of other kinds; or if
+        cells overlap, see `check`. The message names the place.
+
+    """
+    file = Path(path)
+    if not is_file(file):
+        raise InputError(f"mesh {file}: there is no such file", "a file that exists", "correct the path")
+    if not file.stat().st_size:
+        raise InputError(f"{file}, which is empty", "a mesh", "export it again")
+    try:
+        drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
+        return mended_mesh(drawn, merge_points=merge_points)
+    except OSError as reason:
+        raise InputError(
+            f"{file}: {reason.strerror or reason}", "a file that can be read", "check its permissions"
+        ) from reason
+    except InputError as reason:
+        if str(file) in reason.given:
+            raise
+        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _read_meshio(file: Path) -> DrawnMesh:
+    import meshio  # noqa: PLC0415  (slow to import, and few programs read files)
+
+    suffix = "".join(file.suffixes[-2:]).lower()
+    known = meshio.extension_to_filetypes
+    suffix = suffix if suffix in known else file.suffix.lower()
+    if suffix not in known:
+        raise InputError(f"{file} with the ending '{suffix}'", ", ".join(sorted(known)), "export another format")
+    start = file.read_bytes()[:20]
+    kind = "gmsh" if suffix == ".msh" and start.startswith(b"$MeshFormat") else known[suffix][0]
+    if kind == "gmsh" and start.split()[1:2] == [b"4"]:
+        return _read_version_4(file)
+    said = io.StringIO()
+    try:
+        # meshio tells faults on the console and ends the program on some
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), np.errstate(all="ignore"):
+            read = meshio.read(file, file_format=kind)
+    except (Exception, SystemExit) as reason:  # of any kind in a broken file
+        told = " ".join(said.getvalue().split()) or f"{type(reason).__name__}: {reason}"
+        missing = reason.name if isinstance(reason, ModuleNotFoundError) else None
+        raise InputError(
+            f"{file}, which cannot be read as {kind}, perhaps because it is cut off: {told}",
+            "a whole file of this format",
+            f"install {missing}, or export another format" if missing else "export it again",
+        ) from reason
+    told = " ".join(said.getvalue().split())
+    if "cannot handle" in told:
+        raise InputError(f"{file}: {told}", "triangles, quadrilaterals and polygons", "export these only")
+    names = _physical_names(file) if kind == "gmsh" else {}
+    return _drawn(read, names, (f"Said when reading: {told}",) if told else ())
+
+
+def _read_version_4(file: Path) -> DrawnMesh:
+    """Read Gmsh's version 4.0, which meshio does not, by way of 4.1 written by Gmsh."""
+    with tempfile.TemporaryDirectory() as folder, gmsh_model("flangeway", _OPTIONS) as gmsh:
+        newer = Path(folder) / file.name
+        try:
+            gmsh.merge(str(file))
+            gmsh.write(str(newer))
+        except Exception as reason:
+            raise InputError(f"{file}, which Gmsh cannot read: {reason}", "a whole file", "export it again") from reason
+        return _read_meshio(newer)
+
+
+def _physical_names(file: Path) -> dict[tuple[int, int], str]:
+    """Names of Gmsh's physical groups by dimension and number; meshio mixes up equal ones of two dimensions."""
+    section = re.search(rb"\$PhysicalNames\s(.*?)\$EndPhysicalNames", file.read_bytes(), re.DOTALL)
+    rows = re.findall(r'^\s*(\d)\s+(\d+)\s+"(.*)"', section[1].decode("utf-8", "replace"), re.M) if section else []
+    return {(int(dimension), int(number)): name for dimension, number, name in rows}
+
+
+def _drawn(read: Any, names: dict[tuple[int, int], str], notices: tuple[str, ...]) -> DrawnMesh:
+    cells: list[Ints] = []
+    middles: list[Ints] = []
+    cell_sets: dict[str, list[Ints]] = {}
+    edge_sets: dict[str, list[Ints]] = {}
+    numbers: list[Ints] = []
+    for block, given in enumerate(read.cells):
+        if given.type == "vertex" or not len(given.data):
+            continue
+        rows = np.asarray(given.data) if not given.type.startswith("polyhedron") else np.zeros((0, 0))
+        n_corners = _CORNERS.get(given.type, rows.shape[1] if given.type == "polygon" else 0)
+        if not n_corners:
+            raise InputError(
+                f"{len(given.data)} cells of the kind {given.type}",
+                "triangles, quadrilaterals and polygons in the plane",
+                "export the plane cells only",
+            )
+        if rows.min() < 0 or rows.max() >= len(read.points):
+            raise InputError("a cell with a point that is missing", f"points 0 to {len(read.points) - 1}", "repair it")
+        corners = rows[:, :n_corners].astype(np.int64)
+        middles.append(rows[:, n_corners:].ravel().astype(np.int64))
+        sets = _sets_of(read, block, names, 1 if n_corners == 2 else 2)
+        for name, members in sets.items():
+            if n_corners == 2:
+                edge_sets.setdefault(name, []).append(corners[members])
+            else:
+                cell_sets.setdefault(name, []).append(len(cells) + members)
+        if n_corners > 2:
+            cells += list(corners)
+            if "cell_number" in read.cell_data:
+                numbers.append(np.asarray(read.cell_data["cell_number"][block]))
+    drawn_sets = {name: np.concatenate(parts) for name, parts in cell_sets.items()}
+    if numbers and np.array_equal(np.sort(np.concatenate(numbers)), np.arange(len(cells))):
+        order = np.concatenate(numbers).astype(np.int64)
+        cells = [cells[row] for row in np.argsort(order)]
+        drawn_sets = {name: order[members] for name, members in drawn_sets.items()}
+    point_sets = {str(name): np.asarray(members, dtype=np.int64) for name, members in read.point_sets.items()}
+    return DrawnMesh(
+        read.points,
+        cells,
+        drawn_sets,
+        {name: np.concatenate(parts) for name, parts in edge_sets.items()},
+        point_sets,
+        notices,
+        np.concatenate(middles) if middles else np.zeros(0, dtype=np.int64),
+    )
+
+
+def _sets_of(read: Any, block: int, names: dict[tuple[int, int], str], dimension: int) -> dict[str, Ints]:
+    """Members of the named sets and of Gmsh's physical groups in a block of cells."""
+    sets: dict[str, Ints] = {}
+    for name, parts in read.cell_sets.items():
+        members = np.asarray(parts[block] if parts[block] is not None else [], dtype=np.int64)
+        if len(members) and not name.startswith("gmsh:"):
+            sets[str(name)] = members
+    if "gmsh:physical" in read.cell_data:
+        tags = np.asarray(read.cell_data["gmsh:physical"][block])
+        for tag in np.unique(tags[tags > 0]).tolist():
+            name = names.get((dimension, tag), str(tag))
+            found = np.flatnonzero(tags == tag)
+            sets[name] = np.union1d(sets[name], found) if name in sets else found
+    return sets

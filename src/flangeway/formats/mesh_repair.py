@@ -1,0 +1,260 @@
+"""A sound mesh from what a file gives: small faults are mended with a notice, the rest is refused."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array
+from scipy.sparse.csgraph import connected_components
+from scipy.spatial import cKDTree
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.mesh.conforming import conforming
+from flangeway.mesh.meeting import TOUCHING
+from flangeway.mesh.mesh_checks import check, hanging_points
+from flangeway.mesh.polymesh import PolyMesh
+from flangeway.mesh.ragged import next_in_row, offsets_of
+from flangeway.types import Ints
+
+FLAT = 1e-9
+"""Range of the third coordinate, over the size of the mesh, up to which a mesh is plane."""
+
+_FAULTS = {
+    "short": "with one point several times in a row: the repetitions are left out",
+    "flat": "with fewer than three different points left out",
+    "turned": "clockwise: turned",
+    "twice": "given a second time: left out, its sets kept",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class DrawnMesh:
+    """A mesh as a file gives it: not checked yet.
+
+    Parameters
+    ----------
+    points
+        Coordinates (n_points, 2) or (n_points, 3).
+    cells
+        Points of each cell.
+    cell_sets
+        Numbers of cells by name.
+    edge_sets
+        Pairs of points (m, 2) by name, in any direction.
+    point_sets
+        Numbers of points by name: sets of the boundary edges with both ends among them.
+    notices
+        What reading left out or changed.
+    middles
+        Numbers of the points inside edges and cells of second or higher order.
+
+    """
+
+    points: FloatArray
+    cells: list[Ints]
+    cell_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    edge_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    point_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
+    notices: tuple[str, ...] = ()
+    middles: Ints = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
+
+
+@dataclass(frozen=True, eq=False)
+class MeshFile:
+    """A mesh that was read.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    notices
+        A sentence for each thing that was mended or left out.
+
+    """
+
+    mesh: PolyMesh
+    notices: tuple[str, ...] = ()
+
+
+def mended_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
+    """Return the mesh in the plane with counter-clockwise cells, each once, and points that are used, each once.
+
+    Points that hang on edges of cells are added to these, unless points at one place stay apart.
+
+    Parameters
+    ----------
+    drawn
+        What was read.
+    merge_points
+        Whether points at the same place become one: nearer than `TOUCHING` times the longest side at either.
+
+    Raises
+    ------
+    InputError
+        If there is no cell, the mesh is not plane, or `check` refuses what cannot be mended.
+
+    """
+    notices = list(drawn.notices)
+    if not drawn.cells:
+        raise InputError("a file without plane cells", "triangles, quadrilaterals or polygons", "export them")
+    points = _plane(np.asarray(drawn.points, dtype=np.float64), notices)
+    numbers = _first_of_equal(points, drawn.cells, notices) if merge_points else np.arange(len(points))
+    cells, kept = _sound_cells(points, [numbers[cell] for cell in drawn.cells], notices)
+    used, flat = np.unique(np.concatenate(cells), return_inverse=True)
+    spare = numbers == np.arange(len(points))
+    spare[used] = False
+    spare[drawn.middles] = False
+    n_left_out = int(spare.sum())
+    if len(drawn.middles):
+        notices.append(
+            "Cells of second or higher order are read as the polygons of their corners, with straight edges; elements "
+            "here make their own nodes inside edges."
+        )
+    if n_left_out:
+        notices.append(f"{_many(n_left_out, 'point')} of no cell left out.")
+    mesh = PolyMesh(
+        points[used],
+        offsets_of(np.array([len(cell) for cell in cells])),
+        flat.astype(np.int32),
+        {name: _int32(kept[members][kept[members] >= 0]) for name, members in drawn.cell_sets.items()},
+    )
+    if merge_points:
+        check(mesh, allow_hanging=True)
+        n_hanging = len(np.unique(hanging_points(mesh)[1]))
+        if n_hanging:
+            notices.append(f"{_many(n_hanging, 'point')} hanging on edges: made points of the cells there too.")
+        mesh = conforming(mesh)
+    check(mesh, allow_hanging=not merge_points, allow_coincident=not merge_points)
+    new = np.full(len(points), -1, dtype=np.int64)
+    new[used] = np.arange(len(used))
+    new = new[numbers]
+    for name, pairs in drawn.edge_sets.items():
+        mesh = _with_edges(mesh, name, new[np.asarray(pairs)], notices)
+    for name, members in drawn.point_sets.items():
+        inside = np.zeros(mesh.n_points + 1, dtype=bool)
+        inside[new[members]] = True  # the last place takes points that are left out
+        rim = mesh.boundary_edges[inside[mesh.boundary_edges].all(axis=1)]
+        if name in mesh.edge_sets:
+            continue
+        if len(rim):
+            mesh = mesh.with_edge_set(name, rim)
+        else:
+            notices.append(f"Node set '{name}': no boundary edge has both ends in it; left out.")
+    return MeshFile(mesh, tuple(notices))
+
+
+def _int32(values: Ints) -> IntArray:
+    return values.astype(np.int32)
+
+
+def _many(count: int, what: str) -> str:
+    return f"1 {what}" if count == 1 else f"{count} {what}s"
+
+
+def _plane(points: FloatArray, notices: list[str]) -> FloatArray:
+    if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
+        raise InputError(f"points of shape {points.shape}", "(n, 2) or (n, 3), one or more", "export the points")
+    if not np.isfinite(points).all():
+        row = int(np.argmin(np.isfinite(points).all(axis=1)))
+        raise InputError(f"point {row} at {points[row].tolist()}", "finite coordinates", "repair the file")
+    if points.shape[1] == 3:
+        height = points[:, 2]
+        if np.ptp(height) > FLAT * float(np.ptp(points, axis=0).max()):
+            raise InputError(
+                f"a mesh with z from {height.min():.6g} to {height.max():.6g}",
+                "a plane mesh in x and y, with one z for all points",
+                "export the section in the plane of x and y",
+            )
+        if height[0] != 0.0:
+            notices.append(f"The mesh lies at z = {height[0]:.6g}, which is left out.")
+    return np.ascontiguousarray(points[:, :2])
+
+
+def _first_of_equal(points: FloatArray, cells: list[Ints], notices: list[str]) -> Ints:
+    """For each point the first one at its place, as `check` sees it; only points of cells count."""
+    flat = np.concatenate(cells)
+    following = flat[next_in_row(offsets_of(np.array([len(cell) for cell in cells])))]
+    lengths = np.hypot(*(points[following] - points[flat]).T)
+    reach = np.zeros(len(points))
+    for ends in (flat, following):
+        np.maximum.at(reach, ends, TOUCHING * lengths)
+    used = np.unique(flat)
+    near = used[cKDTree(points[used]).query(points[used], k=2)[0][:, 1] <= reach[used]]
+    pairs = np.zeros((0, 2), dtype=np.int64)
+    if len(near):
+        pairs = near[cKDTree(points[near]).query_pairs(reach[near].max(), output_type="ndarray")]
+        pairs = pairs[np.hypot(*(points[pairs[:, 0]] - points[pairs[:, 1]]).T) <= reach[pairs].min(axis=1)]
+    numbers = np.arange(len(points))
+    if not len(pairs):
+        return numbers
+    n = len(points)
+    group = connected_components(coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(n, n)), False)[1]
+    first = np.full(n, n)
+    np.minimum.at(first, group, numbers)
+    x, y = points[pairs[0, 0]]
+    notices.append(
+        f"{_many(int((first[group] != numbers).sum()), 'point')} at the place of another one, as at "
+        f"({x:.6g}, {y:.6g}), made one with it: what touches there is joined."
+    )
+    return first[group]
+
+
+def _sound_cells(points: FloatArray, cells: list[Ints], notices: list[str]) -> tuple[list[Ints], Ints]:
+    """Counter-clockwise cells without repeated points, each once; and the new number of each cell."""
+    counts = dict.fromkeys(_FAULTS, 0)
+    sound: list[tuple[Ints, bytes] | None] = [None] * len(cells)
+    sizes = np.array([len(cell) for cell in cells])
+    for size in np.unique(sizes).tolist():
+        mine = np.flatnonzero(sizes == size)
+        rows = np.array([cells[number] for number in mine.tolist()])
+        short = (rows == np.roll(rows, 1, axis=1)).any(axis=1)
+        for row in np.flatnonzero(short).tolist():
+            cell = rows[row][rows[row] != np.roll(rows[row], 1)]
+            counts["flat" if len(cell) < 3 else "short"] += 1
+            if len(cell) >= 3:
+                turned, keys, n_turned = _turned(points, cell[None])
+                sound[mine[row]] = (turned[0], keys[0].tobytes())
+                counts["turned"] += n_turned
+        turned, keys, n_turned = _turned(points, rows[~short])
+        counts["turned"] += n_turned
+        for number, cell, key in zip(mine[~short].tolist(), turned, keys, strict=True):
+            sound[number] = (cell, key.tobytes())
+    result: list[Ints] = []
+    known: dict[bytes, int] = {}
+    numbers = np.full(len(cells), -1, dtype=np.int64)
+    for number, found in enumerate(sound):
+        if found is None:
+            continue
+        place = known.setdefault(found[1], len(result))
+        counts["twice"] += place < len(result)
+        if place == len(result):
+            result.append(found[0])
+        numbers[number] = place
+    notices += [f"{_many(counts[fault], 'cell')} {sentence}." for fault, sentence in _FAULTS.items() if counts[fault]]
+    if not result:
+        raise InputError("cells without area", "triangles, quadrilaterals or polygons", "look at the file")
+    return result, numbers
+
+
+def _turned(points: FloatArray, rows: Ints) -> tuple[Ints, Ints, int]:
+    """Cells (n, size) counter-clockwise, also each from its lowest point number on, and how many were clockwise."""
+    corners = points[rows] - points[rows[:, :1]]
+    after = np.roll(corners, -1, axis=1)
+    clockwise = np.sum(corners[..., 0] * after[..., 1] - corners[..., 1] * after[..., 0], axis=1) < 0.0
+    rows = np.where(clockwise[:, None], rows[:, ::-1], rows)
+    places = (rows.argmin(axis=1)[:, None] + np.arange(rows.shape[1])) % rows.shape[1]
+    return rows, np.take_along_axis(rows, places, axis=1), int(clockwise.sum())
+
+
+def _with_edges(mesh: PolyMesh, name: str, pairs: Ints, notices: list[str]) -> PolyMesh:
+    """Name those of the pairs that are boundary edges."""
+    low, high = np.sort(pairs, axis=1).T
+    rim = np.sort(mesh.boundary_edges.astype(np.int64), axis=1)
+    outer = np.isin(low * mesh.n_points + high, rim[:, 0] * mesh.n_points + rim[:, 1]) & (low >= 0)
+    if not outer.all():
+        notices.append(
+            f"Edge set '{name}': {_many(int((~outer).sum()), 'edge')} that the boundary does not have, left out."
+        )
+    return mesh.with_edge_set(name, np.unique(pairs[outer], axis=0)) if outer.any() else mesh

@@ -1,0 +1,240 @@
+"""Sections from TOML, the format to write by hand; `docs/tutorials/section.md` explains it with an example."""
+
+import difflib
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from flangeway.errors import InputError, short
+from flangeway.formats.drawn_section import DrawnSection, PartMaterial, agreed_unit
+from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, mended_outline
+from flangeway.formats.rounded_corners import rounded_polygon, through_arc
+from flangeway.geometry.arrays import Point, point_text
+from flangeway.geometry.outline import Outline
+from flangeway.geometry.region import Region, Section
+from flangeway.system.file_content import toml_data
+
+_PART_KEYS = ("outer", "holes", "young_MPa", "poisson")
+_LOOP_KEYS = ("points", "names", "path", "circle")
+_HOW = 'a line such as unit = "mm" at the top of the file'
+
+
+def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
+    """Return the section that a TOML file describes.
+
+    Parameters
+    ----------
+    text
+        Contents of the file.
+    unit
+        Unit of length; it must be the file's.
+
+    Raises
+    ------
+    InputError
+        If the text is not TOML, a key is unknown or missing, or an outline is wrong.
+
+    """
+    data = toml_data(text, 'lines such as unit = "mm", tables such as [outer]')
+    several = "parts" in data
+    allowed = ("title", "unit", "parts") if several else ("title", "unit", *_PART_KEYS)
+    _refuse_unknown(data, allowed, "the file")
+    in_file = data.get("unit")
+    agreed = agreed_unit(None if in_file is None else _name(in_file, "unit"), unit, _HOW)
+    parts = _table(data["parts"], "parts") if several else {"section": data}
+    regions, materials = {}, {}
+    notices: list[str] = []
+    for name, part in parts.items():
+        what = f"part {name}: " if several else ""
+        table = _table(part, f"parts.{name}")
+        _refuse_unknown(table, allowed if not several else _PART_KEYS, f"part {name}")
+        regions[name] = _region(table, what, notices)
+        material = _material(table, what)
+        if material is not None:
+            materials[name] = material
+    return DrawnSection(_name(data.get("title", ""), "title"), Section(regions), agreed, materials, tuple(notices))
+
+
+def outline_region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
+    """Return the region that a table describes, with points, path or circle in `outer` or by itself, and holes.
+
+    Parameters
+    ----------
+    table
+        The table.
+    what
+        What messages start with.
+    notices
+        Gets what was mended.
+
+    Raises
+    ------
+    InputError
+        If a key is unknown or missing, or an outline is wrong.
+
+    """
+    keys = (*_LOOP_KEYS, "outer", "holes")
+    _refuse_unknown(table, keys, f"{what}the table")
+    if "outer" not in table:
+        outer = {key: value for key, value in table.items() if key in _LOOP_KEYS}
+        table = {"outer": outer, **{key: value for key, value in table.items() if key not in outer}}
+    return _region(table, what, notices)
+
+
+def _region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
+    if "outer" not in table:
+        raise InputError(f"{what}no outer boundary", "a table [outer] with points, path or circle", "add it")
+    holes = table.get("holes", [])
+    if not isinstance(holes, list):
+        raise InputError(f"{what}holes = {short(holes)}", "tables [[holes]]", "write [[holes]] above each hole")
+    outer = _outline(_table(table["outer"], f"{what}outer"), f"{what}outer boundary", notices, outer=True)
+    inner = [
+        _outline(_table(hole, f"{what}hole {i}"), f"{what}hole {i} of {len(holes)}", notices, outer=False)
+        for i, hole in enumerate(holes, 1)
+    ]
+    try:
+        return Region(outer, tuple(inner))
+    except InputError as reason:
+        raise InputError(f"{what}{reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _outline(table: Mapping[str, Any], what: str, notices: list[str], *, outer: bool) -> Outline:
+    _refuse_unknown(table, _LOOP_KEYS, what)
+    kinds = [kind for kind in ("points", "path", "circle") if kind in table]
+    if len(kinds) != 1 or ("names" in table and kinds != ["points"]):
+        raise InputError(
+            f"{what} with {' and '.join([*kinds, *(['names'] if 'names' in table else [])]) or 'nothing'}",
+            "one of points (with names, if wanted), path, circle",
+            "keep one of them",
+        )
+    kind = kinds[0]
+    if kind == "points":
+        drawn = _corners(table, what, notices)
+    elif kind == "path":
+        drawn = _path(table["path"], what)
+    else:
+        circle = _table(table["circle"], f"{what}: circle")
+        _refuse_unknown(circle, ("centre", "radius"), f"{what}: circle")
+        radius = _number(circle.get("radius"), f"{what}: radius of the circle")
+        if not radius > 0.0:
+            raise InputError(f"{what}: radius of the circle = {radius:g}", "a positive length", "correct it")
+        drawn = drawn_circle(_point(circle.get("centre"), f"{what}: centre of the circle"), radius)
+    outline, mended = mended_outline(drawn, what, direction_matters=outer)
+    notices += mended
+    return outline
+
+
+def _corners(table: Mapping[str, Any], what: str, notices: list[str]) -> list[DrawnSegment]:
+    """Return the sides of a polygon, its corners rounded where a third number gives a radius."""
+    rows = table["points"]
+    if not isinstance(rows, list) or len(rows) < 3:
+        raise InputError(f"{what}: points = {short(rows)}", "three points [x, y] or more", "add points")
+    corners: list[Point] = []
+    radii: list[float] = []
+    for number, row in enumerate(rows, 1):
+        here = f"{what}: point {number}"
+        if not isinstance(row, list) or len(row) not in (2, 3):
+            raise InputError(f"{here} is {short(row)}", "[x, y], or [x, y, radius] to round the corner", "correct it")
+        corners.append(_point(row[:2], here))
+        radii.append(_number(row[2], f"{here}: radius") if len(row) == 3 else 0.0)
+    names = table.get("names", [f"side_{i}" for i in range(1, len(corners) + 1)])
+    if not isinstance(names, list) or len(names) != len(corners):
+        raise InputError(
+            f"{what}: names = {short(names)}",
+            f"{len(corners)} names, one for the side from each point to the next",
+            "correct the names",
+        )
+    kept = [i for i, corner in enumerate(corners) if corner != corners[i - 1]]
+    notices += [
+        f"{what}: the point {point_text(corners[i])} is given twice; one of both is left out."
+        for i in sorted(set(range(len(corners))) - set(kept))
+    ]
+    return rounded_polygon(
+        [corners[i] for i in kept],
+        [radii[i] for i in kept],
+        [_name(names[i], f"{what}: name {i + 1}") for i in kept],
+        what,
+    )
+
+
+def _path(steps: Any, what: str) -> list[DrawnSegment]:
+    """Return the segments of ``{ from = [x, y] }, { line_to = ... }, { arc_to = ..., through = ... }``."""
+    if not isinstance(steps, list) or not all(isinstance(step, dict) for step in steps) or len(steps) < 3:
+        raise InputError(
+            f"{what}: path = {short(steps)}", "steps { from }, { line_to }, { arc_to }", "see the tutorial"
+        )
+    if set(steps[0]) != {"from"}:
+        raise InputError(f"{what}: a path that starts with {short(steps[0])}", "{ from = [x, y] } first", "add it")
+    place = _point(steps[0]["from"], f"{what}: from")
+    drawn = []
+    for number, step in enumerate(steps[1:], 1):
+        segment = _step(step, place, f"{what}: step {number}")
+        drawn.append(segment)
+        place = segment.end
+    return drawn
+
+
+def _step(step: Mapping[str, Any], place: Point, here: str) -> DrawnSegment:
+    _refuse_unknown(step, ("line_to", "arc_to", "through", "centre", "turn", "name"), here)
+    name = _name(step.get("name", here.rpartition(": ")[2].replace(" ", "_")), f"{here}: name")
+    keys = set(step) - {"name"}
+    if keys == {"line_to"}:
+        return DrawnSegment(place, _point(step["line_to"], f"{here}: line_to"), name=name)
+    if keys == {"arc_to", "through"}:
+        end, middle = _point(step["arc_to"], f"{here}: arc_to"), _point(step["through"], f"{here}: through")
+        return through_arc(place, middle, end, name, here)
+    if keys == {"arc_to", "centre", "turn"} and step["turn"] in ("left", "right"):
+        end, centre = _point(step["arc_to"], f"{here}: arc_to"), _point(step["centre"], f"{here}: centre")
+        return DrawnSegment(place, end, centre, step["turn"] == "left", name)
+    raise InputError(
+        f"{here} is {short(dict(step))}",
+        '{ line_to }, { arc_to, through } or { arc_to, centre, turn = "left" or "right" }, each with a name if wanted',
+        "correct this step",
+    )
+
+
+def _material(table: Mapping[str, Any], what: str) -> PartMaterial | None:
+    if "young_MPa" not in table and "poisson" not in table:
+        return None
+    young = _number(table.get("young_MPa"), f"{what}young_MPa")
+    poisson = _number(table.get("poisson"), f"{what}poisson")
+    try:
+        return PartMaterial(young, poisson)
+    except InputError as reason:
+        raise InputError(f"{what}{reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _table(value: Any, what: str) -> Mapping[str, Any]:
+    if not isinstance(value, dict) or not value:
+        raise InputError(f"{what} = {short(value)}", "a table with keys", "see the tutorial for the format")
+    return value
+
+
+def _name(value: Any, what: str) -> str:
+    if not isinstance(value, str):
+        raise InputError(f"{what} is {short(value)}", "text in quotation marks", "correct it")
+    return value
+
+
+def _number(value: Any, what: str) -> float:
+    try:
+        number = math.nan if isinstance(value, bool) or not isinstance(value, int | float) else float(value)
+    except OverflowError:  # an integer of hundreds of digits
+        number = math.inf
+    if not math.isfinite(number):
+        raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a finite number", "correct it")
+    return number
+
+
+def _point(value: Any, what: str) -> Point:
+    if not isinstance(value, list) or len(value) != 2:
+        raise InputError(f"{what} is {'missing' if value is None else short(value)}", "a point [x, y]", "correct it")
+    return _number(value[0], f"{what}: x"), _number(value[1], f"{what}: y")
+
+
+def _refuse_unknown(table: Mapping[str, Any], known: Sequence[str], what: str) -> None:
+    for key in table:
+        if key not in known:
+            near = difflib.get_close_matches(key, known, n=1, cutoff=0.5)
+            advice = f"did you mean {near[0]}?" if near else "remove it"
+            raise InputError(f"{what} with the key {short(key)}", f"keys {', '.join(known)}", advice)

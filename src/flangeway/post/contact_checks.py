@@ -1,0 +1,190 @@
+"""What makes a contact pressure wrong or rough although the iteration converged."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
+from flangeway.contact.pairs import Pairs
+from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
+from flangeway.problems import Body
+from flangeway.solve import ContactState
+
+SMALL_PENETRATION = 0.05
+"""Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
+
+LARGEST_PENETRATION = 1.0
+LARGEST_PULL = 1e-9
+LARGEST_TURN = np.deg2rad(30.0)
+"""Turn at the end of a surface below which the boundary goes on as the same surface."""
+
+
+@dataclass(frozen=True)
+class ContactDoubts:
+    """What was found.
+
+    Parameters
+    ----------
+    errors
+        Sentences about what makes the result wrong.
+    warnings
+        Sentences about what makes it less exact.
+
+    """
+
+    errors: tuple[str, ...] = ()
+    warnings: tuple[str, ...] = ()
+
+
+def contact_doubts(
+    system: ContactSystem,
+    state: ContactState,
+    patches: Sequence[PressurePatch],
+    names: Sequence[str],
+    finer: str = "take smaller elements there",
+    stiffer: str = "raise the penalty",
+) -> ContactDoubts:
+    """Check the regions of contact of a solution, without trust in the iteration that found it.
+
+    Errors: forces or positions that are not finite, nodes that pull, and a penetration of the size of the elastic
+    sinking p a / E* (largest pressure, half width, modulus of contact; for Hertz's contact it is the height of the
+    circle over the half width). Warnings: a corner that meets a corner, a penetration above 5 % of that, straight edges
+    in contact whose distance h^2 / 8 R from the curve they stand for is above it, regions of fewer than 8 segments, and
+    a pressure that scatters from node to node.
+
+    Parameters
+    ----------
+    system, state
+        The contacts and their solution.
+    patches
+        Its regions of contact, see `pressure_patches`.
+    names
+        What the contacts are called in the sentences, one for each.
+    finer, stiffer
+        How to get a finer mesh and a stiffer contact, for the advice.
+
+    """
+    lin = state.linearisation
+    if not isinstance(lin, ContactLinearisation):
+        raise TypeError("a state of another system of constraints")
+    if not (np.isfinite(state.forces).all() and np.isfinite(state.positions).all()):
+        return ContactDoubts(errors=("forces or positions are not finite numbers",))
+    errors: list[str] = []
+    warnings: list[str] = []
+    for number, (contact, name) in enumerate(zip(system.contacts, names, strict=True)):
+        inside = slice(lin.starts[number], lin.starts[number + 1])
+        forces = state.forces[inside]
+        if forces.min(initial=0.0) < -LARGEST_PULL * np.abs(forces).max(initial=0.0):
+            errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
+        if forces.any():
+            warnings += [
+                f"in {name} a corner meets a corner at ({x:.4g}, {y:.4g}): it is chance on which of its sides the "
+                "force acts; move one of them aside, or round them off"
+                for x, y in system.corners_on_corners(state.positions - state.displacements, number)[:1]
+            ]
+        mine = [patch for patch in patches if patch.contact == number]
+        depth = float(-lin.gaps[inside][forces > 0.0].min(initial=0.0))
+        sinking = max((_sinking(contact, patch) for patch in mine), default=np.inf)
+        if depth > SMALL_PENETRATION * sinking:
+            sentence = (
+                f"the penetration of {name}, {depth:.1e} mm, is {100.0 * depth / sinking:.0f} % of what the surfaces "
+                f"sink; {stiffer}"
+            )
+            (errors if depth > LARGEST_PENETRATION * sinking else warnings).append(sentence)
+        facets = _facet_depth(contact, lin.pairs[number], np.flatnonzero(forces > 0.0))
+        if facets > SMALL_PENETRATION * sinking:
+            drawn = contact.secondary.curve is not None and contact.primary.curve is not None
+            warnings.append(
+                f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they stand for, "
+                f"{100.0 * facets / sinking:.0f} % of what the surfaces sink, which makes its pressures wrong; "
+                f"{'' if drawn else 'give its surfaces their drawn curves (curved), or '}{finer}"
+            )
+        for patch in mine:
+            warnings += roughness(patch.n_segments, patch.scatter, name, finer)
+    return ContactDoubts(tuple(errors), tuple(warnings))
+
+
+def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]:
+    """Surfaces at whose ends there is contact, while the body's boundary goes on there without a corner.
+
+    Contact beyond such an end is missed, unless it was left out on purpose.
+    """
+    lin = state.linearisation
+    if not isinstance(lin, ContactLinearisation):
+        raise TypeError("a state of another system of constraints")
+    cut: list[Surface] = []
+    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
+        forces = state.forces[lin.starts[number] : lin.starts[number + 1]]
+        loaded = np.flatnonzero(forces > 0.0)
+        if len(loaded):
+            cut += _cut(contact, pairs, loaded)
+    return tuple(cut)
+
+
+def roughness(n_segments: float, scatter: float, name: str, finer: str) -> list[str]:
+    """Sentence about a region of contact whose pressure is not to be trusted; none if it is.
+
+    Parameters
+    ----------
+    n_segments
+        Number of segments that it is wide.
+    scatter
+        Of its pressures, see `PressurePatch.scatter`.
+    name, finer
+        What it is called, and how to get a finer mesh.
+
+    """
+    remark = pressure_remark(n_segments, scatter)
+    if remark is None:
+        return []
+    if n_segments < FEWEST_SEGMENTS:
+        return [f"{name} is {remark}, fewer than {FEWEST_SEGMENTS}; {finer} for a pressure to trust"]
+    return [f"the pressure of {name} {remark} from node to node; {finer}"]
+
+
+def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> float:
+    """Sum of the largest distances of both sides' edges in contact from the curves they stand for."""
+    secondary = np.isin(contact.secondary.edge_places, pairs.nodes[loaded]).any(axis=1)
+    primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
+    depths = contact.secondary.facet_depth[secondary], contact.primary.facet_depth[primary]
+    return sum(float(each.max(initial=0.0)) for each in depths)
+
+
+def _sinking(contact: Contact, patch: PressurePatch) -> float:
+    """Largest pressure times half width over the modulus of contact."""
+    softness = sum(_softness(surface.part.body) for surface in (contact.secondary, contact.primary))
+    return float(patch.pressures.max()) * patch.half_width * softness
+
+
+def _softness(body: Body) -> float:
+    """Strain per stress in the softest direction and material: (1 - nu^2) / E in plane strain."""
+    materials = body.material.values() if isinstance(body.material, Mapping) else (body.material,)
+    return max(float(np.linalg.inv(material.matrix[:3, :3]).diagonal()[:2].max()) for material in materials)
+
+
+def _cut(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> list[Surface]:
+    nodes, edges = pairs.nodes[loaded], pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
+    ends = {
+        contact.secondary: (nodes.min() == 0, nodes.max() == len(contact.secondary.nodes) - 1),
+        contact.primary: (edges.min() == 0, edges.max() == len(contact.primary.edges) - 1),
+    }
+    found = []
+    for surface, reached in ends.items():
+        first, last = reached[::-1] if surface.part.placement.mirrored else reached
+        if (first and _goes_on(surface, forwards=False)) or (last and _goes_on(surface, forwards=True)):
+            found.append(surface)
+    return found
+
+
+def _goes_on(surface: Surface, *, forwards: bool) -> bool:
+    """Whether the boundary has a further edge beyond an end, hardly turned against the last one."""
+    mesh = surface.part.body.mesh
+    own = surface.edges[-1 if forwards else 0]
+    outer = mesh.boundary_edges
+    beyond = outer[outer[:, 0] == own[1]] if forwards else outer[outer[:, 1] == own[0]]
+    if len(beyond) != 1 or (surface.edges == beyond[0]).all(axis=1).any():
+        return False
+    (ax, ay), (bx, by) = (mesh.points[edge[1]] - mesh.points[edge[0]] for edge in (own, beyond[0]))
+    return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < LARGEST_TURN)

@@ -1,0 +1,398 @@
+"""Plane and axisymmetric elasticity: from a space, materials, loads and supports to stiffness and forces."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.checks import check_positive
+from flangeway.elements import Reconstruction, batched, polygon_quadrature
+from flangeway.elements.monomials import n_monomials
+from flangeway.errors import InputError, short
+from flangeway.materials import Material
+from flangeway.problems.loads import Load, TemperatureChange
+from flangeway.problems.strains import STRAIN_PLACES, StrainOperators, strain_operators
+from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support
+from flangeway.space import CellBatch, CondensedMatrix, Space, SymmetricMatrix, assemble_condensed
+from flangeway.types import Floats
+
+ON_AXIS = 1e-12
+"""Radius over the size of the mesh below which a node lies on the axis."""
+SAME_PLACE = 1e-6
+"""Distance over the size of the mesh within which a given point is a node."""
+
+
+@dataclass(frozen=True, eq=False)
+class Elasticity:
+    """A linear elastic body; unknowns are displacements, numbered ``2 * dof + component`` (seed 3.2.6 and 3.3.7).
+
+    Parameters
+    ----------
+    space
+        Space of one displacement component.
+    material
+        Material of all cells, or of each named cell set, which must then cover the mesh once. All share one hypothesis:
+        plane strain, plane stress, or axisymmetric, with x the radius, y the axis, forces summed around the axis, and
+        nodes on the axis kept there.
+    thickness
+        Length out of the plane; forces are then forces, not forces per length. Leave 1 for axisymmetric bodies.
+    loads
+        Loads, see `flangeway.problems.loads`.
+    supports
+        Prescribed displacements, springs and rigid handles, see `flangeway.problems.supports`.
+    name
+        Name for messages.
+
+    Raises
+    ------
+    InputError
+        If a name of edges or cells is unknown, the sets do not cover the mesh once, or a value is wrong.
+
+    """
+
+    space: Space
+    material: Material | Mapping[str, Material]
+    thickness: float = 1.0
+    loads: Sequence[Load] = ()
+    supports: Sequence[Support] = ()
+    name: str = "body"
+
+    def __post_init__(self) -> None:
+        self._check_types()
+        object.__setattr__(self, "loads", tuple(self.loads))
+        object.__setattr__(self, "supports", tuple(self.supports))
+        check_positive("Elasticity", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
+        _ = self.cell_material
+        hypotheses = sorted({material.hypothesis for material in self.materials})
+        if len(hypotheses) > 1:
+            raise InputError(
+                f"materials of body `{self.name}` with {' and '.join(hypotheses)}",
+                "one hypothesis",
+                "choose one of them",
+            )
+        if self.axisymmetric:
+            self._check_axis()
+        self._check_items()
+
+    def _check_types(self) -> None:
+        if not isinstance(self.space, Space):
+            raise InputError(f"Elasticity({type(self.space).__name__}, ...)", "a Space", "write Space(mesh, element)")
+        for material in self.materials:
+            if not isinstance(material, Material):
+                raise InputError(
+                    f"Elasticity(material={short(material)})",
+                    "a Material, or one for each cell set",
+                    "make an Elastic or an Orthotropic",
+                )
+
+    def _check_axis(self) -> None:
+        if self.thickness != 1.0:
+            raise InputError(
+                f"Elasticity(thickness={self.thickness}) of an axisymmetric body",
+                "1",
+                "forces are summed around the axis",
+            )
+        least = float(self.space.mesh.points[:, 0].min())
+        if least < -ON_AXIS * self.size:
+            raise InputError(
+                f"an axisymmetric body with a point at x = {least:g}", "radii x >= 0", "move the mesh, or mirror it"
+            )
+
+    def _check_items(self) -> None:
+        for load in self.loads:
+            if not isinstance(load, Load):
+                raise InputError(f"the load {short(load)}", "items of flangeway.problems.loads", "make a Traction, ...")
+            load.check(self)
+        for support in self.supports:
+            if not isinstance(support, Support):
+                raise InputError(
+                    f"the support {short(support)}", "PrescribedDisplacement, Spring or RigidHandle", "make one of them"
+                )
+            self.support_nodes(support)
+
+    @property
+    def materials(self) -> tuple[Material, ...]:
+        """The materials."""
+        return tuple(self.material.values()) if isinstance(self.material, Mapping) else (self.material,)
+
+    @cached_property
+    def cell_material(self) -> NDArray[np.int64]:
+        """Number of each cell's material, shape (n_cells,)."""
+        mesh = self.space.mesh
+        numbers = np.zeros(mesh.n_cells, dtype=np.int64)
+        if isinstance(self.material, Mapping):
+            times = np.zeros(mesh.n_cells, dtype=np.int64)
+            for number, name in enumerate(self.material):
+                cells = mesh.cell_set(name)
+                numbers[cells] = number
+                times[cells] += 1
+            if (times != 1).any():
+                cell = int(np.argmax(times != 1))
+                x, y = mesh.cell_centroids[cell]
+                raise InputError(
+                    f"cell {cell} at ({x:g}, {y:g}) with {times[cell]} materials",
+                    "one material for each cell",
+                    "give cell sets that cover the mesh once",
+                )
+        numbers.setflags(write=False)
+        return numbers
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether the body is one of revolution, x its radius."""
+        return self.materials[0].hypothesis == "axisymmetric"
+
+    @cached_property
+    def size(self) -> float:
+        """Diagonal of the mesh's bounding box."""
+        return float(np.linalg.norm(np.ptp(self.space.mesh.points, axis=0)))
+
+    def depth(self, points: Floats) -> Floats | float:
+        """Length out of the plane at points (..., 2), shape (...): the thickness, or the circumference."""
+        if self.axisymmetric:
+            circumference: Floats = 2.0 * np.pi * points[..., 0]
+            return circumference
+        return self.thickness
+
+    @property
+    def _depth_factor(self) -> float:
+        return 2.0 * np.pi if self.axisymmetric else self.thickness
+
+    def cells_in(self, name: str | None) -> NDArray[np.bool_]:
+        """Which cells belong to a set, shape (n_cells,); None is all."""
+        if name is None:
+            return np.ones(self.space.mesh.n_cells, dtype=np.bool_)
+        inside = np.zeros(self.space.mesh.n_cells, dtype=np.bool_)
+        inside[self.space.mesh.cell_set(name)] = True
+        return inside
+
+    def node_at(self, point: Sequence[float]) -> int:
+        """Node at a given place; an InputError where there is none."""
+        apart = np.linalg.norm(self.space.nodes - np.asarray(point), axis=1)
+        node = int(apart.argmin())
+        if apart[node] > SAME_PLACE * self.size:
+            x, y = self.space.nodes[node]
+            raise InputError(
+                f"the point ({point[0]:g}, {point[1]:g})",
+                f"a node of the mesh; the nearest is ({x:g}, {y:g})",
+                "give the place of a node, or make the mesh with a point there",
+            )
+        return node
+
+    def support_nodes(self, support: Support) -> NDArray[np.int64]:
+        """Nodes of a support, each once, in rising order."""
+        where = support.edges if isinstance(support, RigidHandle) else support.where
+        if isinstance(where, str):
+            return np.unique(self.space.edge_nodes(self.space.mesh.edge_set(where))).astype(np.int64)
+        return np.array([self.node_at(where)])
+
+    # stiffness
+
+    def stiffness(self) -> SymmetricMatrix:
+        """Stiffness matrix of the whole body on all its unknowns, no unknown held, without springs."""
+        return self.space.assemble(self.cell_stiffness, n_components=2)
+
+    def condensed_stiffness(self) -> CondensedMatrix:
+        """Stiffness with the unknowns inside cells eliminated, no unknown held, without springs."""
+        return assemble_condensed(self.space, self.cell_stiffness, n_components=2)
+
+    def strains(self, batch: CellBatch, reconstruction: Reconstruction) -> StrainOperators:
+        """Strains of cells as polynomials."""
+        return strain_operators(batch, reconstruction, axisymmetric=self.axisymmetric)
+
+    @cached_property
+    def _matrices(self) -> Floats:
+        """Matrix of each material, shape (4, 4, n_materials)."""
+        return np.stack([material.matrix for material in self.materials], axis=-1)
+
+    @cached_property
+    def _stabilisation_factors(self) -> Floats:
+        return np.array([material.stabilisation_factor for material in self.materials])
+
+    def matrices(self, batch: CellBatch) -> Floats:
+        """Stresses xx, yy, xy, zz per strain xx, yy, 2 xy, zz of cells, (4, 4, n_cells), or (4, 4, 1) if all alike."""
+        return self._of_cells(self._matrices, batch)
+
+    def _of_cells(self, values: Floats, batch: CellBatch) -> Floats:
+        return values if len(self.materials) == 1 else values[..., self.cell_material[batch.cells]]
+
+    def cell_stiffness(self, batch: CellBatch) -> Floats:
+        """Stiffness of cells: consistency (seed 3.93) plus stabilisation, (2 n_local, 2 n_local, n_cells)."""
+        result, stabilisation = self._cell_parts(batch)
+        if stabilisation is not None:
+            by_component = result.transpose(1, 3, 0, 2, 4)
+            by_component[0, 0] += stabilisation
+            by_component[1, 1] += stabilisation
+        result *= self._depth_factor
+        return result.reshape(2 * len(result), 2 * len(result), -1)
+
+    def cell_stabilisation(self, batch: CellBatch) -> Floats:
+        """The stabilisation alone, shape as `cell_stiffness`; zero for elements without one."""
+        consistency, stabilisation = self._cell_parts(batch)
+        result = np.zeros_like(consistency)
+        if stabilisation is not None:
+            result[:, 0, :, 0] = result[:, 1, :, 1] = self._depth_factor * stabilisation
+        return result.reshape(2 * len(result), 2 * len(result), -1)
+
+    def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats | None]:
+        """Consistency (n_local, 2, n_local, 2, n_cells), and stabilisation of a component (n_local, n_local, n_cells).
+
+        Both without the depth.
+        """
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        n = reconstruction.n_local
+        result = np.zeros((n, 2, n, 2, len(batch.cells)))
+        by_component = result.transpose(1, 3, 0, 2, 4)
+        self._add_consistency(by_component, self.strains(batch, reconstruction), self.matrices(batch))
+        stabilisation = batch.element.stabilise(reconstruction, by_component)
+        if stabilisation is not None:
+            stabilisation *= self._of_cells(self._stabilisation_factors, batch)
+        return result, stabilisation
+
+    def _add_consistency(self, by_component: Floats, strains: StrainOperators, matrices: Floats) -> None:
+        """Add the strain energy of the projected strains to the blocks (2, 2, n_local, n_local, n_cells)."""
+        n_slots = strains.moments.shape[1]
+        for first in range(n_slots):
+            for second in range(first, n_slots):
+                product = strains.products(first, second)
+                for i in range(2):
+                    for j in range(2):
+                        row, column = STRAIN_PLACES[i, first], STRAIN_PLACES[j, second]
+                        if row < 0 or column < 0 or not matrices[row, column].any():
+                            continue
+                        block = matrices[row, column] * product
+                        by_component[i, j] += block
+                        if first != second:
+                            by_component[j, i] += block.swapaxes(0, 1)
+
+    # loads
+
+    def load_vector(self) -> Floats:
+        """Forces of all loads but changes of temperature on all unknowns, shape (n_dofs, 2)."""
+        total = np.zeros((self.space.n_dofs, 2))
+        for load in self.loads:
+            if not isinstance(load, TemperatureChange):
+                total += load.forces(self)
+        return total
+
+    def thermal_load_vector(self) -> Floats:
+        """Forces of the stresses that would undo the thermal strains on all unknowns, shape (n_dofs, 2)."""
+        total = np.zeros((self.space.n_dofs, 2))
+        for load in self.thermal_loads:
+            total += load.forces(self)
+        return total
+
+    def thermal_energy(self) -> float:
+        """Strain energy of the held body's thermal stresses."""
+        energy = 0.0
+        for batch in self.space.batches() if self.thermal_loads else ():
+            reconstruction = batch.element.reconstruct(batch.vertices)
+            mass = self.strains(batch, reconstruction).mass
+            moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
+            squares = np.einsum("ae,ae->e", moments, batched.solve(mass, moments[:, None])[:, 0])
+            energy += 0.5 * self._depth_factor * float(np.sum(self._of_cells(self._thermal_energies, batch) * squares))
+        return energy
+
+    @property
+    def thermal_loads(self) -> tuple[TemperatureChange, ...]:
+        """The changes of temperature among the loads."""
+        return tuple(load for load in self.loads if isinstance(load, TemperatureChange))
+
+    def cell_temperature(
+        self, batch: CellBatch, reconstruction: Reconstruction, loads: Sequence[TemperatureChange]
+    ) -> Floats:
+        """Weighted integrals of the rise of temperature times monomials of degree k - 1, (n_monomials, n_cells)."""
+        order = reconstruction.order
+        points, weights = polygon_quadrature(batch.vertices, 2 * order + 1)
+        rows = points.swapaxes(1, 2)
+        change = np.zeros(weights.shape)
+        for load in loads:
+            inside = self.cells_in(load.cells)[batch.cells]
+            change[:, inside] += load.at(rows[:, inside].reshape(-1, 2)).reshape(len(rows), -1)
+        weighted = change * weights * (points[:, 0] if self.axisymmetric else 1.0)
+        return np.einsum("aqe,qe->ae", reconstruction.at(points)[: n_monomials(order - 1)], weighted)
+
+    def thermal_forces(
+        self, batch: CellBatch, reconstruction: Reconstruction, loads: Sequence[TemperatureChange]
+    ) -> Floats:
+        """Forces of the stresses that would undo the thermal strains, shape (2, n_local, n_cells)."""
+        coefficients = self.strains(batch, reconstruction).coefficients
+        stress = self._depth_factor * self._thermal_stress(batch)
+        moments = self.cell_temperature(batch, reconstruction, loads)
+        forces = np.zeros((2, *coefficients.shape[2:]))
+        for component in range(2):
+            for slot in range(coefficients.shape[1]):
+                place = STRAIN_PLACES[component, slot]
+                if place >= 0:
+                    forces[component] += np.einsum("ame,ae->me", coefficients[:, slot], stress[place] * moments)
+        return forces
+
+    @cached_property
+    def _heated(self) -> tuple[Material | None, ...]:
+        """Each material that a change of temperature acts on, None for the others."""
+        heated = np.zeros(len(self.materials), dtype=np.bool_)
+        for load in self.thermal_loads:
+            heated[self.cell_material[self.cells_in(load.cells)]] = True
+        return tuple(material if hot else None for material, hot in zip(self.materials, heated, strict=True))
+
+    @cached_property
+    def _thermal_energies(self) -> Floats:
+        """Thermal strain times thermal stress of each material, shape (n_materials,)."""
+        return np.array([m.thermal_strain @ m.thermal_stress if m else 0.0 for m in self._heated])
+
+    def _thermal_stress(self, batch: CellBatch) -> Floats:
+        """Stress of cells per rise of temperature, shape (4, n_cells) or (4, 1); zero for unheated materials."""
+        values = [material.thermal_stress if material else np.zeros(4) for material in self._heated]
+        return self._of_cells(np.stack(values, axis=-1), batch)
+
+    # stresses
+
+    def cell_stresses(self, batch: CellBatch, displacement: Floats) -> tuple[Reconstruction, Floats]:
+        """Stresses inside cells as polynomials of degree k - 1, from the reconstruction.
+
+        Parameters
+        ----------
+        batch
+            The cells.
+        displacement
+            All unknowns, shape (2 n_dofs,) or (n_dofs, 2).
+
+        Returns
+        -------
+        tuple
+            The reconstruction, whose frame the polynomials are written in, and the coefficients of the components
+            xx, yy, xy, zz (zz: out of the plane, or the hoop stress), shape (4, n_monomials(k - 1), n_cells).
+
+        """
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        strains = self.strains(batch, reconstruction)
+        local = displacement.reshape(-1, 2)[batch.dofs]
+        derivatives = np.einsum("asme,mei->isae", strains.coefficients, local)
+        strain = np.zeros((4, *derivatives.shape[2:]))
+        for component in range(2):
+            for slot in range(derivatives.shape[1]):
+                if STRAIN_PLACES[component, slot] >= 0:
+                    strain[STRAIN_PLACES[component, slot]] += derivatives[component, slot]
+        stress = np.einsum("ste,tae->sae", np.broadcast_to(self.matrices(batch), (4, 4, len(batch.cells))), strain)
+        if self.thermal_loads:
+            moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
+            temperature = batched.solve(strains.mass, moments[:, None])[:, 0]
+            stress -= self._thermal_stress(batch)[:, None] * temperature
+        return reconstruction, stress
+
+    @property
+    def springs(self) -> tuple[Spring, ...]:
+        """The springs among the supports."""
+        return tuple(support for support in self.supports if isinstance(support, Spring))
+
+    @property
+    def handles(self) -> tuple[RigidHandle, ...]:
+        """The rigid handles among the supports."""
+        return tuple(support for support in self.supports if isinstance(support, RigidHandle))
+
+    @property
+    def prescribed(self) -> tuple[PrescribedDisplacement, ...]:
+        """The prescribed displacements among the supports."""
+        return tuple(support for support in self.supports if isinstance(support, PrescribedDisplacement))

@@ -1,0 +1,254 @@
+"""St. Venant's torsion: from a space and shear moduli to stiffness, load and torsional rigidity.
+
+Displacements are ``u = -theta' z y``, ``v = theta' z x``, ``w = theta' psi(x, y)``; all results are for a rate of
+twist ``theta' = 1``. Equations of the seed are as corrected: (2.99) with ``+2 G theta'``, (2.103) with a minus sign.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+
+from flangeway.checks import check_positive
+from flangeway.elements import Reconstruction, energy_stiffness, monomials
+from flangeway.elements.monomials import Frame, n_monomials
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.errors import InputError, short
+from flangeway.problems.boundary_loops import Boundary, boundary_of
+from flangeway.space import CellBatch, Space, SymmetricMatrix
+from flangeway.types import Floats
+
+Formulation = Literal["warping", "prandtl"]
+Load = Literal["projected", "vertex_mean"]
+Gradient = Literal["energy", "l2"]
+
+_CHOICES = {
+    "formulation": ("warping", "prandtl"),
+    "load": ("projected", "vertex_mean"),
+    "gradient": ("energy", "l2"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Torsion:
+    """Uniform torsion of a cross-section of any shape, with holes or of several materials.
+
+    Parameters
+    ----------
+    space
+        Space of the unknown function.
+    shear_modulus
+        Shear modulus G > 0 of all cells, or of each named cell set, which must then cover the mesh once.
+    formulation
+        ``"warping"``: the warping function (Neumann's problem, seed 2.93). ``"prandtl"``: the stress function, zero on
+        the outer boundary and constant on each hole's, whose value is an unknown (seed 2.98).
+    load
+        How Prandtl's function is integrated, for the load and for the torsional rigidity: ``"projected"`` by the
+        L2 projection (seed 3.81), or ``"vertex_mean"``, area times the mean of the vertices' values (order 1 only;
+        less accurate on polygons, the same on triangles).
+    gradient
+        Gradient of a virtual function in stiffness, rigidity and stresses: ``"energy"``, that of the projection that is
+        orthogonal in energy (seed 3.69), or ``"l2"``, the L2 projection of the gradient, which keeps its rotation too.
+        They differ on virtual elements of order 2 and more.
+
+    Raises
+    ------
+    InputError
+        If a modulus is not positive, the sets do not cover the mesh once, or a choice is unknown.
+
+    """
+
+    space: Space
+    shear_modulus: float | Mapping[str, float] = 1.0
+    formulation: Formulation = "warping"
+    load: Load = "projected"
+    gradient: Gradient = "energy"
+
+    def __post_init__(self) -> None:
+        for name, allowed in _CHOICES.items():
+            if getattr(self, name) not in allowed:
+                raise InputError(
+                    f"Torsion({name}={short(getattr(self, name))})", " or ".join(allowed), "choose one of them"
+                )
+        if self.load == "vertex_mean" and (self.space.order > 1 or self.formulation != "prandtl"):
+            raise InputError(
+                f"Torsion(load='vertex_mean') with {self.formulation!r} of order {self.space.order}",
+                "formulation='prandtl' of order 1",
+                "leave load='projected', which is more accurate",
+            )
+        _ = self.cell_moduli
+
+    @cached_property
+    def cell_moduli(self) -> Floats:
+        """Shear modulus of each cell, shape (n_cells,)."""
+        mesh = self.space.mesh
+        moduli = np.zeros(mesh.n_cells)
+        times = np.zeros(mesh.n_cells, dtype=np.int64)
+        given = self.shear_modulus
+        parts = given.items() if isinstance(given, Mapping) else ((None, given),)
+        for name, modulus in parts:
+            owner = "Torsion" if name is None else f"Torsion, cell set {name!r}"
+            check_positive(owner, "shear_modulus", modulus)
+            cells = slice(None) if name is None else mesh.cell_set(name)
+            moduli[cells] = modulus
+            times[cells] += 1
+        if (times != 1).any():
+            cell = int(np.argmax(times != 1))
+            x, y = mesh.cell_centroids[cell]
+            raise InputError(
+                f"cell {cell} at ({x:g}, {y:g}) with {times[cell]} shear moduli",
+                "one shear modulus for each cell",
+                "give cell sets that cover the mesh once",
+            )
+        moduli.setflags(write=False)
+        return moduli
+
+    @property
+    def mean_modulus(self) -> float:
+        """Mean shear modulus over the area; the modulus itself if there is one."""
+        areas = self.space.mesh.cell_areas
+        return float(self.cell_moduli @ areas / areas.sum())
+
+    @cached_property
+    def centre(self) -> Floats:
+        """Centroid weighted by the shear modulus, shape (2,): the origin of the warping function."""
+        mesh = self.space.mesh
+        weights = self.cell_moduli * mesh.cell_areas
+        base = mesh.points[0]
+        return np.asarray(base + weights @ (mesh.cell_centroids - base) / weights.sum())
+
+    @cached_property
+    def boundary(self) -> Boundary:
+        """Outer boundary and holes."""
+        return boundary_of(self.space.mesh)
+
+    def stiffness(self) -> SymmetricMatrix:
+        """Integrals of ``G grad . grad`` (warping) or ``grad . grad / G`` (Prandtl), no unknown held."""
+        return self.space.assemble(self.cell_stiffness, n_components=1)
+
+    def cell_stiffness(self, batch: CellBatch) -> Floats:
+        """Stiffness of cells: consistency (seed 3.69) plus stabilisation, (n_local, n_local, n_cells)."""
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        moduli = self.cell_moduli[batch.cells]
+        if self.formulation == "prandtl":
+            moduli = 1.0 / moduli
+        if self.gradient == "energy":
+            return energy_stiffness(batch.element, reconstruction, moduli)
+        matrices = reconstruction.gradient_energy(reconstruction.gradient, moduli)
+        stabilisation = batch.element.stabilise(reconstruction, matrices[None, None])
+        if stabilisation is not None:
+            matrices += stabilisation
+        return matrices
+
+    def cell_gradient(self, reconstruction: Reconstruction) -> Floats:
+        """Coefficients of the gradient chosen, (n_monomials(k - 1), 2, n_local, n_cells)."""
+        return reconstruction.value_gradient if self.gradient == "energy" else reconstruction.gradient
+
+    def load_vector(self) -> Floats:
+        """Right-hand side, shape (n_dofs,); the holes' part of Prandtl's is in `reduced`."""
+        return self._warping_load() if self.formulation == "warping" else self._prandtl_load()
+
+    def _warping_load(self) -> Floats:
+        """Integrals ``int G grad v . (y, -x)``, as ``G v (x dx + y dy)`` along the edges where G jumps."""
+        mesh, space = self.space.mesh, self.space
+        following = np.arange(1, len(mesh.cell_points) + 1)
+        following[mesh.cell_offsets[1:] - 1] = mesh.cell_offsets[:-1]
+        sign = np.where(mesh.cell_points < mesh.cell_points[following], 1.0, -1.0)
+        moduli = np.repeat(self.cell_moduli, mesh.cell_sizes)
+        jumps = np.bincount(mesh.cell_edges, sign * moduli, minlength=mesh.n_edges)
+        edges = np.flatnonzero(jumps)
+        pairs = mesh.edges[edges]
+        start = mesh.points[pairs[:, 0]] - self.centre
+        along = mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]
+        constant = np.einsum("ex,ex->e", start, along) * jumps[edges]
+        linear = np.einsum("ex,ex->e", along, along) * jumps[edges]
+        first, second = _edge_integrals(space.order)
+        local = constant[:, None] * first + linear[:, None] * second
+        nodes = space.edge_nodes(pairs).ravel()
+        return np.asarray(np.bincount(nodes, local.ravel(), minlength=space.n_dofs), dtype=np.float64)
+
+    def _prandtl_load(self) -> Floats:
+        """Integrals ``2 int v`` in the reading chosen by ``load``."""
+        n_dofs = self.space.n_dofs
+        load = np.zeros(n_dofs)
+        for batch in self.space.batches():
+            if self.load == "vertex_mean":
+                areas = self.space.mesh.cell_areas[batch.cells]
+                local = np.broadcast_to(2.0 * areas / len(batch.dofs), batch.dofs.shape)
+            else:
+                reconstruction = batch.element.reconstruct(batch.vertices)
+                value = reconstruction.projected_value
+                local = 2.0 * np.einsum("ae,ame->me", reconstruction.moments[: len(value)], value)
+            load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=n_dofs)
+        return load
+
+    def torsional_rigidity(self, function: Floats) -> float:
+        """Torque per rate of twist of a warping function (seed 2.103) or Prandtl's function (seed 2.106).
+
+        Parameters
+        ----------
+        function
+            Unknowns, shape (n_dofs,); Prandtl's is zero on the outer and constant on each hole's boundary.
+
+        """
+        if self.formulation == "prandtl":
+            holes = sum(
+                2.0 * area * function[pairs[0, 0]]
+                for area, pairs in zip(self.boundary.hole_areas, self.boundary.holes, strict=True)
+            )
+            return float(self._prandtl_load() @ function + holes)
+        total = 0.0
+        for batch in self.space.batches():
+            reconstruction, stress = self.cell_shear_stresses(batch, function)
+            position = self._positions(reconstruction.frame)
+            mass = monomials.mass(max(self.space.order - 1, 1), reconstruction.moments)[:3, : stress.shape[1]]
+            torque = np.einsum("ae,abe,be->", position[0], mass, stress[1])
+            total += float(torque - np.einsum("ae,abe,be->", position[1], mass, stress[0]))
+        return total
+
+    def _positions(self, frame: Frame) -> Floats:
+        """Coordinates about `centre` as polynomials of degree 1 in cells' frames, (2, 3, n_cells)."""
+        a, b, c, d = frame.map[0, 0], frame.map[0, 1], frame.map[1, 0], frame.map[1, 1]
+        inverse = np.array([[d, -b], [-c, a]]) / (a * d - b * c)
+        return np.concatenate(((frame.origin - self.centre[:, None])[:, None], inverse), axis=1)
+
+    def cell_shear_stresses(self, batch: CellBatch, function: Floats) -> tuple[Reconstruction, Floats]:
+        """Shear stresses inside cells for ``theta' = 1``, from the reconstruction.
+
+        Warping: ``G (psi,x - y)``, ``G (psi,y + x)``, of degree max(k - 1, 1).
+        Prandtl: ``phi,y``, ``-phi,x``, of degree k - 1.
+
+        Parameters
+        ----------
+        batch
+            The cells.
+        function
+            Unknowns, shape (n_dofs,).
+
+        Returns
+        -------
+        tuple
+            The reconstruction, whose frame the polynomials are written in, and the coefficients of ``tau_zx`` and
+            ``tau_zy``, shape (2, n_monomials(degree), n_cells).
+
+        """
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        gradient = np.einsum("aime,me->iae", self.cell_gradient(reconstruction), function[batch.dofs])
+        if self.formulation == "prandtl":
+            return reconstruction, np.stack((gradient[1], -gradient[0]))
+        degree = max(self.space.order - 1, 1)
+        stress = np.zeros((2, n_monomials(degree), gradient.shape[-1]))
+        stress[:, : gradient.shape[1]] = gradient
+        position = self._positions(reconstruction.frame)
+        stress[0, :3] -= position[1]
+        stress[1, :3] += position[0]
+        return reconstruction, stress * self.cell_moduli[batch.cells]
+
+
+def _edge_integrals(order: int) -> tuple[Floats, Floats]:
+    """Integrals over [0, 1] of the Lagrange functions on Gauss-Lobatto points, and of these times t."""
+    points, weights = gauss_lobatto(order + 1)
+    powers = points ** np.arange(order + 1)[:, None]
+    return weights, np.asarray(np.linalg.solve(powers, 1.0 / np.arange(2, order + 3)))

@@ -1,0 +1,409 @@
+"""Thousands of positions of one wheelset: lateral motion by load, each in balance.
+
+A number of positions is solved side by side (`Lanes`), each from a neighbour that has been found (`Front`). What does
+not converge there is solved by the full search.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
+from typing import Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from flangeway.checks import as_numbers
+from flangeway.errors import InputError
+from flangeway.railway.positions.position_queue import Front, Journey
+from flangeway.railway.positions.positions_newton import Lanes
+from flangeway.railway.positions.positions_patches import LanePatch, lane_patches, patches_of
+from flangeway.railway.positions.positions_shear import LoadedPatch, largest_shears
+from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
+from flangeway.railway.positions.surface_positions import Demands
+from flangeway.railway.rigid.elastic_start import rigid_rest
+from flangeway.railway.rigid.rigid_contact import contact_locus
+from flangeway.railway.track.placements import SIDES, WheelsetMotion
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.types import Bools, Floats, Ints
+
+AT_ONCE = 32
+"""Positions that are solved side by side."""
+
+PRESSED_MM = 0.01
+"""How deep rigid wheels are pressed on the rails at first: little, so that no more touches than what bears the load."""
+
+MOST_WAITING = 128
+"""Regions of contact that may wait for the stresses below them, which are found together."""
+
+FEWEST_SUPERPOSED = 200
+"""Positions from which on it pays to solve for unit forces: they take as long as some hundred fields."""
+
+
+@dataclass(frozen=True, eq=False)
+class Positions:
+    """What each position is asked for.
+
+    Parameters
+    ----------
+    lateral_mm
+        Lateral motion of the axle's middle, not-a-number where it is found by balance, shape (n,).
+    vertical_N, lateral_N
+        Weight and lateral force as in `Load`, shape (n,).
+
+    Raises
+    ------
+    InputError
+        If lengths differ, there is no position, or a load is not positive.
+
+    """
+
+    lateral_mm: Floats
+    vertical_N: Floats  # noqa: N815 (the unit newton)
+    lateral_N: Floats  # noqa: N815
+
+    def __post_init__(self) -> None:
+        names = ("lateral_mm", "vertical_N", "lateral_N")
+        given = np.broadcast_arrays(*(np.atleast_1d(as_numbers(name, getattr(self, name))) for name in names))
+        if given[0].ndim != 1 or len(given[0]) == 0:
+            raise InputError(f"positions of shape {given[0].shape}", "one or more, shape (n,)", "give flat arrays")
+        lateral, vertical, force = given
+        wrong = ~(np.isfinite(vertical) & (vertical > 0.0) & np.isfinite(force)) | np.isinf(lateral)
+        if wrong.any():
+            place = int(wrong.argmax())
+            raise InputError(
+                f"position {place} with lateral_mm={lateral[place]}, vertical_N={vertical[place]}, "
+                f"lateral_N={force[place]}",
+                "finite numbers, a positive weight; lateral_mm may be nan",
+                "correct it",
+            )
+        for name, value in zip(names, given, strict=True):
+            stored = value.copy()
+            stored.setflags(write=False)
+            object.__setattr__(self, name, stored)
+
+    @classmethod
+    def grid(cls, lateral_mm: ArrayLike, vertical_N: ArrayLike, lateral_N: float = 0.0) -> Self:
+        """All lateral motions (n,) with all weights (m,), lateral motion by lateral motion: n m positions."""
+        lateral, vertical = (
+            each.ravel() for each in np.meshgrid(np.asarray(lateral_mm), np.asarray(vertical_N), indexing="ij")
+        )
+        return cls(lateral, vertical, np.full(len(lateral), lateral_N))
+
+    def __len__(self) -> int:
+        """Return the number of positions."""
+        return len(self.lateral_mm)
+
+    def take(self, chosen: ArrayLike) -> "Positions":
+        """Some of them."""
+        places = np.asarray(chosen)
+        return Positions(self.lateral_mm[places], self.vertical_N[places], self.lateral_N[places])
+
+
+@dataclass(frozen=True, eq=False)
+class PositionTable:
+    """What was found for each position.
+
+    Parameters
+    ----------
+    positions
+        What was asked for.
+    converged
+        Whether it was found, shape (n,).
+    by_full_search
+        Whether the full search was needed, shape (n,).
+    rounds
+        Newton iterations of the fast path, shape (n,).
+    motion
+        Lateral and vertical motion in mm and roll in rad; nan where it was not found, shape (n, 3).
+    patches
+        Regions of contact of each position, left side first.
+    messages
+        Why positions were not found, by number.
+
+    """
+
+    positions: Positions
+    converged: Bools
+    by_full_search: Bools
+    rounds: Ints
+    motion: Floats
+    patches: tuple[tuple[LanePatch, ...], ...]
+    messages: dict[int, str]
+
+    @property
+    def forces_on_wheels_N(self) -> Floats:  # noqa: N802 (the unit newton)
+        """Forces on the left and the right wheel, axes of the track, shape (n, 2, 2)."""
+        result = np.zeros((len(self.patches), 2, 2))
+        for number, patches in enumerate(self.patches):
+            for patch in patches:
+                result[number, SIDES.index(patch.side)] += patch.force_on_wheel_N
+        return result
+
+    @property
+    def lateral_over_vertical(self) -> Floats:
+        """L/V of left and right wheel, positive where it pushes the rail outwards; nan without contact: (n, 2)."""
+        forces = self.forces_on_wheels_N
+        with np.errstate(divide="ignore", invalid="ignore"):
+            ratio = np.where(forces[..., 1] > 0.0, forces[..., 0] / forces[..., 1], np.nan)
+        return ratio * [1.0, -1.0]
+
+
+def solve_positions(
+    prepared: PreparedWheelset,
+    positions: Positions,
+    progress: Callable[[int, int], None] = lambda _done, _all: None,
+    *,
+    shear: bool = False,
+    n_alike: int | None = None,
+) -> PositionTable:
+    """Bring the wheelset into balance in each of many positions.
+
+    Vertical motion and roll are found, or as the prepared problem prescribes them; the track's tilt is that of its
+    load. Where a lateral motion is to be found and several positions are in balance, it is the one that is reached
+    from a neighbouring load.
+
+    Parameters
+    ----------
+    prepared
+        The wheelset.
+    positions
+        What is asked for.
+    progress
+        Called with the number of positions that are done and that of all.
+    shear
+        Whether the largest shear stress below each contact is wanted: it needs the fields of all bodies.
+    n_alike
+        Number of positions of the same bodies in this call and others together; this call alone if left out. From
+        `FEWEST_SUPERPOSED` on the fields for shear stresses are superposed, which changes nothing beyond round-off.
+
+    Raises
+    ------
+    InputError
+        If the contact is not segment-to-segment with a penalty or multipliers.
+
+    """
+    superposed = (len(positions) if n_alike is None else n_alike) >= FEWEST_SUPERPOSED
+    run = _Run(prepared, positions, progress, shear, superposed)
+    run.go()
+    return run.table()
+
+
+@dataclass(eq=False)
+class _Run:
+    """One call of `solve_positions`."""
+
+    prepared: PreparedWheelset
+    positions: Positions
+    progress: Callable[[int, int], None]
+    shear: bool
+    superposed: bool
+    waiting: list[tuple[int, LoadedPatch]] = field(default_factory=list)
+    patches: dict[int, tuple[LanePatch, ...]] = field(default_factory=dict)
+    messages: dict[int, str] = field(default_factory=dict)
+    rests: dict[int, WheelsetMotion] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        n = len(self.positions)
+        self.stands = self.prepared.stands
+        self.converged, self.by_full_search = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
+        self.rounds, self.motion = np.zeros(n, dtype=np.int64), np.full((n, 3), np.nan)
+        problem = self.prepared.model.problem
+        loads = [self._load(number).in_track for number in range(n)]
+        along, onto = np.array(loads).T
+        given = np.full((n, 3), np.nan)
+        for component, value in enumerate(problem.prescribed.components):
+            if value is not None and component > 0:
+                given[:, component] = value
+        given[:, 0] = self.positions.lateral_mm
+        self.demands = Demands(along, onto, self.positions.vertical_N, given, problem.wheelset.barycentre_height_mm)
+        self.guesses = self._guesses()
+
+    def _load(self, number: int) -> Load:
+        tilt = self.prepared.model.problem.load.tilt_rad
+        return Load(float(self.positions.vertical_N[number]), float(self.positions.lateral_N[number]), tilt)
+
+    def _prescribed(self, number: int) -> Prescribed:
+        lateral = float(self.positions.lateral_mm[number])
+        given = self.prepared.model.problem.prescribed
+        return Prescribed(None if np.isnan(lateral) else lateral, given.vertical_mm, given.roll_rad)
+
+    def _guesses(self) -> dict[float, WheelsetMotion]:
+        """Where rigid wheels stand at each lateral motion that is asked for; without those that cannot be reached."""
+        wanted = np.unique(self.positions.lateral_mm[~np.isnan(self.positions.lateral_mm)])
+        wheelset = self.prepared.model.rest.wheelset
+        try:
+            locus = contact_locus(wheelset, wanted) if len(wanted) else None
+            return {} if locus is None else {float(each): locus.motion(i) for i, each in enumerate(wanted)}
+        except InputError:
+            return _reachable(self.prepared, wanted)
+
+    def _start(self, number: int) -> WheelsetMotion | None:
+        """Where rigid wheels stand; None and a message if they do not."""
+        lateral = float(self.positions.lateral_mm[number])
+        if not np.isnan(lateral):
+            found = self.guesses.get(lateral)
+            if found is None:
+                self.messages[number] = f"the wheels do not stand on both rails at a lateral motion of {lateral:g} mm"
+            return found
+        if number in self.rests or number in self.messages:
+            return self.rests.get(number)
+        try:
+            problem = self.prepared.problem_with(self._load(number), self._prescribed(number))
+            self.rests[number] = rigid_rest(problem).motion
+            return self.rests[number]
+        except InputError as error:
+            self.messages[number] = str(error)
+            return None
+
+    def go(self) -> None:
+        """Solve all."""
+        front = Front(self.demands, self._possible(), AT_ONCE)
+        at = [each for each in (self._next(front, None) for _ in range(AT_ONCE)) if each is not None]
+        if at:
+            lanes = Lanes(self.stands, self.demands.take(np.array([each.number for each in at])), self._pressed(at))
+            for lane, journey in enumerate(at):
+                lanes.ask(lane, self.demands, journey.number, journey.shares[0], journey.origin)
+            self._advance(lanes, at, front)
+        for number in np.flatnonzero(front.open):
+            self._solve_slowly(int(number))
+        self._find_shear()
+
+    def _possible(self) -> Bools:
+        """Which positions can be begun; a message for the others."""
+        possible = np.ones(len(self.positions), dtype=np.bool_)
+        for number in np.flatnonzero(~np.isnan(self.positions.lateral_mm)):
+            possible[number] = self._start(int(number)) is not None
+        return possible
+
+    def _next(self, front: Front, at: int | None) -> Journey | None:
+        """What a lane does next; positions that rigid wheels cannot begin are left to their neighbours."""
+        while (journey := front.next(at)) is not None:
+            if journey.origin is not None or self._start(journey.number) is not None:
+                return journey
+            front.lost(journey)
+        return None
+
+    def _advance(self, lanes: Lanes, at: list[Journey], front: Front) -> None:
+        """Solve in lanes what can be solved there."""
+        while True:
+            done, lost = lanes.evaluate()
+            lost &= ~done
+            arrived = np.array([each.arrives for each in at])
+            self._collect(lanes, np.flatnonzero(done & arrived), at)
+            for lane in np.flatnonzero(done & arrived):
+                front.arrived(at[lane].number, lanes.state(int(lane)))
+            moves: list[int] = []
+            ends = np.zeros(len(at), dtype=np.bool_)
+            for lane in np.flatnonzero(done | lost):
+                before = at[lane]
+                if lost[lane]:
+                    front.lost(before)
+                if done[lane] and not before.arrives:
+                    journey: Journey | None = before.on()
+                else:
+                    journey = self._next(front, before.number if done[lane] else None)
+                if journey is None:
+                    ends[lane] = True
+                    continue
+                at[lane] = journey
+                lanes.ask(int(lane), self.demands, journey.number, journey.shares[0], journey.origin)
+                if not journey.follows:
+                    moves.append(int(lane))
+            if ends.all():
+                break
+            lanes.step()
+            self._move(lanes, np.array(moves, dtype=np.int64), at, front)
+            if ends.any():
+                at[:] = [each for each, end in zip(at, ends, strict=True) if not end]
+                lanes.keep(~ends)
+
+    def _move(self, lanes: Lanes, moves: Ints, at: list[Journey], front: Front) -> None:
+        """Put lanes where their journeys begin."""
+        cold = np.array([lane for lane in moves if at[lane].origin is None], dtype=np.int64)
+        if len(cold):
+            lanes.restart(cold, self._pressed([at[lane] for lane in cold]))
+        for lane in moves:
+            origin = at[lane].origin
+            if origin is not None:
+                lanes.take_up(int(lane), front.states[origin])
+
+    def _pressed(self, journeys: list[Journey]) -> Floats:
+        """Where the searches for positions begin: rigid wheels a little pressed on the rails, shape (n, 3)."""
+        motions = [self._start(each.number) for each in journeys]
+        rest = np.array([motion.components for motion in motions if motion is not None])
+        given = self.demands.given[[each.number for each in journeys]]
+        return np.where(np.isnan(given), rest - [0.0, PRESSED_MM, 0.0], given)
+
+    def _collect(self, lanes: Lanes, found: Ints, at: list[Journey]) -> None:
+        if len(found) == 0:
+            return
+        sides = [lane_patches(side, found) for side in lanes.sides]
+        for place, lane in enumerate(found):
+            number = at[lane].number
+            self.patches[number] = tuple(patch for side in sides for patch in side[place])
+            if self.shear:
+                for side, patches in zip(lanes.sides, sides, strict=True):
+                    wheel = side.pair.wheel.in_own_order(side.loads.wheel[lane])
+                    rail = side.pair.rail.in_own_order(side.loads.rail[lane])
+                    self.waiting += [(number, LoadedPatch(patch, wheel, rail)) for patch in patches[place]]
+            self.motion[number], self.converged[number] = lanes.motion[lane], True
+            self.rounds[number] = lanes.age[lane]
+        self.progress(int(self.converged.sum()), len(self.positions))
+        if len(self.waiting) > MOST_WAITING:
+            self._find_shear()
+
+    def _find_shear(self) -> None:
+        """Give the patches that wait for it their largest shear stress."""
+        waiting, self.waiting = self.waiting, []
+        found = largest_shears(self.prepared, [each for _, each in waiting], superposed=self.superposed)
+        patches: dict[int, list[LanePatch]] = {}
+        for (number, each), shear in zip(waiting, found, strict=True):
+            patches.setdefault(number, []).append(replace(each.patch, shear=shear))
+        self.patches.update({number: tuple(mine) for number, mine in patches.items()})
+
+    def _solve_slowly(self, number: int) -> None:
+        start = self._start(number)
+        if start is None:
+            return
+        found = self.prepared.solve(self._load(number), self._prescribed(number), start)
+        self.by_full_search[number] = True
+        self.converged[number] = found.status.converged
+        if not found.status.converged:
+            self.messages[number] = found.status.message
+            return
+        self.motion[number] = found.motion.components
+        self.patches[number] = patches_of(self.prepared, found)
+        if self.shear:
+            response, state = self.prepared.response, found.state
+            local = np.einsum("nji,nj->ni", response.rotations(state.placements), state.nodal_forces)
+            names = [part.name for part in self.prepared.model.system.parts]
+            of_part = dict(zip(names, np.split(local, response.offsets[1:-1]), strict=True))
+            self.waiting += [
+                (number, LoadedPatch(patch, of_part[f"wheel-{patch.side}"], of_part[f"rail-{patch.side}"]))
+                for patch in self.patches[number]
+            ]
+
+    def table(self) -> PositionTable:
+        """Return what was found."""
+        for values in (self.converged, self.by_full_search, self.rounds, self.motion):
+            values.setflags(write=False)
+        return PositionTable(
+            self.positions,
+            self.converged,
+            self.by_full_search,
+            self.rounds,
+            self.motion,
+            tuple(self.patches.get(number, ()) for number in range(len(self.positions))),
+            {number: text for number, text in self.messages.items() if not self.converged[number]},
+        )
+
+
+def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, WheelsetMotion]:
+    """Where rigid wheels stand at those lateral motions that they reach."""
+    found = {}
+    for lateral in wanted:
+        try:
+            found[float(lateral)] = contact_locus(prepared.model.rest.wheelset, [lateral]).motion(0)
+        except InputError:
+            continue
+    return found

@@ -1,0 +1,479 @@
+"""Newton's method for many positions of a wheelset at once.
+
+Unknowns of a lane are the contact forces of both sides and the free components of its motion. With the displacements
+``u = F B^T p`` of the surfaces (F: flexibility, B: derivatives of the gaps g) the equations are those of
+`flangeway.solve.newton` and `flangeway.railway.wheelset.equilibrium`:
+
+    0 <= p,   0 <= g(x(q) + u) + C p,   p . (...) = 0,   W^T p + load = 0,   W = B V,
+
+with the rigid velocities V of the wheels. The tangent is that without the turning of B, ``[A + C, W; W^T, load']`` with
+``A = B F B^T`` of an earlier round: what is left out is about a hundredth (pressure over Young's modulus) of it, the
+part of the error that a round leaves. The equations themselves are solved in full.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.railway.positions.positions_tangent import Tangent, restricted, tangents
+from flangeway.railway.positions.running_pair import Candidates, Gaps
+from flangeway.railway.positions.surface_positions import Demands, Loads, Stand, Surroundings, carried, resultants
+from flangeway.types import Bools, Floats, Ints
+
+MARGIN_MM = 0.12
+"""Gap below which a place is looked at; with a motion still to come, this much more."""
+
+SURE_MM = 0.02
+"""Gap, as measured at nodes, above which a place that was not looked at is sure not to touch."""
+
+NEAR_MM = 0.02
+"""Gap below which a constraint has to have its part in the tangent."""
+
+IN_TANGENT_MM = 0.06
+"""Gap below which a constraint is taken into a tangent."""
+
+MOVED_MM = 0.06
+"""Motion after which is looked anew."""
+
+STALE_MM = 0.2
+"""Motion aside after which the tangent is made anew."""
+
+CAP = np.array([0.3, 0.3, 3e-4])
+"""Longest step: mm, mm, rad."""
+
+MOST_ROUNDS = 25
+FIRST_ROUNDS = 12
+"""Rounds after which a lane is lost whose error has not come below `LOWERED`."""
+
+TOLERANCE = 1e-9
+SLOW = 0.2
+"""Part of the error left by a round above which the tangent is made anew."""
+
+FEWEST_ROUNDS = 3
+"""Rounds that a tangent is kept at least."""
+
+SWAPS = 8
+"""Rounds for the active set within one of the positions."""
+
+LOWERED = 1e-2
+"""Error above which the wheelset may still have a long way to go."""
+
+LOST_MM = 1e-3
+"""What a force on a node that faces nothing violates, and the least displacement that violations are measured by."""
+
+RIDGE = np.array([1e-3, 1e-3, 1e3])
+"""Stiffness that stands in where no wheel touches: N/mm, N/mm, N mm."""
+
+
+@dataclass(frozen=True, eq=False)
+class LaneState:
+    """A position that a lane has found.
+
+    Parameters
+    ----------
+    motion
+        Motion of the wheelset, shape (3,).
+    loads
+        Of both sides; see `Loads.packed`.
+
+    """
+
+    motion: Floats
+    loads: tuple[tuple[Ints, Floats], ...]
+
+
+class LaneSide:
+    """One side of all lanes: loads, tangents and gaps."""
+
+    def __init__(self, stand: Stand, n_lanes: int) -> None:
+        self.stand, self.pair = stand, stand.pair
+        empty = np.zeros(0, dtype=np.int64)
+        window = np.zeros((n_lanes, len(self.pair.hats.nodes)), dtype=np.bool_)
+        self.candidates = Candidates(window, empty, empty)
+        self.tangents: list[Tangent | None] = [None] * n_lanes
+        self.in_tangent = window.copy()
+        self.loads = Loads.none(self.pair, n_lanes)
+        self.gaps: Gaps
+        self.around: Surroundings
+        self.borne: Loads
+
+    def keep(self, stays: Bools) -> None:
+        """Drop lanes; what `evaluate` finds has to be found anew."""
+        self.tangents = [each for each, stay in zip(self.tangents, stays, strict=True) if stay]
+        self.in_tangent, self.loads = self.in_tangent[stays], self.loads.take(stays)
+        self.candidates = restricted(self.candidates, self.pair, stays)
+
+    def forget(self, lanes: Ints) -> None:
+        """Make tangents anew when they are needed."""
+        for lane in lanes:
+            self.tangents[lane] = None
+        self.in_tangent[lanes] = False
+
+    def evaluate(self, motion: Floats, anew: Ints, margins: Floats) -> None:
+        """Find gaps and what the contact forces load the bodies with; look anew for candidates of some lanes."""
+        self.around = Surroundings.at(self.stand, motion, self.loads)
+        if len(anew):
+            self._look(anew, margins)
+        self.gaps = self.pair.gaps(self.around.wheel, self.around.rail, self.candidates)
+        self.borne = carried(self.stand, self.gaps, self.around, self.loads.forces)
+
+    def _look(self, lanes: Ints, margins: Floats) -> None:
+        found = self.around.take(lanes).search(self.pair, margins)
+        n_second, n_first = len(self.pair.secondary.edges), len(self.pair.primary.edges)
+        old = ~np.isin(self.candidates.edges // n_second, lanes)
+        within = found.edges // n_second
+        window = self.candidates.window.copy()
+        window[lanes] = found.window | (self.loads.forces[lanes] > 0.0)
+        moved = lanes[within] - within
+        self.candidates = Candidates(
+            window,
+            np.concatenate((self.candidates.edges[old], found.edges + moved * n_second)),
+            np.concatenate((self.candidates.partners[old], found.partners + moved * n_first)),
+        )
+
+    def law(self) -> tuple[Floats, Bools]:
+        """Left side of the law, and which constraints there are, shapes (L, n_hats)."""
+        allowed = self.gaps.areas > 0.0
+        forces = self.loads.forces
+        slack = self.gaps.gaps + self.pair.compliance * forces / np.where(allowed, self.gaps.areas, 1.0)
+        return slack, allowed
+
+    def violation(self) -> Floats:
+        """Largest imbalance over the total force, or violation of the law over the displacement, shape (L,)."""
+        loads, borne = self.loads, self.borne
+        total = np.maximum(loads.forces.sum(axis=1), 1e-300)
+        imbalance = np.maximum(
+            np.abs(borne.wheel - loads.wheel).max(axis=(1, 2)), np.abs(borne.rail - loads.rail).max(axis=(1, 2))
+        )
+        slack, allowed = self.law()
+        violation = np.where(loads.forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
+        violation[~allowed] = np.where(loads.forces > 0.0, LOST_MM, 0.0)[~allowed]
+        return np.maximum(imbalance / total, violation.max(axis=1) / np.maximum(self.around.scale, LOST_MM))
+
+    def renewed(self) -> list[Tangent]:
+        """Tangents of all lanes; those that are missing, or lack a constraint that may come to bear, are made."""
+        slack, allowed = self.law()
+        lacks = ((slack < NEAR_MM) & allowed & ~self.in_tangent).any(axis=1)
+        missing = lacks | np.array([each is None for each in self.tangents])
+        if missing.any():
+            chosen = allowed & ((slack < IN_TANGENT_MM) | (self.loads.forces > 0.0))
+            made = tangents(self.stand, self.around, self.candidates, self.loads.forces, chosen, missing)
+            for lane, tangent in zip(np.flatnonzero(missing), made, strict=True):
+                self.tangents[lane] = tangent
+                self.in_tangent[lane] = False
+                self.in_tangent[lane, tangent.rows] = True
+        return [each for each in self.tangents if each is not None]
+
+
+class Lanes:
+    """Positions that are solved side by side; a lane that has found its position is given another one.
+
+    Parameters
+    ----------
+    stands
+        Both sides.
+    demands
+        What the lanes are asked for.
+    motion
+        First guess, shape (L, 3).
+
+    """
+
+    def __init__(self, stands: tuple[Stand, ...], demands: Demands, motion: Floats) -> None:
+        self.demands, self.motion = demands, motion.copy()
+        self.sides = [LaneSide(stand, len(motion)) for stand in stands]
+        n_lanes = len(motion)
+        self.looked_at = np.full((n_lanes, 3), np.inf)
+        self.renewed_at = np.full(n_lanes, np.inf)
+        self.age, self.tangent_age = np.zeros(n_lanes, dtype=np.int64), np.zeros(n_lanes, dtype=np.int64)
+        self.error = np.full(n_lanes, np.inf)
+
+    def state(self, lane: int) -> LaneState:
+        """What a lane has found."""
+        loads = [side.loads.packed(lane) for side in self.sides]
+        return LaneState(self.motion[lane].copy(), tuple(loads))
+
+    def take_up(self, lane: int, state: LaneState) -> None:
+        """Let a lane be where a position was found."""
+        self._move(np.array([lane]), state.motion)
+        for side, loads in zip(self.sides, state.loads, strict=True):
+            side.loads.unpack(lane, loads)
+
+    def keep(self, stays: Bools) -> None:
+        """Drop lanes."""
+        self.demands, self.motion, self.error = self.demands.take(stays), self.motion[stays], self.error[stays]
+        self.looked_at, self.renewed_at = self.looked_at[stays], self.renewed_at[stays]
+        self.age, self.tangent_age = self.age[stays], self.tangent_age[stays]
+        for side in self.sides:
+            side.keep(stays)
+
+    def restart(self, lanes: Ints, motion: Floats) -> None:
+        """Begin anew without any contact."""
+        self._move(lanes, motion)
+        self.error[lanes] = np.inf
+        for side in self.sides:
+            for each in (side.loads.forces, side.loads.wheel, side.loads.rail):
+                each[lanes] = 0.0
+
+    def _move(self, lanes: Ints, motion: Floats) -> None:
+        self.motion[lanes], self.looked_at[lanes], self.renewed_at[lanes] = motion, np.inf, np.inf
+        for side in self.sides:
+            side.forget(lanes)
+
+    def ask(self, lane: int, demands: Demands, number: int, share: float, origin: int | None) -> None:
+        """Ask a lane for a position, or a place on the way; see `Demands.changed`. It goes on from where it is."""
+        self.demands = self.demands.changed(lane, demands, number, share, origin)
+        self.age[lane], self.error[lane] = 0, np.nan
+
+    def evaluate(self) -> tuple[Bools, Bools]:
+        """Evaluate the equations; return which lanes are solved and which are lost."""
+        self.age += 1
+        to_come = np.abs(self.demands.left(self.motion)) / CAP * CAP[0]
+        with np.errstate(invalid="ignore"):
+            moved = np.abs(self.motion - self.looked_at) / CAP * CAP[0]
+        anew = np.flatnonzero(~(moved.max(axis=1) <= MOVED_MM))
+        self.looked_at[anew] = self.motion[anew]
+        margins = MARGIN_MM + np.where(self.error > LOWERED, MARGIN_MM, 0.0)
+        residual = self.demands.loads(self.motion)
+        error = to_come.max(axis=1)
+        for side in self.sides:
+            side.evaluate(self.motion, anew, margins[anew])
+            residual += np.einsum("lh,lhk->lk", side.loads.forces, resultants(side.stand, side.gaps, side.around))
+            error = np.maximum(error, side.violation())
+        error = np.maximum(error, self.demands.errors(residual))
+        done = error <= TOLERANCE
+        if done.any():
+            done &= ~self._is_missed(done)
+        self._forget(error)
+        self.error = error
+        hopeless = (self.age >= MOST_ROUNDS) | ((self.age >= FIRST_ROUNDS) & (error > LOWERED))
+        return done, ~np.isfinite(error) | hopeless
+
+    def _forget(self, error: Floats) -> None:
+        """Make tangents anew that do not serve any more."""
+        slow = (error > SLOW * self.error) & (error > TOLERANCE) & (self.tangent_age >= FEWEST_ROUNDS)
+        slow |= error > LOWERED
+        with np.errstate(invalid="ignore"):
+            slow |= ~(np.abs(self.motion[:, 0] - self.renewed_at) <= STALE_MM)
+        lanes = np.flatnonzero(slow)
+        self.renewed_at[lanes], self.tangent_age[lanes] = self.motion[lanes, 0], 0
+        for side in self.sides:
+            side.forget(lanes)
+
+    def _is_missed(self, done: Bools) -> Bools:
+        """Whether lanes may touch where they were not looked at; these are looked at anew."""
+        missed = np.zeros(len(done), dtype=np.bool_)
+        lanes = np.flatnonzero(done)
+        for side in self.sides:
+            near = side.around.take(lanes).search(side.pair, SURE_MM).window
+            missed[lanes] |= (near & ~side.candidates.window[lanes]).any(axis=1)
+        self.looked_at[missed] = np.inf
+        return missed
+
+    def step(self) -> None:
+        """Solve the linearised equations and move on."""
+        self.tangent_age += 1
+        windows = [Window.of(side) for side in self.sides]
+        change, forces = linear_step(windows, self.demands, self.motion)
+        self.motion = self.demands.arrived(self.motion + change)
+        for side, window, now in zip(self.sides, windows, forces, strict=True):
+            side.loads = window.loads_after(now, change)
+
+
+@dataclass(frozen=True, eq=False)
+class Window:
+    """Linearised equations of one side in the lanes' windows, filled up to one size m.
+
+    Parameters
+    ----------
+    stand, gaps, around, tangents
+        Where the side is.
+    rows
+        Hat functions, shape (L, m).
+    is_real
+        Which of them are constraints, shape (L, m).
+    matrix
+        Tangents' matrices, shape (L, m, m).
+    forces, slack, compliance
+        Current forces, left side of the law with what is out of balance, and penetration per force, shape (L, m).
+    by_motion
+        Derivatives of the gaps by the motion, shape (L, m, 3).
+    to_balance
+        Forces and moment on the wheelset by the forces, shape (L, m, 3).
+    balance
+        Those now, shape (L, 3).
+    stiffness
+        Their derivatives by the motion with forces that stay, shape (L, 3, 3).
+    out_of_balance, moved
+        T P F h and T Q of the tangents, shapes (L, 4) and (L, 4, 3).
+
+    """
+
+    stand: Stand
+    gaps: Gaps
+    around: Surroundings
+    tangents: list[Tangent]
+    rows: Ints
+    is_real: Bools
+    matrix: Floats
+    forces: Floats
+    slack: Floats
+    compliance: Floats
+    by_motion: Floats
+    to_balance: Floats
+    balance: Floats
+    stiffness: Floats
+    out_of_balance: Floats
+    moved: Floats
+
+    @classmethod
+    def of(cls, side: LaneSide) -> "Window":
+        """Gather them."""
+        all_tangents, loads = side.renewed(), side.loads
+        size = max((len(each.rows) for each in all_tangents), default=0) or 1
+        n_lanes = len(all_tangents)
+        rows = np.zeros((n_lanes, size), dtype=np.int64)
+        is_real = np.zeros((n_lanes, size), dtype=np.bool_)
+        matrix = np.zeros((n_lanes, size, size))
+        by_turning, turned_by = np.zeros((n_lanes, size, 4)), np.zeros((n_lanes, 4, size))
+        moved, out = np.zeros((n_lanes, 4, 3)), np.zeros((n_lanes, 4))
+        gap_shift, on_wheel, on_rail = _out_of_balance(side)
+        for lane, tangent in enumerate(all_tangents):
+            n = len(tangent.rows)
+            rows[lane, :n], is_real[lane, :n], matrix[lane, :n, :n] = tangent.rows, True, tangent.matrix
+            by_turning[lane, :n], turned_by[lane, :, :n] = tangent.by_turning, tangent.turned_by
+            moved[lane] = tangent.moved(side.stand, side.around.axles[lane])
+            out[lane] = tangent.fitted(on_wheel[lane], on_rail[lane])
+        inverse = np.stack([each.inverse for each in all_tangents])
+        total = np.stack([each.resultants for each in all_tangents])
+        slack, allowed = side.law()
+        is_real &= np.take_along_axis(allowed, rows, axis=1)
+        areas = np.take_along_axis(side.gaps.areas, rows, axis=1)
+        unit = resultants(side.stand, side.gaps, side.around)
+        in_window = np.where(is_real[..., None], np.take_along_axis(unit, rows[..., None], axis=1), 0.0)
+        shift = np.take_along_axis(slack + gap_shift, rows, axis=1) + np.einsum("lma,la->lm", by_turning, out)
+        out = np.einsum("lab,lb->la", inverse, out)
+        return cls(
+            side.stand, side.gaps, side.around, all_tangents,
+            rows,
+            is_real,
+            matrix,
+            np.where(is_real, np.take_along_axis(loads.forces, rows, axis=1), 0.0),
+            np.where(is_real, shift, 0.0),
+            side.pair.compliance / np.where(is_real, areas, 1.0),
+            in_window + by_turning @ moved * is_real[..., None],
+            in_window + (turned_by.swapaxes(1, 2) @ total.swapaxes(1, 2)) * is_real[..., None],
+            np.einsum("lh,lhk->lk", loads.forces, unit) + np.einsum("lka,la->lk", total, out),
+            total @ inverse @ moved,
+            out,
+            inverse @ moved,
+        )  # fmt: skip
+
+    def loads_after(self, forces: Floats, change: Floats) -> Loads:
+        """Loads of the bodies with new forces (L, m) and after a change of the motion (L, 3)."""
+        result = np.zeros_like(self.gaps.gaps)
+        lane, place = np.nonzero(self.is_real)
+        result[lane, self.rows[lane, place]] = forces[lane, place]
+        loads = carried(self.stand, self.gaps, self.around, result)
+        turn = self.out_of_balance + np.einsum("lak,lk->la", self.moved, change)
+        step = forces - self.forces
+        for number, tangent in enumerate(self.tangents):
+            n = len(tangent.rows)
+            by = turn[number] + tangent.turned_by @ step[number, :n]
+            loads.wheel[number] += np.einsum("a,anx->nx", by, tangent.wheel_turning) @ self.around.turns[number]
+            loads.rail[number] += np.einsum("a,anx->nx", by, tangent.rail_turning)
+        return loads
+
+    def respond(self, lanes: Ints, active: Bools) -> Floats:
+        """Solve for the active forces: those of an unmoved wheelset, and their changes by its motion, (L, m, 4)."""
+        forces = self.forces[lanes]
+        right = self.slack[lanes] - self._times(lanes, np.where(active, 0.0, forces))
+        size = int(active.sum(axis=1).max(initial=0))
+        places = np.argsort(~active, axis=1, kind="stable")[:, :size]  # the active ones first
+        mine = np.take_along_axis(active, places, axis=1)
+        matrix = self.matrix[lanes[:, None, None], places[:, :, None], places[:, None, :]]
+        matrix[~(mine[:, :, None] & mine[:, None, :])] = 0.0
+        diagonal = np.arange(size)
+        compliance = np.take_along_axis(self.compliance[lanes], places, axis=1)
+        matrix[:, diagonal, diagonal] += np.where(mine, compliance, 1.0)
+        columns = np.concatenate((right[..., None], self.by_motion[lanes]), axis=2)
+        columns = np.take_along_axis(columns, places[..., None], axis=1) * mine[..., None]
+        answer = np.zeros((*active.shape, 4))
+        np.put_along_axis(answer, places[..., None], -np.linalg.solve(matrix, columns), axis=1)
+        answer[..., 0] += np.where(active, forces, 0.0)
+        return answer
+
+    def slack_after(self, lanes: Ints, forces: Floats, motion: Floats) -> Floats:
+        """Left side of the law after a change of forces (L, m) and motion (L, 3)."""
+        change = forces - self.forces[lanes]
+        moved = np.einsum("lmk,lk->lm", self.by_motion[lanes], motion)
+        return self.slack[lanes] + self._times(lanes, change) + self.compliance[lanes] * change + moved
+
+    def _times(self, lanes: Ints, forces: Floats) -> Floats:
+        matrix = self.matrix if len(lanes) == len(self.matrix) else self.matrix[lanes]
+        product: Floats = np.matmul(matrix, forces[..., None])[..., 0]
+        return product
+
+
+def _out_of_balance(side: LaneSide) -> tuple[Floats, Floats, Floats]:
+    """Changes of the gaps (L, n_hats) and displacements (L, n, 2) in the rail's frame by what is out of balance."""
+    turns = side.around.turns.swapaxes(1, 2)
+    on_wheel = side.pair.wheel.displacements(side.borne.wheel - side.loads.wheel) @ turns
+    on_rail = side.pair.rail.displacements(side.borne.rail - side.loads.rail)
+    values = 0.0
+    for gradients, nodes, moved in zip(
+        (side.gaps.on_wheel, side.gaps.on_rail), side.gaps.nodes, (on_wheel, on_rail), strict=True
+    ):
+        values = values + np.einsum("prwx,pwx->pr", gradients, moved.reshape(-1, 2)[nodes])
+    size = side.gaps.gaps.size
+    shift = np.bincount(side.gaps.rows.ravel(), np.ravel(values), minlength=size).astype(np.float64, copy=False)
+    return shift.reshape(side.gaps.gaps.shape), on_wheel, on_rail
+
+
+def linear_step(windows: list[Window], demands: Demands, motion: Floats) -> tuple[Floats, list[Floats]]:
+    """Change of the motion (L, 3) and new forces (L, m) of both sides by the complementarity problem of this round."""
+    active = [each.is_real & np.where(each.forces > 0.0, True, each.slack < 0.0) for each in windows]
+    forces = [np.zeros_like(each.forces) for each in windows]
+    change = np.zeros_like(motion)
+    lanes = np.arange(len(motion))
+    for _ in range(SWAPS):
+        answers = [each.respond(lanes, mine[lanes]) for each, mine in zip(windows, active, strict=True)]
+        change[lanes] = _motion_change(windows, lanes, answers, demands.take(lanes), motion[lanes])
+        swapped = np.zeros(len(lanes), dtype=np.bool_)
+        for number, (each, answer) in enumerate(zip(windows, answers, strict=True)):
+            now = answer[..., 0] + np.einsum("lmk,lk->lm", answer[..., 1:], change[lanes])
+            forces[number][lanes] = now
+            before = active[number][lanes]
+            after = each.is_real[lanes] & np.where(before, now > 0.0, each.slack_after(lanes, now, change[lanes]) < 0.0)
+            active[number][lanes] = after
+            swapped |= (after != before).any(axis=1)
+        lanes = lanes[swapped]
+        if len(lanes) == 0:
+            break
+    return change, [np.maximum(each, 0.0) for each in forces]
+
+
+def _motion_change(
+    windows: list[Window], lanes: Ints, answers: list[Floats], demands: Demands, motion: Floats
+) -> Floats:
+    """Change of the motion that balances the loads, within the longest step, shape (L, 3)."""
+    residual, stiffness = demands.loads(motion), np.zeros((len(lanes), 3, 3))
+    stiffness[:, 2, 2] = -demands.turning(motion)
+    for each, answer in zip(windows, answers, strict=True):
+        change = answer.copy()
+        change[..., 0] -= each.forces[lanes]
+        products = np.einsum("lmk,lmj->lkj", each.to_balance[lanes], change)
+        residual += each.balance[lanes] + products[..., 0]
+        stiffness -= products[..., 1:] + each.stiffness[lanes]
+    stiffness += np.diag(RIDGE)
+    held = ~demands.free
+    coupling = np.where(held[:, None, :], stiffness, 0.0)
+    stiffness[held[:, :, None] | held[:, None, :]] = 0.0
+    lane, component = np.nonzero(held)
+    stiffness[lane, component, component] = 1.0
+    # what is given moves by what it has still to go, and the rest with it
+    to_come = demands.left(motion)
+    residual -= np.einsum("lij,lj->li", coupling, np.clip(to_come, -CAP, CAP))
+    step = np.linalg.solve(stiffness * CAP, np.where(held, to_come, residual)[..., None])[..., 0]
+    excess = np.abs(step).max(axis=1, keepdims=True)
+    return step / np.maximum(excess, 1.0) * CAP

@@ -1,0 +1,150 @@
+"""Regions of contact of positions that were solved side by side."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Self
+
+import numpy as np
+
+from flangeway.post import pressure_patches
+from flangeway.post.pressure import CONSTRAINTS_APART, pressure_remark, scatter_of
+from flangeway.railway.positions.positions_newton import LaneSide
+from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
+from flangeway.railway.positions.surface_positions import resultants
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import Side
+from flangeway.railway.wheelset.equilibrium import Equilibrium
+from flangeway.railway.wheelset.subsurface import SubsurfaceExtreme
+from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, region_of, wheel_rail_patch
+from flangeway.types import Floats, Ints
+
+
+@dataclass(frozen=True, eq=False)
+class LanePatch:
+    """One region of contact; see `flangeway.railway.wheelset.wheelset_result.WheelRailPatch`.
+
+    Parameters
+    ----------
+    side, region
+        Where it is.
+    force_on_wheel_N
+        Resultant on the wheel, axes of the track.
+    max_pressure_MPa, half_width_mm
+        Largest pressure, and half of the loaded length.
+    wheel_point_mm, rail_point_mm
+        Centre of pressure on the undeformed profiles, in their frames.
+    at_edge
+        Whether it reaches an end of either surface.
+    n_segments
+        Number of segments of the secondary surface that it is wide.
+    scatter
+        Of its pressures, see `flangeway.post.PressurePatch.scatter`.
+    shear
+        Largest shear stress below it in the wheel and in the rail, where that was asked for.
+
+    """
+
+    side: Side
+    region: str
+    force_on_wheel_N: tuple[float, float]  # noqa: N815 (the unit newton)
+    max_pressure_MPa: float  # noqa: N815 (the unit megapascal)
+    half_width_mm: float
+    wheel_point_mm: tuple[float, float]
+    rail_point_mm: tuple[float, float]
+    at_edge: bool
+    n_segments: float
+    scatter: float
+    shear: Mapping[Role, SubsurfaceExtreme] | None = None
+
+    @property
+    def remark(self) -> str | None:
+        """Why its pressure is not to be relied on, see `flangeway.post.pressure.pressure_remark`."""
+        return pressure_remark(self.n_segments, self.scatter)
+
+    @classmethod
+    def of(cls, patch: WheelRailPatch) -> Self:
+        """Return the numbers of a region that was found by the full search."""
+        (x, y), wheel, rail = patch.force_on_wheel_N, patch.wheel_point_mm, patch.rail_point_mm
+        return cls(
+            patch.side,
+            patch.region,
+            (float(x), float(y)),
+            float(patch.pressure.pressures.max()),
+            patch.pressure.half_width,
+            (float(wheel[0]), float(wheel[1])),
+            (float(rail[0]), float(rail[1])),
+            patch.pressure.at_edge,
+            patch.pressure.n_segments,
+            patch.pressure.scatter,
+        )
+
+
+def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
+    """Regions of contact of one side of some lanes, along the secondary surface as it stands."""
+    pair, gaps, forces = side.pair, side.gaps, side.loads.forces
+    n_hats = forces.shape[1]
+    unit = resultants(side.stand, gaps, side.around)
+    secondary, primary = pair.secondary, pair.primary
+    of_piece = gaps.rows[:, 0] // n_hats
+    chosen = np.isin(of_piece, lanes)
+    rows = gaps.rows[chosen].ravel()
+    edges = gaps.pieces.partners[chosen] % len(primary.edges)
+    moments = np.einsum("pra,pai->pri", gaps.shapes[chosen], primary.mesh_points[primary.edges[edges]])
+    sums = [np.bincount(rows, moments[..., x].ravel(), minlength=forces.size) for x in range(2)]
+    covered = np.bincount(rows, gaps.covered[chosen].ravel(), minlength=forces.size)
+    widths = _node_lengths(side)
+    found: list[list[LanePatch]] = []
+    for lane in lanes:
+        loaded = np.flatnonzero(forces[lane] > 0.0)
+        groups = np.split(loaded, np.flatnonzero(np.diff(loaded) > CONSTRAINTS_APART) + 1)
+        patches = []
+        for group in groups:
+            if len(group) == 0:
+                continue
+            force = forces[lane, group]
+            share = force / force.sum()
+            x, y, _ = force @ unit[lane, group]
+            nodes = pair.hats.nodes[group]
+            there = np.stack([each[lane * n_hats + group] for each in sums], axis=1)
+            points = share @ secondary.mesh_points[nodes], share @ (there / covered[lane * n_hats + group][:, None])
+            on_wheel, on_rail = points if pair.wheel_is_secondary else points[::-1]
+            mine = (of_piece == lane) & np.isin(gaps.rows - lane * n_hats, group).any(axis=1)
+            touched = gaps.pieces.partners[mine] % len(primary.edges)
+            at_edge = (
+                nodes.min() == 0
+                or nodes.max() == len(secondary.points) - 1
+                or touched.min() == 0
+                or touched.max() == len(primary.edges) - 1
+            )
+            pressures = force / gaps.areas[lane, group]
+            patches.append(
+                LanePatch(
+                    side.stand.side,
+                    region_of(side.stand.side, x, y),
+                    (float(x), float(y)),
+                    float(pressures.max()),
+                    float(widths[nodes[0] : nodes[-1] + 1].sum()) / 2.0,
+                    (float(on_wheel[0]), float(on_wheel[1])),
+                    (float(on_rail[0]), float(on_rail[1])),
+                    bool(at_edge),
+                    float(len(group)),  # segment-to-segment has one constraint for each segment
+                    scatter_of(pressures),
+                )
+            )
+        # the left side mirrors the right-hand form, and its chain runs the other way
+        found.append(patches[::-1] if side.stand.side == "left" else patches)
+    return found
+
+
+def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[LanePatch, ...]:
+    """Regions of contact of a position that was found by the full search, left side first."""
+    model = prepared.model
+    found = pressure_patches(model.system, equilibrium.state)
+    return tuple(LanePatch.of(wheel_rail_patch(model, patch)) for patch in found)
+
+
+def _node_lengths(side: LaneSide) -> Floats:
+    """Lengths that belong to the secondary's nodes, shape (n,)."""
+    lengths = np.zeros(len(side.pair.secondary.points))
+    np.add.at(lengths, side.pair.hats.nodes, side.pair.hats.areas / side.pair.thickness)
+    return lengths

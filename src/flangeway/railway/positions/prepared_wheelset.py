@@ -1,0 +1,122 @@
+"""A wheelset whose bodies are condensed once and for all its positions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.railway.positions.running_pair import RunningPair
+from flangeway.railway.positions.surface_positions import Stand
+from flangeway.railway.track.placements import SIDES, WheelsetMotion, mirrored
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
+from flangeway.solve import CondensedBodies
+from flangeway.system.disk_cache import Cache
+
+
+@dataclass(frozen=True, eq=False)
+class PreparedWheelset:
+    """Whole running surfaces and heads, meshed and condensed: each further position needs only its contact.
+
+    Parameters
+    ----------
+    model
+        The meshed wheelset.
+    response
+        Flexibilities of its surfaces.
+
+    """
+
+    model: WheelsetModel
+    response: CondensedBodies
+
+    def solve(
+        self,
+        load: Load | None = None,
+        prescribed: Prescribed | None = None,
+        start: WheelsetMotion | None = None,
+    ) -> Equilibrium:
+        """Find one position by the full search.
+
+        Parameters
+        ----------
+        load, prescribed
+            What differs from the problem that was prepared.
+        start
+            Where rigid wheels stand; where the prepared ones rest if left out. That is the second try if nothing is
+            found from a start that is given: rigid flanges climb where elastic rails give way.
+
+        """
+        changed = replace(self.model, problem=self.problem_with(load, prescribed))
+        found = find_equilibrium(changed, self.response, start=start)
+        if start is None or found.status.converged:
+            return found
+        second = find_equilibrium(changed, self.response)
+        return second if second.status.converged else found
+
+    def problem_with(self, load: Load | None, prescribed: Prescribed | None) -> WheelsetProblem:
+        """Return the problem that was prepared, with another load and prescribed motion."""
+        problem = self.model.problem
+        return replace(problem, load=load or problem.load, prescribed=prescribed or problem.prescribed)
+
+    @cached_property
+    def stands(self) -> tuple[Stand, ...]:
+        """Both sides in the form for many positions.
+
+        Raises
+        ------
+        InputError
+            See `RunningPair.of`.
+
+        """
+        track, wheelset = self.model.problem.track, self.model.problem.wheelset
+        pairs: dict[tuple[int, int], RunningPair] = {}
+        stands = []
+        for side in SIDES:
+            key = id(self.model.parts[f"wheel-{side}"].body), id(self.model.parts[f"rail-{side}"].body)
+            if key not in pairs:
+                pairs[key] = RunningPair.of(self.model.system, self.model.contact(side), self.response)
+            placements = [track.placement(side), wheelset.placement(side)]
+            rail, wheel = placements if side == "right" else [mirrored(each) for each in placements]
+            stands.append(
+                Stand(
+                    side,
+                    pairs[key],
+                    rail.rotation_rad,
+                    np.array(rail.translation),
+                    wheel.rotation_rad,
+                    np.array(wheel.translation),
+                    wheelset.tape_radius_mm,
+                )
+            )
+        return tuple(stands)
+
+
+def prepare(
+    problem: WheelsetProblem,
+    progress: Callable[[str], None] = lambda _: None,
+    cache: Cache | None = None,
+) -> PreparedWheelset:
+    """Mesh and condense a wheelset for many positions.
+
+    Parameters
+    ----------
+    problem
+        The wheelset; its load and what it prescribes are those of one of the positions.
+    progress
+        Called with a sentence at each stage.
+    cache
+        Where meshes and flexibilities are kept, as ``Cache.of_user()``; None: nowhere.
+
+    Raises
+    ------
+    InputError
+        As `build_model`.
+
+    """
+    model = build_model(problem, progress, whole=True, cache=cache)
+    progress("condensing the bodies to their whole running surfaces")
+    return PreparedWheelset(model, CondensedBodies(model.system.surface_nodes, cache))

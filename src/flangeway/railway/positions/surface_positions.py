@@ -1,0 +1,292 @@
+"""Where the surfaces of many positions of a wheelset stand and what they bear; a lane is one position."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.railway.positions.running_pair import Candidates, Gaps, RunningPair
+from flangeway.railway.track.placements import Side
+from flangeway.railway.wheelset.residual import LATERAL_REFERENCE_N
+from flangeway.types import Bools, Floats, Ints
+
+ARM_MM = 750.0
+"""What errors of the moment are measured by, times the weight."""
+
+
+@dataclass(frozen=True, eq=False)
+class Stand:
+    """Where the pair of a side stands, in the right-hand form.
+
+    Parameters
+    ----------
+    side
+        The side; motions of the left one are mirrored.
+    pair
+        Its wheel and rail.
+    rail_angle, rail_place
+        Placement of the rail.
+    wheel_angle, wheel_place
+        Placement of the wheel in the reference position.
+    axle_height
+        Height of the axle above the rails' tops in the reference position.
+
+    """
+
+    side: Side
+    pair: RunningPair
+    rail_angle: float
+    rail_place: Floats
+    wheel_angle: float
+    wheel_place: Floats
+    axle_height: float
+
+    @property
+    def sign(self) -> float:
+        """-1 on the left."""
+        return -1.0 if self.side == "left" else 1.0
+
+    @property
+    def signs(self) -> Floats:
+        """What mirrors a motion or a force and moment."""
+        return np.array([self.sign, 1.0, self.sign])
+
+    @property
+    def rail_turn(self) -> Floats:
+        """Matrix from the rail's axes to the track's."""
+        return _turn(np.array(self.rail_angle))
+
+    def wheels(self, motion: Floats) -> tuple[Floats, Floats, Floats]:
+        """Matrices (L, 2, 2) from the wheel's frame to the rail's, its places and the axle's middles there (L, 2)."""
+        motion = motion * self.signs
+        centre = np.array([0.0, self.axle_height])
+        axle = centre + motion[:, :2]
+        place = axle + np.einsum("lij,j->li", _turn(motion[:, 2]), self.wheel_place - centre)
+        turn = _turn(motion[:, 2] + self.wheel_angle - self.rail_angle)
+        back = self.rail_turn
+        return turn, (place - self.rail_place) @ back, (axle - self.rail_place) @ back
+
+
+@dataclass(frozen=True, eq=False)
+class Demands:
+    """What each lane is asked for.
+
+    Parameters
+    ----------
+    along, onto
+        Lateral forces in the track's plane and forces onto it, shape (L,).
+    weight
+        What errors of the vertical force are measured by, shape (L,).
+    given
+        Components of the motion that are prescribed, nan for those that are found, shape (L, 3).
+    barycentre_height
+        Height above the axle of the point where the forces act.
+
+    """
+
+    along: Floats
+    onto: Floats
+    weight: Floats
+    given: Floats
+    barycentre_height: float
+
+    @property
+    def free(self) -> Bools:
+        """Which components of the motion are found, shape (L, 3)."""
+        return np.isnan(self.given)
+
+    def left(self, motion: Floats) -> Floats:
+        """How far what is prescribed has still to go, zero for what is found, shape (L, 3)."""
+        return np.where(self.free, 0.0, self.given - motion)
+
+    def arrived(self, motion: Floats) -> Floats:
+        """Motion whose prescribed components are exact where round-off is left."""
+        left = self.left(motion)
+        return np.where(self.free | (np.abs(left) > 1e-9), motion, np.where(self.free, 0.0, self.given))
+
+    def take(self, lanes: Ints | Bools) -> "Demands":
+        """Those of some lanes."""
+        return Demands(
+            self.along[lanes], self.onto[lanes], self.weight[lanes], self.given[lanes], self.barycentre_height
+        )
+
+    def changed(self, lane: int, other: "Demands", number: int, share: float, origin: int | None) -> "Demands":
+        """Those with another demand for one lane: a share of the way to it from another, or under a share of its load.
+
+        Parameters
+        ----------
+        lane
+            The lane.
+        other, number
+            Demands, and which of them.
+        share
+            Part of the way or of the load.
+        origin
+            Which of the other demands the way begins at; None: the same without load.
+
+        """
+
+        def part_way(mine: Floats, theirs: Floats, start: Floats | float) -> Floats:
+            result = mine.copy()
+            result[lane] = theirs[number] if share == 1.0 else (1.0 - share) * start + share * theirs[number]
+            return result
+
+        given = other.given[number if origin is None else origin]
+        along, onto, weight = (
+            part_way(mine, theirs, 0.0 if origin is None else theirs[origin])
+            for mine, theirs in ((self.along, other.along), (self.onto, other.onto), (self.weight, other.weight))
+        )
+        return Demands(along, onto, weight, part_way(self.given, other.given, given), self.barycentre_height)
+
+    def loads(self, motion: Floats) -> Floats:
+        """Forces in the track's axes and moment about the axle's middle, shape (L, 3)."""
+        x = -self.barycentre_height * np.sin(motion[:, 2])
+        y = self.barycentre_height * np.cos(motion[:, 2])
+        return np.stack((self.along, -self.onto, -x * self.onto - y * self.along), axis=1)
+
+    def turning(self, motion: Floats) -> Floats:
+        """Derivative of the moment by roll, shape (L,)."""
+        cosine, sine = np.cos(motion[:, 2]), np.sin(motion[:, 2])
+        return self.barycentre_height * (cosine * self.onto + sine * self.along)
+
+    def errors(self, residual: Floats) -> Floats:
+        """Largest relative error of the balance of what is free, shape (L,)."""
+        scales = np.stack((np.full_like(self.weight, LATERAL_REFERENCE_N), self.weight, self.weight * ARM_MM), axis=1)
+        return np.abs(np.where(self.free, residual / scales, 0.0)).max(axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Loads:
+    """Contact forces on one side of lanes.
+
+    Parameters
+    ----------
+    forces
+        Of all hat functions, shape (L, n_hats).
+    wheel, rail
+        Forces on the nodes in the bodies' own frames, shapes (L, n, 2).
+
+    """
+
+    forces: Floats
+    wheel: Floats
+    rail: Floats
+
+    @classmethod
+    def none(cls, pair: RunningPair, n_lanes: int) -> "Loads":
+        """Nothing touches."""
+        return cls(
+            np.zeros((n_lanes, len(pair.hats.nodes))),
+            np.zeros((n_lanes, *pair.wheel.points.shape)),
+            np.zeros((n_lanes, *pair.rail.points.shape)),
+        )
+
+    def take(self, lanes: Ints | Bools) -> "Loads":
+        """Those of some lanes."""
+        return Loads(self.forces[lanes], self.wheel[lanes], self.rail[lanes])
+
+    def packed(self, lane: int) -> tuple[Ints, Floats]:
+        """Loads of a lane that are not zero: places among all, and values."""
+        values = np.concatenate((self.forces[lane], self.wheel[lane].ravel(), self.rail[lane].ravel()))
+        places = np.flatnonzero(values)
+        return places, values[places]
+
+    def unpack(self, lane: int, packed: tuple[Ints, Floats]) -> None:
+        """Set the loads of a lane to what was packed."""
+        size, on_wheel = self.forces.shape[1], self.wheel[lane].size
+        values = np.zeros(size + on_wheel + self.rail[lane].size)
+        values[packed[0]] = packed[1]
+        self.forces[lane] = values[:size]
+        self.wheel[lane] = values[size : size + on_wheel].reshape(-1, 2)
+        self.rail[lane] = values[size + on_wheel :].reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class Surroundings:
+    """Positions of one side's surfaces in the rail's frame.
+
+    Parameters
+    ----------
+    wheel, rail
+        Positions of the nodes, shapes (L, n, 2).
+    turns
+        Matrices from the wheel's frame to the rail's, shape (L, 2, 2).
+    axles
+        The axle's middle, shape (L, 2).
+    lowered
+        About how far the rail's head has moved, shape (L, 2).
+    scale
+        Largest displacement, shape (L,).
+
+    """
+
+    wheel: Floats
+    rail: Floats
+    turns: Floats
+    axles: Floats
+    lowered: Floats
+    scale: Floats
+
+    @classmethod
+    def at(cls, stand: Stand, motion: Floats, loads: Loads) -> "Surroundings":
+        """Positions after a motion (L, 3) under loads."""
+        pair = stand.pair
+        turns, places, axles = stand.wheels(motion)
+        on_wheel, on_rail = pair.wheel.displacements(loads.wheel), pair.rail.displacements(loads.rail)
+        wheel = (pair.wheel.points + on_wheel) @ turns.swapaxes(1, 2) + places[:, None]
+        size = np.abs(loads.rail).sum(axis=2)
+        lowered = np.einsum("ln,lnx->lx", size / np.maximum(size.sum(axis=1), 1e-300)[:, None], on_rail)
+        scale = np.maximum(np.abs(on_wheel).max(axis=(1, 2)), np.abs(on_rail).max(axis=(1, 2)))
+        return cls(wheel, pair.rail.points + on_rail, turns, axles, lowered, np.maximum(scale, 1e-300))
+
+    def search(self, pair: RunningPair, margin: Floats | float) -> Candidates:
+        """See `RunningPair.search`."""
+        return pair.search(self.wheel, self.rail, self.turns, self.lowered, margin)
+
+    def take(self, lanes: Ints | Bools) -> "Surroundings":
+        """Those of some lanes."""
+        return Surroundings(
+            self.wheel[lanes], self.rail[lanes], self.turns[lanes], self.axles[lanes], self.lowered[lanes],
+            self.scale[lanes],
+        )  # fmt: skip
+
+
+def resultants(stand: Stand, gaps: Gaps, around: Surroundings) -> Floats:
+    """Forces in the track's axes and moment about the axle's middle of unit contact forces, shape (L, n_hats, 3).
+
+    They are those on the wheel, for the motion's signs, and as well the derivatives of the gaps by the motion.
+    """
+    nodes, on_wheel = gaps.nodes[0], gaps.on_wheel
+    lanes = gaps.rows[:, 0] // gaps.gaps.shape[1]
+    arms = around.wheel.reshape(-1, 2)[nodes] - around.axles[lanes][:, None]
+    x, y = (sum(on_wheel[:, :, number, axis] for number in range(nodes.shape[1])) for axis in range(2))
+    moments = sum(
+        arms[:, None, number, 0] * on_wheel[:, :, number, 1] - arms[:, None, number, 1] * on_wheel[:, :, number, 0]
+        for number in range(nodes.shape[1])
+    )
+    turn = stand.rail_turn
+    rows, size = gaps.rows.ravel(), gaps.gaps.size
+    columns = [
+        np.bincount(rows, np.ravel(each), minlength=size)
+        for each in (turn[0, 0] * x + turn[0, 1] * y, turn[1, 0] * x + turn[1, 1] * y, moments)
+    ]
+    return np.stack(columns, axis=1).reshape(*gaps.gaps.shape, 3) * stand.signs
+
+
+def carried(stand: Stand, gaps: Gaps, around: Surroundings, forces: Floats) -> Loads:
+    """Loads of the bodies under contact forces (L, n_hats)."""
+    first, second = (forces.ravel()[gaps.rows[:, number], None, None] for number in range(2))
+    found = []
+    for chain, gradients, nodes in zip(
+        (stand.pair.wheel, stand.pair.rail), (gaps.on_wheel, gaps.on_rail), gaps.nodes, strict=True
+    ):
+        values = first * gradients[:, 0] + second * gradients[:, 1]
+        size = len(forces) * len(chain.points)
+        sums = [np.bincount(nodes.ravel(), values[..., x].ravel(), minlength=size) for x in range(2)]
+        found.append(np.stack(sums, axis=1).reshape(len(forces), -1, 2).astype(np.float64, copy=False))
+    return Loads(forces, found[0] @ around.turns, found[1])
+
+
+def _turn(angle: Floats) -> Floats:
+    """Rotation matrices of angles (...), shape (..., 2, 2)."""
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return np.stack((np.stack((cosine, -sine), axis=-1), np.stack((sine, cosine), axis=-1)), axis=-2)

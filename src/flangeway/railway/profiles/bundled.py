@@ -1,0 +1,381 @@
+"""Rail and wheel profiles that come with the package, as outlines in mm."""
+
+import csv
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from importlib.resources import files
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Segment
+from flangeway.geometry.arrays import Point, as_point
+from flangeway.railway.profiles.wheel_contours import HEAVY_HAUL_TAPE_MM, heavy_haul_contour, s1002_contour
+
+_RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
+    "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
+    "60E1": {None: "60E1_derived_arcs.csv"},
+}
+"""Files by rail and radius of the crown in inches, the default first; None for a rail with one crown."""
+
+_WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
+WHEELS = ("AAR-1B", "S1002", "heavy-haul")
+"""Names of the bundled wheels."""
+
+RAILS = tuple(_RAIL_FILES)
+"""Names of the bundled rails."""
+
+CROWNED = ("136RE-8", "136RE-10", "136RE-14")
+"""What `nominal_profile` calls the crowns of the 136RE."""
+
+_CUT_HEIGHTS_MM = (20.0, 100.0)
+_THROAT_RADII_MM = (10.0, 20.0)
+
+_HEAD_SIDE = {
+    "136RE": ("crown", "shoulder", "gauge_corner", "head_side_1:40"),
+    "60E1": ("crown", "shoulder", "gauge_corner", "head_side_1:20"),
+}
+_RUNNING = (
+    "flange_back",
+    "flange_tip_land",
+    "flange_tip_front",
+    "flange_face_75deg",
+    "throat_R1",
+    "throat_R2",
+    "tread_1:20",
+    "rim_edge",
+)
+
+
+@dataclass(frozen=True)
+class RailProfile:
+    """Cross-section of the right-hand rail, seen with the centre of the track at the left.
+
+    Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
+
+    Parameters
+    ----------
+    title
+        Name to show.
+    outline
+        Whole section. Segments beside the middle bear ``_gauge`` or ``_field`` behind their name.
+    head_names
+        Segments of the running surface from the gauge side to the field side. (The outline, being
+        counter-clockwise, passes them from the field side to the gauge side.)
+    base_names
+        Segments of the base's underside.
+    certainty
+        How far the contour can be trusted.
+    source
+        Where it comes from.
+    notices
+        What was left out, bridged, smoothed or assumed when its file was read, in sentences.
+
+    """
+
+    title: str
+    outline: Outline
+    head_names: tuple[str, ...]
+    base_names: tuple[str, ...]
+    certainty: str
+    source: str
+    notices: tuple[str, ...] = ()
+
+    @property
+    def running_surface(self) -> Contour:
+        """The head as one chain, from the field side to the gauge side."""
+        return self.outline.part(self.head_names)
+
+
+@dataclass(frozen=True)
+class WheelProfile:
+    """Lower part of the right-hand wheel's rim, in the wheel's own frame.
+
+    Origin on the tape line: x lateral, the flange at negative x (towards the centre of the track);
+    y up towards the axle, the tip of the flange at negative y; mm.
+
+    Parameters
+    ----------
+    title
+        Name to show.
+    outline
+        Region below the straight segment ``cut``.
+    running_names
+        Segments from the flange's back to the rim's edge, in the direction of the outline.
+    flange_height_mm
+        Depth of the flange's tip below the tape line.
+    flange_back_mm
+        Distance of the flange's back face from the tape line.
+    certainty
+        How far the contour can be trusted.
+    source
+        Where it comes from.
+    notices
+        What was left out, bridged, smoothed or assumed when its file was read, in sentences.
+
+    """
+
+    title: str
+    outline: Outline
+    running_names: tuple[str, ...]
+    flange_height_mm: float
+    flange_back_mm: float
+    certainty: str
+    source: str
+    notices: tuple[str, ...] = ()
+
+    @property
+    def running_surface(self) -> Contour:
+        """The running surface as one chain, from the flange's back to the rim."""
+        return self.outline.part(self.running_names)
+
+
+def _advice(kind: str, name: str, known: tuple[str, ...]) -> str:
+    same = [each for each in known if each.upper() == name.upper()]
+    return f"did you mean {same[0]}?" if same else f"choose a {kind} that is there"
+
+
+def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailProfile:
+    """Return a rail section.
+
+    Parameters
+    ----------
+    name
+        ``"136RE"`` or ``"60E1"``.
+    crown_radius_in
+        Radius of the crown of a 136RE in inches: 8, 10 (the default) or 14. A 60E1 has one crown.
+
+    Raises
+    ------
+    InputError
+        If the name or the radius is unknown; the message lists those there are.
+
+    """
+    if name not in _RAIL_FILES:
+        advice = _advice("rail", name, RAILS)
+        if name.upper() in CROWNED:
+            advice = f"give 136RE, and crown_radius_in = {name[6:]}"
+        raise InputError(f"rail '{name}'", f"one of {', '.join(RAILS)}, or a file of a profile", advice)
+    radii = _RAIL_FILES[name]
+    radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
+    if radius not in radii:
+        known = ", ".join(f"{each:g}" for each in sorted(each for each in radii if each is not None))
+        raise InputError(
+            f"crown_radius_in = {crown_radius_in:g} for {name}",
+            f"one of {known}" if known else "no crown radius: this rail has one crown",
+            "choose a radius that is there" if known else "leave it out",
+        )
+    side = _HEAD_SIDE[name]
+    certainty, source = _RAIL_TEXTS[name](radius)
+    return RailProfile(
+        title=name if radius is None else f"{name}, crown radius {radius:g} in",
+        outline=_mirrored_and_joined(_read_segments(radii[radius], "x{}_mm", "y{}_mm")),
+        head_names=(
+            *(f"{part}_gauge" for part in side[:0:-1]),
+            "crown",
+            *(f"{part}_field" for part in side[1:]),
+        ),
+        base_names=("base",),
+        certainty=certainty,
+        source=source,
+    )
+
+
+def _texts_136re(radius: float | None) -> tuple[str, str]:
+    """Certainty and source of the 136RE with some crown."""
+    exact = radius == 14
+    return (
+        ("The arcs of the head are exact" if exact else "Crown and shoulder are derived")
+        + "; radii of the web, fillets and base are derived so that area, centroid and inertia "
+        "agree with the published ones.",
+        "AREMA 136RE: published dimensions and section properties; head with crown radius "
+        "14 in as in tutorial 12 of the program GIRAFFE"
+        + ("." if exact else ", crown radius changed with its half-width of 0.7 in kept."),
+    )
+
+
+def _texts_60e1(_: float | None) -> tuple[str, str]:
+    """Certainty and source of the 60E1."""
+    return (
+        "The arcs of the head are exact; below it fillets, web and foot are derived from nominal dimensions: area, "
+        "height of the centroid and Ixx agree with EN 13674-1 to 0.15 %, Iyy to 0.9 %.",
+        "60E1 (UIC 60): head as on GENSYS's page of the profile; nominal dimensions of EN 13674-1 below it.",
+    )
+
+
+_RAIL_TEXTS = {"136RE": _texts_136re, "60E1": _texts_60e1}
+
+
+def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm: float | None = None) -> WheelProfile:
+    """Return the lower part of a wheel's rim.
+
+    Parameters
+    ----------
+    name
+        ``"AAR-1B"``, ``"S1002"`` or ``"heavy-haul"``.
+    cut_height_mm
+        Height above the tape line of the straight cut that closes the region, 20 to 100 mm
+        (30 to 100 mm for the heavy-haul wheel, whose rim's edge is higher).
+    throat_radius_mm
+        Radius of the arc between the flange's face and the wider arc of the throat of the AAR-1B, 10 to
+        20 mm; that of the file (14.2875 mm, inferred) by default. The arc stays tangent to both.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown or a length is out of range.
+
+    """
+    if name not in WHEELS:
+        advice = _advice("wheel", name, WHEELS)
+        raise InputError(f"wheel '{name}'", f"one of {', '.join(WHEELS)}, or a file of a profile", advice)
+    _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
+    if name not in _WHEEL_FILES:
+        if throat_radius_mm is not None:
+            raise InputError(f"throat_radius_mm = {throat_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+        return _s1002(cut_height_mm) if name == "S1002" else _heavy_haul(cut_height_mm)
+    # the file's axes point towards the flange and away from the axle: half a turn, without rounding
+    contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
+    if throat_radius_mm is not None:
+        _refuse_outside("throat_radius_mm", throat_radius_mm, _THROAT_RADII_MM, "leave it out for the file's")
+        contour |= _rounded_throat(contour, throat_radius_mm)
+    outer, back = contour["outer_face"], contour["back_face"]
+    contour["outer_face"] = Line((outer.end[0], cut_height_mm), outer.end)
+    contour["back_face"] = Line(back.start, (back.start[0], cut_height_mm))
+    contour["cut"] = Line(contour["back_face"].end, contour["outer_face"].start)
+    outline = Outline.from_segments(contour.values(), contour.keys())
+    return WheelProfile(
+        title=f"{name} (approximate)",
+        outline=outline,
+        running_names=tuple(part for part in outline.names if part in _RUNNING),
+        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_back_mm=-float(outline.bounds(["back_face"])[0, 0]),
+        certainty=(
+            "An approximation: taper, height, thickness and angle of the flange and width of the "
+            "rim agree with the standard's figures; the radii of the throat and its junctions are "
+            "assumed."
+        ),
+        source=(
+            "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
+        ),
+    )
+
+
+def _s1002(cut_height: float) -> WheelProfile:
+    return _wheel_below(
+        s1002_contour(),
+        cut_height,
+        title="S1002",
+        certainty=(
+            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.05 micrometres. The "
+            "rim is cut off where the tread ends, 60 mm outside of the tape line; its edge is not drawn."
+        ),
+        source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
+    )
+
+
+def _heavy_haul(cut_height: float) -> WheelProfile:
+    _refuse_outside("cut_height_mm", cut_height, (30.0, 100.0), "50 mm is usual")
+    return _wheel_below(
+        heavy_haul_contour(),
+        cut_height,
+        title="heavy-haul wheel of nine arcs",
+        certainty=(
+            "The arcs are exact. The source does not say where the tape line is: it is taken "
+            f"{HEAVY_HAUL_TAPE_MM:g} mm from the flange's back."
+        ),
+        source="Tutorial 12 of the program GIRAFFE (BSD licence): a Brazilian heavy-haul wheel.",
+    )
+
+
+def _wheel_below(running: Contour, cut_height: float, *, title: str, certainty: str, source: str) -> WheelProfile:
+    """Close a running surface by vertical faces and a straight cut."""
+    back, outer = running.segments[0].start, running.segments[-1].end
+    high_back, high_outer = (back[0], cut_height), (outer[0], cut_height)
+    segments = [*running.segments, Line(outer, high_outer), Line(high_outer, high_back), Line(high_back, back)]
+    outline = Outline.from_segments(segments, [*running.names, "outer_face", "cut", "back_face"])
+    return WheelProfile(
+        title=title,
+        outline=outline,
+        running_names=tuple(dict.fromkeys(running.names)),
+        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_back_mm=-float(running.bounds()[0, 0]),
+        certainty=certainty,
+        source=source,
+    )
+
+
+def _refuse_outside(name: str, value: float, limits: tuple[float, float], advice: str) -> None:
+    low, high = limits
+    if not low <= value <= high:
+        raise InputError(f"{name} = {value}", f"{low:g} to {high:g}", advice)
+
+
+def _rounded_throat(contour: Mapping[str, Segment], radius: float) -> dict[str, Segment]:
+    """Return throat and flange face for another radius of the arc between them.
+
+    The arc is tangent to the line of the face and, from inside, to the circle of the wider arc:
+    its centre is `radius` off the line and the difference of the radii from the other's centre.
+    """
+    face, wide = contour["flange_face_75deg"], contour["throat_R2"]
+    if not isinstance(wide, Arc):
+        raise TypeError("the throat of a wheel file is made of arcs")
+    # from tread to flange the wheel is on the right: the centres of its hollow arcs are on the left
+    along, off = face.tangent(0.0)[0], -face.normal(0.0)[0]
+    start, other = np.array(face.start), np.array(wide.centre)
+    ray = start + radius * off - other
+    shift = float(along @ ray)
+    half = math.sqrt((wide.radius - radius) ** 2 - float(ray @ ray) + shift**2)
+    # of both solutions the one on the side of the tread
+    foot = start - (shift + half) * along
+    centre = foot + radius * off
+    outward = (centre - other) / np.hypot(*(centre - other))
+    junction = as_point(other + wide.radius * outward)
+    return {
+        "throat_R2": Arc(wide.start, junction, wide.centre, wide.counter_clockwise),
+        "throat_R1": Arc(junction, as_point(foot), as_point(centre), wide.counter_clockwise),
+        "flange_face_75deg": Line(as_point(foot), face.end),
+    }
+
+
+def _read_segments(file: str, first: str, second: str, *, sign: float = 1.0) -> dict[str, Segment]:
+    """Return the segments of a data file by name, in its order.
+
+    `first` and `second` are the names of the columns of both coordinates, with braces for 0, 1, c;
+    both are multiplied by `sign`.
+    """
+    text = (files("flangeway.railway.profiles") / "data" / file).read_text(encoding="utf-8")
+    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
+    return {row["name"]: _segment(row, first, second, sign) for row in rows}
+
+
+def _segment(row: Mapping[str, str], first: str, second: str, sign: float) -> Segment:
+    def point(key: str) -> Point:
+        return sign * float(row[first.format(key)]), sign * float(row[second.format(key)])
+
+    start, end = point("0"), point("1")
+    if row["type"] == "line":
+        return Line(start, end)
+    centre = point("c")
+    # every arc is shorter than half a turn
+    turn = (start[0] - centre[0]) * (end[1] - centre[1]) - (start[1] - centre[1]) * (end[0] - centre[0])
+    return Arc(start, end, centre, turn > 0.0)
+
+
+def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
+    """Return the whole section: crown and base across the middle, both sides between them."""
+    mirror = Placement(mirrored=True)
+    sides = {k: v for k, v in field_side.items() if k not in ("crown", "base_bottom")}
+    gauge_side = {part: segment.transformed(mirror) for part, segment in sides.items()}
+    crown, bottom = field_side["crown"], field_side["base_bottom"]
+    if not isinstance(crown, Arc):
+        raise TypeError("the crown of a rail file is an arc")
+    left_crown, left_bottom = crown.transformed(mirror), bottom.transformed(mirror)
+    chain: list[tuple[str, Segment]] = [
+        ("base", Line(left_bottom.start, bottom.start)),
+        *((f"{part}_field", segment.reversed()) for part, segment in reversed(sides.items())),
+        ("crown", Arc(crown.end, left_crown.end, (0.0, crown.centre[1]), True)),
+        *((f"{part}_gauge", segment) for part, segment in gauge_side.items()),
+    ]
+    return Outline.from_segments([s for _, s in chain], [part for part, _ in chain])

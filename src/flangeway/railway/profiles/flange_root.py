@@ -1,0 +1,166 @@
+"""The AAR-1B with other arcs of its flange root, and the root that was identified from a published position."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Line, Outline, Segment
+from flangeway.geometry.arrays import Point, as_point
+from flangeway.railway.profiles.bundled import WheelProfile, wheel
+
+GAUGE_HEIGHT_MM = 9.525
+"""Depth below the tape line, 3/8 in, at which the standard measures the flange's thickness."""
+
+IDENTIFIED = "AAR-1B (identified)"
+"""Name of the wheel with the identified root. The reproduction of Tables 15 and 16 uses it, and nothing by default."""
+
+IDENTIFIED_RADIUS_MM = 49.2
+"""Radius of the wide arc with which elements VO2, on the published kind of mesh, have the published lateral translation
+of the curve, 0.7309 cm (seed Table 16). `flangeway reproduce wheel-rail` finds it again."""
+
+
+def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfile:
+    """Return an AAR-1B with another radius of the wide arc of its flange root, the arcs moved so that all fits.
+
+    Taper, height, thickness and angle of the flange stay, the radius of the narrow arc and the slope (30 degrees) at
+    which it follows the wide one too. Narrow arc and flange face move by what keeps the thickness at
+    `GAUGE_HEIGHT_MM`.
+
+    Parameters
+    ----------
+    profile
+        Wheel with segments ``throat_R1``, ``throat_R2`` and ``tread_1:20``.
+    wide_radius_mm
+        Radius of the wide arc.
+
+    Raises
+    ------
+    InputError
+        If the wheel has no such arcs, or they do not fit between tread and tip of the flange.
+
+    """
+    parts, narrow, wide, tread = _root_of(profile)
+    face, tip, land = (parts.get(part) for part in ("flange_face_75deg", "flange_tip_front", "flange_tip_land"))
+    if not (
+        isinstance(narrow, Arc)
+        and isinstance(wide, Arc)
+        and isinstance(tip, Arc)
+        and all(isinstance(each, Line) for each in (tread, face, land))
+    ):
+        raise InputError(f"another flange root for {profile.title}", "AAR-1B", "leave it out")
+    assert tread is not None and face is not None and land is not None  # noqa: PT018 (for the checker of types)
+    factor = wide_radius_mm / wide.radius
+    along = tread.tangent(0.0)[0]
+    grown = (factor - 1.0) * (np.array(wide.start) - wide.end)
+    gauge = _gauge_point(narrow)
+    arm = np.array(narrow.centre) + grown - gauge
+    square = float(arm @ along) ** 2 - float(arm @ arm) + narrow.radius**2
+    if wide_radius_mm > narrow.radius and square > 0.0:
+        on_tread = (np.sqrt(square) - float(arm @ along)) * along
+        moved = grown + on_tread
+        foot = np.array(tread.start) + on_tread
+        slope = face.tangent(0.0)[0]
+        above_tip = narrow.start[1] + moved[1] - tip.end[1]
+        shift = np.array((moved[0] - moved[1] * slope[0] / slope[1], 0.0))
+        if (
+            above_tip > 0.0 > narrow.start[1] + moved[1] + GAUGE_HEIGHT_MM
+            and foot[0] < tread.end[0]
+            and (narrow.end[1] + moved[1] > -GAUGE_HEIGHT_MM)
+        ):
+            centre = foot + factor * (np.array(wide.centre) - wide.end)
+            parts["flange_tip_land"] = Line(land.start, _moved(land.end, shift))
+            parts["flange_tip_front"] = _moved_arc(tip, shift)
+            parts["flange_face_75deg"] = Line(_moved(tip.end, shift), _moved(narrow.start, moved))
+            parts["throat_R1"] = _moved_arc(narrow, moved)
+            parts["throat_R2"] = Arc(
+                _moved(narrow.end, moved), as_point(foot), as_point(centre), wide.counter_clockwise
+            )
+            parts["tread_1:20"] = Line(as_point(foot), tread.end)
+            return replace(profile, outline=Outline.from_segments(parts.values(), parts.keys()))
+    raise InputError(
+        f"a wide arc of {wide_radius_mm:g} mm in the flange root of {profile.title}",
+        "a radius, such as 30 to 60 mm, with which the flange keeps its height, thickness and angle",
+        "leave it out for that of the file",
+    )
+
+
+def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
+    """Return an AAR-1B with another radius of the wide arc between tread and narrow arc, tangent to both.
+
+    The narrow arc keeps its place, and the slope between the arcs changes; see `with_flange_root` for the other way.
+
+    Parameters
+    ----------
+    profile
+        Wheel with segments ``throat_R1``, ``throat_R2`` and ``tread_1:20``.
+    radius_mm
+        Radius, larger than that of the narrow arc.
+
+    Raises
+    ------
+    InputError
+        If the wheel has no such arcs, or no arc of the radius is tangent to both neighbours.
+
+    """
+    parts, narrow, wide, tread = _root_of(profile)
+    if profile.title == IDENTIFIED or not (
+        isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)
+    ):
+        raise InputError(f"wide_throat_radius_mm for {profile.title}", "AAR-1B", "leave it out")
+    along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
+    # the outline has the wheel on its left: the flange root's hollow arcs have their centres on its right
+    arm = np.array(narrow.centre) - np.array(tread.start)
+    depth, place = float(arm @ off), float(arm @ along)
+    square = (radius_mm - narrow.radius) ** 2 - (radius_mm - depth) ** 2
+    if radius_mm <= narrow.radius or square <= 0.0:
+        raise InputError(
+            f"wide_throat_radius_mm = {radius_mm:g}",
+            f"more than {0.5 * (narrow.radius + depth):.1f} mm",
+            "leave it out for 38.1 mm",
+        )
+    foot = np.array(tread.start) + (place + math.sqrt(square)) * along
+    centre = foot + radius_mm * off
+    ray = np.array(narrow.centre) - centre
+    joint = as_point(centre + radius_mm * ray / np.hypot(*ray))
+    parts["throat_R1"] = Arc(narrow.start, joint, narrow.centre, narrow.counter_clockwise)
+    parts["throat_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
+    parts["tread_1:20"] = Line(as_point(foot), tread.end)
+    return replace(profile, outline=Outline.from_segments(parts.values(), parts.keys()))
+
+
+def identified_wheel() -> WheelProfile:
+    """Return the AAR-1B whose flange root was identified; see `IDENTIFIED_RADIUS_MM`."""
+    found = with_flange_root(wheel("AAR-1B"), IDENTIFIED_RADIUS_MM)
+    return replace(
+        found,
+        title=IDENTIFIED,
+        certainty=(
+            "Identified: taper, height, thickness and angle of the flange and width of the rim agree with the "
+            f"standard's figures; the wide arc of the flange root, {IDENTIFIED_RADIUS_MM:g} mm, is the one with which "
+            "one published position comes out."
+        ),
+        source=f"{found.source} The wide arc: from the lateral translation of VO2 in Table 16 of Moherdaui (2021).",
+    )
+
+
+def _root_of(profile: WheelProfile) -> tuple[dict[str, Segment], Segment | None, Segment | None, Segment | None]:
+    """Return all segments by name; narrow arc, wide arc and tread, None where the wheel has no such segment."""
+    parts: dict[str, Segment] = dict(zip(profile.outline.names, profile.outline.segments, strict=True))
+    return parts, parts.get("throat_R1"), parts.get("throat_R2"), parts.get("tread_1:20")
+
+
+def _gauge_point(narrow: Arc) -> NDArray[np.float64]:
+    """Return the point of the narrow arc at which the flange's thickness is measured."""
+    aside = float(np.sqrt(narrow.radius**2 - (narrow.centre[1] + GAUGE_HEIGHT_MM) ** 2))
+    return np.array((narrow.centre[0] - aside, -GAUGE_HEIGHT_MM))
+
+
+def _moved(point: Point, shift: NDArray[np.float64]) -> Point:
+    return as_point(np.array(point) + shift)
+
+
+def _moved_arc(arc: Arc, shift: NDArray[np.float64]) -> Arc:
+    return Arc(_moved(arc.start, shift), _moved(arc.end, shift), _moved(arc.centre, shift), arc.counter_clockwise)

@@ -1,0 +1,140 @@
+"""MiniProf files: ``.ban`` for rails and ``.whl`` for wheels.
+
+The head of the file has lines ``Key=value``, of which ``ColumnDef`` names the columns, ``XYPoints`` counts the points
+and ``WheelDiameterTaperline`` places the tape line; an empty line and one point a line follow. Files of old versions
+have ``MINIPROF`` in one of their first three lines, words without keys, and points behind the first empty line.
+Everything after ``"``, ``!`` or ``%`` is a comment. Lengths are mm. The second column of rails points up and that of
+wheels towards the flange's tip, unless the shape shows the contrary, since programs differ; the first column of wheels
+counts from the flange's back.
+"""
+
+import re
+
+from flangeway.errors import InputError
+from flangeway.geometry import FloatArray
+from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile, leading_numbers, number_of, numbered_points
+from flangeway.railway.profiles.formats.two_column import one_line
+
+TAPE_MM = 70.0
+"""Usual distance of the tape line from the flange's back (EN 13715)."""
+
+_N_FIRST_LINES = 3
+_REFERENCE = "".join(
+    f"RefPoint{i}={['0.0000, 0.0000', '10.0000, 0.0000', '0.0000, 5.0000'][(i - 1) % 3]}\n" for i in range(1, 10)
+)
+
+
+def read_miniprof(text: str, kind: Kind) -> RawProfile:
+    """Return the profile in a MiniProf file.
+
+    Parameters
+    ----------
+    text
+        Contents of the file.
+    kind
+        What the ending of its name says.
+
+    Raises
+    ------
+    InputError
+        If it has several profiles, no columns X and Y, no points, or fewer points than it says.
+
+    """
+    lines = text.splitlines()
+    if any(line.strip().startswith("[FileInfo]") for line in lines[:_N_FIRST_LINES]):
+        raise InputError(
+            "a MiniProf file of several profiles", "one profile a file", "save the profile that you want alone"
+        )
+    old = any("MINIPROF" in line for line in lines[:_N_FIRST_LINES])
+    header: dict[str, tuple[int, str]] = {}
+    rows: list[tuple[int, list[float]]] = []
+    in_data = False
+    for number, line in enumerate(lines, 1):
+        words = re.split(r'["!%]', line, maxsplit=1)[0]
+        if not words.strip():
+            in_data = in_data or not line.strip()
+        elif "=" in words:
+            key, _, value = words.partition("=")
+            header[key.strip().lower()] = (number, value.strip())
+        elif in_data or not old:
+            values = leading_numbers(words)
+            if values:
+                rows.append((number, values))
+            elif rows:
+                raise InputError(f"line {number}: {words.strip()[:60]!r}", "a point", "correct this line")
+    return _profile(header, rows, kind)
+
+
+def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[float]]], kind: Kind) -> RawProfile:
+    line, columns = header.get("columndef", (0, ""))
+    names = [name.strip().upper() for name in columns.split(",")] if columns else ["X", "Y"]
+    if "X" not in names or "Y" not in names:
+        raise InputError(f"line {line}: ColumnDef={columns}", "columns X and Y", "save the file with both")
+    first, second = names.index("X"), names.index("Y")
+    notices: list[str] = []
+    for number, values in rows:
+        if len(values) <= max(first, second):
+            raise InputError(
+                f"line {number}: {len(values)} numbers", f"{max(first, second) + 1} or more", "correct this line"
+            )
+    points, lines = numbered_points([(number, values[first], values[second]) for number, values in rows])
+    if header.get("xypoints", (0, ""))[1]:
+        wanted = number_of(header["xypoints"][1], "XYPoints", header["xypoints"][0])
+        if len(points) < 0.9 * wanted:
+            raise InputError(
+                f"{len(points)} points in a file that says XYPoints={wanted:g}",
+                "as many points as the file says",
+                "the file was cut off: save it again, or correct XYPoints",
+            )
+        if len(points) != wanted:
+            notices.append(f"The file says XYPoints={wanted:g} but has {len(points)} points; all of them are taken.")
+    offsets = [header.get(key, (0, ""))[1] for key in ("xoffset", "yoffset")]
+    if any(offset and leading_numbers(offset) not in ([], [0.0]) for offset in offsets):
+        notices.append(f"XOffset and YOffset ({', '.join(offsets)}) are not applied.")
+    side = [f"{key}={header[key.lower()][1]}" for key in ("Rail", "Side") if header.get(key.lower(), (0, ""))[1]]
+    if side:
+        notices.append(f"The file says {', '.join(side)}; it is taken as it is, --mirror makes it the other side.")
+    tape = _tape(header) if kind == "wheel" else None
+    title = next((header[key][1] for key in ("mpdn", "comment", "filename", "uof1") if header.get(key, (0, ""))[1]), "")
+    return RawProfile(
+        points,
+        lines,
+        unit="mm",
+        kind=kind,
+        upwards=kind == "rail",
+        tape_mm=tape,
+        title=title,
+        notices=tuple(notices),
+    )
+
+
+def _tape(header: dict[str, tuple[int, str]]) -> float | None:
+    line, value = header.get("wheeldiametertaperline", (0, ""))
+    return number_of(value, "WheelDiameterTaperline", line) if value else None
+
+
+def write_miniprof(points: FloatArray, kind: Kind, title: str, back_mm: float = TAPE_MM) -> str:
+    """Return points (n, 2) in mm as a MiniProf file.
+
+    Rails: from the top, second column up. Wheels: from the flange's back, second column towards the flange's tip.
+
+    Parameters
+    ----------
+    points
+        In this package's frame of a rail's running surface or a wheel.
+    kind
+        What it is.
+    title
+        Goes into ``MPDN``.
+    back_mm
+        Distance of the flange's back from the tape line of a wheel; goes into ``WheelDiameterTaperline``.
+
+    """
+    shown = points if kind == "rail" else points * [1.0, -1.0] + [back_mm, 0.0]
+    tape = f"WheelDiameterTaperline={back_mm!r}\n" if kind == "wheel" else ""
+    rows = "".join(f"{x:.9f} {y:.9f}\n" for x, y in shown)
+    name = re.sub(r'["!%=]', " ", one_line(title))
+    return (
+        f"ProgramName=flangeway\nMPDN={name}\nMPTypeNo=299\nMPSerNo=0\nXoffset=0.0000\nYoffset=0.0000\n"
+        f"{_REFERENCE}{tape}ColumnDef=X,Y\nXYPoints={len(points)}\nChars=UTF8\n\n{rows}"
+    )

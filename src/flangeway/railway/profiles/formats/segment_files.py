@@ -1,0 +1,243 @@
+"""Profiles of lines and arcs, open or closed: CSV with the columns of outlines, and DXF drawings."""
+
+import math
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from flangeway.errors import InputError
+from flangeway.formats import outline_csv, outline_dxf
+from flangeway.formats.outline_repair import DrawnSegment
+from flangeway.geometry import Arc, Contour, Outline, Point, Segment
+from flangeway.geometry.contour import JOINT_TOLERANCE
+from flangeway.railway.profiles.formats.raw_profile import RawProfile
+from flangeway.railway.profiles.formats.two_column import read_two_column
+from flangeway.railway.profiles.orientation import UNITS_MM
+
+_N_SAMPLES = 800
+GAP_MM = 0.01
+"""Largest gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
+
+_ROUNDING = 1e-3  # of that, below which nothing is said
+_FARTHEST = 1e9  # centres of flat arcs lie far away
+_DXF_UNITS = {"mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
+
+
+def is_segment_csv(text: str) -> bool:
+    """Whether the first line of a CSV file that is no comment names the columns of lines and arcs."""
+    for line in text.splitlines():
+        if line.strip() and not line.strip().startswith("#"):
+            return bool(re.search(r"\btype\b", line)) and bool(re.search(r"\bx0", line))
+    return False
+
+
+def read_segment_csv(text: str) -> RawProfile:
+    """Return the chain of lines and arcs in a CSV file; for its columns see `flangeway.formats.outline_csv`.
+
+    The comments of `flangeway.railway.profiles.formats.two_column` are read as well.
+
+    Raises
+    ------
+    InputError
+        If a column or number is missing or wrong, or the segments are no chain.
+
+    """
+    lines = text.splitlines()
+    comments = [line if line.strip().startswith("#") else "#" for line in lines]
+    # what comments say is checked there; the point is a stand-in
+    said = read_two_column("\n".join([*comments, "0 0"]))
+    rows = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.strip().startswith("#")]
+    header, unit = outline_csv.parse_header(rows)
+    drawn = [outline_csv.parse_segment(row, number) for number, row in outline_csv.parse_rows(header, rows[1:])]
+    if unit is not None and said.unit is not None and unit != said.unit:
+        raise InputError(f"columns in {unit} under a comment that says {said.unit}", "one unit", "correct one of them")
+    return _profile(drawn, unit or said.unit, said)
+
+
+def read_dxf_profile(content: bytes) -> RawProfile:
+    """Return the one chain of lines and arcs in the model space of a DXF drawing, open or closed.
+
+    Raises
+    ------
+    InputError
+        If it is no DXF drawing, holds other curves, or its lines and arcs are not one chain.
+
+    """
+    drawing = outline_dxf.open_drawing(content)
+    with outline_dxf.damage_told():
+        pieces, ignored = _dxf_pieces(drawing)
+    if not pieces:
+        raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
+    notices = tuple(f"Left out: {count} {kind}." for kind, count in sorted(ignored.items()))
+    empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=notices)
+    return _profile(_chained(pieces), outline_dxf.unit_of(drawing), empty)
+
+
+def _dxf_pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], Counter[str]]:
+    """Chains of lines and arcs, and how many entities of other kinds there are."""
+    pieces: list[list[DrawnSegment]] = []
+    ignored: Counter[str] = Counter()
+    for entity in drawing.modelspace():
+        kind = entity.dxftype()
+        if kind in outline_dxf.CURVED_ENTITIES or kind == "CIRCLE":
+            raise InputError(f"a {kind} on layer {entity.dxf.layer!r}", "lines, arcs and polylines", "explode it")
+        if kind in ("LINE", "ARC"):
+            pieces.append([outline_dxf.drawn_entity(entity)])
+        elif kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
+            parts = [outline_dxf.drawn_entity(part) for part in entity.virtual_entities()]
+            if parts:
+                pieces.append(outline_dxf.in_order(parts))
+        else:
+            ignored[kind] += 1
+    return pieces, ignored
+
+
+def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) -> RawProfile:
+    numbers = [c for s in drawn for p in (s.start, s.end, s.centre) if p is not None for c in p]
+    if not all(abs(number) <= _FARTHEST for number in numbers):
+        raise InputError("a coordinate that is not finite or very large", f"up to {_FARTHEST:g}", "repair it")
+    drawn, notices = _closed_gaps(drawn, GAP_MM / UNITS_MM.get(unit or "mm", 1.0))
+    segments = [segment.checked() for segment in drawn]
+    names = [segment.name for segment in drawn]
+    size = max(abs(c) for s in drawn for p in (s.start, s.end) for c in p)
+    closed = len(segments) > 1 and math.dist(segments[0].start, segments[-1].end) <= JOINT_TOLERANCE * size
+    contour = Outline.from_segments(segments, names) if closed else Contour.from_segments(segments, names)
+    points = contour.sampled(spacing=contour.length / _N_SAMPLES)
+    if closed:
+        # the highest and the lowest place are then inside the list, as the search for head and flange wants
+        top, bottom = int(np.argmax(points[:, 1])), int(np.argmin(points[:, 1]))
+        points = np.roll(points, -((top + bottom) // 2), axis=0)
+    return RawProfile(
+        points,
+        np.zeros(len(points), dtype=np.int64),
+        unit=unit,
+        kind=said.kind,
+        upwards=said.upwards,
+        mirrored=said.mirrored,
+        origin=said.origin,
+        tape_mm=said.tape_mm,
+        title=said.title,
+        contour=contour,
+        notices=(*said.notices, *notices),
+    )
+
+
+def _closed_gaps(drawn: Sequence[DrawnSegment], largest: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
+    """Close gaps up to `largest` between neighbours, as of rounded tables, and say where.
+
+    Both ends move to the middle of the gap, and centres across the chord to where they are equally far from both ends.
+    """
+    ends = [[s.start, s.end] for s in drawn]
+    gaps: list[tuple[float, int]] = []
+    for i in range(len(drawn) if len(drawn) > 1 else 0):
+        j = (i + 1) % len(drawn)
+        (x0, y0), (x1, y1) = drawn[i].end, drawn[j].start
+        gap = math.hypot(x1 - x0, y1 - y0)
+        if gap <= largest:
+            ends[i][1] = ends[j][0] = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
+            gaps.append((gap, i))
+        elif j:
+            raise InputError(
+                f"segment {j} starts at {drawn[j].start}, {gap:.6g} from the end {drawn[i].end} of segment {i}",
+                f"a chain with gaps up to {largest:.3g}, which are closed",
+                "close the gap or reorder the segments",
+            )
+    closed = [_moved(segment, start, end, largest) for segment, (start, end) in zip(drawn, ends, strict=True)]
+    said = [each for each in gaps if each[0] > _ROUNDING * largest]
+    if not said:
+        return closed, ()
+    gap, i = max(said)
+    return closed, (
+        f"{len(said)} gaps between lines and arcs are closed, up to {largest:.3g}, the widest of {gap:.3g} behind "
+        f"segment {i}, {drawn[i].name}.",
+    )
+
+
+def _moved(segment: DrawnSegment, start: Point, end: Point, largest: float) -> DrawnSegment:
+    """Return a segment with other ends; a centre whose distances from them differ by rounding is moved as well."""
+    moved = replace(segment, start=start, end=end)
+    length = math.dist(start, end)
+    if segment.centre is None or not length:
+        return moved
+    ray = (segment.centre[0] - start[0], segment.centre[1] - start[1])
+    along = ((end[0] - start[0]) / length, (end[1] - start[1]) / length)
+    off = ray[0] * along[0] + ray[1] * along[1] - 0.5 * length
+    if abs(math.hypot(*ray) - math.dist(segment.centre, end)) > 2.0 * largest:
+        return segment  # which is refused
+    return replace(moved, centre=(segment.centre[0] - off * along[0], segment.centre[1] - off * along[1]))
+
+
+def _chained(pieces: Sequence[list[DrawnSegment]]) -> list[DrawnSegment]:
+    """Order pieces into one chain, each end of which meets one other or, at both ends of the chain, none."""
+    ends = np.array([point for piece in pieces for point in (piece[0].start, piece[-1].end)])
+    size = max(float(np.hypot(*np.ptp(ends, axis=0))), float(np.abs(ends).max()), 1e-12)
+    near = cKDTree(ends).query_ball_point(ends, JOINT_TOLERANCE * size)
+    crowded = next((number for number, group in enumerate(near) if len(group) > 2), None)
+    free = [number for number, group in enumerate(near) if len(group) == 1]
+    if crowded is not None or len(free) not in (0, 2):
+        x, y = ends[crowded if crowded is not None else free[0]]
+        what = "several lines that meet" if crowded is not None else f"{len(free)} open ends, the first"
+        raise InputError(
+            f"{what} at ({x:.6g}, {y:.6g})", "one chain of lines and arcs", "leave the profile alone in it"
+        )
+    place = free[0] if free else 0
+    left = set(range(len(pieces)))
+    chain: list[DrawnSegment] = []
+    while place // 2 in left:
+        piece = pieces[place // 2]
+        left.remove(place // 2)
+        chain += piece if place % 2 == 0 else [outline_dxf.reversed_segment(s) for s in reversed(piece)]
+        place = next((other for other in near[place ^ 1] if other != place ^ 1), place)
+    if left:
+        raise InputError(
+            f"{len(left)} lines or arcs apart from the profile", "one chain", "leave the profile alone in it"
+        )
+    return chain
+
+
+def write_segment_csv(contour: Contour, kind: str, title: str, origin: str, tape_mm: float | None = None) -> str:
+    """Return a chain in mm as CSV of lines and arcs, with comments that say what it is."""
+    rows = [
+        f"# title: {title}",
+        f"# kind: {kind}",
+        f"# origin: {origin}",
+        "# up: yes",
+        *([] if tape_mm is None else [f"# tape_mm: {tape_mm!r}"]),
+        "name,type,x0_mm,y0_mm,x1_mm,y1_mm,xc_mm,yc_mm,turn",
+    ]
+    for name, segment in zip(contour.names, contour.segments, strict=True):
+        ends = ",".join(repr(c) for c in (*segment.start, *segment.end))
+        label = re.sub(r'[,"\s]', "_", name)
+        if isinstance(segment, Arc):
+            turn = "left" if segment.counter_clockwise else "right"
+            rows.append(f"{label},arc,{ends},{segment.centre[0]!r},{segment.centre[1]!r},{turn}")
+        else:
+            rows.append(f"{label},line,{ends},,,")
+    return "\n".join(rows) + "\n"
+
+
+def write_dxf_profile(contour: Contour) -> str:
+    """Return a chain in mm as a DXF drawing with one polyline, its arcs as bulges."""
+    import io  # noqa: PLC0415
+
+    import ezdxf.document  # noqa: PLC0415  (slow to import, and few programs write drawings)
+
+    drawing: Any = ezdxf.document.Drawing.new("R2010")
+    drawing.header["$INSUNITS"] = _DXF_UNITS["mm"]
+    rows = [(*segment.start, _bulge(segment)) for segment in contour.segments]
+    closed = isinstance(contour, Outline)
+    if not closed:
+        rows.append((*contour.segments[-1].end, 0.0))
+    drawing.modelspace().add_lwpolyline(rows, format="xyb", close=closed)
+    stream = io.StringIO()
+    drawing.write(stream)
+    return stream.getvalue()
+
+
+def _bulge(segment: Segment) -> float:
+    return math.tan(0.25 * segment.sweep) if isinstance(segment, Arc) else 0.0

@@ -1,0 +1,181 @@
+"""Simpack profile files: ``.prr`` for rails and ``.prw`` for wheels.
+
+Sections ``header.begin`` to ``header.end`` and ``spline.begin`` to ``spline.end`` hold lines ``key = value``; the
+points stand between ``point.begin`` and ``point.end``: y to the right, z down, and a weight that is not used. ``!`` and
+``%`` start comments. What the file says is done to the points in the order that Simpack numbers it: smallest distance,
+shift, rotation, bounds, mirrors, order, unit.
+"""
+
+import math
+import re
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import FloatArray
+from flangeway.railway.profiles.formats.raw_profile import (
+    KINDS,
+    Kind,
+    RawProfile,
+    leading_numbers,
+    number_of,
+    numbered_points,
+)
+from flangeway.railway.profiles.formats.two_column import one_line
+
+_SECTIONS = ("header", "spline", "point")
+_MM_PER_M = 1000.0
+
+
+def read_simpack(text: str, kind: Kind) -> RawProfile:
+    """Return the profile in a Simpack file, processed as the file asks.
+
+    Parameters
+    ----------
+    text
+        Contents of the file.
+    kind
+        What the ending of its name says.
+
+    Raises
+    ------
+    InputError
+        If sections are missing, the type is another one than the ending says, or a number is wrong.
+
+    """
+    keys: dict[str, tuple[int, str]] = {}
+    rows: list[tuple[int, float, float]] = []
+    open_sections: list[str] = []
+    for number, line in enumerate(text.splitlines(), 1):
+        words = _without_comment(line).strip()
+        section, _, edge = words.rpartition(".")
+        if not words:
+            continue
+        if edge in ("begin", "end") and "=" not in words:
+            _enter_or_leave(open_sections, section, edge, number)
+        elif "=" in words:
+            key, _, value = words.partition("=")
+            # both sections have a key `type`
+            name = f"header.{key.strip()}" if open_sections[-1:] == ["header"] else key.strip()
+            keys[name] = (number, value.strip().strip("'"))
+        elif open_sections[-1:] == ["point"]:
+            values = leading_numbers(words)
+            if len(values) < 2:
+                raise InputError(f"line {number}: {words[:60]!r}", "two numbers, y and z", "correct this line")
+            rows.append((number, values[0], values[1]))
+    if open_sections:
+        raise InputError(
+            f"a section {open_sections[-1]}.begin without its end", "whole sections", "the file was cut off"
+        )
+    points, lines = numbered_points(rows)
+    sure = _refuse_other_kind(keys, kind)
+    points, lines, per_metre = _processed(points, lines, keys)
+    return RawProfile(
+        points,
+        lines,
+        unit=None if per_metre is None else "mm",
+        kind=kind,
+        kind_is_sure=sure,
+        upwards=False,
+        title=keys.get("comment", (0, ""))[1] or keys.get("file", (0, ""))[1],
+    )
+
+
+def _without_comment(line: str) -> str:
+    """Cut a comment off, not inside quotes."""
+    match = re.match(r"(?:[^!%']|'[^']*')*", line)
+    return match[0] if match else ""
+
+
+def _enter_or_leave(open_sections: list[str], section: str, edge: str, number: int) -> None:
+    if section not in _SECTIONS:
+        raise InputError(
+            f"line {number}: section {section!r}", ", ".join(_SECTIONS), "check that it is a Simpack profile"
+        )
+    if edge == "begin":
+        open_sections.append(section)
+    elif open_sections[-1:] == [section]:
+        open_sections.pop()
+    else:
+        raise InputError(
+            f"line {number}: {section}.end without its beginning", "whole sections", "check the file's structure"
+        )
+
+
+def _refuse_other_kind(keys: dict[str, tuple[int, str]], kind: Kind) -> bool:
+    """Return whether the header says the same kind as the ending; refuse the other one."""
+    line, value = keys.get("header.type", (0, ""))
+    said = {"0": KINDS[0], "1": KINDS[1]}.get(value)
+    if said is not None and said != kind:
+        raise InputError(
+            f"line {line}: type = {value}, a {said}, in a file whose ending says {kind}",
+            "an ending that agrees: .prr for rails, .prw for wheels",
+            "rename the file, or correct its header",
+        )
+    return said is not None
+
+
+def _processed(
+    points: FloatArray, lines: NDArray[np.int64], keys: dict[str, tuple[int, str]]
+) -> tuple[FloatArray, NDArray[np.int64], float | None]:
+    """Do what the file asks; return points, their lines, and the number of the file's units in a metre."""
+
+    def value(key: str) -> float:
+        line, text = keys.get(key, (0, ""))
+        return number_of(text, key, line) if text else 0.0
+
+    if value("point.dist.min") > 0.0:
+        kept = [0]
+        for i in range(1, len(points)):
+            if abs(points[i, 0] - points[kept[-1], 0]) > value("point.dist.min"):
+                kept.append(i)
+        points, lines = points[kept], lines[kept]
+    points = points + np.array([value("shift.y"), value("shift.z")])
+    angle = value("rotate") / (value("units.ang.f") or 1.0)
+    if angle:
+        cosine, sine = math.cos(angle), math.sin(angle)
+        points = points @ np.array([[cosine, sine], [-sine, cosine]])
+    low, high = value("bound.y.min"), value("bound.y.max")
+    if low < high:
+        inside = (points[:, 0] >= low) & (points[:, 0] <= high)
+        points, lines = points[inside], lines[inside]
+    low, high = value("bound.z.min"), value("bound.z.max")
+    if low < high:
+        points = np.column_stack([points[:, 0], np.clip(points[:, 1], low, high)])
+    points = points * [-1.0 if value("mirror.y") else 1.0, -1.0 if value("mirror.z") else 1.0]
+    if value("inversion"):
+        points, lines = points[::-1], lines[::-1]
+    per_metre = value("units.len.f") or None
+    if per_metre is not None:
+        if per_metre < 0.0:
+            raise InputError(f"units.len.f = {per_metre:g}", "the number of the file's units in a metre", "1000 for mm")
+        points = points * (_MM_PER_M / per_metre)
+    return np.ascontiguousarray(points), np.ascontiguousarray(lines), per_metre
+
+
+def write_simpack(points: FloatArray, kind: Kind, title: str) -> str:
+    """Return points (n, 2) in mm, in this package's frame of a rail's running surface or a wheel, as a Simpack file.
+
+    z is written downwards, rails from the middle of the track outwards and wheels the other way, as Simpack wants.
+    """
+    shown = points * [1.0, -1.0]
+    outwards = shown[-1, 0] >= shown[0, 0]
+    if outwards == (kind == "wheel"):
+        shown = shown[::-1]
+    comment = re.sub(r"['!%]", " ", one_line(title))
+    rows = "".join(f"      {y:.9f} {z:.9f}\n" for y, z in shown)
+    return (
+        "header.begin\n"
+        "  version = 1\n"
+        f"  type = {KINDS.index(kind)} ! 0 = rail, 1 = wheel\n"
+        "header.end\n"
+        "spline.begin\n"
+        "  approx.smooth = 0.0\n"
+        f"  comment = '{comment}'\n"
+        "  mirror.y = 0\n  mirror.z = 0\n  inversion = 0\n"
+        "  units.len.f = 1000.0 ! units in a metre: mm\n"
+        "  units.ang.f = 1.0\n"
+        f"  point.begin\n{rows}  point.end\n"
+        "spline.end\n"
+    )

@@ -1,0 +1,399 @@
+"""A measured running surface on the body of a nominal rail or wheel.
+
+The rule: the measured surface is kept whole. From each of its ends a straight transition leads to the nominal outline,
+to the point that lies beyond the end's foot on that outline by a blend: four times the distance between the end and its
+foot, at least `LEAST_BLEND_MM` and at most `LARGEST_BLEND_MM`. The nominal
+outline closes the body from there. The ends may be no further from the nominal outline than the limits below: else the
+origin is wrong, or it is the profile of another rail or wheel.
+
+Files of heads often count from the highest point or from a mark of the instrument instead of the head's middle. A head
+whose ends do not fit is moved sideways until its field side, which does not wear, lies on the nominal one, and a notice
+tells it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment
+from flangeway.railway.profiles.bundled import CROWNED, RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.profiles.formats.raw_profile import Kind
+from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_between, point_at
+from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
+
+LEAST_BLEND_MM = 1.0
+LARGEST_BLEND_MM = 12.0
+BLEND_FACTOR = 4.0
+LARGEST_GAP_MM = 4.0
+"""Largest distance of an end of a rail's head, or of a wheel's flange back, from the nominal outline.
+
+A new head that its file holds inclined by 1:40 about its top ends 3 mm from the upright body.
+"""
+
+LARGEST_WEAR_MM = 12.0
+"""The same at the gauge side of a head, where the end lies inside of the nominal outline: a face that is worn."""
+
+LARGEST_RIM_GAP_MM = 15.0
+"""The same at the rim of a wheel: rims differ in width."""
+
+LARGEST_SHIFT_MM = 15.0
+"""Largest motion sideways that lays the field side of a measured head on the nominal one."""
+
+REACHES_MM = {"rail": (-15.0, 10.0), "wheel": (-40.0, 20.0)}
+"""First and last x that a measured surface covers at least, from the head's middle or the tape line: where contact is.
+
+A shorter one would be in contact on the nominal outline, without a word.
+"""
+
+HEIGHTS_MM = (-30.0, 1.0)
+"""Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
+
+GAUGE_DEPTH_MM = 14.0
+"""Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
+
+TIP_OFF_MM = 0.05
+"""Height of a measured flange above the tip of the joined body below which the tip counts as measured."""
+
+PLAIN_CUT_MM = 50.0
+MEASURED = "measured"
+
+LEANS_DEG = (0.8, 4.0)
+"""Lean of a head's field side from the nominal one that is told: inclinations are 1:60 to 1:15."""
+
+FACE_MM = 5.0
+"""Height of the face, above the end of the measured surface, whose lean is measured."""
+
+STRAIGHT_MM = 0.02
+"""Distance from a straight line below which a face counts as straight."""
+
+
+@dataclass(frozen=True)
+class Joint:
+    """Where a measured surface goes over into the nominal outline.
+
+    Parameters
+    ----------
+    end
+        End of the measured surface.
+    foot
+        Closest point of the nominal outline.
+    landing
+        Where the transition reaches the nominal outline.
+    gap_mm
+        Distance between end and foot.
+    name
+        Name of the transition.
+
+    """
+
+    end: Point
+    foot: Point
+    landing: Point
+    gap_mm: float
+    name: str
+
+
+@dataclass(frozen=True)
+class Joined:
+    """A body with a measured running surface.
+
+    Parameters
+    ----------
+    profile
+        The rail or wheel, to be used like a bundled one.
+    nominal
+        The rail or wheel whose body it has.
+    measured
+        The measured surface as it was placed.
+    joints
+        Both joints, in the direction of the outline.
+
+    """
+
+    profile: RailProfile | WheelProfile
+    nominal: RailProfile | WheelProfile
+    measured: Contour
+    joints: tuple[Joint, Joint]
+
+
+def joined(measured: MeasuredProfile, name: str) -> Joined:
+    """Return a body that has a measured running surface and all else of a nominal rail or wheel.
+
+    Rails are placed by their origin: the file's top is the nominal rail's, or the file counts from the base, or its
+    x = 0 is at the nominal gauge face. Wheels have their origin on the tread at the tape line as it is.
+
+    Parameters
+    ----------
+    measured
+        What was read.
+    name
+        A bundled rail or wheel; ``136RE-8``, ``136RE-14`` are the 136RE with these crown radii.
+
+    Raises
+    ------
+    InputError
+        If the name is unknown or of the other kind, the file holds a whole outline, or the surface does not fit.
+
+    """
+    nominal = nominal_profile(name)
+    kind: Kind = "rail" if isinstance(nominal, RailProfile) else "wheel"
+    if measured.kind != kind:
+        known = RAILS if measured.kind == "rail" else WHEELS
+        raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
+    if isinstance(measured.surface, Outline):
+        raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
+    shift = (0.0, 0.0) if isinstance(nominal, WheelProfile) else _rail_shift(measured, nominal)
+    surface = measured.surface.transformed(Placement(translation=shift))
+    if isinstance(nominal, RailProfile):
+        _refuse_height(surface, nominal)
+    notices = measured.notices
+    try:
+        outline, joints = _closed(surface, nominal)
+    except InputError:
+        aside = _field_shift(measured, surface, nominal)
+        if aside is None:
+            raise
+        surface = surface.transformed(Placement(translation=(aside, 0.0)))
+        outline, joints = _closed(surface, nominal)
+        notices = (*notices, f"The head is moved sideways by {aside:.2f} mm: its field side lies on the nominal one.")
+    _refuse_short(surface, kind)
+    title = f"{measured.title} on {nominal.title}"
+    certainty = (
+        f"Running surface as measured, joined by straight transitions to the nominal {nominal.title}."
+        f"{_tape_text(measured)}"
+    )
+    source = f"File: {measured.format}. Body: {nominal.source}"
+    if isinstance(nominal, WheelProfile):
+        wheel_profile = WheelProfile(
+            title,
+            outline,
+            _running(outline, nominal.running_names),
+            flange_height_mm=-float(outline.bounds()[0, 1]),
+            flange_back_mm=measured.flange_back_mm,
+            certainty=certainty,
+            source=source,
+            notices=(*notices, *_unmeasured_tip(surface, outline, nominal)),
+        )
+        return Joined(wheel_profile, nominal, surface, joints)
+    names = _running(outline, nominal.head_names)[::-1]
+    notices = (*notices, *_lean(surface, nominal))
+    rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices)
+    return Joined(rail_profile, nominal, surface, joints)
+
+
+def nominal_profile(name: str) -> RailProfile | WheelProfile:
+    """Return a bundled rail or wheel by a name such as ``136RE-8``; capital and small letters are the same.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name.
+
+    """
+    rail_name, _, radius = name.upper().partition("-")
+    if rail_name == "136RE" and (not radius or name.upper() in CROWNED):
+        return rail("136RE", crown_radius_in=float(radius) if radius else None)
+    known = {each.upper(): each for each in (*RAILS, *WHEELS)}
+    if name.upper() not in known:
+        raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
+    found = known[name.upper()]
+    return rail(found) if found in RAILS else wheel(found)
+
+
+BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], *WHEELS))
+
+
+def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float, float]:
+    """Return what brings a measured head to the frame of a nominal rail."""
+    origin = frame_origin(measured)
+    height = float(nominal.outline.bounds()[1, 1])
+    if origin == "base":
+        return 0.0, 0.0
+    if origin == "top":
+        return 0.0, height
+    head = nominal.outline.part(nominal.head_names).sampled(spacing=0.1)
+    face = head[head[:, 0] < 0.0]
+    order = np.argsort(face[:, 1])
+    return float(np.interp(height - GAUGE_DEPTH_MM, face[order, 1], face[order, 0])), height
+
+
+def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfile | WheelProfile) -> float | None:
+    """Return what lays the field side's end of a measured head on the nominal head; None where that is no remedy."""
+    if not isinstance(nominal, RailProfile) or frame_origin(measured) != "top":
+        return None
+    if measured.orientation.how.get("origin") == "given":
+        return None
+    ends = (surface.segments[0].start, surface.segments[-1].end)
+    x, y = max(ends)
+    face = _field_side(nominal.outline.part(nominal.head_names))
+    face = face[np.argsort(face[:, 1])]
+    if not face[0, 1] - LARGEST_GAP_MM <= y <= face[-1, 1]:
+        return None
+    shift = float(np.interp(y, face[:, 1], face[:, 0])) - x
+    return shift if abs(shift) <= LARGEST_SHIFT_MM else None
+
+
+def _field_side(head: Contour) -> FloatArray:
+    """Points (n, 2) of a head away from the track's middle."""
+    points = head.sampled(spacing=0.1)
+    return points[points[:, 0] > 0.0]
+
+
+def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
+    """Tell of a head whose field side, which does not wear, does not stand as that of the nominal rail."""
+    sides = [_field_side(each) for each in (surface, nominal.outline.part(nominal.head_names))]
+    low = float(sides[0][:, 1].min())
+    slopes = []
+    for side in sides:
+        part = side[(side[:, 1] >= low) & (side[:, 1] <= low + FACE_MM)]
+        if len(part) < FACE_MM / 0.2:
+            return ()
+        line = np.polyfit(part[:, 1], part[:, 0], 1)
+        if np.abs(np.polyval(line, part[:, 1]) - part[:, 0]).max() > STRAIGHT_MM:
+            return ()
+        slopes.append(float(np.degrees(np.arctan(line[0]))))
+    lean = slopes[1] - slopes[0]
+    if not LEANS_DEG[0] <= abs(lean) <= LEANS_DEG[1]:
+        return ()
+    what = f"The head's field side leans by {abs(lean):.1f} degrees {'to' if lean > 0.0 else 'from'} the track's middle"
+    if lean > 0.0:
+        return (f"{what}: if it was measured in the track's axes it holds the rail's inclination; give cant = 0 then.",)
+    return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and cant = 0.",)
+
+
+def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
+    """Return a wheel with a measured running surface, upright faces above its ends and a level cut.
+
+    The cut is `PLAIN_CUT_MM` above the tape line, or 10 mm above the higher end of the surface if that is more.
+
+    For wheels that no bundled one is like: the stresses beside the contact are those of a block of steel.
+
+    Parameters
+    ----------
+    measured
+        Running surface of a wheel.
+
+    Raises
+    ------
+    InputError
+        If it is no wheel or no running surface, or the faces meet it.
+
+    """
+    if measured.kind != "wheel" or isinstance(measured.surface, Outline):
+        raise InputError(f"a plain body for {measured.title}", "the running surface of a wheel", "leave it out")
+    surface = measured.surface
+    _refuse_short(surface, "wheel")
+    start, end = surface.segments[0].start, surface.segments[-1].end
+    high = max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
+    cut = [Line(end, (end[0], high)), Line((end[0], high), (start[0], high)), Line((start[0], high), start)]
+    names = [*[MEASURED] * len(surface.segments), "outer_face", "cut", "back_face"]
+    outline = Outline.from_segments([*surface.segments, *cut], names)
+    return WheelProfile(
+        f"{measured.title} on a plain body",
+        outline,
+        (MEASURED,),
+        flange_height_mm=-float(outline.bounds()[0, 1]),
+        flange_back_mm=measured.flange_back_mm,
+        certainty=f"Running surface as measured, below a block of steel with upright faces.{_tape_text(measured)}",
+        source=f"File: {measured.format}.",
+        notices=measured.notices,
+    )
+
+
+def _tape_text(measured: MeasuredProfile) -> str:
+    """Return where a wheel stands on its axle, a sentence for its summary; nothing for rails."""
+    taken = measured.orientation
+    if taken.tape_mm is None:
+        return ""
+    return f" Its tape line is {taken.tape_mm:g} mm from the flange's back ({taken.how['tape line']})."
+
+
+def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -> tuple[str, ...]:
+    tip = -float(outline.bounds()[0, 1])
+    if float(surface.bounds()[0, 1]) <= -tip + TIP_OFF_MM:
+        return ()
+    return (
+        f"The flange's tip is not measured: the nominal {nominal.title} has it {tip:.2f} mm below the tape line, from "
+        "where a radius at the flange tip counts.",
+    )
+
+
+def _refuse_short(surface: Contour, kind: Kind) -> None:
+    (low, _), (high, _) = surface.bounds()
+    first, last = REACHES_MM[kind]
+    if low > first or high < last:
+        raise InputError(
+            f"a measured surface from x = {low:.4g} to {high:.4g} mm, too short for the contact",
+            f"at least from {first:g} to {last:g} mm, counted from the "
+            + ("middle of the head" if kind == "rail" else "tape line"),
+            "measure the whole running surface, or check --origin and --tape",
+        )
+
+
+def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
+    height = float(surface.bounds()[1, 1] - nominal.outline.bounds()[1, 1])
+    low, high = HEIGHTS_MM
+    if not low <= height <= high:
+        raise InputError(
+            f"a measured head whose top is {height:.3g} mm above that of the nominal {nominal.title}",
+            f"{low:g} to {high:g} mm",
+            "check --origin and the name after --join",
+        )
+
+
+def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outline, tuple[Joint, Joint]]:
+    """Return the outline of the measured surface, both transitions, and the rest of the nominal outline."""
+    is_rail = isinstance(nominal, RailProfile)
+    words = ("field side", "gauge side") if is_rail else ("flange's back", "rim")
+    names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
+    limits = (LARGEST_GAP_MM, LARGEST_GAP_MM if is_rail else LARGEST_RIM_GAP_MM)
+    lengths = lengths_along(nominal.outline)
+    total = float(lengths[-1])
+    places, joints = [], []
+    for i, (end, sense) in enumerate(((surface.segments[0].start, -1.0), (surface.segments[-1].end, 1.0))):
+        segment, parameter, gap = (float(values[0]) for values in nominal.outline.closest([end]))
+        foot_place = lengths[int(segment)] + parameter * nominal.outline.segments[int(segment)].length
+        foot = point_at(nominal.outline, lengths, foot_place % total)
+        limit = LARGEST_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
+        if gap > limit:
+            raise InputError(
+                f"the end of the measured surface at the {words[i]}, ({end[0]:.5g}, {end[1]:.5g}) mm, {gap:.3g} mm "
+                f"from the nominal {nominal.title}",
+                f"up to {limit:g} mm",
+                "check --origin, --mirror and the name after --join"
+                + ("" if is_rail else ", and the tape line: --tape"),
+            )
+        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * gap), LARGEST_BLEND_MM)
+        place = (foot_place + sense * blend) % total
+        places.append(place)
+        joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))
+    rest = pieces_between(nominal.outline, lengths, places[1], places[0])
+    chain: list[tuple[str, Segment]] = [
+        (names[0], Line(joints[0].landing, joints[0].end)),
+        *((MEASURED, segment) for segment in surface.segments),
+        (names[1], Line(joints[1].end, joints[1].landing)),
+        *rest,
+    ]
+    try:
+        outline = Outline.from_segments([segment for _, segment in chain], [name for name, _ in chain])
+    except InputError as reason:
+        raise InputError(
+            f"the measured surface on the nominal {nominal.title}: {reason.given}",
+            "a surface that fits the body",
+            "check --origin, --mirror and the name after --join",
+        ) from reason
+    return outline, (joints[0], joints[1])
+
+
+def _running(outline: Outline, nominal_names: tuple[str, ...]) -> tuple[str, ...]:
+    """Return the names of the running surface: measured, transitions, and what is left of the nominal one beside."""
+    running = {MEASURED, *nominal_names, *(name for name in outline.names if name.startswith("transition"))}
+    n = outline.n_segments
+    start = next(i for i in range(n) if outline.names[i] == MEASURED)
+    first = last = start
+    while outline.names[(first - 1) % n] in running and last - first < n - 1:
+        first -= 1
+    while outline.names[(last + 1) % n] in running and last - first < n - 1:
+        last += 1
+    return tuple(dict.fromkeys(outline.names[i % n] for i in range(first, last + 1)))

@@ -1,0 +1,152 @@
+"""Gauge measures of running surfaces, as instruments print them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.geometry import Contour, FloatArray
+from flangeway.railway.profiles.formats.raw_profile import Kind
+
+FACE_MM = 10.0
+"""Distance from the tread, towards the flange's tip, at which the flange is measured (EN 15313)."""
+
+TIP_MM = 2.0
+"""Distance below the flange's tip of the upper point of the measure qR (EN 15313)."""
+
+HEAD_MM = 14.0
+"""Depth below the top at which a head's width is measured."""
+
+SIDE_MM = 25.0
+"""Distance from a head's middle, to each side, at which its drop below the top is measured."""
+
+WORN_MM = 0.5
+"""Difference of both sides of a head from which one of them is the worn one."""
+
+_SPACING_MM = 0.02
+_DEEPEST_MM = 20.0  # flanges hardly reach further down; below it an inclined head would seem worn
+_UPRIGHT = 0.18  # tangent of 10 degrees: a rounding of 20 mm goes on for 0.3 mm
+
+
+@dataclass(frozen=True)
+class WornSide:
+    """Side of a rail's head that is worn more.
+
+    Parameters
+    ----------
+    name
+        ``"gauge side"`` (negative x) or ``"field side"``.
+    more_mm
+        How much more, > 0.
+    measure
+        What was compared.
+
+    """
+
+    name: str
+    more_mm: float
+    measure: str
+
+
+def measures(surface: Contour, kind: Kind) -> dict[str, float]:
+    """Return those measures of a running surface in mm that it reaches far enough for.
+
+    Wheels: ``flange_height_mm`` (Sh), ``flange_thickness_mm`` (Sd) and ``flange_slope_mm`` (qR), from the tread at the
+    tape line. Rails: ``head_width_mm`` at `HEAD_MM` below the highest place; ``gauge_drop_mm`` and ``field_drop_mm``
+    below it at `SIDE_MM` from the head's middle, and ``gauge_half_width_mm`` and ``field_half_width_mm`` at `HEAD_MM`
+    from that middle, which lies between the faces as far down as both are seen, where no wheel wears them.
+
+    Parameters
+    ----------
+    surface
+        In this package's frame of a wheel or a rail.
+    kind
+        What it is.
+
+    """
+    points = surface.sampled(spacing=_SPACING_MM, max_deviation=1e-4)
+    return _wheel(points) if kind == "wheel" else _rail(points)
+
+
+def _wheel(points: FloatArray) -> dict[str, float]:
+    tip = int(np.argmin(points[:, 1]))
+    lowest = float(points[tip, 1])
+    if tip in (0, len(points) - 1) or lowest > -FACE_MM - TIP_MM or points[:, 0].max() < 0.0:
+        return {}
+    found = {"flange_height_mm": -lowest}
+    front = points[tip:] if points[-1, 0] > points[tip, 0] else points[tip::-1]
+    back = points[: tip + 1] if points[-1, 0] > points[tip, 0] else points[tip:]
+    face, top = _first_x(front, -FACE_MM), _first_x(front, lowest + TIP_MM)
+    if face is not None and top is not None:
+        found["flange_slope_mm"] = face - top
+    # the back has to be seen, not the tip's rounding alone
+    if face is not None and back[:, 1].max() > lowest + FACE_MM:
+        found["flange_thickness_mm"] = face - float(back[:, 0].min())
+    return found
+
+
+def _rail(points: FloatArray) -> dict[str, float]:
+    top = int(np.argmax(points[:, 1]))
+    level = float(points[top, 1]) - HEAD_MM
+    first, second = _first_x(points[top::-1], level), _first_x(points[top:], level)
+    if first is None or second is None:
+        return {}
+    found = {"head_width_mm": abs(second - first)}
+    # faces may lean inwards below their widest place: each side counts as far as it goes down
+    sides = points[points[:, 0] <= points[top, 0]], points[points[:, 0] > points[top, 0]]
+    low = max(float(points[top, 1]) - _DEEPEST_MM, *(float(side[:, 1].min()) + _SPACING_MM for side in sides))
+    left, right = (_first_x(each, low) for each in (points[top::-1], points[top:]))
+    if left is None or right is None:
+        return found
+    left, right = sorted((left, right))
+    middle = 0.5 * (left + right)
+    order = np.argsort(points[:, 0])
+    for name, sign, side_x in (("gauge", -1.0, min(first, second)), ("field", 1.0, max(first, second))):
+        at = middle + sign * SIDE_MM
+        if left < at < right:
+            found[f"{name}_drop_mm"] = float(points[top, 1] - np.interp(at, points[order, 0], points[order, 1]))
+            found[f"{name}_half_width_mm"] = sign * (side_x - middle)
+    return found
+
+
+def worn_side(surface: Contour) -> WornSide | None:
+    """Return the side of a right-hand rail's head that is worn more, None if neither is or not both are seen.
+
+    Compared are both sides' drops below the top and both sides' half widths, see `measures`: a worn corner drops more,
+    a worn face is nearer to the middle. A head that was measured inclined drops more at the gauge side as well.
+    """
+    found = measures(surface, "rail")
+    if "gauge_drop_mm" not in found or "field_drop_mm" not in found:
+        return None
+    drop = found["gauge_drop_mm"] - found["field_drop_mm"]
+    width = found["field_half_width_mm"] - found["gauge_half_width_mm"]
+    more, measure = max(
+        (drop, f"drop {SIDE_MM:g} mm from the middle"), (width, f"half width {HEAD_MM:g} mm below the top"),
+        key=lambda each: abs(each[0]),
+    )  # fmt: skip
+    return None if abs(more) < WORN_MM else WornSide("gauge side" if more > 0.0 else "field side", abs(more), measure)
+
+
+def seen_back_mm(surface: Contour) -> float | None:
+    """Return the distance of a wheel's flange back from the tape line, None if the surface does not show it.
+
+    It does where the farthest place from the tread lies beyond the flange's tip, and the surface is upright.
+    """
+    points = surface.sampled(spacing=0.05, max_deviation=1e-4)
+    far, tip = int(np.argmin(points[:, 0])), int(np.argmin(points[:, 1]))
+    near = points[np.hypot(*(points - points[far]).T) <= 1.0]
+    width, height = np.ptp(near, axis=0)
+    if points[far, 1] <= points[tip, 1] + TIP_MM or points[far, 0] >= points[tip, 0] or width > _UPRIGHT * height:
+        return None
+    # the tip lies between the back and the face
+    beyond = points[:tip] if far < tip else points[tip + 1 :]
+    return round(-float(points[far, 0]), 4) if len(beyond) and tip not in (0, len(points) - 1) else None
+
+
+def _first_x(points: FloatArray, level: float) -> float | None:
+    """Return x where points (n, 2) first pass a height, None if they do not."""
+    above = points[:, 1] > level
+    passed = np.flatnonzero(above[1:] != above[:-1])
+    if not len(passed):
+        return None
+    (x0, y0), (x1, y1) = points[passed[0]], points[passed[0] + 1]
+    return float(x0 + (level - y0) / (y1 - y0) * (x1 - x0))

@@ -1,0 +1,345 @@
+"""From the axes of a file to this package's: kind, up and down, side of the track, order, origin.
+
+What the user says comes first, then what the file says, then what the shape shows; the rest is assumed. All of it is
+kept, to be told. The points of a rail go from the field side to the gauge side and those of a wheel from the flange's
+back to the rim: with the steel at the left, like the outlines of `flangeway.railway.profiles.bundled`.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import FloatArray
+from flangeway.railway.profiles.formats.miniprof import TAPE_MM
+from flangeway.railway.profiles.formats.raw_profile import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
+from flangeway.railway.profiles.smoothing import FEWEST_POINTS
+
+UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
+"""Lengths of the units in mm."""
+
+TREAD_OFF_MM = 0.05
+"""Height of the tread at the tape line above which a wheel is moved to have it at zero."""
+
+_LEAST_DROP_MM = 4.0
+_LEAST_END_DROP_MM = 3.0
+_NECK_MM = 10.0
+_LEAST_FLANGE_MM = 15.0
+_TREAD_FROM_MM = 40.0
+_TREAD_MM = 30.0
+_TREAD_DROP_MM = 12.0
+_FLANGE_WIDTHS_MM = (12.0, 45.0)
+_HEAD_WIDTHS_MM = (45.0, 120.0)
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """What the numbers of a file were taken for.
+
+    Parameters
+    ----------
+    kind
+        Rail or wheel.
+    unit
+        Unit of length of the file.
+    upwards
+        Whether the file's second coordinate points up.
+    mirrored
+        Whether the file's first coordinate was reversed.
+    reversed_order
+        Whether the order of the points was reversed.
+    origin
+        Where the file's (0, 0) lies.
+    tape_mm
+        Distance of a wheel's tape line from the flange's back; None for rails, and where neither user nor file says it.
+    shift_mm
+        What was added to the points in mm, after mirrors.
+    how
+        Where each of these comes from: ``{"kind": "from the ending", ...}``.
+
+    """
+
+    kind: Kind
+    unit: str
+    upwards: bool
+    mirrored: bool
+    reversed_order: bool
+    origin: str
+    tape_mm: float | None
+    shift_mm: tuple[float, float]
+    how: dict[str, str]
+
+    def applied(self, points: FloatArray) -> FloatArray:
+        """Return points (n, 2) of the file in mm and this package's axes, in the file's order."""
+        scale = UNITS_MM[self.unit]
+        signs = np.array([-scale if self.mirrored else scale, scale if self.upwards else -scale])
+        placed: FloatArray = points * signs + self.shift_mm
+        return placed
+
+
+@dataclass(frozen=True)
+class _Shape:
+    """What the shape shows: kind, whether the file's second coordinate points up, and the flange's side in x."""
+
+    kind: Kind
+    upwards: bool
+    flange_side: float
+
+
+def orientation(
+    raw: RawProfile,
+    *,
+    unit: str | None = None,
+    kind: str | None = None,
+    mirror: bool = False,
+    flip: bool = False,
+    origin: str | None = None,
+    tape_mm: float | None = None,
+) -> tuple[Orientation, list[str]]:
+    """Return how a file is taken, and notices of what does not go without saying.
+
+    Parameters
+    ----------
+    raw
+        What was read.
+    unit, kind, origin, tape_mm
+        What the user says; see `Orientation`. The origin may be two numbers as well, ``"X,Y"``: the place, in the
+        file's axes and unit, of the top's middle (rails) or of the tread at the tape line (wheels).
+    mirror
+        Whether to reverse the first coordinate.
+    flip
+        Whether to reverse the second coordinate against what the file says.
+
+    Raises
+    ------
+    InputError
+        If the user, the file and the shape contradict each other, or nothing tells what is needed.
+
+    """
+    how: dict[str, str] = {}
+    in_unit = agreed_unit(raw, unit)
+    how["unit"] = "given" if unit else "from the file" if raw.unit else "assumed"
+    points = raw.points * UNITS_MM[in_unit]
+    shape = _shape(points)
+    agreed_kind = _kind(raw, kind, shape, how)
+    notices = list(raw.notices)
+    if shape is None and agreed_kind == "rail" and not raw.kind_is_sure:
+        shape = _half_head(points)
+    if shape is not None and shape.kind != agreed_kind:
+        notices.append(f"The shape is that of a {shape.kind}; it is taken as a {agreed_kind} nevertheless.")
+        shape = None
+    upwards = _upwards(raw, agreed_kind, shape, flip, how, notices)
+    mirrored = _mirrored(raw, agreed_kind, shape, mirror, how)
+    x_sign, y_sign = (-1.0 if mirrored else 1.0), (1.0 if upwards else -1.0)
+    placed = points * [x_sign, y_sign]
+    outwards = float(placed[-1, 0] - placed[0, 0])
+    reversed_order = outwards > 0.0 if agreed_kind == "rail" else outwards < 0.0
+    given = _numbers(origin)
+    tape: float | None = None
+    if given is not None:
+        scale = UNITS_MM[in_unit]
+        shift = (-x_sign * given[0] * scale, -y_sign * given[1] * scale)
+        label, how["origin"] = f"{given[0]:g},{given[1]:g}", "given"
+    else:
+        found = _origin(raw, agreed_kind, placed, origin, how)
+        label = found
+        shift = (0.0, 0.0)
+    if agreed_kind == "wheel":
+        tape = _tape(raw, tape_mm, label == "flange-back", how)
+        if label == "flange-back" and tape is not None:
+            shift = (-tape, 0.0)
+        shift = _on_tread(placed, shift, notices)
+    if "assumed" in how["unit"]:
+        notices.append(f"The unit {in_unit} is assumed; --unit says another one.")
+    return (
+        Orientation(agreed_kind, in_unit, upwards, mirrored, reversed_order, label, tape, shift, how),
+        notices,
+    )
+
+
+def agreed_unit(raw: RawProfile, unit: str | None) -> str:
+    """Return the unit of a file: the one given, the file's own, or mm.
+
+    Raises
+    ------
+    InputError
+        If it is unknown, or the file says another one than the user.
+
+    """
+    for name in (unit, raw.unit):
+        if name is not None and name not in UNITS_MM:
+            raise InputError(f"unit of length {name!r}", f"one of {', '.join(UNITS_MM)}", "name the unit")
+    if unit is not None and raw.unit is not None and unit != raw.unit:
+        raise InputError(f"--unit {unit} for a file in {raw.unit}", "the file's own unit", "leave --unit out")
+    return unit or raw.unit or "mm"
+
+
+def _kind(raw: RawProfile, kind: str | None, shape: _Shape | None, how: dict[str, str]) -> Kind:
+    if kind is not None and kind not in KINDS:
+        raise InputError(f"--kind {kind}", "rail or wheel", "choose one of them")
+    if kind is not None:
+        how["kind"] = "given"
+        return kind
+    if raw.kind is not None:
+        if shape is not None and shape.kind != raw.kind and not raw.kind_is_sure:
+            raise InputError(
+                f"a {raw.kind} according to the file, of the shape of a {shape.kind}",
+                "a file whose ending or header says what it holds",
+                f"rename the file, or give --kind {shape.kind} or --kind {raw.kind} to insist",
+            )
+        how["kind"] = "from the file"
+        return raw.kind
+    if shape is None:
+        raise InputError(
+            "a profile of which neither file nor shape tells whether it is a rail's or a wheel's",
+            "--kind rail or --kind wheel",
+            "add the option, or a line '# kind: rail' to the file",
+        )
+    how["kind"] = "from the shape"
+    return shape.kind
+
+
+def _upwards(
+    raw: RawProfile, kind: Kind, shape: _Shape | None, flip: bool, how: dict[str, str], notices: list[str]
+) -> bool:
+    said = raw.upwards
+    if flip:
+        how["up"] = "given"
+        usual = said if said is not None else shape.upwards if shape else True
+        return not usual
+    if shape is not None:
+        how["up"] = "from the shape" if said is None else "from the file"
+        if said is not None and said != shape.upwards:
+            how["up"] = "from the shape, against the format's custom"
+            notices.append(
+                f"The second coordinate points {'up' if shape.upwards else 'down'}, against the format's custom: the "
+                f"{'head' if kind == 'rail' else 'flange'} shows it."
+            )
+        return shape.upwards
+    how["up"] = "from the file" if said is not None else "assumed"
+    if said is None:
+        notices.append("The second coordinate is taken to point up; --flip says that it points down.")
+    return True if said is None else said
+
+
+def _mirrored(raw: RawProfile, kind: Kind, shape: _Shape | None, mirror: bool, how: dict[str, str]) -> bool:
+    if kind == "wheel" and shape is not None:
+        wanted = shape.flange_side > 0.0
+        if mirror and not wanted:
+            raise InputError(
+                "--mirror for a wheel whose flange is at the side of the track's middle already",
+                "right-hand wheels, the flange at smaller x than the tread",
+                "leave --mirror out: the side of a wheel is told by its flange",
+            )
+        how["side"] = "from the flange"
+        return wanted
+    how["side"] = "given" if mirror else "from the file" if raw.mirrored else "assumed"
+    return mirror != raw.mirrored
+
+
+def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None, how: dict[str, str]) -> Origin:
+    allowed = RAIL_ORIGINS if kind == "rail" else WHEEL_ORIGINS
+    if origin is not None and origin not in allowed:
+        raise InputError(
+            f"--origin {origin} for a {kind}", f"{', '.join(allowed)}, or two numbers X,Y", "choose one of these"
+        )
+    how["origin"] = "given" if origin else "from the file" if raw.origin else "from the numbers"
+    said = origin or raw.origin
+    if said is not None:
+        if said not in allowed:
+            raise InputError(f"origin {said} of a {kind}", ", ".join(allowed), "correct the file, or give --origin")
+        return said
+    top, x = float(placed[:, 1].max()), placed[:, 0]
+    if kind == "rail":
+        if top > 80.0:
+            return "base"
+        return "gauge" if x.min() > -6.0 and x.max() > 40.0 else "top"
+    # the back is the end of the points at the flange's side
+    return "flange-back" if x.min() > -25.0 and x.max() > 60.0 else "tape"
+
+
+def _tape(raw: RawProfile, tape_mm: float | None, from_back: bool, how: dict[str, str]) -> float | None:
+    how["tape line"] = "given" if tape_mm is not None else "from the file" if raw.tape_mm is not None else "assumed"
+    value = tape_mm if tape_mm is not None else raw.tape_mm
+    if value is None:
+        return TAPE_MM if from_back else None
+    if not 40.0 <= value <= 110.0:
+        raise InputError(f"a tape line {value:g} mm from the flange's back", "40 to 110 mm", "70 mm is usual")
+    return value
+
+
+def _numbers(origin: str | None) -> tuple[float, float] | None:
+    parts = (origin or "").split(",")
+    try:
+        x, y = (float(part) for part in parts)
+    except ValueError:
+        return None
+    if not (abs(x) < 1e6 and abs(y) < 1e6):
+        raise InputError(f"--origin {origin}", "two numbers X,Y in the file's unit", "correct the numbers")
+    return x, y
+
+
+def _on_tread(placed: FloatArray, shift: tuple[float, float], notices: list[str]) -> tuple[float, float]:
+    """Add to a wheel's shift what brings its tread at the tape line to zero."""
+    moved = placed + shift
+    x, y = moved.T
+    beside = np.flatnonzero((x[:-1] <= 0.0) != (x[1:] <= 0.0))
+    if not len(beside):
+        notices.append("The profile does not reach its tape line: its height is taken as it is in the file.")
+        return shift
+    # the flange's face may cross it as well in a wrong frame: the tread is the lowest there
+    heights = [float(y[i] - x[i] * (y[i + 1] - y[i]) / (x[i + 1] - x[i])) for i in beside]
+    height = min(heights, key=abs)
+    if abs(height) <= TREAD_OFF_MM:
+        return shift
+    notices.append(f"The tread was at a height of {height:.3f} mm at the tape line; it is moved to zero.")
+    return shift[0], shift[1] - height
+
+
+def _shape(points: FloatArray) -> _Shape | None:
+    """Tell rails and wheels by the bump between deeper places: a head, or a flange with a tread beside it."""
+    for sign in (1.0, -1.0):
+        bump = _bump(points[:, 0], sign * points[:, 1])
+        if bump is None:
+            continue
+        left, top, right = bump
+        width = abs(float(points[right, 0] - points[left, 0]))
+        if _FLANGE_WIDTHS_MM[0] < width <= _FLANGE_WIDTHS_MM[1]:
+            sides = [_tread_side(points[top:], sign), _tread_side(points[top::-1], sign)]
+            if any(sides):
+                return _Shape("wheel", sign < 0.0, -next(side for side in sides if side))
+        elif _HEAD_WIDTHS_MM[0] < width < _HEAD_WIDTHS_MM[1]:
+            return _Shape("rail", sign > 0.0, 0.0)
+    return None
+
+
+def _half_head(points: FloatArray) -> _Shape | None:
+    """Tell up and down of a head of which one side is missing: its ends are lower than its middle."""
+    ends = 0.5 * float(points[0, 1] + points[-1, 1])
+    lower = float(np.median(points[:, 1])) - ends
+    return None if abs(lower) < _LEAST_END_DROP_MM else _Shape("rail", lower > 0.0, 0.0)
+
+
+def _bump(x: FloatArray, height: FloatArray) -> tuple[int, int, int] | None:
+    """Numbers of the highest point and of the places beside it that are lower by the neck, None without such places."""
+    top = int(np.argmax(height))
+    drop = min(float(height[top] - height[: top + 1].min()), float(height[top] - height[top:].min()))
+    if drop < _LEAST_DROP_MM or len(x) < FEWEST_POINTS:
+        return None
+    level = height[top] - min(_NECK_MM, 0.9 * drop)
+    left, right = np.flatnonzero(height[:top] < level), np.flatnonzero(height[top:] < level)
+    return int(left[-1]), top, top + int(right[0])
+
+
+def _tread_side(points: FloatArray, sign: float) -> float:
+    """Side in x, -1 or 1, of a flat tread well below the first point, 0 if there is none."""
+    away = np.abs(points[:, 0] - points[0, 0])
+    passed = np.flatnonzero(away >= _TREAD_FROM_MM + _TREAD_MM)
+    near = slice(0, int(passed[0]) + 1 if len(passed) else len(points))
+    beside = away[near] >= _TREAD_FROM_MM
+    depth = sign * (points[0, 1] - points[near, 1][beside])
+    if len(depth) < 2 or depth.min() < _LEAST_FLANGE_MM or np.ptp(depth) > _TREAD_DROP_MM:
+        return 0.0
+    if np.ptp(points[near, 0][beside]) < 0.5 * _TREAD_MM:
+        return 0.0
+    return float(np.sign(points[near, 0][beside][0] - points[0, 0]))

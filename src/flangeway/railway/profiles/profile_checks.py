@@ -1,0 +1,217 @@
+"""Checks of measured points: doubled ones are left out, all else that is wrong is refused with its line."""
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import FloatArray
+from flangeway.railway.profiles.smoothing import FEWEST_POINTS, noise_um
+
+SAME_MM = 0.01
+"""Neighbours nearer than this are one point given twice."""
+
+LENGTHS_MM = (5.0, 1000.0)
+"""Lengths along a profile, for a unit that the file or the user names."""
+
+USUAL_LENGTHS_MM = (40.0, 500.0)
+"""Lengths along a profile, for a unit that is assumed."""
+
+UNITS_TO_GUESS = {"in": 25.4, "m": 1000.0, "cm": 10.0}
+
+WIDEST_GAP_MM = 25.0
+_SMALL_GAP_MM = 5.0
+_TURN_OVER_GAP_DEG = 12.0
+_FOLD_DEG = 100.0
+_LARGEST_FOLD_MM = 1.0
+_MOST_FOLDED = 20
+_HOOK = 3  # points at the end of a file that may be a stray stroke
+_OUTLIER_UM = 100.0
+
+Lines = NDArray[np.int64]
+
+
+def checked_points(
+    points: FloatArray, lines: Lines, *, unit_is_sure: bool, drop_outliers: bool
+) -> tuple[FloatArray, Lines, list[str]]:
+    """Return the points (n, 2) in mm that can be used, their lines (n,), and a notice of what was left out or bridged.
+
+    Parameters
+    ----------
+    points
+        Points (n, 2) in mm, in the order of the file.
+    lines
+        Line of the file of each.
+    unit_is_sure
+        Whether the unit was named; lengths of a profile in an assumed unit have to be usual ones.
+    drop_outliers
+        Whether single points off the curve are left out; else they are refused.
+
+    Raises
+    ------
+    InputError
+        If there are too few points, the length is no profile's, points are out of order, a point is off the curve, or
+        a part is missing.
+
+    """
+    _refuse_few(points)
+    refuse_length(points, unit_is_sure)
+    points, lines, notices = _without_doubled(points, lines)
+    points, lines, more = _without_outliers(points, lines, drop_outliers)
+    notices += more
+    _refuse_few(points)
+    points, lines, folds = _without_folds(points, lines)
+    notices += folds
+    _refuse_few(points)
+    return points, lines, notices + _gaps(points, lines)
+
+
+def _refuse_few(points: FloatArray) -> None:
+    if len(points) < FEWEST_POINTS:
+        raise InputError(
+            f"{len(points)} points", f"{FEWEST_POINTS} or more", "give the whole profile; hundreds of points are usual"
+        )
+
+
+def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
+    """Refuse points (n, 2) in mm along a curve that is far shorter or longer than any rail or wheel.
+
+    Raises
+    ------
+    InputError
+        If it is; the message tells the unit that the file may be in.
+
+    """
+    low, high = LENGTHS_MM if unit_is_sure else USUAL_LENGTHS_MM
+    # noise lengthens the path of dense points, the box does not
+    size = float(np.hypot(*np.ptp(points, axis=0)))
+    path = float(np.hypot(*np.diff(points, axis=0).T).sum())
+    if not (0.5 * low <= size and path >= low and size <= high):
+        # the unit that makes it about as long as heads and treads are
+        guess = min(UNITS_TO_GUESS, key=lambda unit: abs(math.log(max(path, 1e-9) * UNITS_TO_GUESS[unit] / 150.0)))
+        fits = not unit_is_sure and 40.0 <= path * UNITS_TO_GUESS[guess] <= high
+        advice = (
+            f"is its unit {guess}? Then give --unit {guess}" if fits else "check the unit, --unit mm if it is right"
+        )
+        raise InputError(
+            f"a profile of {path:.4g} mm along its curve",
+            f"{low:g} to {high:g} mm",
+            "check the numbers and the unit that is named" if unit_is_sure else advice,
+        )
+
+
+def _without_doubled(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
+    """Leave out points that are nearer than `SAME_MM` to the last one kept."""
+    kept = [0]
+    for i in range(1, len(points)):
+        if math.dist(points[i], points[kept[-1]]) >= SAME_MM:
+            kept.append(i)
+    n_left_out = len(points) - len(kept)
+    if not n_left_out:
+        return points, lines, []
+    first = next(i for i, k in enumerate([*kept, -1]) if k != i)
+    notice = f"{n_left_out} points nearer than {SAME_MM:g} mm to the one before are left out"
+    return points[kept], lines[kept], [f"{notice}, the first in line {lines[first]}."]
+
+
+def _outliers(points: FloatArray) -> NDArray[np.int64]:
+    """Numbers of single points that stick out of a curve which is smooth without them."""
+    before, here, after = points[:-2], points[1:-1], points[2:]
+    out = np.zeros(len(points))
+    out[1:-1] = _off_line(here, before, after)
+    without = np.zeros(len(points))
+    # how much the curve bends about the point, seen by the neighbours that pass it over
+    without[2:-2] = np.maximum(
+        _off_line(points[1:-3], points[:-4], points[3:-1]), _off_line(points[3:-1], points[1:-3], points[4:])
+    )
+    # where sweeps overlap, the neighbours lie beside each other; that is no outlier but a fold
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    apart = np.zeros(len(points), dtype=np.bool_)
+    apart[2:-2] = np.hypot(*(points[3:-1] - points[1:-3]).T) > 0.7 * np.minimum(steps[:-3], steps[3:])
+    least = 1e-3 * max(_OUTLIER_UM, 10.0 * noise_um(points))
+    found: NDArray[np.int64] = np.flatnonzero((out > least) & (out > 6.0 * without) & apart)
+    return found
+
+
+def _off_line(points: FloatArray, starts: FloatArray, ends: FloatArray) -> FloatArray:
+    """Distances (n,) of points from the lines through two others each."""
+    along = ends - starts
+    apart = points - starts
+    length = np.maximum(np.hypot(*along.T), 1e-12)
+    distances: FloatArray = np.abs(along[:, 0] * apart[:, 1] - along[:, 1] * apart[:, 0]) / length
+    return distances
+
+
+def _without_outliers(points: FloatArray, lines: Lines, drop: bool) -> tuple[FloatArray, Lines, list[str]]:
+    found = _outliers(points)
+    if not len(found):
+        return points, lines, []
+    x, y = points[found[0]]
+    what = f"line {lines[found[0]]}: the point ({x:.6g}, {y:.6g}) mm"
+    if not drop:
+        more = f", and {len(found) - 1} more" if len(found) > 1 else ""
+        raise InputError(
+            f"{what}, off the curve through its neighbours{more}",
+            "points along one smooth curve",
+            "remove the line, or give --drop-outliers",
+        )
+    kept = np.setdiff1d(np.arange(len(points)), found)
+    return points[kept], lines[kept], [f"{len(found)} points off the curve are left out, the first in {what}."]
+
+
+def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines, list[str]]:
+    """Leave out points that go back a little, as where two sweeps of an instrument overlap; refuse larger folds."""
+    kept = [0, 1]
+    dropped = []
+    for i in range(2, len(points)):
+        last = points[kept[-1]]
+        turn = float(_turns_deg((last - points[kept[-2]])[None], (points[i] - last)[None])[0])
+        if turn <= _FOLD_DEG:
+            kept.append(i)
+            continue
+        dropped.append(i)
+        if len(points) - i <= _HOOK:
+            notice = f"The last {len(points) - i} points turn back and are left out, from line {lines[i]}."
+            return points[kept], lines[kept], [notice]
+        if math.dist(points[i], last) > _LARGEST_FOLD_MM or len(dropped) > _MOST_FOLDED:
+            x, y = last
+            raise InputError(
+                f"line {lines[i]}: the points turn back at ({x:.6g}, {y:.6g}) mm",
+                f"points in order along the profile, or overlaps up to {_LARGEST_FOLD_MM:g} mm",
+                "sort the points along the profile, or remove those that are wrong",
+            )
+    if not dropped:
+        return points, lines, []
+    x, y = points[dropped[0]]
+    place = f"line {lines[dropped[0]]} at ({x:.6g}, {y:.6g}) mm"
+    return points[kept], lines[kept], [f"{len(dropped)} points that go back are left out, the first in {place}."]
+
+
+def _gaps(points: FloatArray, lines: Lines) -> list[str]:
+    """Refuse missing parts where the profile turns; return notices of those that are bridged."""
+    steps = np.diff(points, axis=0)
+    lengths = np.hypot(*steps.T)
+    wide = np.flatnonzero(lengths > max(_SMALL_GAP_MM, 8.0 * float(np.median(lengths))))
+    notices = []
+    for i in wide.tolist():
+        place = f"({points[i, 0]:.5g}, {points[i, 1]:.5g}) to ({points[i + 1, 0]:.5g}, {points[i + 1, 1]:.5g}) mm"
+        gap = f"a gap of {lengths[i]:.3g} mm from {place}, line {lines[i]}"
+        before = points[i] - points[max(i - 4, 0)]
+        after = points[min(i + 5, len(points) - 1)] - points[i + 1]
+        around = [d for d in (before, after) if np.hypot(*d) > 0.0]
+        turn = max(float(_turns_deg(steps[i][None], d[None])[0]) for d in around) if around else 180.0
+        at_end = len(around) < 2
+        if lengths[i] > WIDEST_GAP_MM or turn > _TURN_OVER_GAP_DEG or at_end:
+            raise InputError(
+                gap, f"gaps up to {WIDEST_GAP_MM:g} mm, and only where the profile is straight", "measure it again"
+            )
+        notices.append(f"{gap[0].upper()}{gap[1:]}, is bridged: the profile is straight there.")
+    return notices
+
+
+def _turns_deg(first: FloatArray, second: FloatArray) -> FloatArray:
+    """Angles (n,) between directions (n, 2)."""
+    cross = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+    turns: FloatArray = np.degrees(np.abs(np.arctan2(cross, (first * second).sum(axis=1))))
+    return turns

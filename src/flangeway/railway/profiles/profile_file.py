@@ -1,0 +1,351 @@
+"""Profiles from files of all formats, in this package's frames, and back into files."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Contour, FloatArray, Line, Outline, Segment, as_point
+from flangeway.railway.profiles.formats.miniprof import TAPE_MM, read_miniprof, write_miniprof
+from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile
+from flangeway.railway.profiles.formats.segment_files import (
+    is_segment_csv,
+    read_dxf_profile,
+    read_segment_csv,
+    write_dxf_profile,
+    write_segment_csv,
+)
+from flangeway.railway.profiles.formats.simpack import read_simpack, write_simpack
+from flangeway.railway.profiles.formats.two_column import one_line, read_two_column, write_two_column
+from flangeway.railway.profiles.measures import seen_back_mm, worn_side
+from flangeway.railway.profiles.orientation import UNITS_MM, Orientation, agreed_unit, orientation
+from flangeway.railway.profiles.profile_checks import checked_points, refuse_length
+from flangeway.railway.profiles.smoothing import USUAL_WAVELENGTH_MM, Smoothing, smoothed
+from flangeway.system.file_content import file_content
+
+FORMATS = {
+    ".ban": "MiniProf",
+    ".whl": "MiniProf",
+    ".prr": "Simpack",
+    ".prw": "Simpack",
+    ".dxf": "DXF",
+    ".csv": "CSV",
+    ".txt": "two columns",
+    ".dat": "two columns",
+}
+"""Formats by the ending of the file's name."""
+
+_KINDS_BY_ENDING: dict[str, Kind] = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
+_CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26})
+_SPACING_MM = 0.25
+_MANY_HELD = 0.05
+_DEVIATION_MM = 2e-4
+
+BACK_OFF_MM = 0.5
+"""Difference of a measured flange back from the tape distance of the file above which a notice says so."""
+
+
+@dataclass(frozen=True)
+class ReadOptions:
+    """What the user says of a file, where it does not say it itself; None leaves it to file and shape.
+
+    Parameters
+    ----------
+    unit
+        Unit of length.
+    kind
+        ``"rail"`` or ``"wheel"``.
+    mirror
+        Whether to reverse the first coordinate: the file holds the profile of a left-hand side.
+    flip
+        Whether to reverse the second coordinate.
+    origin
+        Where the file's (0, 0) lies: ``"top"``, ``"base"`` or ``"gauge"`` of a rail, ``"tape"`` or ``"flange-back"`` of
+        a wheel; or ``"X,Y"``, the place in the file of a rail's top or of a wheel's tread at the tape line.
+    tape_mm
+        Distance of a wheel's tape line from the flange's back.
+    smooth_mm
+        Wavelength to smooth by; 0 for none. See `flangeway.railway.profiles.smoothing.smoothed`.
+    limit_um
+        Largest distance that smoothing may move a point.
+    drop_outliers
+        Whether to leave out single points off the curve.
+
+    """
+
+    unit: str | None = None
+    kind: str | None = None
+    mirror: bool = False
+    flip: bool = False
+    origin: str | None = None
+    tape_mm: float | None = None
+    smooth_mm: float | None = None
+    limit_um: float | None = None
+    drop_outliers: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredProfile:
+    """A running surface or whole outline from a file, in mm and this package's axes, with the steel at its left.
+
+    Wheels have their origin on the tread at the tape line. Rails have it where the file has it: at the middle of the
+    head's top, of the base, or at the gauge face, as `orientation` says.
+
+    Parameters
+    ----------
+    title
+        Name to show.
+    format
+        Format of the file.
+    orientation
+        What the numbers of the file were taken for.
+    points
+        Points (n, 2) as measured; of lines and arcs, points along them.
+    surface
+        Lines and arcs: the file's own, or arcs along the smooth curve. An `Outline` if the file holds a closed one.
+    smoothing
+        The smooth curve beside the points; None for lines and arcs.
+    notices
+        What was left out, bridged or assumed, in sentences.
+
+    """
+
+    title: str
+    format: str
+    orientation: Orientation
+    points: FloatArray
+    surface: Contour
+    smoothing: Smoothing | None
+    notices: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Make the points read-only."""
+        self.points.setflags(write=False)
+
+    @property
+    def kind(self) -> Kind:
+        """Rail or wheel."""
+        return self.orientation.kind
+
+    @property
+    def flange_back_mm(self) -> float:
+        """Distance of a wheel's inner face from the tape line, from its file, its flange's back, or assumed.
+
+        Raises
+        ------
+        InputError
+            If it is a rail.
+
+        """
+        if self.orientation.tape_mm is None:
+            raise InputError(f"the tape line of {self.title}, a rail", "a wheel", "give the file of a wheel")
+        return self.orientation.tape_mm
+
+    @property
+    def best_points(self) -> FloatArray:
+        """Points (n, 2) to write into other formats: the smooth curve's, or the measured ones without smoothing."""
+        if self.smoothing is None or self.smoothing.wavelength_mm == 0.0:
+            return self.points
+        return self.smoothing.points
+
+
+def read_profile(path: str | Path, options: ReadOptions | None = None) -> MeasuredProfile:
+    """Read a profile; the ending of the file's name tells its format, see `FORMATS`.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, is no profile, or nothing tells what its numbers mean; the message names the line.
+
+    """
+    file = Path(path)
+    ending = file.suffix.lower()
+    if ending not in FORMATS:
+        raise InputError(
+            f"file {file} with the ending {ending!r}", ", ".join(FORMATS), "save the profile in one of these"
+        )
+    content = file_content(file, "a profile")
+    try:
+        return _profile(_read(content, ending), FORMATS[ending], options or ReadOptions(), file.stem)
+    except InputError as reason:
+        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _read(content: bytes, ending: str) -> RawProfile:
+    if ending == ".dxf":
+        return read_dxf_profile(content)
+    text = _text(content)
+    if ending in (".ban", ".whl"):
+        return read_miniprof(text, _KINDS_BY_ENDING[ending])
+    if ending in (".prr", ".prw"):
+        return read_simpack(text, _KINDS_BY_ENDING[ending])
+    if ending == ".csv" and is_segment_csv(text):
+        return read_segment_csv(text)
+    return read_two_column(text)
+
+
+def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> MeasuredProfile:
+    unit = agreed_unit(raw, options.unit)
+    more: list[str] = []
+    scale = UNITS_MM[unit]
+    sure = raw.unit is not None or options.unit is not None
+    if raw.contour is not None:
+        refuse_length(raw.points * scale, sure)
+    else:
+        points, lines, more = checked_points(
+            raw.points * scale, raw.lines, unit_is_sure=sure, drop_outliers=options.drop_outliers
+        )
+        raw = replace(raw, points=points / scale, lines=lines)
+    taken, notices = orientation(
+        raw,
+        unit=options.unit,
+        kind=options.kind,
+        mirror=options.mirror,
+        flip=options.flip,
+        origin=options.origin,
+        tape_mm=options.tape_mm,
+    )
+    if taken.mirrored and taken.how["side"] == "from the flange":
+        more.append("The flange shows a left-hand wheel; it is mirrored to the right-hand side.")
+    title = one_line(raw.title) or stem
+    points = taken.applied(raw.points)
+    if raw.contour is not None:
+        surface = _placed(raw.contour, taken)
+        points = surface.sampled(spacing=_SPACING_MM, max_deviation=_DEVIATION_MM)
+        format_ = format_ if format_ == "DXF" else "CSV of lines and arcs"
+        taken, seen = _checked_against_shape(taken, surface)
+        return MeasuredProfile(title, format_, taken, points, surface, None, tuple(notices + more + seen))
+    if taken.reversed_order:
+        points = points[::-1]
+    points = np.ascontiguousarray(points)
+    smoothing = smoothed(points, options.smooth_mm, options.limit_um, name="measured")
+    if options.smooth_mm is None and smoothing.wavelength_mm > USUAL_WAVELENGTH_MM:
+        more.append(
+            f"The noise is {smoothing.noise_um:.0f} micrometres; waves shorter than {smoothing.wavelength_mm:g} mm are "
+            "smoothed away so that curvatures can be trusted."
+        )
+    if smoothing.n_held > _MANY_HELD * len(points):
+        more.append(
+            f"{smoothing.n_held} points were held to the limit: the waves that they show are smoothed with a larger "
+            "--smooth and --limit."
+        )
+    taken, seen = _checked_against_shape(taken, smoothing.curve)
+    return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, tuple(notices + more + seen))
+
+
+def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orientation, list[str]]:
+    """Return the tape distance that the surface shows where nothing else says it, and what contradicts the shape."""
+    if taken.kind == "rail":
+        return taken, [] if isinstance(surface, Outline) else side_notices(surface)
+    reach = -float(surface.bounds()[0, 0])
+    seen = round(reach, 4) if isinstance(surface, Outline) else seen_back_mm(surface)
+    if taken.tape_mm is not None:
+        if (seen is None and reach <= taken.tape_mm) or abs(reach - taken.tape_mm) <= BACK_OFF_MM:
+            return taken, []
+        return taken, [
+            f"The profile reaches {reach:.2f} mm from the tape line to the flange's back, the tape distance "
+            f"({taken.how['tape line']}) is {taken.tape_mm:g} mm: the wheels' inner faces are taken at the latter; "
+            "--tape gives another one."
+        ]
+    if seen is not None:
+        return replace(taken, tape_mm=seen, how={**taken.how, "tape line": "from the flange's back"}), []
+    return replace(taken, tape_mm=TAPE_MM), [
+        f"The flange's back is not measured: it is taken {TAPE_MM:g} mm from the tape line; "
+        "--tape gives another distance."
+    ]
+
+
+def side_notices(head: Contour) -> list[str]:
+    """Return a notice where a rail's head is worn more at the side that no flange reaches."""
+    side = worn_side(head)
+    if side is None or side.name == "gauge side":
+        return []
+    return [
+        f"The head is worn more at the field side, by {side.more_mm:.2f} mm ({side.measure}): a left-hand rail? "
+        "--mirror reverses it."
+    ]
+
+
+def _placed(contour: Contour, taken: Orientation) -> Contour:
+    """Return lines and arcs of a file in this package's axes, with the steel at the left."""
+    turned = taken.mirrored == taken.upwards  # one reflection, not two or none
+
+    def moved(segment: Segment) -> Segment:
+        if isinstance(segment, Line):
+            start, end = taken.applied(np.array([segment.start, segment.end]))
+            return Line(as_point(start), as_point(end))
+        start, end, centre = taken.applied(np.array([segment.start, segment.end, segment.centre]))
+        return Arc(as_point(start), as_point(end), as_point(centre), segment.counter_clockwise != turned)
+
+    segments = [moved(segment) for segment in contour.segments]
+    if isinstance(contour, Outline):
+        return Outline.from_segments(segments, contour.names)
+    chain = Contour.from_segments(segments, contour.names)
+    return chain.reversed() if taken.reversed_order else chain
+
+
+def _text(content: bytes) -> str:
+    """Return text in UTF-8, or in the code of Windows that older instruments write."""
+    if any(byte in content for byte in _CONTROL):
+        raise InputError("bytes that are no text", "a text file", "check the ending of the file's name")
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return content.decode("latin-1")
+
+
+def profile_text(
+    profile: MeasuredProfile, ending: str, outline: Outline | None = None, outline_origin: str | None = None
+) -> str:
+    """Return a profile in the format of a file's ending; see `FORMATS`. CSV has lines and arcs, text two columns.
+
+    Parameters
+    ----------
+    profile
+        What to write.
+    ending
+        Ending of the file's name.
+    outline, outline_origin
+        Whole outline, and where its origin lies, to be written into CSV and DXF instead of the profile's surface.
+
+    Raises
+    ------
+    InputError
+        If the ending is unknown, belongs to the other kind, or its format holds running surfaces but no whole outline.
+
+    """
+    if ending not in FORMATS:
+        raise InputError(f"--to a file with the ending {ending!r}", ", ".join(FORMATS), "choose one of these formats")
+    kind = _KINDS_BY_ENDING.get(ending, profile.kind)
+    if kind != profile.kind:
+        mine = ", ".join(e for e, k in _KINDS_BY_ENDING.items() if k == profile.kind)
+        raise InputError(f"--to {ending}, which holds {kind}s, for a {profile.kind}", mine, "change the ending")
+    title = one_line(profile.title)
+    origin, tape = frame_origin(profile), profile.orientation.tape_mm
+    if ending == ".csv":
+        return write_segment_csv(outline or profile.surface, kind, title, outline_origin or origin, tape)
+    if ending == ".dxf":
+        return write_dxf_profile(outline or profile.surface)
+    if isinstance(profile.surface, Outline):
+        raise InputError(f"--to {ending} for a closed outline", ".csv or .dxf", "choose one of these")
+    points = profile.best_points
+    if kind == "rail" and origin == "base":
+        # the other formats count from the top
+        points = points - np.array([0.0, float(profile.surface.bounds()[1, 1])])
+    writers: dict[str, Callable[[], str]] = {
+        ".ban": lambda: write_miniprof(points, kind, title),
+        ".whl": lambda: write_miniprof(points, kind, title, TAPE_MM if tape is None else tape),
+        ".prr": lambda: write_simpack(points, kind, title),
+        ".prw": lambda: write_simpack(points, kind, title),
+    }
+    return writers.get(ending, lambda: write_two_column(points, kind, title, tape))()
+
+
+def frame_origin(profile: MeasuredProfile) -> str:
+    """Return where the origin of a profile lies now: ``"tape"`` for wheels, for rails where the file has it."""
+    if profile.kind == "wheel":
+        return "tape"
+    known = profile.orientation.origin in ("top", "base", "gauge")
+    return profile.orientation.origin if known else "top"

@@ -1,0 +1,275 @@
+"""Measured points to a smooth curve: a smoothing spline on arc length, whose deviation is told and limited.
+
+Both coordinates are cubic smoothing splines of the length along the chords (C. H. Reinsch, "Smoothing by spline
+functions", Numerische Mathematik 10, 1967). On points a distance h apart such a spline passes waves of angular wave
+number w with the gain 1 / (1 + weight h w^4), so that the weight follows from the wavelength whose height is halved.
+Points that would be moved further than the limit get more say until they are not.
+"""
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, FloatArray
+from flangeway.railway.profiles.biarcs import biarcs
+
+ARC_TOLERANCE_MM = 2e-4
+"""Largest distance between the spline and the arcs that stand for it."""
+
+USUAL_WAVELENGTH_MM = 5.0
+"""Wavelength that noisy points are smoothed by: about the width of a contact. Very noisy ones need a longer one."""
+
+LARGEST_USUAL_WAVELENGTH_MM = 20.0
+"""Longest wavelength that is taken if nothing is asked."""
+
+CURVATURE_NOISE_PER_MM = 1e-3
+"""Scatter of the smooth curve's curvature above which the wavelength grows: a quarter of a crown of 10 in."""
+
+WAVELENGTHS_MM = (0.1, 100.0)
+"""Wavelengths that can be asked for."""
+
+LIMITS_UM = (0.1, 10_000.0)
+"""Limits that can be asked for."""
+
+NOISE_UM = 0.02
+"""Noise above which points are smoothed if nothing is asked; rounding to the fifth decimal stays below."""
+
+USUAL_LIMIT_UM = 20.0
+"""Largest deviation of a point, or six times the noise if that is more, if nothing is asked."""
+
+FEWEST_POINTS = 10
+_PIECE_MM = 4.0
+_GAIN_INTEGRAL = 0.2777
+_N_ROUNDS = 60
+_MOST_SAY = 1e3
+_N_FOOT_STEPS = 10
+_SAME_MM = 1e-9  # neighbours that differ by rounding are one point
+
+
+@dataclass(frozen=True, eq=False)
+class Smoothing:
+    """A smooth curve beside the points that it stands for.
+
+    Parameters
+    ----------
+    points
+        Points (n, 2) on the curve that belong to the given ones.
+    curve
+        Arcs along the spline, within `ARC_TOLERANCE_MM` of it, in the direction of the points.
+    deviations_um
+        Signed distance (n,) of each given point from the curve, positive to the left of its direction.
+    wavelength_mm
+        Wavelength whose height is halved; 0 for a curve through all points.
+    limit_um
+        Largest distance that was allowed.
+    noise_um
+        Noise of the points, estimated.
+    n_held
+        Number of points that were held to the limit.
+
+    """
+
+    points: FloatArray
+    curve: Contour
+    deviations_um: FloatArray
+    wavelength_mm: float
+    limit_um: float
+    noise_um: float
+    n_held: int
+
+    @property
+    def rms_um(self) -> float:
+        """Root mean square of the deviations."""
+        return float(np.sqrt(np.mean(self.deviations_um**2)))
+
+    @property
+    def largest_um(self) -> float:
+        """Largest deviation."""
+        return float(np.abs(self.deviations_um).max())
+
+
+def noise_um(points: FloatArray) -> float:
+    """Estimate the standard deviation of the noise across a curve from neighbouring points (n, 2) in mm.
+
+    Each point and its four neighbours, less the cubic through them, leave noise alone; the median of all of them is
+    not moved by corners or single bad points. Noise that neighbours share is not seen.
+    """
+    s = _lengths(points)
+    places = np.arange(2, len(points) - 2)[:, None] + np.arange(-2, 3)
+    local = s[places]
+    gaps = local[:, :, None] - local[:, None, :] + np.eye(5)
+    weights = 1.0 / gaps.prod(axis=2)
+    weights /= np.sqrt((weights**2).sum(axis=1))[:, None]
+    residuals = np.einsum("ij,ijk->ik", weights, points[places])
+    along = points[places[:, -1]] - points[places[:, 0]]
+    across = residuals[:, 0] * along[:, 1] - residuals[:, 1] * along[:, 0]
+    return 1.4826e3 * float(np.median(np.abs(across / np.hypot(*along.T))))
+
+
+def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:
+    """Wavelength, in whole mm, at which noise leaves a curvature that scatters by `CURVATURE_NOISE_PER_MM` at most.
+
+    White noise of standard deviation s on points a distance h apart leaves the smooth curve, whose halved wavelength
+    has the wave number k, with a curvature of variance ``s^2 h k^5 / pi`` times the integral of
+    ``t^4 / (1 + t^4)^2`` over all t > 0, which is 0.2777.
+
+    Parameters
+    ----------
+    noise_um
+        Standard deviation of the noise across the curve.
+    spacing_mm
+        Distance of neighbouring points.
+
+    """
+    variance = (1e-3 * noise_um) ** 2 * spacing_mm / math.pi * _GAIN_INTEGRAL
+    if variance == 0.0:
+        return USUAL_WAVELENGTH_MM
+    wavelength = 2.0 * math.pi * (variance / CURVATURE_NOISE_PER_MM**2) ** 0.2
+    return float(min(max(round(wavelength), USUAL_WAVELENGTH_MM), LARGEST_USUAL_WAVELENGTH_MM))
+
+
+def smoothed(
+    points: FloatArray, wavelength_mm: float | None = None, limit_um: float | None = None, name: str = "profile"
+) -> Smoothing:
+    """Return a smooth curve near points (n, 2) in mm.
+
+    Parameters
+    ----------
+    points
+        In order along the profile, neighbours differing.
+    wavelength_mm
+        Wavelength whose height is halved; 0 for a curve through all points; None for `usual_wavelength_mm` if their
+        noise is above `NOISE_UM`, else 0.
+    limit_um
+        Largest deviation of any point; `USUAL_LIMIT_UM` or six times the noise if left out.
+    name
+        Name of the segments of the curve.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than `FEWEST_POINTS` points, a number is out of range, or the smooth curve meets itself.
+
+    """
+    low, high = WAVELENGTHS_MM
+    if wavelength_mm is not None and wavelength_mm != 0.0 and not low <= wavelength_mm <= high:
+        raise InputError(
+            f"--smooth {wavelength_mm:g}", f"a wavelength of {low:g} to {high:g} mm, or 0 for none", "leave it out"
+        )
+    low, high = LIMITS_UM
+    if limit_um is not None and not low <= limit_um <= high:
+        raise InputError(f"--limit {limit_um:g}", f"{low:g} to {high:g} micrometres", "leave it out")
+    points = points[np.concatenate(([True], np.diff(_lengths(points)) > _SAME_MM))]
+    if len(points) < FEWEST_POINTS:
+        raise InputError(
+            f"{len(points)} points", f"{FEWEST_POINTS} or more", "give the whole profile; hundreds of points are usual"
+        )
+    noise = noise_um(points)
+    limit = max(USUAL_LIMIT_UM, 6.0 * noise) if limit_um is None else limit_um
+    s = _lengths(points)
+    wavelength = wavelength_mm
+    if wavelength is None:
+        wavelength = usual_wavelength_mm(noise, float(np.median(np.diff(s)))) if noise > NOISE_UM else 0.0
+    if wavelength == 0.0:
+        spline, deviations, n_held = make_interp_spline(s, points), np.zeros(len(points)), 0
+    else:
+        spline, deviations, n_held = _limited_spline(s, points, wavelength, limit)
+    curve = _arcs(spline, float(s[-1]), name)
+    return Smoothing(spline(s), curve, deviations, wavelength, limit, noise, n_held)
+
+
+def _arcs(spline: BSpline, length: float, name: str) -> Contour:
+    derivative = spline.derivative()
+    breaks = np.linspace(0.0, length, max(math.ceil(length / _PIECE_MM), 1) + 1)
+    segments = biarcs(lambda t: (spline(t), derivative(t)), breaks, ARC_TOLERANCE_MM)
+    try:
+        return Contour.from_segments(segments, [name] * len(segments))
+    except InputError as reason:
+        raise InputError(
+            f"the smooth curve: {reason.given}", "a profile that does not meet itself", "clean the points there"
+        ) from reason
+
+
+def _limited_spline(
+    s: FloatArray, points: FloatArray, wavelength: float, limit: float
+) -> tuple[BSpline, FloatArray, int]:
+    """Return the spline, the deviations in um, and how many points were given more say to keep to the limit."""
+    before, after = _extension(s, points, wavelength), _extension(-s[::-1], points[::-1], wavelength)
+    all_s = np.concatenate([before[0][::-1], s, -after[0]])
+    all_points = np.vstack([before[1][::-1], points, after[1]])
+    mine = slice(len(before[0]), len(before[0]) + len(s))
+    # a point speaks for the length about it, so that dense places are not smoothed less
+    spacing = np.gradient(all_s)
+    bending = (wavelength / (2.0 * math.pi)) ** 4
+    say = np.ones(len(all_s))
+    held: NDArray[np.bool_] = np.zeros(len(s), dtype=np.bool_)
+    for _ in range(_N_ROUNDS):
+        spline = _spline(all_s, all_points, say * spacing, bending)
+        deviations = _distances(spline, s, points)
+        excess = np.abs(deviations) / limit
+        if excess.max() <= 1.0:
+            return spline, deviations, int(held.sum())
+        held |= excess > 1.0
+        say[mine] *= np.where(excess > 1.0, np.minimum(1.5 * excess**2, _MOST_SAY), 1.0)
+    worst = int(np.argmax(np.abs(deviations)))
+    x, y = points[worst]
+    raise InputError(
+        f"the point ({x:.6g}, {y:.6g}), which smoothing moves by {abs(deviations[worst]):.3g} micrometres",
+        f"up to {limit:.3g} micrometres",
+        "raise --limit, lower --smooth, or remove the point",
+    )
+
+
+def _spline(s: FloatArray, points: FloatArray, say: FloatArray, bending: float) -> BSpline:
+    """Return the smoothing spline of both coordinates; older versions of SciPy take one at a time."""
+    x, y = (make_smoothing_spline(s, values, w=say, lam=bending) for values in points.T)
+    return BSpline(x.t, np.column_stack([x.c, y.c]), x.k)
+
+
+def _extension(s: FloatArray, points: FloatArray, wavelength: float) -> tuple[FloatArray, FloatArray]:
+    """Return lengths and points before the first, along the parabola of the first ones.
+
+    A smoothing spline is straight at its ends; the ends of the profile shall keep their curvature.
+    """
+    near = max(int(np.searchsorted(s, s[0] + wavelength)), 6)
+    local = s[:near] - s[0]
+    shape = np.polynomial.polynomial.polyfit(local, points[:near], 2)
+    step = float(np.median(np.diff(s[:near])))
+    n_steps = min(max(math.ceil(wavelength / step), 3), 400)
+    beyond = -np.linspace(wavelength / n_steps, wavelength, n_steps)
+    points_beyond: FloatArray = np.asarray(np.polynomial.polynomial.polyval(beyond, shape), dtype=np.float64).T
+    return np.asarray(s[0] + beyond, dtype=np.float64), points_beyond
+
+
+def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray:
+    """Signed distances (n,) in um of points from the spline over s, positive to its left.
+
+    The foot of each perpendicular is found by Newton's method from the point's own length. Where a step would lead
+    away from the point, or past an end, the foot stays where it was.
+    """
+    velocity, acceleration = spline.derivative(), spline.derivative(2)
+    foot = s.copy()
+    apart = points - spline(foot)
+    for _ in range(_N_FOOT_STEPS):
+        tangent = velocity(foot)
+        along = (apart * tangent).sum(axis=1)
+        speed = (tangent**2).sum(axis=1)
+        bent = speed - (apart * acceleration(foot)).sum(axis=1)
+        trial = np.clip(foot + along / np.where(bent > 0.1 * speed, bent, speed), s[0], s[-1])
+        trial_apart = points - spline(trial)
+        nearer = np.hypot(*trial_apart.T) < np.hypot(*apart.T)
+        foot, apart = np.where(nearer, trial, foot), np.where(nearer[:, None], trial_apart, apart)
+        if not nearer.any():
+            break
+    tangent = velocity(foot)
+    to_the_left = tangent[:, 0] * apart[:, 1] - tangent[:, 1] * apart[:, 0]
+    distances: FloatArray = 1e3 * np.copysign(np.hypot(*apart.T), to_the_left)
+    return distances
+
+
+def _lengths(points: FloatArray) -> FloatArray:
+    return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])

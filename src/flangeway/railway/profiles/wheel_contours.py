@@ -1,0 +1,112 @@
+"""Running surfaces of two wheels: S1002 from its formulas, and a heavy-haul wheel of nine arcs.
+
+Both go from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
+"""
+
+import csv
+import math
+from importlib.resources import files
+from typing import TypeAlias
+
+import numpy as np
+
+from flangeway.geometry import Arc, Contour, FloatArray, Line, Point, Segment
+from flangeway.railway.profiles.biarcs import biarcs
+
+Named: TypeAlias = tuple[str, Segment]
+
+POLYNOMIAL_TOLERANCE_MM = 5e-5
+"""Largest distance between the polynomials of an S1002 and the arcs that stand for them."""
+
+# EN 13715, S1002: y from the tape line towards the flange negative, z from the tread at the tape line down
+_TREAD = (
+    0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,
+    -5.957839843e-12, 2.646656573e-13,
+)  # fmt: skip
+_THROAT = (
+    -4.320221063e3, -1.038384026e3, -1.065501873e2, -6.051367875, -2.054332446e-1, -4.169739389e-3, -4.687195829e-5,
+    -2.252755540e-7,
+)  # fmt: skip
+_Y = {"rim": 60.0, "A": 32.15796, "B": -26.0, "C": -35.0, "D": -38.426669071, "E": -39.764473993}
+_Y |= {"F": -49.662510381, "G": -62.764705882, "back": -70.0}
+_CIRCLES = {
+    "throat_R13": ((-26.210665, 16.446), 13.0, -1.0),
+    "flange_front_R20": ((-58.558326413, 8.834924130), 20.0, 1.0),
+    "flange_tip_R12": ((-55.0, 16.0), 12.0, 1.0),
+    "flange_back_R20.5": ((-49.5, 9.519259302), 20.5, 1.0),
+}
+
+
+def s1002_contour() -> Contour:
+    """Return the S1002 from its back face to the end of its tread, 60 mm outside of the tape line.
+
+    Lines and circles are the standard's; its two polynomials are followed by arcs within `POLYNOMIAL_TOLERANCE_MM`.
+    """
+    rows: list[Named] = [
+        ("flange_back_R20.5", _circle_piece("flange_back_R20.5", _Y["back"], _Y["G"])),
+        ("flange_tip_R12", _circle_piece("flange_tip_R12", _Y["G"], _Y["F"])),
+        ("flange_front_R20", _circle_piece("flange_front_R20", _Y["F"], _Y["E"])),
+        ("flange_face_70deg", Line(_on_circle("flange_front_R20", _Y["E"]), _on_circle("throat_R13", _Y["D"]))),
+        ("throat_R13", _circle_piece("throat_R13", _Y["D"], _Y["C"])),
+        *_polynomial_pieces("throat", _THROAT, _Y["C"], _Y["B"]),
+        *_polynomial_pieces("tread", _TREAD, _Y["B"], _Y["A"]),
+        ("tread_1:15", Line(_on_polynomial(_TREAD, _Y["A"]), (_Y["rim"], _Y["rim"] / 15.0 - 1.364323640))),
+    ]
+    return Contour.from_segments([segment for _, segment in rows], [name for name, _ in rows])
+
+
+def _on_circle(name: str, y: float) -> Point:
+    (y_centre, z_centre), radius, sign = _CIRCLES[name]
+    return y, -(z_centre + sign * math.sqrt(max(radius**2 - (y - y_centre) ** 2, 0.0)))
+
+
+def _circle_piece(name: str, first: float, last: float) -> Arc:
+    (y_centre, z_centre), _, sign = _CIRCLES[name]
+    # z points down: the flange's arcs are convex, the throat's is hollow
+    return Arc(_on_circle(name, first), _on_circle(name, last), (y_centre, -z_centre), sign > 0.0)
+
+
+def _on_polynomial(coefficients: tuple[float, ...], y: float) -> Point:
+    return y, -float(np.polynomial.polynomial.polyval(y, coefficients))
+
+
+def _polynomial_pieces(name: str, coefficients: tuple[float, ...], first: float, last: float) -> list[Named]:
+    slopes = np.polynomial.polynomial.polyder(coefficients)
+
+    def curve(y: FloatArray) -> tuple[FloatArray, FloatArray]:
+        heights = np.polynomial.polynomial.polyval(y, coefficients)
+        directions = np.column_stack([np.ones_like(y), -np.polynomial.polynomial.polyval(y, slopes)])
+        return np.column_stack([y, -heights]), directions
+
+    breaks = np.linspace(first, last, 9)
+    return [(name, piece) for piece in biarcs(curve, breaks, POLYNOMIAL_TOLERANCE_MM)]
+
+
+HEAVY_HAUL_TAPE_MM = 70.0
+"""Distance of the tape line from the flange's back of the heavy-haul wheel, which its source does not give."""
+
+_NAMES = (
+    "flange_back", "flange_tip_back", "flange_tip_front", "flange_face", "throat_R14", "throat_R39",
+    "tread_R1335", "tread_R608", "rim_edge",
+)  # fmt: skip
+
+
+def heavy_haul_contour() -> Contour:
+    """Return the nine arcs of the heavy-haul wheel from the flange's back over the rim's edge."""
+    text = (files("flangeway.railway.profiles") / "data" / "heavy_haul_wheel_arcs.csv").read_text(encoding="utf-8")
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    back = float(rows[0]["yc"]) - float(rows[0]["R"])
+    tape = back + HEAVY_HAUL_TAPE_MM
+    tread = rows[6]
+    radius = float(tread["rc"]) + math.sqrt(float(tread["R"]) ** 2 - (tape - float(tread["yc"])) ** 2)
+
+    def point(row: dict[str, str], end: str) -> Point:
+        return float(row[f"y{end}"]) - tape, radius - float(row[f"r{end}"])
+
+    arcs = []
+    for row in rows:
+        ends = sorted((point(row, "0"), point(row, "1")))
+        if row is rows[-1]:  # the edge of the rim turns back
+            ends = [point(row, "0"), point(row, "1")]
+        arcs.append(Arc(ends[0], ends[1], point(row, "c"), row["curvature"] == "convex"))
+    return Contour.from_segments(arcs, _NAMES)

@@ -1,0 +1,233 @@
+"""Profiles as rigid curves of lines and arcs, evaluated for thousands of points at once.
+
+Both wheel and rail are travelled from the gauge side to the field side, so that x grows along the curve. On a piece of
+curvature k the sine of the tangent's angle is linear in x, ``sin a = sin a0 + k (x - x0)``, and a chord has the mean
+angle of its ends, ``y - y0 = (x - x0) tan((a0 + a) / 2)``: lines and arcs share these two formulas.
+"""
+
+import math
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple, Self
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, Placement, Segment
+from flangeway.types import Floats
+
+STEEPEST_RAD = math.radians(89.0)
+"""Steeper parts of a profile are left out: a wheel that comes from above cannot touch there first."""
+
+_LARGEST_LOSS_MM = 2.0
+
+
+class CurvePoints(NamedTuple):
+    """Places on a curve, arrays of one shape.
+
+    Parameters
+    ----------
+    x, y
+        Coordinates.
+    angle
+        Angle of the tangent in radians, between -pi/2 and pi/2.
+    curvature
+        Change of the angle per length along the curve, positive where the curve is hollow from above.
+
+    """
+
+    x: Floats
+    y: Floats
+    angle: Floats
+    curvature: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class RigidCurve:
+    """Chain of lines and arcs along which x grows; tangents may jump at joints.
+
+    Parameters
+    ----------
+    starts
+        First point of each piece, shape (n_pieces, 2).
+    angles
+        Angle of the tangent there, shape (n_pieces,).
+    curvatures
+        Curvature of each piece, positive when counter-clockwise, shape (n_pieces,).
+    lengths
+        Length of each piece, shape (n_pieces,).
+
+    """
+
+    starts: Floats
+    angles: Floats
+    curvatures: Floats
+    lengths: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("starts", "angles", "curvatures", "lengths"):
+            array = np.array(getattr(self, name), dtype=np.float64)
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+
+    @classmethod
+    def from_contour(cls, contour: Contour, placement: Placement | None = None) -> Self:
+        """Return the part of a contour whose tangents are less steep than `STEEPEST_RAD`.
+
+        Parameters
+        ----------
+        contour
+            Travelled in either direction.
+        placement
+            Where it stands; at its own place by default.
+
+        Raises
+        ------
+        InputError
+            If there is no such part, or an overhang divides it.
+
+        """
+        placed = contour if placement is None else contour.transformed(placement)
+        if placed.segments[-1].end[0] < placed.segments[0].start[0]:
+            placed = placed.reversed()
+        runs: list[list[tuple[float, ...]]] = [[]]
+        for segment in placed.segments:
+            row, reaches_start, reaches_end = _running_part(segment)
+            if not reaches_start:
+                runs.append([])
+            if row is not None:
+                runs[-1].append(row)
+            if not reaches_end:
+                runs.append([])
+        tables = sorted((np.array(run) for run in runs if run), key=_extent)
+        if not tables:
+            raise InputError("a profile without a running surface", "tangents that are not vertical", "check its axes")
+        if len(tables) > 1 and _extent(tables[-2]) > _LARGEST_LOSS_MM:
+            x, y = tables[-2][0, :2]
+            raise InputError(
+                f"a running surface divided by an overhang, about ({x:.2f}, {y:.2f})",
+                "one surface that runs from the gauge side to the field side",
+                "check the profile's axes, and remove hooks of the measurement",
+            )
+        table = tables[-1]
+        return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4])
+
+    @classmethod
+    def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
+        """Return pairs of arcs through points of a smooth graph with its slopes (`flangeway.railway.profiles.biarcs`).
+
+        The tangent is continuous; between the points the error falls with the third power of their distance.
+
+        Parameters
+        ----------
+        x, y, slope
+            Increasing abscissae, heights and slopes, each (n,).
+
+        """
+        at, height = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+        angle = np.arctan(np.asarray(slope, dtype=np.float64))
+        if not (len(at) > 1 and (np.diff(at) > 0.0).all() and np.isfinite(height).all() and np.isfinite(angle).all()):
+            raise InputError("a graph that is not one", "two or more points with increasing x", "sort the points")
+        points, tangents = np.column_stack((at, height)), np.column_stack((np.cos(angle), np.sin(angle)))
+        chord, first, last = np.diff(points, axis=0), tangents[:-1], tangents[1:]
+        square, along = (chord**2).sum(axis=1), (chord * (first + last)).sum(axis=1)
+        bend = 2.0 * (1.0 - (first * last).sum(axis=1))
+        step = (square / (along + np.sqrt(along**2 + bend * square)))[:, None]
+        middle = 0.5 * (points[:-1] + step * first + points[1:] - step * last)
+        halves = np.stack((middle - points[:-1], points[1:] - middle), axis=1)
+        # a chord has the mean angle of its arc's ends
+        means = np.arctan2(halves[..., 1], halves[..., 0])
+        turns = 2.0 * np.stack((means[:, 0] - angle[:-1], angle[1:] - means[:, 1]), axis=1)
+        lengths = np.hypot(halves[..., 0], halves[..., 1]) / np.sinc(0.5 * turns / np.pi)
+        starts = np.stack((points[:-1], middle), axis=1)
+        angles = np.stack((angle[:-1], angle[1:] - turns[:, 1]), axis=1)
+        return cls(starts.reshape(-1, 2), angles.ravel(), (turns / lengths).ravel(), lengths.ravel())
+
+    def sampled(self, spacing_mm: float) -> CurvePoints:
+        """Places along each piece, no farther apart than a spacing, both ends of each included, (n,)."""
+        counts = np.ceil(self.lengths / spacing_mm).astype(np.int64) + 1
+        piece = np.repeat(np.arange(len(counts)), counts)
+        number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        return self._along(piece, self.lengths[piece] * number / (counts[piece] - 1))
+
+    @cached_property
+    def offsets(self) -> Floats:
+        """Length along the curve at the start of each piece, and at the end, shape (n_pieces + 1,)."""
+        return np.concatenate(([0.0], np.cumsum(self.lengths)))
+
+    @property
+    def length(self) -> float:
+        """Length of the whole curve."""
+        return float(self.offsets[-1])
+
+    @cached_property
+    def joints(self) -> Floats:
+        """X of the start of each piece, and of the end, shape (n_pieces + 1,)."""
+        return np.append(self.starts[:, 0], self.at(np.array([self.length])).x)
+
+    def at(self, arc_length: ArrayLike) -> CurvePoints:
+        """Places at lengths along the curve from its start."""
+        s = np.asarray(arc_length, dtype=np.float64)
+        piece = np.clip(np.searchsorted(self.offsets, s, side="right") - 1, 0, len(self.lengths) - 1)
+        return self._along(piece, s - self.offsets[piece])
+
+    def _along(self, piece: NDArray[np.int64], local: Floats) -> CurvePoints:
+        """Places at lengths from the start of pieces."""
+        curvature, start_angle = self.curvatures[piece], self.angles[piece]
+        half_turn = 0.5 * curvature * local
+        chord = local * np.sinc(half_turn / np.pi)
+        mean = start_angle + half_turn
+        return CurvePoints(
+            self.starts[piece, 0] + chord * np.cos(mean),
+            self.starts[piece, 1] + chord * np.sin(mean),
+            start_angle + 2.0 * half_turn,
+            curvature,
+        )
+
+    def over(self, x: ArrayLike) -> CurvePoints:
+        """Places at given x; beyond the ends the tangents there are prolonged, without curvature."""
+        at = np.asarray(x, dtype=np.float64)
+        inside = np.clip(at, self.joints[0], self.joints[-1])
+        piece = np.clip(np.searchsorted(self.joints, inside, side="right") - 1, 0, len(self.lengths) - 1)
+        start_angle, curvature = self.angles[piece], self.curvatures[piece]
+        step = inside - self.starts[piece, 0]
+        angle = np.arcsin(np.clip(np.sin(start_angle) + curvature * step, -1.0, 1.0))
+        height = self.starts[piece, 1] + step * np.tan(0.5 * (start_angle + angle))
+        beyond = at - inside
+        return CurvePoints(at, height + beyond * np.tan(angle), angle, np.where(beyond == 0.0, curvature, 0.0))
+
+    def moved(self, x: float, y: float) -> "RigidCurve":
+        """Return the curve after a translation."""
+        return RigidCurve(self.starts + np.array([x, y]), self.angles, self.curvatures, self.lengths)
+
+
+def _extent(rows: Floats) -> float:
+    return float(rows[:, 4] @ np.cos(rows[:, 2] + 0.5 * rows[:, 3] * rows[:, 4]))
+
+
+def _running_part(segment: Segment) -> tuple[tuple[float, ...] | None, bool, bool]:
+    """Part of a segment that is not too steep, and whether it reaches the segment's start and end.
+
+    Returns
+    -------
+    tuple
+        x, y, angle, curvature and length of the part, or None; two flags.
+
+    """
+    tangent = segment.tangent(0.0)[0]
+    angle = math.atan2(tangent[1], tangent[0])
+    curvature = segment.curvature
+    first, last = 0.0, segment.length
+    if curvature == 0.0:
+        if abs(angle) > STEEPEST_RAD:
+            return None, False, False
+    else:
+        # the lengths at which the angle takes both limits; files give arcs shorter than half a turn
+        limits = sorted(((-STEEPEST_RAD - angle) / curvature, (STEEPEST_RAD - angle) / curvature))
+        first, last = max(first, limits[0]), min(last, limits[1])
+        if last - first < 1e-9 * segment.length:
+            return None, False, False
+    start = segment.point(first / segment.length)[0]
+    row = (float(start[0]), float(start[1]), angle + curvature * first, curvature, last - first)
+    return row, first == 0.0, last == segment.length

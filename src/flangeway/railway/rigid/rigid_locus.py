@@ -1,0 +1,102 @@
+"""Points of contact of a rigid wheelset over its positions."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.railway.track.placements import Side, WheelsetMotion
+from flangeway.types import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SideLocus:
+    """Points of contact of one side over the positions of a wheelset.
+
+    Points in the frames of the profiles are in the right-hand form on both sides. Column 0 is the touch, further
+    columns are the next smallest gaps, nan where there are none.
+
+    Parameters
+    ----------
+    side
+        Side of the track.
+    wheel_points_mm, rail_points_mm
+        In the frames of the profiles, shape (n, N_TOUCHES, 2).
+    gaps_mm
+        Vertical gap at these places, zero in column 0, inf where there is no place, shape (n, N_TOUCHES).
+    contact_angles_rad
+        Angle of the common tangent from the track's plane, positive towards the flange, shape (n, N_TOUCHES).
+    rolling_radii_mm
+        Distance from the axle, shape (n, N_TOUCHES).
+    relative_curvatures_per_mm
+        Sum of the curvatures of wheel and rail, shape (n, N_TOUCHES).
+    points_mm
+        In the track's axes, shape (n, N_TOUCHES, 2); here the left side has negative x.
+    ahead_mm
+        Distance along the track by which the point is ahead of the axle, zero without yaw, shape (n, N_TOUCHES).
+
+    """
+
+    side: Side
+    wheel_points_mm: Floats
+    rail_points_mm: Floats
+    gaps_mm: Floats
+    contact_angles_rad: Floats
+    rolling_radii_mm: Floats
+    relative_curvatures_per_mm: Floats
+    points_mm: Floats
+    ahead_mm: Floats
+
+    def part(self, chosen: slice | NDArray[np.int64]) -> "SideLocus":
+        """The points of some positions."""
+        arrays = (getattr(self, each.name)[chosen] for each in fields(self) if each.name != "side")
+        return SideLocus(self.side, *arrays)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactLocus:
+    """Positions in which both wheels touch, and their points of contact.
+
+    Parameters
+    ----------
+    lateral_mm, vertical_mm, roll_rad
+        Motion of the axle's middle from its reference position, each (n,); see `WheelsetMotion`.
+    rail_level_mm
+        Lateral motion of the wheelset at the height of the rails, (n,).
+    left, right
+        Points of contact.
+
+    """
+
+    lateral_mm: Floats
+    vertical_mm: Floats
+    roll_rad: Floats
+    rail_level_mm: Floats
+    left: SideLocus
+    right: SideLocus
+
+    def side(self, side: Side) -> SideLocus:
+        """Points of contact of a side."""
+        return self.left if side == "left" else self.right
+
+    @property
+    def rolling_radius_difference_mm(self) -> Floats:
+        """Rolling radius of the right wheel less that of the left one, (n,)."""
+        return self.right.rolling_radii_mm[:, 0] - self.left.rolling_radii_mm[:, 0]
+
+    def part(self, chosen: slice | NDArray[np.int64]) -> "ContactLocus":
+        """Some of the positions."""
+        return ContactLocus(
+            self.lateral_mm[chosen],
+            self.vertical_mm[chosen],
+            self.roll_rad[chosen],
+            self.rail_level_mm[chosen],
+            self.left.part(chosen),
+            self.right.part(chosen),
+        )
+
+    def motion(self, number: int) -> WheelsetMotion:
+        """Motion of the wheelset in a position."""
+        return WheelsetMotion(
+            float(self.lateral_mm[number]), float(self.vertical_mm[number]), float(self.roll_rad[number])
+        )

@@ -1,0 +1,258 @@
+"""One rigid wheel over one rigid rail: where it touches first when it comes down, for many positions at once.
+
+Everything here is in the right-hand form of a side: x grows from the track's middle to the field side. The left side is
+the mirror image, with the opposite lateral motion and roll.
+"""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.railway.rigid.rigid_curve import CurvePoints, RigidCurve
+from flangeway.railway.rigid.yawed import on_profile, outline_across
+from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
+from flangeway.types import Floats
+
+N_TOUCHES = 6
+"""Places of a side that are followed: the touch, and the next smallest gaps."""
+
+_SPACING_MM = 0.2
+_TABLE_MM = 0.005
+_CHUNK = 128
+_FIRST_MARGIN_MM = 0.2  # by which a sampled place may be lower than the highest one and yet touch first
+_SAME_MM = 1e-6
+_ARC_TOLERANCE_MM = 1e-12
+
+
+class Touches(NamedTuple):
+    """Places where a wheel touches or comes close, arrays (n, N_TOUCHES) or (n, 1), the first touch first.
+
+    Parameters
+    ----------
+    lift
+        Height of the axle's middle over the track at which this place touches, -inf where there is no such place.
+    wheel_arc
+        Length along the wheel's curve.
+    x, y
+        Place on the rail in the track's axes, right-hand form.
+    angle
+        Angle of the common tangent from the track's plane, positive towards the flange.
+    relative_curvature
+        Sum of the curvatures of wheel and rail, convex positive.
+
+    """
+
+    lift: Floats
+    wheel_arc: Floats
+    x: Floats
+    y: Floats
+    angle: Floats
+    relative_curvature: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class RigidSide:
+    """A wheel and its rail as rigid curves.
+
+    Parameters
+    ----------
+    wheel
+        Its outline as seen along the track, about the middle of the axle: x to the field side, y up. Without yaw that
+        is the profile, and -y is the rolling radius.
+    rail
+        In the track's axes.
+    wheel_frame, rail_frame
+        From the frames of the profiles to those of the curves.
+    yaw_rad
+        Yaw of the wheel, positive where it is ahead of the other one; see `flangeway.railway.rigid.yawed`.
+
+    """
+
+    wheel: RigidCurve
+    rail: RigidCurve
+    wheel_frame: Placement = field(default_factory=Placement)
+    rail_frame: Placement = field(default_factory=Placement)
+    yaw_rad: float = 0.0
+
+    @classmethod
+    def of(cls, track: Track, wheelset: Wheelset, side: Side, yaw_rad: float = 0.0) -> "RigidSide":
+        """Return a side of a wheelset on a track, on the track's side of the same name."""
+        rail_frame, reference = track.placement(side), wheelset.placement(side)
+        if side == "left":
+            rail_frame, reference = mirrored(rail_frame), mirrored(reference)
+        wheel_frame = Placement(0.0, (0.0, -wheelset.tape_radius_mm)).after(reference)
+        wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
+        profile = RigidCurve.from_contour(wheel.outline.part(wheel.running_names), wheel_frame)
+        return cls(
+            outline_across(profile, yaw_rad),
+            RigidCurve.from_contour(rail.outline.part(rail.head_names), rail_frame),
+            wheel_frame,
+            rail_frame,
+            yaw_rad if side == "right" else -yaw_rad,
+        )
+
+    def on_wheel(self, wheel_arc: Floats) -> tuple[Floats, Floats, Floats]:
+        """Place along the axle, rolling radius, and distance ahead of the axle at lengths along the wheel's outline."""
+        place = self.wheel.at(wheel_arc)
+        return on_profile(place.x, place.y, place.angle, self.yaw_rad)
+
+    @cached_property
+    def _rail_heights(self) -> tuple[float, Floats]:
+        """First x and heights of the rail on a grid, a little wider than its head."""
+        first, last = self.rail.joints[[0, -1]]
+        x = np.arange(first - 1.0, last + 1.0, _TABLE_MM)
+        return float(x[0]), self.rail.over(x).y
+
+    def over_rail(self, lateral: Floats) -> NDArray[np.bool_]:
+        """Whether some of the wheel stands over the rail's head, (n,)."""
+        return (lateral + self.wheel.joints[-1] > self.rail.joints[0]) & (
+            lateral + self.wheel.joints[0] < self.rail.joints[-1]
+        )
+
+    def touches(self, lateral: Floats, roll: Floats, *, first_only: bool = False) -> Touches:
+        """First touch and next smallest gaps of a wheel that comes down.
+
+        Parameters
+        ----------
+        lateral, roll
+            Position of the axle's middle to the field side, and roll that lifts this wheel, each (n,).
+        first_only
+            Whether the next smallest gaps are left out: arrays (n, 1).
+
+        Raises
+        ------
+        InputError
+            If no point of the wheel stands over the rail's head.
+
+        """
+        over = self.over_rail(lateral)
+        if not over.all():
+            worst = float(lateral[~over][np.argmax(np.abs(lateral[~over]))])
+            raise InputError(
+                f"a wheel moved by {worst:.1f} mm, beside its rail",
+                "positions in which the wheel stands over the head of its rail",
+                "check gauge, back-to-back distance and lateral motion",
+            )
+        margin = _FIRST_MARGIN_MM if first_only else np.inf
+        number, low, high = (
+            np.concatenate(column)
+            for column in zip(
+                *(self._brackets(lateral, roll, slice(i, i + _CHUNK), margin) for i in range(0, len(lateral), _CHUNK)),
+                strict=True,
+            )
+        )
+        placed = self._placed(lateral[number], roll[number], self._refined(lateral[number], roll[number], low, high))
+        # two brackets that met at one place count once
+        order = np.lexsort((placed.wheel_arc, number))
+        again = (np.diff(placed.wheel_arc[order]) < _SAME_MM) & (np.diff(number[order]) == 0)
+        order = order[np.concatenate(([True], ~again))]
+        order = order[np.lexsort((-placed.lift[order], number[order]))]
+        row = number[order]
+        rank = np.arange(len(row)) - np.searchsorted(row, row)
+        n_kept = 1 if first_only else N_TOUCHES
+        order, row, rank = order[rank < n_kept], row[rank < n_kept], rank[rank < n_kept]
+        columns = [np.full((len(lateral), n_kept), fill) for fill in (-np.inf, *[np.nan] * 5)]
+        for column, values in zip(columns, placed, strict=True):
+            column[row, rank] = values[order]
+        return Touches(*columns)
+
+    @cached_property
+    def _samples(self) -> tuple[Floats, CurvePoints]:
+        """Lengths along the wheel at which its height over the rail is sampled, and the places there."""
+        arcs = np.linspace(0.0, self.wheel.length, int(np.ceil(self.wheel.length / _SPACING_MM)) + 1)
+        return arcs, self.wheel.at(arcs)
+
+    def _brackets(
+        self, lateral: Floats, roll: Floats, part: slice, margin: float
+    ) -> tuple[NDArray[np.int64], Floats, Floats]:
+        """Numbers of positions, and lengths along the wheel about its places over the rail that are highest near by.
+
+        Places lower than the highest one by more than a margin are left out.
+        """
+        lateral, roll = lateral[part], roll[part]
+        first, last = self.rail.joints[[0, -1]]
+        arcs, wheel = self._samples
+        near = np.flatnonzero((wheel.x + lateral.max() > first - 3.0) & (wheel.x + lateral.min() < last + 3.0))
+        within = slice(near[0], near[-1] + 1)
+        arcs, x, y = arcs[within], wheel.x[within], wheel.y[within]
+        cosine, sine = np.cos(roll)[:, None], np.sin(roll)[:, None]
+        over = lateral[:, None] + cosine * x - sine * y
+        origin, heights = self._rail_heights
+        position = np.clip((over - origin) / _TABLE_MM, 0.0, len(heights) - 1.001)
+        cell = position.astype(np.int64)
+        position -= cell
+        lift = heights[cell]
+        lift += position * (heights[cell + 1] - lift) - (sine * x + cosine * y)
+        lift[(over < first - 0.5) | (over > last + 0.5)] = -np.inf
+        # the ends count: a touch there is a touch at the edge of a profile
+        highest = np.isfinite(lift) & (lift >= lift.max(axis=1, keepdims=True) - margin)
+        highest[:, 1:] &= lift[:, 1:] >= lift[:, :-1]
+        highest[:, :-1] &= lift[:, :-1] > lift[:, 1:]
+        row, column = np.nonzero(highest)
+        return row + part.start, arcs[np.maximum(column - 1, 0)], arcs[np.minimum(column + 1, len(arcs) - 1)]
+
+    def _refined(self, lateral: Floats, roll: Floats, low: Floats, high: Floats) -> Floats:
+        """Lengths along the wheel where the tangents of wheel and rail agree, by Newton kept in a bracket."""
+        low, high = low.copy(), high.copy()
+        arc = 0.5 * (low + high)
+        active = np.arange(len(arc))
+        for _ in range(100):
+            s = arc[active]
+            y, turn = lateral[active], roll[active]
+            wheel = self.wheel.at(s)
+            rail = self.rail.over(y + np.cos(turn) * wheel.x - np.sin(turn) * wheel.y)
+            wheel_angle = wheel.angle + turn
+            difference = rail.angle - wheel_angle
+            rises = difference > 0.0
+            low[active] = np.where(rises, s, low[active])
+            high[active] = np.where(rises, high[active], s)
+            slope = rail.curvature * np.cos(wheel_angle) / np.cos(rail.angle) - wheel.curvature
+            step = -difference / np.where(slope < 0.0, slope, -np.inf)
+            target = s + step
+            inside = (slope < 0.0) & (target > low[active]) & (target < high[active])
+            new = np.where(inside, target, 0.5 * (low[active] + high[active]))
+            arc[active] = new
+            done = np.abs(new - s) < _ARC_TOLERANCE_MM * (1.0 + np.abs(s))
+            done |= difference == 0.0
+            arc[active] = np.where(difference == 0.0, s, new)
+            active = active[~done]
+            if not len(active):
+                break
+        return arc
+
+    def _placed(self, lateral: Floats, roll: Floats, arc: Floats) -> Touches:
+        wheel = self.wheel.at(arc)
+        cosine, sine = np.cos(roll), np.sin(roll)
+        rail = self.rail.over(lateral + cosine * wheel.x - sine * wheel.y)
+        lift = rail.y - (sine * wheel.x + cosine * wheel.y)
+        return Touches(lift, arc, rail.x, rail.y, rail.angle, wheel.curvature - rail.curvature)
+
+    def close_arcs(self, lateral: float, roll: float, lift: float, gap_mm: float) -> Floats:
+        """Lengths along the wheel, from first to last, at which it is over the rail by less than a gap, (n,).
+
+        Parameters
+        ----------
+        lateral, roll
+            Position of the wheel; see `touches`.
+        lift
+            Height of the axle's middle.
+        gap_mm
+            Largest vertical gap.
+
+        """
+        arcs = self._samples[0]
+        placed = self._placed(np.full(len(arcs), lateral), np.full(len(arcs), roll), arcs)
+        over = (placed.x >= self.rail.joints[0]) & (placed.x <= self.rail.joints[-1])
+        return arcs[over & (lift - placed.lift < gap_mm)]
+
+    def at_edge(self, touches: Touches) -> NDArray[np.bool_]:
+        """Whether the first touch is at an end of the wheel's or the rail's running surface, (n,)."""
+        arc, x = touches.wheel_arc[:, 0], touches.x[:, 0]
+        ends = self.rail.joints[[0, -1]]
+        on_wheel = (arc < 1e-9) | (arc > self.wheel.length - 1e-9)
+        return on_wheel | (x <= ends[0]) | (x >= ends[1])

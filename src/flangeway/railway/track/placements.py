@@ -1,0 +1,296 @@
+"""Where the rails and the wheels stand (seed 7.2.1; readings in `docs/readings.md`).
+
+Axes of the track: x across it to the right, y up from its plane, origin in the middle of the track at the top of the
+rails. Without superelevation they are those of space.
+Profiles are those of the right side, their track side at negative x; the left side is their mirror image.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from flangeway.checks import check_finite, check_positive, is_finite, refused
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+
+Side = Literal["left", "right"]
+SIDES: tuple[Side, Side] = ("left", "right")
+
+
+@dataclass(frozen=True)
+class UsualGauge:
+    """A gauge, and the distance of the wheels' inner faces that goes with it.
+
+    Parameters
+    ----------
+    gauge_mm
+        Nominal gauge.
+    back_to_back_mm
+        Distance of the wheels' inner faces.
+    source
+        Where this is from.
+
+    """
+
+    gauge_mm: float
+    back_to_back_mm: float
+    source: str
+
+
+_OF_THE_EU = "middle of the range for wheels above 840 mm in Regulation (EU) 1302/2014, 4.2.3.5.2.1"
+USUAL_GAUGES = (
+    UsualGauge(1435.0, 1360.0, _OF_THE_EU),
+    UsualGauge(1520.0, 1440.0, _OF_THE_EU),
+    UsualGauge(1600.0, 1515.0, "Moherdaui (2021), 7.2.1"),
+    UsualGauge(1668.0, 1593.0, _OF_THE_EU),
+)
+"""Gauges whose wheelsets are known, with the distance of the wheels' inner faces."""
+
+GAUGE_OFF_MM = (-10.0, 35.0)
+"""Narrowing and widening of a track that keeps its wheelsets."""
+
+
+def usual_gauge(gauge_mm: float) -> UsualGauge:
+    """Return the usual gauge that a track is built to.
+
+    Raises
+    ------
+    InputError
+        If there is none near: the distance of the wheels is needed then.
+
+    """
+    near = min(USUAL_GAUGES, key=lambda each: abs(gauge_mm - each.gauge_mm))
+    if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
+        raise InputError(
+            f"gauge_mm = {gauge_mm:g} without back_to_back_mm",
+            "gauge_mm and back_to_back_mm, or a gauge near " + ", ".join(f"{each.gauge_mm:g}" for each in USUAL_GAUGES),
+            "give the distance between the wheels' inner faces as back_to_back_mm",
+        )
+    return near
+
+
+def _require_positive(owner: str, **lengths: float | None) -> None:
+    for name, value in lengths.items():
+        if value is not None:
+            check_positive(owner, name, value, "a positive length", "give it in mm")
+
+
+@dataclass(frozen=True)
+class Track:
+    """Two rails, fixed along their bases.
+
+    Parameters
+    ----------
+    rail
+        Profile of the right rail.
+    gauge_mm
+        Distance between the two rails' heads, half of it on each side of the middle.
+    cant
+        Inclination of the rails towards the middle, as a slope (1/40).
+    left_rail
+        Profile of the left rail, in the right-hand form; None: the left rail mirrors the right one.
+    gauge_depth_mm
+        Depth below the rails' tops above which the gauge is measured; None: between the heads' closest points.
+
+    """
+
+    rail: RailProfile
+    gauge_mm: float = 1600.0
+    cant: float = 1.0 / 40.0
+    left_rail: RailProfile | None = None
+    gauge_depth_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        check_positive("Track", "gauge_mm", self.gauge_mm, "a positive length", "give it in mm")
+        _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
+        if not (is_finite(self.cant) and abs(self.cant) <= 0.2):
+            raise refused("Track", "cant", self.cant, "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the left rail mirrors the right one."""
+        return self.left_rail is None
+
+    def rail_of(self, side: Side) -> RailProfile:
+        """Profile of the rail of a side, in the right-hand form."""
+        return self.left_rail if side == "left" and self.left_rail is not None else self.rail
+
+    def placement(self, side: Side) -> Placement:
+        """Where the rail of a side stands: canted, its head at the gauge, its top at y = 0."""
+        angle = math.atan(self.cant)
+        rail = self.rail_of(side)
+        canted = rail.outline.transformed(Placement(angle))
+        (left, _), (_, top) = canted.bounds(rail.head_names)
+        if self.gauge_depth_mm is not None:
+            points = canted.part(rail.head_names).sampled(spacing=0.01)
+            lowest = float(points[points[:, 0] < points[np.argmax(points[:, 1]), 0], 1].min())
+            if lowest > top - self.gauge_depth_mm:
+                raise InputError(
+                    f"gauge_depth_mm = {self.gauge_depth_mm:g}, below the head of the {side} rail",
+                    f"depths to {top - lowest:.1f} mm below the rail's top, as far as its gauge face goes down",
+                    "give a smaller depth, or a profile with its gauge face",
+                )
+            left = float(points[points[:, 1] >= top - self.gauge_depth_mm, 0].min())
+        placement = Placement(angle, (self.gauge_mm / 2.0 - left, -top))
+        return placement if side == "right" else mirrored(placement)
+
+
+@dataclass(frozen=True)
+class Wheelset:
+    """Two wheels on a rigid axle that carries the load.
+
+    Parameters
+    ----------
+    wheel
+        Profile of the right wheel.
+    back_to_back_mm
+        Distance between the inner faces of the wheels.
+    radius_mm
+        Distance from the axle to the farthest point of the wheel, the tip of the flange.
+    barycentre_height_mm
+        Height above the axle of the point where the load acts.
+    left_wheel
+        Profile of the left wheel, in the right-hand form; None: the left wheel mirrors the right one.
+    left_radius_mm
+        As `radius_mm` for the left wheel; None: both have the same rolling radius at the tape line.
+
+    """
+
+    wheel: WheelProfile
+    back_to_back_mm: float = 1515.0
+    radius_mm: float = 500.0
+    barycentre_height_mm: float = 1457.7
+    left_wheel: WheelProfile | None = None
+    left_radius_mm: float | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("back_to_back_mm", "radius_mm"):
+            check_positive("Wheelset", name, getattr(self, name), "a positive length", "give it in mm")
+        _require_positive("Wheelset", left_radius_mm=self.left_radius_mm)
+        advice = "give the height above the axle in mm"
+        check_finite("Wheelset", "barycentre_height_mm", self.barycentre_height_mm, "a finite length", advice)
+
+    @property
+    def is_symmetric(self) -> bool:
+        """Whether the left wheel mirrors the right one."""
+        return self.left_wheel is None and self.left_radius_mm is None
+
+    @property
+    def tape_radius_mm(self) -> float:
+        """Rolling radius of the right wheel at the tape line."""
+        return self.radius_mm - self.wheel.flange_height_mm
+
+    def wheel_of(self, side: Side) -> WheelProfile:
+        """Profile of the wheel of a side, in the right-hand form."""
+        return self.left_wheel if side == "left" and self.left_wheel is not None else self.wheel
+
+    def tape_radius_of(self, side: Side) -> float:
+        """Rolling radius of the wheel of a side at the tape line, in mm."""
+        if side == "right" or self.left_radius_mm is None:
+            return self.tape_radius_mm
+        return self.left_radius_mm - self.wheel_of("left").flange_height_mm
+
+    def placement(self, side: Side) -> Placement:
+        """Where the wheel of a side stands in the reference position: the right tape line at y = 0, the axle level."""
+        lateral = self.back_to_back_mm / 2.0 + self.wheel_of(side).flange_back_mm
+        placement = Placement(0.0, (lateral, self.tape_radius_mm - self.tape_radius_of(side)))
+        return placement if side == "right" else mirrored(placement)
+
+
+@dataclass(frozen=True)
+class WheelsetMotion:
+    """Rigid motion of the wheelset from its reference position, axes of the track.
+
+    Parameters
+    ----------
+    lateral_mm
+        Translation of the axle's middle in x.
+    vertical_mm
+        Translation of the axle's middle in y, up.
+    roll_rad
+        Counter-clockwise rotation about the axle's middle.
+
+    """
+
+    lateral_mm: float = 0.0
+    vertical_mm: float = 0.0
+    roll_rad: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name, value in zip(("lateral_mm", "vertical_mm", "roll_rad"), self.components, strict=True):
+            check_finite("WheelsetMotion", name, value)
+
+    @property
+    def components(self) -> tuple[float, float, float]:
+        """Lateral and vertical motion and roll."""
+        return self.lateral_mm, self.vertical_mm, self.roll_rad
+
+    def moved(self, other: "WheelsetMotion", part: float = 1.0) -> "WheelsetMotion":
+        """Add a part of another motion."""
+        return WheelsetMotion(
+            self.lateral_mm + part * other.lateral_mm,
+            self.vertical_mm + part * other.vertical_mm,
+            self.roll_rad + part * other.roll_rad,
+        )
+
+    def axle(self, wheelset: Wheelset) -> tuple[float, float]:
+        """Place of the axle's middle."""
+        return self.lateral_mm, wheelset.tape_radius_mm + self.vertical_mm
+
+    def barycentre(self, wheelset: Wheelset) -> tuple[float, float]:
+        """Place of the point where the load acts."""
+        x, y = self.axle(wheelset)
+        height = wheelset.barycentre_height_mm
+        return x - height * math.sin(self.roll_rad), y + height * math.cos(self.roll_rad)
+
+    def placement(self, wheelset: Wheelset, side: Side) -> Placement:
+        """Where the wheel of a side stands after the motion."""
+        turn = Placement.about((0.0, wheelset.tape_radius_mm), self.roll_rad)
+        shift = Placement(0.0, (self.lateral_mm, self.vertical_mm))
+        return shift.after(turn).after(wheelset.placement(side))
+
+
+def mirrored(placement: Placement) -> Placement:
+    """Mirror image of a placement about the middle of the track."""
+    x, y = placement.translation
+    return Placement(-placement.rotation_rad, (-x, y), not placement.mirrored)
+
+
+FLANGE_MM = 10.0
+"""Depth below tread and rail's top at which flange and gauge face are compared (EN 15313 measures flanges there)."""
+
+
+def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
+    """Refuse wheels that stand beside their rails, and flanges that do not go between them, in the middle of the track.
+
+    Raises
+    ------
+    InputError
+        If gauge and distance of the wheels do not fit; the message says by how much.
+
+    """
+    given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.back_to_back_mm:g} do not fit"
+    allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0
+    usual = [each for each in USUAL_GAUGES if abs(each.gauge_mm - track.gauge_mm) <= GAUGE_OFF_MM[1]]
+    advice = "check gauge_mm and back_to_back_mm" + "".join(
+        f": {each.back_to_back_mm:g} goes with {each.gauge_mm:g}, and is taken where back_to_back_mm is left out"
+        for each in usual
+    )
+    for side in SIDES:
+        outward = 1.0 if side == "right" else -1.0
+        wheel, rail = wheelset.wheel_of(side), track.rail_of(side)
+        on_wheel = wheelset.placement(side).points(wheel.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
+        on_rail = track.placement(side).points(rail.running_surface.sampled(spacing=0.5)) * [outward, 1.0]
+        (near, far), (inner, outer) = (
+            (float(each[:, 0].min()), float(each[:, 0].max())) for each in (on_wheel, on_rail)
+        )
+        missed = max(inner - far, near - outer)
+        if missed > 0.0:
+            raise InputError(f"{given}: the {side} wheel misses its rail by {missed:.1f} mm", allowed, advice)
+        flange, head = on_wheel[on_wheel[:, 1] <= -FLANGE_MM, 0], on_rail[on_rail[:, 1] >= -FLANGE_MM, 0]
+        room += float(head.min() - flange.max()) if len(flange) else math.inf
+    if room < 0.0:
+        raise InputError(f"{given}: the flanges are {-room:.1f} mm too far apart for the rails", allowed, advice)

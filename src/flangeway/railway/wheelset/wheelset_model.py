@@ -1,0 +1,239 @@
+"""From profiles to four elastic parts in contact: meshes, surfaces, penalty."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.contact import Contact, ContactSystem, Surface
+from flangeway.errors import InputError
+from flangeway.exact import LineContact, contact_modulus
+from flangeway.geometry import Contour, Outline, Placement
+from flangeway.mesh import Refinement
+from flangeway.problems import Body, Part
+from flangeway.railway.profiles.curvature import conforming, relative_curvature
+from flangeway.railway.rigid.cached_start import known_rest
+from flangeway.railway.rigid.elastic_start import RigidRest
+from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
+from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.cached_mesh import meshed
+from flangeway.railway.wheelset.zones import Zone
+from flangeway.system.disk_cache import Cache
+from flangeway.types import Floats
+
+__all__ = ["Discretisation", "Load", "Prescribed", "WheelsetModel", "WheelsetProblem", "build_model"]
+
+
+BENDING_MM = 10.0
+"""How far the bending of the rail may shift a contact."""
+
+
+LEAST_CURVATURE_PER_MM = 1e-4
+"""Relative curvature that conforming curves are given for the size of the zones."""
+
+
+@dataclass(frozen=True, eq=False)
+class WheelsetModel:
+    """Meshed parts and their contacts.
+
+    Parameters
+    ----------
+    problem
+        What is modelled.
+    rest
+        Where a rigid wheelset would come to rest: the search for the elastic one starts there.
+    hertz
+        Contact of one wheel by Hertz's theory for half the load and the curvatures at rest: sets the zones.
+    system
+        The contacts of both sides.
+    parts
+        The placed parts by name: ``wheel-left``, ``rail-left``, ``wheel-right``, ``rail-right``.
+    zones
+        Candidate zone of each part by name, in the frame of its profile.
+
+    """
+
+    problem: WheelsetProblem
+    rest: RigidRest
+    hertz: LineContact
+    system: ContactSystem
+    parts: dict[str, Part]
+    zones: dict[str, Zone]
+
+    @property
+    def start_motion(self) -> WheelsetMotion:
+        """Motion from the reference position to where the rigid wheelset rests."""
+        return self.rest.motion
+
+    @property
+    def wheel(self) -> Body:
+        """Body of the right wheel."""
+        return self.parts["wheel-right"].body
+
+    @property
+    def rail(self) -> Body:
+        """Body of the right rail."""
+        return self.parts["rail-right"].body
+
+    @cached_property
+    def bodies(self) -> tuple[Body, ...]:
+        """All bodies, wheels first, each once."""
+        names = ("wheel-right", "wheel-left", "rail-right", "rail-left")
+        return tuple(dict.fromkeys(self.parts[name].body for name in names))
+
+    @cached_property
+    def moving(self) -> NDArray[np.bool_]:
+        """Which of the system's parts are wheels."""
+        return np.array([part.name.startswith("wheel") for part in self.system.parts])
+
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """Side of each of the system's parts."""
+        return tuple("left" if part.name.endswith("left") else "right" for part in self.system.parts)
+
+    def contact(self, side: Side) -> Contact:
+        """Contact of a side."""
+        return self.system.contacts[SIDES.index(side)]
+
+    def hertz_at(self, side: Side, wheel_point: ArrayLike, rail_point: ArrayLike, force: float) -> LineContact | None:
+        """Hertz's contact under a normal force with the curvatures at points of undeformed profiles, each (2,).
+
+        None where the profiles conform; see `flangeway.railway.profiles.curvature.conforming`.
+        """
+        wheel, rail = self.problem.wheelset.wheel_of(side), self.problem.track.rail_of(side)
+        curvature = relative_curvature(wheel, wheel_point, rail, rail_point)
+        if not curvature > 0.0:
+            return None
+        found = LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
+        return None if conforming(wheel, wheel_point, rail, rail_point, found.half_width) else found
+
+    def placements(self, motion: WheelsetMotion) -> tuple[Placement, ...]:
+        """Where the system's parts stand after a motion of the wheelset."""
+        wheelset = self.problem.wheelset
+        return tuple(
+            motion.placement(wheelset, side) if moves else part.placement
+            for part, side, moves in zip(self.system.parts, self.sides, self.moving, strict=True)
+        )
+
+
+def build_model(
+    problem: WheelsetProblem,
+    progress: Callable[[str], None] = lambda _: None,
+    *,
+    whole: bool = False,
+    cache: Cache | None = None,
+) -> WheelsetModel:
+    """Mesh the bodies, fine where they can touch, and pair their surfaces.
+
+    The candidate zones go round the places where rigid wheels touch or nearly touch where the load takes them, with two
+    half widths of Hertz's contact and what the bending of the rail shifts beyond.
+
+    Parameters
+    ----------
+    problem
+        What stands where.
+    progress
+        Called with a sentence at each stage.
+    whole
+        Zones over the whole running surfaces and heads, for contact anywhere.
+    cache
+        Where meshes are kept from one process to the next; None: nowhere.
+
+    Raises
+    ------
+    InputError
+        If no rigid wheelset stands on this track under this load, or a body cannot be meshed.
+
+    """
+    settings = problem.discretisation
+    known = known_rest(problem, cache)
+    hertz = LineContact(
+        problem.load.vertical_N / 2.0 / problem.thickness_mm,
+        max(known.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
+        contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
+    )
+    width = 2.0 * hertz.half_width
+    zones = _zones(problem, _with_wide(known.places, known.close, width), math.inf if whole else width + BENDING_MM)
+    wheelset, track = problem.wheelset, problem.track
+    bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
+    parts, edges, curves = {}, {}, {}
+    for side in SIDES:
+        for role in ROLES:
+            placement = wheelset.placement(side) if role == "wheel" else track.placement(side)
+            profile = wheelset.wheel_of(side) if role == "wheel" else track.rail_of(side)
+            name = f"{role}-{side}"
+            if (role, id(profile)) not in bodies:
+                progress(f"meshing the {role}" if not bodies or len(bodies) < 2 else f"meshing the other {role}")
+                bodies[role, id(profile)] = _body(problem, role, side, zones[name], cache)
+            body, edges[name], curves[name] = bodies[role, id(profile)]
+            parts[name] = Part(name, body, placement)
+    contacts = []
+    for side in SIDES:
+        primary, secondary = f"rail-{side}", f"wheel-{side}"
+        if problem.primary[0] == "wheel":
+            primary, secondary = secondary, primary
+        second, first = (
+            Surface(parts[name], edges[name], curves[name], nodes_only=True) for name in (secondary, primary)
+        )
+        contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
+    return WheelsetModel(problem, known.rest, hertz, ContactSystem(contacts), parts, zones)
+
+
+def _with_wide(places: Mapping[str, Floats], close: Mapping[str, Floats], width: float) -> dict[str, Floats]:
+    """Places of contact, and besides those close to it that are farther than a width from all of them."""
+    found = {}
+    for name, at in places.items():
+        apart = np.linalg.norm(close[name][:, None] - at, axis=2).min(axis=1, initial=np.inf)
+        found[name] = np.vstack((at, close[name][apart > width]))
+    return found
+
+
+def _zones(problem: WheelsetProblem, near: Mapping[str, Floats], reach: float) -> dict[str, Zone]:
+    """Zone of each part; equal profiles of both sides share one zone."""
+    places = {name: [(float(x), float(y)) for x, y in points] for name, points in near.items()}
+    if problem.track.is_symmetric:
+        places["rail-left"] = places["rail-right"] = places["rail-left"] + places["rail-right"]
+    if problem.wheelset.left_wheel is None:
+        places["wheel-left"] = places["wheel-right"] = places["wheel-left"] + places["wheel-right"]
+    return {name: Zone(tuple(at), reach) for name, at in places.items()}
+
+
+def _body(
+    problem: WheelsetProblem, role: Role, side: Side, zone: Zone, cache: Cache | None
+) -> tuple[Body, NDArray[np.int32], Contour]:
+    """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
+    settings = problem.discretisation
+    held: tuple[str, ...]
+    outline: Outline
+    if role == "wheel":
+        wheel = problem.wheelset.wheel_of(side)
+        outline, names, held = wheel.outline, wheel.running_names, ("cut",)
+    else:
+        rail = problem.track.rail_of(side)
+        outline, names, held = rail.outline, rail.head_names, rail.base_names
+    size = settings.size_of(role)
+    body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
+    try:
+        refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
+        polygons = settings.method_of(role) == "vem"
+        mesh = meshed(outline, body_size, refinement, polygons=polygons, cache=cache)
+    except InputError as error:
+        raise InputError(
+            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
+            f" and no mesh comes of it ({error.given})",
+            error.allowed,
+            "change size_scale, contact_size_mm or body_size_mm",
+        ) from error
+    edges = zone.edges(mesh, names, role)
+    held_name = held[0]
+    if len(held) > 1:
+        mesh = mesh.with_edge_set("held", np.vstack([mesh.edge_set(part) for part in held]))
+        held_name = "held"
+    material, thickness = problem.material_of(role), problem.thickness_mm
+    body = Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness)
+    return body, edges, outline.part(names)

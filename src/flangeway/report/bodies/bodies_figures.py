@@ -1,0 +1,107 @@
+"""Pictures of a case of bodies: stresses on the deformed bodies, and the contact pressure."""
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
+from flangeway.report.figures.cell_patches import draw_lines
+from flangeway.report.figures.display import display, displayed_stresses
+from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.plots import COLOURS
+from flangeway.report.page.page_tables import marked
+from flangeway.types import Floats
+
+BRIGHTEST_SHARE = 0.999
+"""Share of the corners that the colours resolve: stresses at sharp corners grow without limit."""
+LARGEST_SIDE_IN, SMALLEST_SIDE_IN = 9.0, 3.0
+MARGIN = 0.04
+
+
+def stress_figure(run: BodiesRun) -> Figure:
+    """Draw von Mises stress on the deformed bodies; where they touch, once more near the contact."""
+    drawn = {name: _drawn(body) for name, body in run.bodies.items()}
+    values = np.concatenate([stress for _, _, stress in drawn.values()])
+    largest = float(np.quantile(values, BRIGHTEST_SHARE)) or float(values.max()) or 1.0
+    norm = Normalize(0.0, largest)
+    points = np.vstack([place for place, _, _ in drawn.values()])
+    windows = [_window(points)]
+    if run.patches:
+        touched = np.vstack([patch.points for patch in run.patches])
+        width = 3.0 * max(float(np.ptp(touched, axis=0).max()), 1e-3 * float(np.ptp(points, axis=0).max()))
+        middle = touched.mean(axis=0)
+        if width < 0.7 * float(np.ptp(points, axis=0).max()):
+            windows.append(np.array([middle - width / 2.0, middle + width / 2.0]))
+    extent = np.ptp(windows[0], axis=0)
+    height = float(np.clip(LARGEST_SIDE_IN * extent[1] / extent[0], SMALLEST_SIDE_IN, LARGEST_SIDE_IN))
+    figure = new_figure(7.0 * len(windows), min(height, 7.0))
+    both = figure.subplots(1, len(windows), squeeze=False)[0]
+    for axes, window in zip(both, windows, strict=True):
+        for name, body in run.bodies.items():
+            _draw(axes, body, drawn[name], norm)
+        axes.set_aspect("equal", adjustable="box")
+        axes.set_xlim(window[0, 0], window[1, 0])
+        axes.set_ylim(window[0, 1], window[1, 1])
+        axes.set_xlabel("x in mm")
+        axes.set_ylabel("y in mm")
+    colours = both[0].collections[0]
+    extend = "max" if float(values.max()) > largest else "neither"
+    figure.colorbar(colours, ax=list(both), label="von Mises stress in MPa", extend=extend, shrink=0.9)
+    word = "" if run.status.converged else ", not converged"
+    figure.suptitle(f"{run.case.title}: as deformed{word}", fontsize=10)
+    return figure
+
+
+def pressure_figure(run: BodiesRun) -> Figure:
+    """Draw the pressures along each region of contact, with Hertz's where the case has it."""
+    figure = new_figure(8.0, 4.5)
+    axes = figure.subplots()
+    assert run.contact is not None
+    for number, patch in enumerate(run.patches):
+        contact = run.contact.system.contacts[patch.contact]
+        label = f"{contact.secondary.part.name} on {contact.primary.part.name}"
+        axes.plot(
+            patch.along, patch.pressures, color=INK, lw=1.0, ls=("-", "-.", ":", "--")[number % 4], marker="o", ms=3.0,
+            mfc="white", label=f"{label}: largest {marked(f'{patch.pressures.max():.4g} MPa', patch.remark)}",
+        )  # fmt: skip
+    if run.theory is not None:
+        x = run.theory.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+        axes.plot(
+            x, run.theory.pressure(x), color=GREY, lw=1.8, ls="--", zorder=1,
+            label=f"Hertz, same force: largest {run.theory.max_pressure:.4g} MPa",
+        )  # fmt: skip
+    axes.set_xlabel("length along the surface from the centre of pressure in mm")
+    axes.set_ylabel("contact pressure in MPa")
+    axes.set_ylim(bottom=0.0)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+    return figure
+
+
+def _drawn(body: BodyResult) -> tuple[Floats, NDArray[np.int64], Floats]:
+    """Deformed points, triangles, and von Mises stresses at the points."""
+    shown = display(body.field.problem.space)
+    points = shown.points + body.moved(shown.points, shown.function(body.field.displacements))
+    return points, shown.triangles, displayed_stresses(body.field, shown).von_mises
+
+
+def _draw(axes: Axes, body: BodyResult, drawn: tuple[Floats, NDArray[np.int64], Floats], norm: Normalize) -> None:
+    points, triangles, stress = drawn
+    axes.tripcolor(
+        Triangulation(points[:, 0], points[:, 1], triangles), stress, shading="gouraud", cmap=COLOURS, norm=norm,
+        rasterized=True,
+    )  # fmt: skip
+    mesh = body.field.problem.space.mesh
+    moved = mesh.points + body.moved(mesh.points, body.field.displacements[: mesh.n_points])
+    width = float(np.clip(12.0 / np.sqrt(mesh.n_cells), 0.1, 0.5))
+    draw_lines(axes, moved[mesh.edges], GREY, width, alpha=0.6)
+    draw_lines(axes, moved[mesh.boundary_edges], INK, 0.9)
+
+
+def _window(points: Floats) -> Floats:
+    low, high = points.min(axis=0), points.max(axis=0)
+    margin = MARGIN * float((high - low).max())
+    return np.array([low - margin, high + margin])

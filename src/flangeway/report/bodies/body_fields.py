@@ -1,0 +1,101 @@
+"""Displacements and stresses of the bodies of a case, as their VTU files and the page show them."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
+from flangeway.formats import write_vtu
+from flangeway.mesh import PolyMesh
+from flangeway.post import Stresses, corner_stresses
+from flangeway.report.figures.display import Display, display, displayed_stresses
+from flangeway.report.figures.fields import placed_stresses
+from flangeway.report.wheelset.paraview import stress_arrays
+from flangeway.types import Floats, Ints
+
+
+@dataclass(frozen=True, eq=False)
+class BodyFields:
+    """One body at its first place; each cell has points of its own, so that stresses jump between cells.
+
+    Parameters
+    ----------
+    name
+        Name of the body.
+    mesh
+        The cells; of orders above 1 the triangles that they are cut into to be shown.
+    displacement
+        Whole motion of the points in space, mm, shape (n_points, 2).
+    stresses
+        Stresses at the points, axes of space, each from its own cell.
+    places
+        Number of each point's place, the same for the points of several cells there, shape (n_points,).
+    n_rim_places
+        Places below this number are on the rims of the cells of the problem, the others inside.
+    cells
+        Cell of the problem that each cell is a piece of, shape (n_cells,).
+    shown
+        How the cells were cut, None where they are shown as they are.
+
+    """
+
+    name: str
+    mesh: PolyMesh
+    displacement: Floats
+    stresses: Stresses
+    places: Ints
+    n_rim_places: int
+    cells: Ints
+    shown: Display | None
+
+    def write(self, path: Path) -> None:
+        """Write a VTU file, see `write_vtu`: motion and stresses of the points with their units, and ``cell``."""
+        arrays = {"displacement_mm": self.displacement, **stress_arrays(self.stresses)}
+        write_vtu(path, self.mesh, arrays, {"cell": self.cells})
+
+    def of(self, body: BodyResult) -> "BodyFields":
+        """Fields of the same body with other displacements, at the same points."""
+        motion, stresses = _values(body, self.shown)
+        return replace(self, displacement=motion, stresses=stresses)
+
+
+def bodies_fields(run: BodiesRun) -> Iterator[BodyFields]:
+    """Fields of all bodies in their order, with the elements' own fields shown for their order."""
+    for name, body in run.bodies.items():
+        yield body_fields(name, body, body.field.problem.space.order)
+
+
+def body_fields(name: str, body: BodyResult, pieces: int) -> BodyFields:
+    """Fields of a body whose cells' sides are cut into some pieces; with 1 the cells are shown as they are."""
+    space = body.field.problem.space
+    mesh = space.mesh
+    if pieces == 1:
+        used, places = np.unique(mesh.cell_points, return_inverse=True)
+        own = np.arange(len(places), dtype=np.int32)
+        corners = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, own)
+        return BodyFields(name, corners, *_values(body, None), places, len(used), np.arange(mesh.n_cells), None)
+    shown = display(space, pieces)
+    offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
+    numbers, places = np.unique(shown.places, return_inverse=True)
+    return BodyFields(
+        name,
+        PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel()),
+        *_values(body, shown),
+        places,
+        int(np.searchsorted(numbers, mesh.n_points + mesh.n_edges * (pieces - 1))),
+        shown.cells[shown.triangles[:, 0]],
+        shown,
+    )
+
+
+def _values(body: BodyResult, shown: Display | None) -> tuple[Floats, Stresses]:
+    """Whole motion and stresses at the points of a display, without one at the corners of the cells."""
+    values = body.field.displacements
+    if shown is not None:
+        motion = body.moved(shown.points, shown.function(values))
+        return motion, placed_stresses(displayed_stresses(body.field, shown), body.placement)
+    mesh = body.field.problem.space.mesh
+    motion = body.moved(mesh.points, values[: mesh.n_points])[mesh.cell_points]
+    return motion, placed_stresses(corner_stresses(body.field.problem, values), body.placement)

@@ -1,0 +1,236 @@
+"""Pictures of a campaign of a wheelset over what varies: contact locus, largest pressure, L/V, forces."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from flangeway.campaign import CampaignTable
+from flangeway.railway.track.placements import SIDES, Side
+from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.types import Floats
+
+LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
+    *("contact-locus.png", "max-pressure-map.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"),
+)
+NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
+
+COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
+MOST_LABELLED = 8
+ROUGH = "not to be relied on, see its remark"
+SMALLEST_POINT, LARGEST_POINT = 3.0, 40.0
+
+
+def numeric_keys(table: CampaignTable) -> list[str]:
+    """Inputs that are numbers and vary, in their order."""
+    found = []
+    for key in table.keys:
+        values = {value for value in table.rows[key] if value is not None}
+        if len(values) > 1 and not any(isinstance(value, str) for value in values):
+            found.append(key)
+    return found
+
+
+def campaign_figures(table: CampaignTable) -> dict[str, Callable[[], Figure]]:
+    """Return functions that draw the pictures, by the files' names; which there are depends on what varies.
+
+    Parameters
+    ----------
+    table
+        Results of a campaign of a wheelset; of other cases, or where no number varies or no row converged, there is no
+        picture.
+
+    """
+    if "left_max_pressure_MPa" not in table.rows and "right_max_pressure_MPa" not in table.rows:
+        return {}
+    keys = numeric_keys(table)
+    if not keys or "converged" not in table.rows["status"]:
+        return {}
+    figures: dict[str, Callable[[], Figure]] = {
+        LOCUS: lambda: locus_figure(table, keys[0]),
+        PRESSURE: lambda: curves_figure(table, keys[0], "max_pressure_MPa", "largest pressure in MPa"),
+        RATIO: lambda: ratio_figure(table, "lateral_mm" if "lateral_mm" in table.rows else keys[0]),
+        FORCES: lambda: forces_figure(table, keys[0]),
+    }
+    needed = {
+        PRESSURE: "max_pressure_MPa", RATIO: "lateral_over_vertical", FORCES: "normal_force_N",
+    }  # fmt: skip
+    figures = {
+        name: draw
+        for name, draw in figures.items()
+        if name not in needed or all(f"{side}_{needed[name]}" in table.rows for side in SIDES)
+    }
+    if len(keys) > 1 and PRESSURE in figures and _spans_plane(table, keys[0], keys[1]):
+        figures[PRESSURE_MAP] = lambda: pressure_map(table, keys[0], keys[1])
+    return figures
+
+
+def locus_figure(table: CampaignTable, key: str) -> Figure:
+    """Draw the points of contact on wheels and rails over an input; the larger the dot, the larger the force."""
+    figure = new_figure(9.0, 6.4)
+    axes = figure.subplots(2, 2, sharex=True)
+    of_row = dict(zip(table.rows["row"], table.numbers(key), strict=True))
+    patches = {name: np.array(values) for name, values in table.patches.items()}
+    x = np.array([of_row[row] for row in table.patches["row"]])
+    force = patches["normal_force_N"].astype(float)
+    size = SMALLEST_POINT + (LARGEST_POINT - SMALLEST_POINT) * force / max(force.max(initial=0.0), 1e-300)
+    for column, side in enumerate(SIDES):
+        mine = patches["side"] == side
+        for line, (body, where) in enumerate((("wheel", "from the tape line"), ("rail", "from its middle"))):
+            panel = axes[line, column]
+            y = patches[f"{body}_x_mm"][mine].astype(float)
+            panel.scatter(x[mine], y, s=size[mine], color=COLOURS[side], alpha=0.6, lw=0)
+            panel.set_ylabel(f"{side} {body}: mm {where}")
+            panel.grid(color="#dddddd", lw=0.5)
+        axes[1, column].set_xlabel(key)
+    figure.suptitle(f"Contact locus: {table.name}. The larger the dot, the larger the force", fontsize=10)
+    return figure
+
+
+def pressure_map(table: CampaignTable, first: str, second: str) -> Figure:
+    """Draw the largest pressure over two inputs; where others vary as well, the largest over these."""
+    figure = new_figure(9.4, 4.2)
+    panels = figure.subplots(1, 2, sharey=True)
+    places, groups = np.unique(
+        np.column_stack((table.numbers(first), table.numbers(second))), axis=0, return_inverse=True
+    )
+    pressures = {side: _largest(table.numbers(f"{side}_max_pressure_MPa"), groups.ravel()) for side in SIDES}
+    every = np.concatenate(list(pressures.values()))
+    limits = float(np.nanmin(every)), float(np.nanmax(every))
+    for panel, side in zip(panels, SIDES, strict=True):
+        values = pressures[side]
+        drawn = _draw_map(panel, places, values, limits)
+        failed = ~np.isfinite(values)
+        panel.plot(*places[failed].T, "x", color=INK, ms=4, label="no contact, or no result" if failed.any() else None)
+        rough = np.unique(groups.ravel()[_remarked(table, f"{side}_max_pressure_MPa")])
+        panel.plot(*places[rough].T, "+", color=INK, ms=5, label=ROUGH if len(rough) else None)
+        if failed.any() or len(rough):
+            panel.legend(frameon=False, fontsize=8)
+        panel.set_title(f"{side} side", fontsize=9)
+        panel.set_xlabel(first)
+    panels[0].set_ylabel(second)
+    figure.colorbar(drawn, ax=list(panels), label="largest pressure in MPa")
+    figure.suptitle(f"Largest pressure: {table.name}", fontsize=10)
+    return figure
+
+
+def _largest(values: Floats, groups: NDArray[np.intp]) -> Floats:
+    largest = np.full(groups.max() + 1, -np.inf)
+    np.maximum.at(largest, groups, np.where(np.isfinite(values), values, -np.inf))
+    return np.where(np.isfinite(largest), largest, np.nan)
+
+
+def _draw_map(axes: Axes, places: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:
+    """Colour the cells of a full grid, or triangles between scattered places."""
+    x, y = np.unique(places[:, 0]), np.unique(places[:, 1])
+    shades = mpl.colormaps["magma_r"]
+    if len(x) * len(y) == len(values):  # places are sorted by the first, then the second
+        field = np.ma.masked_invalid(values.reshape(len(x), len(y)).T)
+        return axes.pcolormesh(x, y, field, shading="nearest", cmap=shades, vmin=limits[0], vmax=limits[1])
+    known = np.isfinite(values)
+    if _is_flat(places[known]):
+        return axes.scatter(
+            places[known, 0], places[known, 1], c=values[known], cmap=shades, vmin=limits[0], vmax=limits[1]
+        )
+    scale = np.ptp(places, axis=0)
+    triangles = Triangulation(*(places[known] / scale).T).triangles
+    return axes.tripcolor(
+        places[known, 0], places[known, 1], values[known], triangles=triangles, shading="gouraud", cmap=shades,
+        vmin=limits[0], vmax=limits[1],
+    )  # fmt: skip
+
+
+def _spans_plane(table: CampaignTable, first: str, second: str) -> bool:
+    return not _is_flat(np.column_stack((table.numbers(first), table.numbers(second))))
+
+
+def _is_flat(places: Floats) -> bool:
+    """Whether places lie on one line."""
+    centred = (places - places.mean(axis=0)) / np.maximum(np.ptp(places, axis=0), 1e-300)
+    return bool(len(places) < 3 or np.linalg.svd(centred, compute_uv=False)[-1] < 1e-9 * len(places))
+
+
+@dataclass(frozen=True, eq=False)
+class _Series:
+    """Rows along one input with all others the same."""
+
+    label: str | None
+    shade: float
+    rows: NDArray[np.intp]
+
+
+def _series(table: CampaignTable, x: str) -> Iterator[_Series]:
+    """Rows with the same other inputs, sorted along `x`."""
+    others = [key for key in table.keys if key != x and len(set(table.rows[key])) > 1]
+    if x not in table.keys:  # a result, such as the shift that a lateral force gives: along the last input
+        others = others[:-1]
+    along = table.numbers(x)
+    groups: dict[tuple[object, ...], list[int]] = {}
+    for number in range(len(along)):
+        groups.setdefault(tuple(table.rows[key][number] for key in others), []).append(number)
+    few = 1 < len(groups) <= MOST_LABELLED
+    for place, (values, members) in enumerate(groups.items()):
+        rows = np.array(members)
+        label = ", ".join(f"{key} {value}" for key, value in zip(others, values, strict=True)) if few else None
+        yield _Series(label, place / max(len(groups) - 1, 1), rows[np.argsort(along[rows], kind="stable")])
+
+
+def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
+    """Rows whose value in a column is not to be relied on, shape (n_rows,)."""
+    remarks = table.rows.get(f"{column.removesuffix('_MPa')}_remark", [None] * len(table.rows["row"]))
+    return np.array([remark is not None for remark in remarks], dtype=np.bool_)
+
+
+def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
+    """Draw a line for each series; rows without a result leave a gap."""
+    along, values = table.numbers(x), table.numbers(column)
+    for each in _series(table, x):
+        y = values[each.rows]
+        marker = "o" if len(y) <= 40 else None
+        colour = mpl.colormaps["viridis"](0.85 * each.shade)
+        axes.plot(along[each.rows], y, color=colour, lw=1.2, marker=marker, ms=3, label=each.label)
+    rough = _remarked(table, column)
+    if rough.any():
+        axes.plot(along[rough], values[rough], "x", color=INK, ms=5, label=ROUGH)
+    axes.set_xlabel(x)
+    axes.grid(color="#dddddd", lw=0.5)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, fontsize=7)
+
+
+def curves_figure(table: CampaignTable, key: str, quantity: str, name: str) -> Figure:
+    """Draw a quantity of both sides over an input, a line for each combination of the others."""
+    figure = new_figure(9.0, 4.0)
+    for panel, side in zip(figure.subplots(1, 2, sharey=True), SIDES, strict=True):
+        _draw_series(panel, table, key, f"{side}_{quantity}")
+        panel.set_title(f"{side} side", fontsize=9)
+        panel.set_ylabel(name)
+    figure.suptitle(table.name, fontsize=10)
+    return figure
+
+
+def ratio_figure(table: CampaignTable, x: str) -> Figure:
+    """Draw L/V of both wheels over the lateral shift of the wheelset."""
+    figure = curves_figure(table, x, "lateral_over_vertical", "L/V, positive where the wheel pushes its rail out")
+    for panel in figure.axes:
+        panel.axhline(0.0, color=GREY, lw=0.6)
+        if x == "lateral_mm":
+            panel.set_xlabel("lateral shift of the wheelset to the right, in mm")
+    return figure
+
+
+def forces_figure(table: CampaignTable, key: str) -> Figure:
+    """Draw normal, lateral and vertical force on both wheels over an input."""
+    figure = new_figure(9.0, 7.6)
+    kinds = ("normal", "lateral", "vertical")
+    for line, kind in zip(figure.subplots(3, 2, sharex=True, sharey="row"), kinds, strict=True):
+        for panel, side in zip(line, SIDES, strict=True):
+            _draw_series(panel, table, key, f"{side}_{kind}_force_N")
+            panel.set_ylabel(f"{kind} force on the {side} wheel, in N")
+    figure.suptitle(f"{table.name}: forces of the rails on the wheels; lateral to the right, vertical up", fontsize=10)
+    return figure

@@ -1,1 +1,0 @@
-"""What the page of validation says of each reproduction, a module each."""

@@ -1,0 +1,271 @@
+"""Cells cut into small triangles for display, with the elements' own reconstruction evaluated at their points."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.elements import Reconstruction, monomials
+from flangeway.elements.monomials import Frame
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.errors import InputError
+from flangeway.mesh import PolyMesh
+from flangeway.mesh.kernel import cell_centres, kernel_centre, star_parts
+from flangeway.post import Stresses
+from flangeway.problems import ElasticField
+from flangeway.space import CellBatch, Space
+from flangeway.types import Floats, Ints
+
+Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
+"""Reconstruction of a batch, and coefficients of the field's components, shape (n_components, n, n_cells)."""
+
+_Fans: TypeAlias = tuple[Floats, Ints, Ints, Ints, Ints, Ints, Floats]
+
+NO_EDGE = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Display:
+    """Small triangles that fill the cells; the points of each cell are its own, so that fields may jump between cells.
+
+    Each cell is divided into triangles between a centre that sees it whole and its sides (a cell without such a centre
+    first into parts that have one), and each of these into `pieces` squared.
+
+    Parameters
+    ----------
+    space
+        Whose cells are shown.
+    pieces
+        Number of pieces of each side.
+    points
+        Shape (n, 2).
+    cells
+        Cell of each point, shape (n,).
+    triangles
+        Counter-clockwise triangles of points (m, 3).
+    edge
+        Edge of the mesh on which a point lies, `NO_EDGE` for points inside, shape (n,).
+    step
+        Place on that edge, from 0 at its lower point to `pieces`, shape (n,).
+    outward
+        The two points of the rim between which the ray from the centre through a point ends, shape (n, 2).
+    outward_weights
+        Shares of both, shape (n, 2): they add up to one on the rim and to zero at the centre.
+
+    """
+
+    space: Space
+    pieces: int
+    points: Floats
+    cells: Ints
+    triangles: Ints
+    edge: Ints
+    step: Ints
+    outward: Ints
+    outward_weights: Floats
+
+    @property
+    def mesh(self) -> PolyMesh:
+        """The mesh whose cells are shown."""
+        return self.space.mesh
+
+    @cached_property
+    def places(self) -> Ints:
+        """Number of the place of each point, the same for points of several cells there, shape (n,)."""
+        mesh = self.mesh
+        numbers = mesh.n_points + mesh.n_edges * (self.pieces - 1) + np.arange(len(self.points))
+        on_edge = self.edge != NO_EDGE
+        inner = on_edge & (self.step > 0) & (self.step < self.pieces)
+        numbers[inner] = mesh.n_points + self.edge[inner] * (self.pieces - 1) + self.step[inner] - 1
+        for end, step in enumerate((0, self.pieces)):
+            mine = on_edge & (self.step == step)
+            numbers[mine] = mesh.edges[self.edge[mine], end]
+        return numbers
+
+    def evaluate(self, polynomials: Polynomials, n_components: int) -> Floats:
+        """Values (n, n_components) of a field that is a polynomial in each cell."""
+        values = np.empty((len(self.points), n_components))
+        column = np.empty(self.mesh.n_cells, dtype=np.int64)
+        order = np.argsort(self.cells, kind="stable")
+        starts = np.searchsorted(self.cells[order], np.arange(self.mesh.n_cells + 1))
+        for batch in self.space.batches():
+            reconstruction, coefficients = polynomials(batch)
+            column[batch.cells] = np.arange(len(batch.cells))
+            counts = starts[batch.cells + 1] - starts[batch.cells]
+            within = np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+            mine = order[np.repeat(starts[batch.cells], counts) + within]
+            at = column[self.cells[mine]]
+            frame = Frame(reconstruction.frame.origin[:, at], reconstruction.frame.map[:, :, at])
+            degree = next(d for d in range(20) if monomials.n_monomials(d) >= coefficients.shape[1])
+            basis = monomials.evaluate(degree, frame.local(self.points[mine].T))[: coefficients.shape[1]]
+            values[mine] = np.einsum("sap,ap->ps", coefficients[:, :, at], basis)
+        return values
+
+    def function(self, dofs: Floats) -> Floats:
+        """Values (n, m) of a continuous function with unknowns (n_dofs, m): on edges its own, inside the projection."""
+
+        def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
+            reconstruction = batch.element.reconstruct(batch.vertices)
+            return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, dofs[batch.dofs])
+
+        values = self.evaluate(polynomials, dofs.shape[1])
+        on_edge = np.flatnonzero(self.edge != NO_EDGE)
+        nodes = self.space.edge_nodes(self.mesh.edges[self.edge[on_edge]])
+        weights = edge_weights(self.space.order, self.pieces)[self.step[on_edge]]
+        values[on_edge] = np.einsum("pn,pni->pi", weights, dofs[nodes])
+        return values
+
+    def averaged(self, values: Floats) -> Floats:
+        """Values (n, ...) that are continuous: on the cells' rims means over the cells there, weighted by their areas.
+
+        Inside, what the rim is changed by fades out linearly towards the cell's centre.
+        """
+        flat = values.reshape(len(values), -1)
+        _, places = np.unique(self.places, return_inverse=True)
+        weights = self.mesh.cell_areas[self.cells]
+        total = np.bincount(places, weights)
+        means = [np.bincount(places, weights * column) / total for column in flat.T]
+        changes = np.stack(means, axis=1)[places] - flat
+        inward = np.einsum("pr,prs->ps", self.outward_weights, changes[self.outward])
+        return (flat + inward).reshape(values.shape)
+
+
+def edge_weights(order: int, pieces: int) -> Floats:
+    """Weights of an edge's nodes at its equal pieces' ends, (pieces + 1, order + 1): Lagrange's polynomials."""
+    nodes = gauss_lobatto(order + 1)[0]
+    at = np.arange(pieces + 1) / pieces
+    weights = np.ones((pieces + 1, order + 1))
+    for i, node in enumerate(nodes):
+        for other in np.delete(nodes, i):
+            weights[:, i] *= (at - other) / (node - other)
+    return weights
+
+
+def display(space: Space, pieces: int | None = None) -> Display:
+    """Cut the cells of a space for display.
+
+    Parameters
+    ----------
+    space
+        The space.
+    pieces
+        Number of pieces of each side, by default the order of the elements.
+
+    Raises
+    ------
+    InputError
+        If the number is below one.
+
+    """
+    pieces = space.order if pieces is None else pieces
+    if pieces < 1:
+        raise InputError(f"pieces={pieces}", "1 or more", "leave it out for the order of the elements")
+    mesh = space.mesh
+    parts = []
+    for n_vertices, cells in mesh.batches():
+        centres, seen = cell_centres(mesh, cells)
+        places = mesh.cell_offsets[cells].astype(np.int64)[:, None] + np.arange(n_vertices)
+        if seen.any():
+            parts.append(_fans(mesh, pieces, cells[seen], places[seen], centres[seen], mesh.cell_edges[places[seen]]))
+        for row in np.flatnonzero(~seen).tolist():
+            parts += _star_fans(mesh, pieces, int(cells[row]), places[row])
+    starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
+    triangles, outward = (
+        np.concatenate([part[i] + start for part, start in zip(parts, starts, strict=True)]) for i in (2, 5)
+    )
+    points, weights = (np.concatenate([part[i] for part in parts]) for i in (0, 6))
+    owner, edge, step = (np.concatenate([part[i] for part in parts]) for i in (1, 3, 4))
+    return Display(space, pieces, points, owner, triangles, edge, step, outward, weights)
+
+
+def _star_fans(mesh: PolyMesh, pieces: int, cell: int, places: Ints) -> list[_Fans]:
+    fans = []
+    for part in star_parts(np.arange(len(places), dtype=np.int32), mesh.points[mesh.cell_points[places]]):
+        whole = (np.roll(part, -1) - part) % len(places) == 1  # a side of the cell, not a diagonal
+        edges = np.where(whole, mesh.cell_edges[places[part]], NO_EDGE)
+        centre = kernel_centre(mesh.points[mesh.cell_points[places[part]]])[0]
+        fans.append(_fans(mesh, pieces, np.array([cell]), places[part][None], centre[None], edges[None]))
+    return fans
+
+
+def _fans(
+    mesh: PolyMesh, pieces: int, cells: NDArray[np.integer], places: Ints, centres: Floats, edges: NDArray[np.integer]
+) -> _Fans:
+    """What makes a `Display`, from its points on, of star-shaped polygons (n_cells, n_vertices) of one size.
+
+    The points of a cell lie on rings about its centre, ring j with j points to each side; the last ring is the rim.
+    """
+    n_cells, n = places.shape
+    corners = mesh.points[mesh.cell_points[places]]
+    along = np.roll(corners, -1, axis=1) - corners
+    layers = [centres[:, None]]
+    for j in range(1, pieces + 1):
+        on_rim = corners[:, :, None] + (np.arange(j) / j)[:, None] * along[:, :, None]
+        ring = centres[:, None, None] + (j / pieces) * (on_rim - centres[:, None, None])
+        layers.append((on_rim if j == pieces else ring).reshape(n_cells, -1, 2))
+    points = np.concatenate(layers, axis=1)
+    n_each = points.shape[1]
+    local = _ring_triangles(n, pieces)
+    triangles = (np.arange(n_cells)[:, None, None] * n_each + local).reshape(-1, 3)
+    forward = mesh.cell_points[places] < np.roll(mesh.cell_points[places], -1, axis=1)
+    t = np.arange(pieces)
+    steps = np.where(forward[..., None], t, pieces - t)
+    edge = np.full((n_cells, n_each), NO_EDGE, dtype=np.int64)
+    step = np.zeros((n_cells, n_each), dtype=np.int64)
+    edge[:, n_each - n * pieces :] = np.repeat(edges, pieces, axis=1)
+    step[:, n_each - n * pieces :] = steps.reshape(n_cells, -1)
+    # a corner between a diagonal and a side belongs to the side
+    for corner in np.flatnonzero((edges == NO_EDGE).any(axis=0) & (np.roll(edges, 1, axis=1) != NO_EDGE).any(axis=0)):
+        place = n_each - n * pieces + corner * pieces
+        edge[:, place] = edges[:, corner - 1]
+        step[:, place] = np.where(forward[:, corner - 1], pieces, 0)
+    outward, weights = _outward(n, pieces)
+    return (
+        points.reshape(-1, 2),
+        np.repeat(cells.astype(np.int64), n_each),
+        triangles,
+        edge.ravel(),
+        step.ravel(),
+        (np.arange(n_cells)[:, None, None] * n_each + outward).reshape(-1, 2),
+        np.tile(weights, (n_cells, 1)),
+    )
+
+
+def _outward(n: int, pieces: int) -> tuple[Ints, Floats]:
+    """Points of the rim beyond each point of the rings (m, 2), and their shares times the ring's radius (m, 2)."""
+    first = 1 + n * pieces * (pieces - 1) // 2
+    points, weights = [[first, first]], [[0.0, 0.0]]
+    for j in range(1, pieces + 1):
+        for side in range(n):
+            for t in range(j):
+                low, rest = divmod(t * pieces, j)
+                place, share = side * pieces + low, rest / j
+                points.append([first + place, first + (place + 1) % (n * pieces)])
+                weights.append([(1.0 - share) * j / pieces, share * j / pieces])
+    return np.array(points, dtype=np.int64), np.array(weights)
+
+
+def _ring_triangles(n: int, pieces: int) -> Ints:
+    """Triangles (n pieces^2, 3) between the rings about a centre, counter-clockwise."""
+
+    def number(j: int, side: int, t: int) -> int:
+        return 0 if j == 0 else 1 + n * j * (j - 1) // 2 + (side * j + t) % (n * j)
+
+    rows = []
+    for side in range(n):
+        for j in range(1, pieces + 1):
+            rows += [[number(j - 1, side, t), number(j, side, t), number(j, side, t + 1)] for t in range(j)]
+            rows += [[number(j - 1, side, t), number(j, side, t + 1), number(j - 1, side, t + 1)] for t in range(j - 1)]
+    return np.array(rows, dtype=np.int64)
+
+
+def displayed_stresses(solution: ElasticField, shown: Display) -> Stresses:
+    """Stresses at the points of a display, each from its own cell."""
+
+    def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
+        return solution.problem.cell_stresses(batch, solution.displacements)
+
+    return Stresses(shown.evaluate(polynomials, 4))

@@ -1,0 +1,255 @@
+"""What all pictures share: sizes, colours that stay apart in grey, cells, contour lines, outlines."""
+
+import io
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.figure import Figure
+from matplotlib.patheffects import withStroke
+from matplotlib.ticker import MaxNLocator
+from matplotlib.tri import Triangulation
+from numpy.typing import NDArray
+
+from flangeway.mesh import PolyMesh
+from flangeway.report.figures.few_colours import few_colours
+from flangeway.report.figures.fields import PartFields
+from flangeway.types import Floats
+
+DPI = 160
+INK = "#1a1a1a"
+GREY = "#777777"
+HALO = withStroke(linewidth=2.0, foreground="white")
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+N_LEVELS = 10
+CONTOUR = "contour"
+LABELS_APART = 0.11  # of the width of the axes
+
+
+def new_figure(width_in: float, height_in: float, *, measured: bool = True) -> Figure:
+    """Return an empty figure, apart from any global state of matplotlib.
+
+    If it is measured, it makes room for all labels by itself when it is drawn.
+    """
+    figure = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    figure.set_layout_engine("constrained" if measured else "none")
+    FigureCanvasAgg(figure)
+    return figure
+
+
+@dataclass(frozen=True)
+class Room:
+    """Room about panels for labels, titles and legends, in inches.
+
+    Parameters
+    ----------
+    left, right, bottom, top
+        Beyond the outermost panels.
+    across, between
+        Between panels beside each other, and between rows.
+
+    """
+
+    left: float = 0.75
+    right: float = 0.2
+    bottom: float = 0.55
+    top: float = 0.35
+    across: float = 0.8
+    between: float = 0.8
+
+
+def figure_with_room(
+    width_in: float,
+    height_in: float,
+    room: Room,
+    n_rows: int = 1,
+    n_columns: int = 1,
+    *,
+    width_ratios: Sequence[float] | None = None,
+    sharex: bool = False,
+    sharey: bool = False,
+) -> tuple[Figure, NDArray[Any]]:
+    """Return a figure and its panels, shape (n_rows, n_columns), with given room about them.
+
+    For pictures whose labels are known beforehand: to measure them all, several times, takes as long as to draw.
+    """
+    figure = new_figure(width_in, height_in, measured=False)
+    width = (width_in - room.left - room.right - (n_columns - 1) * room.across) / n_columns
+    height = (height_in - room.bottom - room.top - (n_rows - 1) * room.between) / n_rows
+    panels = figure.subplots(
+        n_rows,
+        n_columns,
+        squeeze=False,
+        sharex=sharex,
+        sharey=sharey,
+        width_ratios=width_ratios,
+        gridspec_kw={
+            "left": room.left / width_in,
+            "right": 1.0 - room.right / width_in,
+            "bottom": room.bottom / height_in,
+            "top": 1.0 - room.top / height_in,
+            "wspace": room.across / width,
+            "hspace": room.between / height,
+        },
+    )
+    return figure, panels
+
+
+def draw_title(axes: Axes, text: str, size: float = 10.0) -> None:
+    """Set the title right above the axes; if it has to find a place, matplotlib measures all labels once more."""
+    axes.set_title(text, fontsize=size, y=1.0)
+
+
+def power_of_ten(value: float, _position: int | None = None) -> str:
+    """Label of a power of ten; matplotlib's own of logarithmic axes are formulas, which take a tenth of a second."""
+    return "10" + f"{round(np.log10(value))}".translate(SUPERSCRIPTS)
+
+
+def png(figure: Figure, dpi: int = DPI) -> bytes:
+    """Return a figure as the contents of a PNG file with at most 256 colours of its own.
+
+    Figures have few, and shades hardly change: a third of the size, and drawn and packed once for file and report.
+    """
+    canvas: Any = FigureCanvasAgg(figure)
+    figure.set_dpi(dpi)
+    canvas.draw()
+    buffer = io.BytesIO()
+    few_colours(np.asarray(canvas.buffer_rgba())).save(buffer, "PNG")
+    return buffer.getvalue()
+
+
+class StressColours:
+    """Steps of colour from light, unloaded, to dark, most loaded: in grey too.
+
+    Parameters
+    ----------
+    values
+        All values to be shown in MPa: none below zero, or none above.
+
+    """
+
+    def __init__(self, values: Floats) -> None:
+        low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
+        self.compressive = -low > high
+        span = (low, 0.0) if self.compressive else (0.0, max(high, 1e-6))
+        self.levels: Floats = np.asarray(MaxNLocator(nbins=N_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(*span))
+        shades = mpl.colormaps["magma_r"](np.linspace(0.0, 0.9, 256))
+        self.map = ListedColormap(shades[::-1] if self.compressive else shades)
+        self.norm = BoundaryNorm(self.levels.tolist(), self.map.N)
+
+    def mappable(self) -> ScalarMappable:
+        """For the colour bar."""
+        return ScalarMappable(self.norm, self.map)
+
+    @property
+    def lines(self) -> Floats:
+        """Levels worth a contour line: every second one, without zero."""
+        levels = self.levels[::-1] if self.compressive else self.levels
+        return np.sort(levels[2:-1:2])
+
+
+def draw_contours(
+    axes: Axes,
+    part: PartFields,
+    points: Floats,
+    values: Floats,
+    colours: StressColours,
+    chosen: NDArray[np.bool_] | None = None,
+) -> None:
+    """Draw lines of equal value, from means about the points, with numbers that keep apart; set the axes first.
+
+    `chosen` are the cells that are drawn, (n_cells,); all if left out.
+    """
+    smooth = part.at_points(values)
+    levels = [v for v in colours.lines.tolist() if smooth.min() < v < smooth.max()]
+    if not levels:
+        return
+    grid = Triangulation(points[:, 0], points[:, 1], triangles(part.mesh))
+    if chosen is not None:
+        inside = np.zeros(part.mesh.n_points, dtype=np.bool_)
+        inside[part.mesh.cell_points[np.repeat(chosen, part.mesh.cell_sizes)]] = True
+        grid.set_mask(~inside[grid.triangles].all(axis=1))
+    lines = axes.tricontour(
+        grid,
+        smooth,
+        levels=levels,
+        colors=INK,
+        linewidths=0.5,
+        linestyles="solid",
+    )
+    apart = LABELS_APART * abs(np.subtract(*axes.get_xlim()))
+    places = [text.get_position() for text in axes.texts if text.get_gid() == CONTOUR]
+    for label in axes.clabel(lines, fmt="%g", fontsize=6.5, inline=False):
+        x, y = label.get_position()
+        if not _well_inside(axes, x, y) or any(
+            np.hypot(x - other_x, y - other_y) < apart for other_x, other_y in places
+        ):
+            label.remove()
+            continue
+        label.set(path_effects=[HALO], zorder=6, gid=CONTOUR)
+        places.append((x, y))
+
+
+def _well_inside(axes: Axes, x: float, y: float) -> bool:
+    """Whether a label at a place would not be cut by the axes."""
+    places = axes.transAxes.inverted().transform(axes.transData.transform((x, y)))
+    return bool((np.abs(places - 0.5) < 0.47).all())
+
+
+def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats, *, dashed: bool = False) -> None:
+    """Draw the boundary of a part at `points`."""
+    for loop in boundary_loops(mesh):
+        axes.plot(
+            points[loop, 0],
+            points[loop, 1],
+            color=GREY if dashed else INK,
+            linewidth=0.9,
+            linestyle=(0, (4, 2)) if dashed else "solid",
+        )
+
+
+def equal_axes(axes: Axes, corners: Floats) -> None:
+    """Show the box (2, 2) with one scale for both axes, labelled in mm."""
+    axes.set_xlim(corners[0, 0], corners[1, 0])
+    axes.set_ylim(corners[0, 1], corners[1, 1])
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel("x in mm")
+    axes.set_ylabel("y in mm")
+
+
+def box(points: Sequence[Floats], margin: float) -> Floats:
+    """Return the corners (2, 2) of the box about all points, widened."""
+    every = np.vstack(points)
+    return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
+
+
+def boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:
+    """Points along each closed boundary, the first repeated at the end."""
+    after = dict(mesh.boundary_edges.tolist())
+    loops = []
+    while after:
+        loop = [next(iter(after))]
+        while loop[-1] in after:
+            loop.append(after.pop(loop[-1]))
+        loops.append(np.array(loop))
+    return loops
+
+
+def cell_corners(mesh: PolyMesh, points: Floats) -> list[Floats]:
+    """Corners of each cell at the given positions of the mesh's points, each (n_vertices, 2)."""
+    return np.split(points[mesh.cell_points], mesh.cell_offsets[1:-1])
+
+
+def triangles(mesh: PolyMesh) -> NDArray[np.int32]:
+    """Polygons as fans of triangles about their first corner, shape (n, 3)."""
+    fans = []
+    for n_vertices, cells in mesh.batches():
+        corners = mesh.batch_points(n_vertices, cells)
+        fans += [corners[:, [0, i, i + 1]] for i in range(1, n_vertices - 1)]
+    return np.vstack(fans)

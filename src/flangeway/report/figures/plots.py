@@ -1,0 +1,369 @@
+"""Pictures of meshes, fields, deformed shapes and stresses on cells of any shape and order."""
+
+from typing import Literal, TypeAlias, cast, get_args
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.colors import Colormap, ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
+
+from flangeway.errors import InputError, short
+from flangeway.mesh import PolyMesh
+from flangeway.post import Stresses
+from flangeway.problems import ElasticField
+from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
+from flangeway.report.figures.drawing import GREY, INK, boundary_loops, new_figure
+from flangeway.space import Space
+from flangeway.types import Floats
+
+Factor: TypeAlias = float | Literal["auto"]
+"""How many times as large as it is a deformation is drawn; ``"auto"`` makes it a twentieth of the body's size."""
+
+Quantity = Literal["von_mises", "xx", "yy", "xy", "zz", "in_plane_shear", "principal_1", "principal_2", "principal_3"]
+Component = Literal["magnitude", "x", "y"]
+
+MANY_TRIANGLES = 60_000
+"""Small triangles up to which sides are cut into more pieces than the order needs, for smooth colours."""
+
+MOST_PIECES = 6
+DEFORMATION_SHARE = 0.05
+SET_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+SET_LINES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
+COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
+"""From light, the least value, to dark, the greatest: in grey too."""
+
+
+def plot_mesh(
+    mesh: PolyMesh,
+    axes: Axes | None = None,
+    *,
+    edge_sets: bool = True,
+    cell_sets: bool = False,
+    length_unit: str | None = None,
+) -> Axes:
+    """Draw the cells of a mesh.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    axes
+        Where to draw; a new figure by default, ``axes.figure``.
+    edge_sets
+        Whether named edge sets are drawn in colours, with their names.
+    cell_sets
+        Whether the cells of named sets are tinted, with their names.
+    length_unit
+        Unit of the coordinates, for the labels.
+
+    """
+    axes = _prepared(axes, length_unit)
+    handles = []
+    if cell_sets:
+        for number, (name, cells) in enumerate(mesh.cell_sets.items()):
+            corners = [mesh.points[mesh.cell_points[mesh.cell_offsets[c] : mesh.cell_offsets[c + 1]]] for c in cells]
+            tint = SET_COLOURS[number % len(SET_COLOURS)]
+            patches = PolyCollection(corners, facecolors=tint, alpha=0.25, linewidths=0.0, label=name)
+            handles.append(axes.add_collection(patches))
+    axes.add_collection(LineCollection(list(mesh.points[mesh.edges]), colors=GREY, linewidths=_line_width(mesh)))
+    _draw_rim(axes, mesh, mesh.points)
+    if edge_sets:
+        for number, (name, pairs) in enumerate(mesh.edge_sets.items()):
+            style = SET_LINES[number // len(SET_COLOURS) % len(SET_LINES)]
+            colour = SET_COLOURS[number % len(SET_COLOURS)]
+            lines = LineCollection(
+                list(mesh.points[pairs]), colors=colour, linewidths=2.2, linestyles=[style], label=name, zorder=3
+            )
+            handles.append(axes.add_collection(lines))
+    if handles:
+        axes.legend(handles=handles, loc="upper left", bbox_to_anchor=(1.01, 1.0), frameon=False, fontsize=9)
+    _fit(axes, mesh.points)
+    return axes
+
+
+def plot_function(
+    space: Space,
+    dofs: Floats,
+    axes: Axes | None = None,
+    *,
+    label: str,
+    unit: str | None = None,
+    limits: tuple[float, float] | None = None,
+    edges: bool = True,
+    length_unit: str | None = None,
+) -> Axes:
+    """Draw a scalar function of a space: on edges as it is, inside cells by its projection.
+
+    Parameters
+    ----------
+    space
+        The space.
+    dofs
+        Unknowns, shape (n_dofs,).
+    axes
+        Where to draw; a new figure by default.
+    label, unit
+        What the colour bar says.
+    limits
+        Values of the first and last colour; those of the function by default.
+    edges
+        Whether the cells' edges are drawn.
+    length_unit
+        Unit of the coordinates.
+
+    """
+    shown = _fine_display(space)
+    values = shown.function(np.asarray(dofs, dtype=np.float64)[:, None])[:, 0]
+    axes = _prepared(axes, length_unit)
+    _fill(axes, shown, shown.points, values, _with_unit(label, unit), limits)
+    if edges:
+        _draw_edges(axes, space.mesh.points[space.mesh.edges], space.mesh)
+    _draw_rim(axes, space.mesh, space.mesh.points)
+    _fit(axes, shown.points)
+    return axes
+
+
+def plot_displacement(
+    solution: ElasticField,
+    component: Component = "magnitude",
+    axes: Axes | None = None,
+    *,
+    factor: Factor = 0.0,
+    unit: str | None = None,
+    limits: tuple[float, float] | None = None,
+    edges: bool = True,
+) -> Axes:
+    """Draw displacements in colours, on the undeformed or the deformed body.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    component
+        ``"magnitude"``, ``"x"`` or ``"y"``.
+    axes
+        Where to draw; a new figure by default.
+    factor
+        How many times as large the displacements are drawn: 0 for the undeformed body, or ``"auto"``.
+    unit
+        Unit of lengths.
+    limits
+        Displacements of the first and last colour; the least and greatest by default.
+    edges
+        Whether the cells' edges are drawn.
+
+    """
+    if component not in get_args(Component):
+        raise InputError(f"component = {short(component)}", ", ".join(get_args(Component)), "choose one of them")
+    shown = _fine_display(solution.problem.space)
+    moved = shown.function(solution.displacements)
+    values = np.hypot(*moved.T) if component == "magnitude" else moved[:, "xy".index(component)]
+    label = "displacement" if component == "magnitude" else f"displacement in {component}"
+    return _drawn(solution, shown, values, _with_unit(label, unit), axes, factor, limits, edges, unit)
+
+
+def plot_stress(
+    solution: ElasticField,
+    quantity: Quantity = "von_mises",
+    axes: Axes | None = None,
+    *,
+    averaged: bool = False,
+    factor: Factor = 0.0,
+    unit: str | None = None,
+    length_unit: str | None = None,
+    limits: tuple[float, float] | None = None,
+    edges: bool = True,
+) -> Axes:
+    """Draw stresses in colours, from the reconstruction inside each cell, with the jumps that it has between cells.
+
+    Parameters
+    ----------
+    solution
+        The solution.
+    quantity
+        A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (greatest) to ``"principal_3"``, the
+        normal stress out of the plane among them.
+    axes
+        Where to draw; a new figure by default.
+    averaged
+        Whether the components are averaged over the cells at each place of their edges, which hides the jumps.
+    factor
+        How many times as large the displacements are drawn: 0 for the undeformed body, or ``"auto"``.
+    unit, length_unit
+        Units of stresses and lengths.
+    limits
+        Stresses of the first and last colour, as where they grow without limit at a corner.
+    edges
+        Whether the cells' edges are drawn.
+
+    """
+    if quantity not in get_args(Quantity):
+        raise InputError(f"quantity = {short(quantity)}", ", ".join(get_args(Quantity)), "choose one of them")
+    shown = _fine_display(solution.problem.space)
+    stresses = displayed_stresses(solution, shown)
+    if averaged:
+        stresses = Stresses(shown.averaged(stresses.components))
+    label = _with_unit(_stress_name(quantity) + (", averaged" if averaged else ""), unit)
+    values = stress_quantity(stresses, quantity)
+    return _drawn(solution, shown, values, label, axes, factor, limits, edges, length_unit)
+
+
+def plot_deformed(
+    solution: ElasticField,
+    axes: Axes | None = None,
+    *,
+    factor: Factor = "auto",
+    length_unit: str | None = None,
+) -> Axes:
+    """Draw the deformed cells over the dashed outline of the undeformed body; edges of order 2 and more are curved."""
+    axes = _prepared(axes, length_unit)
+    scale = _factor(solution, factor)
+    mesh = solution.problem.space.mesh
+    lines = _moved_edges(solution, scale)
+    _draw_edges(axes, lines, mesh)
+    outer = mesh.edge_cells[:, 1] < 0
+    axes.add_collection(LineCollection(list(lines[outer]), colors=INK, linewidths=1.0))
+    _draw_rim(axes, mesh, mesh.points, dashed=True)
+    _fit(axes, np.vstack([lines.reshape(-1, 2), mesh.points]))
+    axes.set_title(_drawn_as(scale), fontsize=10)
+    return axes
+
+
+def stress_quantity(stresses: Stresses, quantity: Quantity) -> Floats:
+    """Values (n,) of one quantity."""
+    if quantity in ("xx", "yy", "xy", "zz"):
+        component: Floats = stresses.components[:, ("xx", "yy", "xy", "zz").index(quantity)]
+        return component
+    if quantity.startswith("principal"):
+        principal: Floats = stresses.principal[:, int(quantity[-1]) - 1]
+        return principal
+    return stresses.von_mises if quantity == "von_mises" else stresses.in_plane_shear
+
+
+def _stress_name(quantity: Quantity) -> str:
+    if quantity.startswith("principal"):
+        return f"principal stress {quantity[-1]}"
+    names = {"von_mises": "von Mises stress", "in_plane_shear": "largest shear stress in the plane"}
+    return names.get(quantity, f"stress {quantity}")
+
+
+def _with_unit(label: str, unit: str | None) -> str:
+    return label if unit is None else f"{label} in {unit}"
+
+
+def _drawn_as(scale: float) -> str:
+    return f"displacements drawn {scale:.3g} times as large"
+
+
+def _prepared(axes: Axes | None, length_unit: str | None) -> Axes:
+    if axes is None:
+        axes = new_figure(8.0, 5.5).subplots()
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlabel(_with_unit("x", length_unit))
+    axes.set_ylabel(_with_unit("y", length_unit))
+    return axes
+
+
+def _fit(axes: Axes, points: Floats) -> None:
+    """Show all points, and what earlier calls have shown."""
+    axes.update_datalim(points)
+    axes.margins(0.03)
+    axes.autoscale_view()
+
+
+def _fine_display(space: Space) -> Display:
+    """A display with about as many triangles as a picture can show."""
+    room = np.sqrt(MANY_TRIANGLES / len(space.mesh.cell_points))
+    return display(space, int(max(space.order, min(MOST_PIECES, room))))
+
+
+def _fill(
+    axes: Axes, shown: Display, points: Floats, values: Floats, label: str, limits: tuple[float, float] | None
+) -> None:
+    low, high = (float(values.min()), float(values.max())) if limits is None else limits
+    if not low <= high:
+        raise InputError(f"limits = {limits}", "the lesser value first", "exchange them")
+    if not high - low > 1e-12 * max(abs(low), abs(high)):
+        low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    colours = axes.tripcolor(
+        Triangulation(points[:, 0], points[:, 1], shown.triangles),
+        values,
+        shading="gouraud",
+        cmap=COLOURS,
+        norm=Normalize(low, high),
+        rasterized=True,
+    )
+    below, above = values.min() < low, values.max() > high
+    extend = {(False, False): "neither", (True, False): "min", (False, True): "max"}.get((below, above), "both")
+    figure = cast(Figure, axes.get_figure(root=True))
+    figure.colorbar(colours, ax=axes, label=label, extend=extend, shrink=0.9)
+
+
+def _drawn(
+    solution: ElasticField,
+    shown: Display,
+    values: Floats,
+    label: str,
+    axes: Axes | None,
+    factor: Factor,
+    limits: tuple[float, float] | None,
+    edges: bool,
+    length_unit: str | None,
+) -> Axes:
+    axes = _prepared(axes, length_unit)
+    scale = _factor(solution, factor)
+    mesh = shown.mesh
+    points = shown.points
+    if scale:
+        points = points + scale * shown.function(solution.displacements)
+        axes.set_title(_drawn_as(scale), fontsize=10)
+        _draw_rim(axes, mesh, mesh.points, dashed=True)
+    _fill(axes, shown, points, values, label, limits)
+    lines = _moved_edges(solution, scale)
+    if edges:
+        _draw_edges(axes, lines, mesh)
+    axes.add_collection(LineCollection(list(lines[mesh.edge_cells[:, 1] < 0]), colors=INK, linewidths=0.9))
+    _fit(axes, np.vstack([points, mesh.points]))
+    return axes
+
+
+def _factor(solution: ElasticField, factor: Factor) -> float:
+    if factor != "auto":
+        if not np.isfinite(factor):
+            raise InputError(f"factor = {factor}", "a finite number or 'auto'", "leave it out")
+        return float(factor)
+    largest = float(np.hypot(*solution.displacements[: solution.problem.space.n_nodes].T).max())
+    if not largest > 0.0:
+        return 1.0
+    wanted = DEFORMATION_SHARE * solution.problem.size / largest
+    power = 10.0 ** np.floor(np.log10(wanted))
+    return float(power * max(digit for digit in (1, 2, 5) if digit * power <= wanted * (1.0 + 1e-9)))
+
+
+def _moved_edges(solution: ElasticField, scale: float) -> Floats:
+    """Lines (n_edges, n, 2) along the edges, with as many pieces as their order needs."""
+    space = solution.problem.space
+    order = space.order
+    weights = edge_weights(order, 1 if order == 1 or not scale else 4 * order)
+    nodes = space.edge_nodes(space.mesh.edges)
+    moved = space.nodes + scale * solution.displacements[: space.n_nodes]
+    return np.einsum("pn,eni->epi", weights, moved[nodes])
+
+
+def _draw_edges(axes: Axes, lines: Floats, mesh: PolyMesh) -> None:
+    axes.add_collection(LineCollection(list(lines), colors=GREY, linewidths=_line_width(mesh), alpha=0.7))
+
+
+def _line_width(mesh: PolyMesh) -> float:
+    return float(np.clip(12.0 / np.sqrt(mesh.n_cells), 0.1, 0.6))
+
+
+def _draw_rim(axes: Axes, mesh: PolyMesh, points: Floats, *, dashed: bool = False) -> None:
+    if not dashed:
+        axes.add_collection(LineCollection(list(points[mesh.boundary_edges]), colors=INK, linewidths=0.9))
+        return
+    for loop in boundary_loops(mesh):
+        axes.plot(*points[loop].T, color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))

@@ -1,0 +1,163 @@
+"""Pictures of a profile: its shape with measured points, curvature and deviation along it, and its joints to a body."""
+
+import textwrap
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flangeway.cases.profile.profile_run import ProfileRun
+from flangeway.geometry import Contour
+from flangeway.railway.profiles.joining import Joined
+from flangeway.report.figures.drawing import GREY, HALO, INK, new_figure
+from flangeway.types import Floats
+
+BLUE, ORANGE = "#0072b2", "#d55e00"
+TITLE_LETTERS = 70
+DRAWN_DEVIATION_MM = 0.01
+MOST_CURVATURE_PER_MM = 0.2
+SHOWN_DEVIATION_MM = 4.0
+"""Height at which the largest deviation is drawn beside the shape."""
+
+
+def shape_figure(run: ProfileRun) -> Figure:
+    """Draw the profile with one scale: points, curve, and the points' deviations enlarged."""
+    profile = run.profile
+    figure = new_figure(8.5, 6.0)
+    figure.set_layout_engine("compressed")
+    axes = figure.subplots()
+    body = run.body
+    if body is not None and run.join is None:
+        axes.plot(*_closed(body.outline).T, color=GREY, lw=0.9, label="whole outline")
+        axes.plot(*_line(body.running_surface).T, color=BLUE, lw=1.8, label="running surface")
+    else:
+        axes.plot(*_line(profile.surface).T, color=BLUE, lw=1.6, label="curve", zorder=3)
+    if profile.smoothing is not None:
+        axes.plot(*profile.points.T, ".", ms=2.0, color=INK, label=f"{len(profile.points)} points", zorder=4)
+        _draw_deviations(axes, run)
+    axes.plot(0.0, 0.0, "+", color=ORANGE, ms=12, mew=1.6, label="origin", zorder=5)
+    axes.set_title(f"{_title(profile.title)}\n{profile.kind}, {profile.format}", fontsize=10)
+    _equal(axes)
+    axes.legend(loc="best", fontsize=8, frameon=False)
+    return figure
+
+
+def curvature_figure(run: ProfileRun) -> Figure:
+    """Draw curvature along the running surface, and below it the points' distances from the curve."""
+    smoothing = run.profile.smoothing
+    figure = new_figure(8.5, 6.0 if smoothing is not None else 3.6)
+    rows = figure.subplots(2 if smoothing is not None else 1, 1, sharex=True, squeeze=False)[:, 0]
+    body = run.body
+    surface = run.profile.surface
+    if body is not None and run.join is None:
+        surface = body.running_surface
+    lengths = np.concatenate([[0.0], np.cumsum([segment.length for segment in surface.segments])])
+    curvatures = np.array([segment.curvature for segment in surface.segments])
+    rows[0].stairs(curvatures, lengths, color=BLUE, lw=1.0, baseline=None)
+    rows[0].axhline(0.0, color=GREY, lw=0.6)
+    low, high = float(curvatures.min(initial=0.0)), float(curvatures.max(initial=0.0))
+    margin = 0.05 * max(high - low, 1e-4)
+    rows[0].set_ylim(max(low - margin, -MOST_CURVATURE_PER_MM), min(high + margin, MOST_CURVATURE_PER_MM))
+    rows[0].set_ylabel("curvature in 1/mm, convex positive")
+    start = "from the field side to the gauge side" if run.profile.kind == "rail" else "from the flange to the rim"
+    rows[-1].set_xlabel(f"length along the profile in mm, {start}")
+    title = f"{_title(run.profile.title)}: curvature of the {surface.n_segments} lines and arcs"
+    rows[0].set_title(title, fontsize=10)
+    if smoothing is not None:
+        _draw_residuals(rows[1], run)
+    return figure
+
+
+def join_figure(joined: Joined) -> Figure:
+    """Draw the nominal outline, the measured surface on it, and both transitions, enlarged beside the whole."""
+    figure = new_figure(11.0, 6.5)
+    grid = figure.add_gridspec(2, 2, width_ratios=(1.3, 1.0))
+    whole = figure.add_subplot(grid[:, 0])
+    for axes in (whole, *(figure.add_subplot(grid[i, 1]) for i in (0, 1))):
+        axes.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=(0, (5, 3)), label="nominal")
+        axes.plot(*_closed(joined.profile.outline).T, color=INK, lw=1.0, label="joined")
+        axes.plot(*_line(joined.measured).T, color=BLUE, lw=2.0, label="measured", zorder=3)
+        for joint in joined.joints:
+            ends = np.array([joint.end, joint.landing])
+            axes.plot(*ends.T, color=ORANGE, lw=2.0, label="transition", zorder=4)
+            axes.plot(*np.array([joint.end, joint.foot]).T, color=ORANGE, lw=0.8, ls=":", zorder=4)
+        _equal(axes)
+        if axes is not whole:
+            joint = joined.joints[figure.axes.index(axes) - 1]
+            _zoom(axes, joint.end, joint.landing)
+            axes.set_title(
+                f"{joint.name.replace('_', ', ')}: end {joint.gap_mm:.3f} mm from the nominal outline", fontsize=9
+            )
+            for letter, place, apart in (
+                ("end", joint.end, (8, 6)),
+                ("foot", joint.foot, (8, -14)),
+                ("landing", joint.landing, (8, 4)),
+            ):
+                text = axes.annotate(letter, place, xytext=apart, textcoords="offset points", fontsize=8, zorder=6)
+                text.set_path_effects([HALO])
+                axes.plot(*place, "o", ms=4, color=ORANGE, zorder=5)
+    handles, labels = whole.get_legend_handles_labels()
+    kept = dict(zip(labels, handles, strict=True))
+    whole.legend(kept.values(), kept.keys(), fontsize=8, frameon=False, loc="best")
+    whole.set_title(_title(joined.profile.title), fontsize=10)
+    return figure
+
+
+def _draw_deviations(axes: Axes, run: ProfileRun) -> None:
+    """Draw the deviations across the curve, enlarged so that the largest is visible."""
+    smoothing = run.profile.smoothing
+    if smoothing is None or smoothing.largest_um * 1e-3 < 1e-6:
+        return
+    factor = SHOWN_DEVIATION_MM / (1e-3 * smoothing.largest_um)
+    points = smoothing.points
+    along = np.gradient(points, axis=0)
+    normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
+    moved = points + normals * (1e-3 * factor * smoothing.deviations_um)[:, None]
+    label = f"deviations, {factor:.0f} times as large (largest {smoothing.largest_um:.1f} μm)"
+    axes.plot(*moved.T, color=ORANGE, lw=0.7, label=label, zorder=2)
+
+
+def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
+    smoothing = run.profile.smoothing
+    if smoothing is None:
+        return
+    places = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.profile.points, axis=0).T))])
+    axes.plot(places, smoothing.deviations_um, ".", ms=2.5, color=INK)
+    if smoothing.wavelength_mm > 0.0:
+        for sign in (-1.0, 1.0):
+            axes.axhline(sign * smoothing.limit_um, color=ORANGE, lw=0.8, ls="--")
+        text = (
+            f"smoothed by {smoothing.wavelength_mm:g} mm; root mean square {smoothing.rms_um:.2f} μm, "
+            f"largest {smoothing.largest_um:.2f} μm, limit {smoothing.limit_um:.3g} μm"
+        )
+    else:
+        text = "curve through all points"
+    axes.set_title(text, fontsize=9)
+    axes.set_ylabel("points off the curve in μm")
+
+
+def _equal(axes: Axes) -> None:
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x in mm")
+    axes.set_ylabel("y in mm")
+
+
+def _zoom(axes: Axes, first: tuple[float, float], second: tuple[float, float]) -> None:
+    middle = 0.5 * (np.array(first) + np.array(second))
+    half = 1.2 * max(float(np.hypot(*(np.array(first) - np.array(second)))), 2.0)
+    axes.set_aspect("equal", adjustable="box")
+    axes.set_xlim(middle[0] - half, middle[0] + half)
+    axes.set_ylim(middle[1] - half, middle[1] + half)
+
+
+def _line(contour: Contour) -> Floats:
+    return contour.sampled(max_deviation=DRAWN_DEVIATION_MM)
+
+
+def _closed(outline: Contour) -> Floats:
+    points = _line(outline)
+    return np.vstack([points, points[:1]])
+
+
+def _title(text: str) -> str:
+    return textwrap.shorten(text, TITLE_LETTERS, placeholder=" ...")

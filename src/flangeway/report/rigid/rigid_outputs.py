@@ -1,0 +1,175 @@
+"""All files of ``flangeway geometry``, and its summary on the terminal."""
+
+import csv
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from matplotlib.figure import Figure
+from rich.console import Console
+from rich.table import Table
+
+from flangeway.cases import write_summary
+from flangeway.cases.rigid.conicities import ConicityRun
+from flangeway.cases.rigid.rigid_run import GeometryRun
+from flangeway.railway.track.placements import SIDES
+from flangeway.report.figures.picture_files import picture_writers
+from flangeway.report.page.console import plain_table, print_files, print_notices
+from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
+from flangeway.system.output_folder import write_together
+
+CONICITY_PICTURE = "conicity.png"
+PICTURES: dict[str, Callable[[GeometryRun], Figure]] = {
+    "contact_locus.png": locus_figure,
+    "rolling_radius_difference.png": rolling_figure,
+    CONICITY_PICTURE: conicity_figure,
+}
+THROAT, TABLE, CONICITY, SUMMARY = "throat_radius.png", "table.csv", "conicity.csv", "geometry.json"
+NAMES = (*PICTURES, THROAT, TABLE, CONICITY, SUMMARY)
+CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, SUMMARY)
+
+
+def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
+    """Write pictures, ``table.csv``, ``conicity.csv`` and ``geometry.json``, together or not at all.
+
+    Parameters
+    ----------
+    run
+        What was computed.
+    folder
+        Where the files go; made if needed.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+
+    """
+    progress("drawing the pictures and writing the files")
+    figures: dict[str, Figure] = {name: draw(run) for name, draw in PICTURES.items()}
+    if run.throat is not None:
+        figures[THROAT] = throat_figure(run.throat)
+    writers = picture_writers(figures)
+    writers[TABLE] = lambda path: _write_rows(path, *locus_table(run))
+    return write_together(folder, writers | _conicity_writers(run))
+
+
+def write_conicity(run: ConicityRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
+    """Write picture, ``conicity.csv`` and ``geometry.json`` of a rolling radius difference; as `write_geometry`."""
+    progress("drawing the picture and writing the files")
+    return write_together(folder, picture_writers({CONICITY_PICTURE: conicity_figure(run)}) | _conicity_writers(run))
+
+
+def _conicity_writers(run: GeometryRun | ConicityRun) -> dict[str, Callable[[Path], None]]:
+    found = run.conicities
+    rows = np.column_stack((found.amplitudes_mm, found.integration, found.regression)).tolist()
+    return {
+        CONICITY: lambda path: _write_rows(path, ["amplitude_mm", "conicity_integration", "conicity_regression"], rows),
+        SUMMARY: lambda path: write_summary(path, run.summary),
+    }
+
+
+def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
+    """Names of the columns and rows of ``table.csv``: one row a position."""
+    locus = run.locus
+    columns = {
+        "lateral_mm": locus.lateral_mm,
+        "vertical_mm": locus.vertical_mm,
+        "roll_mrad": 1e3 * locus.roll_rad,
+        "rolling_radius_difference_mm": locus.rolling_radius_difference_mm,
+    }
+    for side in SIDES:
+        at = locus.side(side)
+        columns |= {
+            f"{side}_wheel_x_mm": at.wheel_points_mm[:, 0, 0],
+            f"{side}_wheel_y_mm": at.wheel_points_mm[:, 0, 1],
+            f"{side}_rail_x_mm": at.rail_points_mm[:, 0, 0],
+            f"{side}_rail_y_mm": at.rail_points_mm[:, 0, 1],
+            f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
+            f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
+            f"{side}_ahead_mm": at.ahead_mm[:, 0],
+            f"{side}_relative_curvature_per_m": 1e3 * at.relative_curvatures_per_mm[:, 0],
+            f"{side}_next_gap_mm": at.gaps_mm[:, 1],
+            f"{side}_next_wheel_x_mm": at.wheel_points_mm[:, 1, 0],
+        }
+    return list(columns), np.column_stack(list(columns.values())).tolist()
+
+
+def _write_rows(path: Path, names: list[str], rows: list[list[float]]) -> None:
+    """Write a table; what is not there is left empty."""
+    with path.open("w", encoding="utf-8", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(names)
+        writer.writerows([f"{value:.10g}" if math.isfinite(value) else "" for value in row] for row in rows)
+
+
+def print_geometry(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
+    """Print balance, contacts with Hertz's estimate, jumps, conicity, notices and files."""
+    console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
+    console.print(summary["status"]["message"], markup=False, soft_wrap=True)
+    position = summary["equilibrium"]
+    if position is not None:
+        console.print(
+            f"Motion in space: lateral {_clean(position['lateral_mm']):.4f} mm, vertical "
+            f"{_clean(position['vertical_mm']):.4f} mm, roll {_clean(1e3 * position['roll_rad']):.5f} mrad; "
+            f"L/V left {position['lateral_over_vertical']['left']:.3f}, "
+            f"right {position['lateral_over_vertical']['right']:.3f}",
+            markup=False,
+            soft_wrap=True,
+        )
+        console.print(_contact_table(position["contacts"]))
+    places = ", ".join(f"{jump['lateral_mm']:.3f} ({jump['side']})" for jump in summary["jumps"])
+    console.print(f"Jumps of the point of contact at lateral motions in mm: {places or 'none'}", markup=False)
+    _print_end(console, summary, files)
+
+
+def print_conicity(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
+    """Print the conicity of a file, where the wheelset swings, notices and files."""
+    console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
+    middle = summary["lateral_motion_without_difference_mm"]
+    if middle is not None:
+        console.print(f"Lateral motion without a difference of the radii: {_clean(middle):.3f} mm", markup=False)
+    _print_end(console, summary, files)
+
+
+def _print_end(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
+    conicity = summary["equivalent_conicity"]
+    if conicity is not None:
+        console.print(
+            f"Equivalent conicity at {conicity['amplitude_mm']:g} mm: {conicity['integration']:.4f} by integration, "
+            f"{conicity['regression']:.4f} by linear regression",
+            markup=False,
+            soft_wrap=True,
+        )
+    print_notices(console, summary["notices"])
+    print_files(console, files, summary["timings_s"]["total"])
+
+
+def _contact_table(contacts: list[dict[str, Any]]) -> Table:
+    yawed = any(contact["ahead_of_axle_mm"] for contact in contacts)
+    table = plain_table(
+        *("side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", *(["ahead mm"] if yawed else [])),
+        *("Hertz a mm", "Hertz p0 MPa"),
+    )
+    for contact in contacts:
+        hertz = contact["hertz_half_width_mm"], contact["hertz_max_pressure_MPa"]
+        table.add_row(
+            contact["side"],
+            f"{contact['normal_force_kN']:.2f}",
+            f"{contact['contact_angle_deg']:.2f}",
+            f"{contact['wheel_point_mm'][0]:.2f}",
+            f"{contact['rail_point_mm'][0]:.2f}",
+            f"{contact['rolling_radius_mm']:.2f}",
+            *([f"{contact['ahead_of_axle_mm']:.2f}"] if yawed else []),
+            *("conforming" if value is None else f"{value:.4g}" for value in hertz),
+        )
+    return table
+
+
+def _clean(value: float) -> float:
+    """Zero for noise of rounding."""
+    return 0.0 if abs(value) < 1e-7 else value

@@ -1,0 +1,127 @@
+"""All files that a run leaves, by name."""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from flangeway.cases import CaseRun, write_summary
+from flangeway.railway.track.placements import SIDES
+from flangeway.report.figures.drawing import png
+from flangeway.report.figures.fields import PartFields, part_fields
+from flangeway.report.figures.series import write_collection
+from flangeway.report.page.html_page import Picture, report_page
+from flangeway.report.wheelset.bending_figure import bending_figure
+from flangeway.report.wheelset.contact_figure import contact_figure
+from flangeway.report.wheelset.convergence_figure import convergence_figure
+from flangeway.report.wheelset.paraview import write_part
+from flangeway.report.wheelset.pressure_figure import pressure_figure
+from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
+from flangeway.report.wheelset.subsurface_figure import (
+    SubsurfaceLine,
+    subsurface_figure,
+    subsurface_lines,
+    subsurface_table,
+)
+from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.report.wheelset.wheelset_page import wheelset_page
+from flangeway.system.output_folder import bytes_writer, text_writer, write_together
+
+PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
+SUMMARY, REPORT, COLLECTION, SUBSURFACE = "summary.json", "report.html", "wheelset.pvd", "subsurface.csv"
+PICTURES = (
+    "wheelset.png", "rigid-and-elastic.png", "stresses-left.png", "stresses-right.png", "pressure.png",
+    "convergence.png", "subsurface.png", "bending.png",
+)  # fmt: skip
+NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, *PICTURES, SUBSURFACE, REPORT, SUMMARY)
+
+
+def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
+    """Write all files of a run, ``summary.json`` last, together or not at all.
+
+    Parameters
+    ----------
+    run
+        The run.
+    folder
+        Where the files go; made if needed.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+
+    """
+    progress("drawing the pictures")
+    fields = list(part_fields(run.result))
+    below = subsurface_lines(run.result)
+    pictures = _pictures(run, fields, below)
+    progress("writing the files")
+    writers: dict[str, Callable[[Path], None]] = {
+        f"{part.name}.vtu": partial(write_part, fields=part) for part in fields
+    }
+    vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
+    writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
+    writers |= {name: bytes_writer(picture.png) for name, picture in zip(PICTURES, pictures, strict=True)}
+    writers[SUBSURFACE] = text_writer(subsurface_table(below))
+    writers[REPORT] = text_writer(report_page(wheelset_page(run, pictures, fields)))
+    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
+    return write_together(folder, writers)
+
+
+def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine]) -> list[Picture]:
+    """Return all pictures in the order of `PICTURES`."""
+    return [
+        Picture(
+            png(wheelset_figure(run, fields)),
+            "Left and right wheel on their rails, deformed and coloured by von Mises stress, with a sketch of the "
+            "wheelset, its load and its dimensions between them.",
+            "The wheelset on its rails: von Mises stress on the deformed parts. Dark is most loaded; numbers on the "
+            "lines are MPa. Web and foot of the rails are hatched: their stresses are those of a slice that carries "
+            "the load alone, and not to be believed.",
+        ),
+        Picture(
+            png(rigid_elastic_figure(run, fields)),
+            "Outlines of the elastic wheels and rails in balance over those of the rigid ones, with points and forces "
+            "of contact of both, whole heads above and the zones of contact enlarged below.",
+            "Elastic over rigid, in true shape and scale: where the deformed wheelset is in balance, and where rigid "
+            "wheels on rigid rails would be.",
+        ),
+        *(
+            Picture(
+                png(contact_figure(run, fields, side)),
+                f"The zones of contact of the {side} side, deformed, with the mesh, coloured by von Mises stress, by "
+                "the minimum principal stress with the contact forces on the wheel as arrows, and by the largest "
+                "in-plane shear stress.",
+                f"The {side} side's zones of contact, deformed: von Mises stress, minimum principal stress and largest "
+                "in-plane shear stress of each cell. Both sides have the same colours.",
+            )
+            for side in SIDES
+        ),
+        Picture(
+            png(pressure_figure(run)),
+            "Contact pressure along the surface of both sides: nodes of the mesh and Hertz's ellipse.",
+            "Contact pressure along the surface: the nodes' forces over their areas, and Hertz's theory for the same "
+            "force and the profiles' radii at the contact, where the profiles do not conform.",
+        ),
+        Picture(
+            png(convergence_figure(run)),
+            "Relative errors of the balance of forces over the outer iterations, on a logarithmic axis.",
+            "Convergence: errors of the balance of forces and moment at each position of the wheelset that was tried.",
+        ),
+        Picture(
+            png(subsurface_figure(below)),
+            "Stresses in rail and wheel over the depth below each contact, solid, and those of Hertz's line contact, "
+            "dashed.",
+            "Stresses along the inward normal through each centre of pressure, and those of Hertz's theory in half "
+            "planes; in the head of a rail and in a rim the force spreads less, and the stresses fall more slowly.",
+        ),
+        Picture(
+            png(bending_figure(run, fields)),
+            "Sections of both rails with the stresses along their free surface as ordinates, and their deformed "
+            "outlines dashed.",
+            "Bending of the rails, held along their bases: stresses along the surface of web and fillets in MPa, and "
+            "the deformed outlines. They are those of the slice: compare them between runs, not with a rail in track.",
+        ),
+    ]

@@ -1,0 +1,146 @@
+"""How a set of placed linear bodies answers to forces on its surface nodes.
+
+Two ways give the same answers: `CondensedBodies` works on the surfaces alone, `SparseBodies` on all unknowns. The
+iteration for contact asks only what stands in `BodyResponse`.
+
+The surface nodes of all bodies are numbered one after the other; vectors on them have shape (n_nodes, 2) and the
+axes of space.
+"""
+
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
+
+from flangeway.geometry import Placement
+from flangeway.problems import Body
+from flangeway.types import Floats, Ints
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceNodes:
+    """The nodes of one body where contact can happen.
+
+    Parameters
+    ----------
+    body
+        The body.
+    nodes
+        Its nodes, shape (n,), without repetition.
+    shifts
+        What leads from the nodes to the surface that they stand for, in the body's frame, shape (n, 2); left out: the
+        nodes are on it.
+
+    """
+
+    body: Body
+    nodes: NDArray[np.int32]
+    shifts: Floats | None = None
+
+    @property
+    def points(self) -> Floats:
+        """Points of the surface in the body's frame, shape (n, 2)."""
+        points: Floats = self.body.space.nodes[self.nodes]
+        return points if self.shifts is None else points + self.shifts
+
+
+class BodyResponse(ABC):
+    """Answers of placed bodies to forces on their surface nodes; subclasses are final."""
+
+    def __init__(self, surfaces: Sequence[SurfaceNodes]) -> None:
+        self.surfaces = tuple(surfaces)
+        counts = [len(surface.nodes) for surface in self.surfaces]
+        self.offsets: Ints = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+        self.body_of_node: Ints = np.repeat(np.arange(len(counts)), counts)
+        self.n_nodes = int(self.offsets[-1])
+
+    def rotations(self, placements: Sequence[Placement]) -> Floats:
+        """Matrix of each surface node's body, shape (n_nodes, 2, 2)."""
+        matrices = np.stack([placement.matrix for placement in placements])
+        return matrices[self.body_of_node]
+
+    def reference(self, placements: Sequence[Placement]) -> Floats:
+        """Positions of the surface nodes before deformation, shape (n_nodes, 2)."""
+        parts = [placement.points(surface.points) for surface, placement in zip(self.surfaces, placements, strict=True)]
+        return np.concatenate(parts)
+
+    @abstractmethod
+    def displacements(self, rotations: Floats, touched: Ints, forces: Floats) -> Floats:
+        """Displacements of all surface nodes under forces on some.
+
+        Parameters
+        ----------
+        rotations
+            From `rotations`.
+        touched
+            Surface nodes that bear the forces, rising, shape (n_touched,).
+        forces
+            Shape (n_touched, 2).
+
+        Returns
+        -------
+        Floats
+            Shape (n_nodes, 2).
+
+        """
+
+    @abstractmethod
+    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
+        """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
+
+        Parameters
+        ----------
+        rotations, touched
+            As in `displacements`.
+        geometric
+            Symmetric stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
+        loads
+            Right-hand sides, shape (2 n_touched, m).
+
+        Returns
+        -------
+        Floats
+            Displacements of the touched nodes, shape (2 n_touched, m).
+
+        """
+
+    @abstractmethod
+    def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
+        """Displacements of all nodes of each body in its own frame, each (n_dofs, 2).
+
+        Parameters
+        ----------
+        rotations
+            From `rotations`.
+        forces
+            Forces on all surface nodes, shape (n_nodes, 2).
+
+        """
+
+    @property
+    @abstractmethod
+    def n_unknowns(self) -> int:
+        """Number of unknowns that an iteration works on."""
+
+
+def turning(rotations: Floats) -> sp.csr_array:
+    """Block-diagonal matrix that turns vectors on nodes from their bodies' axes into those of space.
+
+    Parameters
+    ----------
+    rotations
+        Matrix of each node's body, shape (n, 2, 2).
+
+    """
+    n = len(rotations)
+    columns = np.repeat(np.arange(2 * n).reshape(n, 1, 2), 2, axis=1)
+    starts = np.arange(0, 4 * n + 1, 2)
+    return sp.csr_array((rotations.ravel(), columns.ravel(), starts), shape=(2 * n, 2 * n))
+
+
+def components(nodes: Ints) -> Ints:
+    """Numbers of the two components of nodes, one node after the other, shape (2 n,)."""
+    return (2 * nodes[:, None] + np.arange(2)).ravel()

@@ -1,0 +1,202 @@
+"""Solution of linear elasticity by one sparse Cholesky factor."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.sparse as sp
+
+from flangeway._core import NotPositiveDefiniteError
+from flangeway.errors import InputError
+from flangeway.problems import ElasticField, Elasticity, RigidHandle, Spring
+from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.supports import axes
+from flangeway.solve.constraints import Constraints, find_constraints
+from flangeway.solve.free_motions import refuse_free_motions
+from flangeway.solve.linear import cholesky
+from flangeway.solve.status import Status
+from flangeway.space import SymmetricMatrix
+from flangeway.types import Floats
+
+SMALL_RESIDUAL = 1e-8
+"""Residual over the forces that it is the difference of, above which a solution is not accepted."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticitySolution(ElasticField):
+    """Displacements of an elastic body in equilibrium.
+
+    Parameters
+    ----------
+    problem, displacements
+        See `flangeway.problems.ElasticField`.
+    status
+        How the computation ended.
+    nodal_reactions
+        Forces of supports without springs on the nodes, shape (n_nodes, 2).
+    spring_forces
+        Forces of each of ``problem.springs`` on the nodes, shape (n_springs, n_nodes, 2).
+    handle_motions
+        Translations x, y of the pivot and rotation of each of ``problem.handles``, shape (n_handles, 3).
+    energy
+        Strain energy, half the integral of stress times elastic strain, with the stabilisation's part.
+    spring_energy
+        Energy in the springs.
+    load_work
+        Work of the loads along the displacements, ``f . u``, thermal loads not counted. Without thermal loads, springs
+        and prescribed motions it is twice the strain energy.
+    constraints
+        The supports as constraints.
+
+    """
+
+    status: Status
+    nodal_reactions: Floats
+    spring_forces: Floats
+    handle_motions: Floats
+    energy: float
+    spring_energy: float
+    load_work: float
+    constraints: Constraints
+
+    def displacement_at_node(self, point: tuple[float, float]) -> Floats:
+        """Displacement (2,) of the node at a given place; an InputError where there is none."""
+        result: Floats = self.displacements[self.problem.node_at(point)]
+        return result
+
+
+def solve_elasticity(problem: Elasticity) -> ElasticitySolution:
+    """Solve for the displacements under all loads.
+
+    Internal unknowns of cells are condensed before assembly and recovered afterwards.
+
+    Raises
+    ------
+    InputError
+        If supports contradict each other, the body can move as a whole, or its stiffness is singular otherwise.
+
+    """
+    constraints = find_constraints(problem)
+    refuse_free_motions(problem, constraints)
+    condensed = problem.condensed_stiffness()
+    springs = [_spring_matrix(problem, spring) for spring in problem.springs]
+    matrix = condensed.matrix
+    for spring in springs:
+        matrix = _sum(matrix, spring)
+    mechanical = problem.load_vector()
+    thermal = problem.thermal_load_vector()
+    load = condensed.condense(mechanical + thermal).ravel()
+    applied, handle_forces = _handle_forces(problem, constraints)
+    reduced = _reduced(matrix, constraints)
+    rhs = constraints.transform.T @ (load - _times(matrix, constraints.shift)) + applied
+    free_values, status = _solved(problem, reduced, constraints, rhs)
+    nodal = constraints.transform @ free_values + constraints.shift
+    displacements = condensed.recover(nodal, mechanical + thermal)
+    spring_forces = np.array([-(spring @ nodal) for spring in springs]).reshape(-1, len(nodal) // 2, 2)
+    internal = _times(condensed.matrix, nodal) - load  # f - K_bi K_ii^-1 f_i is the condensed load
+    reactions = internal.reshape(-1, 2) - spring_forces.sum(axis=0)
+    internal_work = float(np.sum(displacements * (mechanical + thermal))) + float(internal @ nodal)
+    spring_energy = -0.5 * float(np.sum(spring_forces * nodal.reshape(1, -1, 2)))
+    motions = _handle_motions(constraints, nodal)
+    work = float(np.sum(displacements * mechanical)) + float(np.sum(handle_forces * motions))
+    energy = 0.5 * internal_work - float(np.sum(displacements * thermal)) + problem.thermal_energy()
+    for array in (displacements, reactions, spring_forces, motions):
+        array.setflags(write=False)
+    return ElasticitySolution(
+        problem, displacements, status, reactions, spring_forces, motions, energy, spring_energy, work, constraints
+    )
+
+
+def _spring_matrix(problem: Elasticity, spring: Spring) -> sp.csc_array:
+    """Stiffness of a spring on the displacements at nodes."""
+    space = problem.space
+    frame = axes(spring.angle)
+    tensor = frame.T @ np.diag([spring.x, spring.y]) @ frame
+    if isinstance(spring.where, str):
+        rule = edge_quadrature(space, space.mesh.edge_set(spring.where))
+        weights = rule.weights * problem.depth(rule.points)
+        mass = np.einsum("eq,qm,qn->emn", weights, rule.shapes, rule.shapes)
+        blocks = np.einsum("emn,ij->eminj", mass, tensor)
+        unknowns = (2 * rule.nodes[:, :, None] + np.arange(2)).reshape(len(rule.nodes), -1)
+        n = unknowns.shape[1]
+        rows, columns = np.repeat(unknowns, n, axis=1), np.tile(unknowns, (1, n))
+    else:
+        blocks = tensor
+        at_point = 2 * problem.node_at(spring.where) + np.arange(2)
+        rows, columns = np.meshgrid(at_point, at_point, indexing="ij")
+    size = 2 * space.n_nodes
+    return sp.csc_array(sp.coo_array((blocks.ravel(), (rows.ravel(), columns.ravel())), shape=(size, size)))
+
+
+def _lower(matrix: SymmetricMatrix) -> sp.csc_array:
+    return sp.csc_array((matrix.values, matrix.indices, matrix.indptr), shape=(matrix.n, matrix.n))
+
+
+def _sum(matrix: SymmetricMatrix, added: sp.csc_array) -> SymmetricMatrix:
+    total = sp.csc_array(_lower(matrix) + sp.tril(added, format="csc"))
+    total.sort_indices()
+    indptr, indices = total.indptr.astype(np.int64), total.indices.astype(np.int32)
+    return SymmetricMatrix(matrix.n, indptr, indices, total.data)
+
+
+def _times(matrix: SymmetricMatrix, vector: Floats) -> Floats:
+    """Product with a symmetric matrix from its lower triangle."""
+    lower = _lower(matrix)
+    product: Floats = lower @ vector + lower.T @ vector - lower.diagonal() * vector
+    return product
+
+
+def _reduced(matrix: SymmetricMatrix, constraints: Constraints) -> SymmetricMatrix:
+    """Stiffness of the free unknowns."""
+    if constraints.kept is not None:
+        return matrix.restricted(constraints.kept)
+    transform = constraints.transform
+    return SymmetricMatrix.from_full(sp.csr_array(transform.T @ matrix.full() @ transform))
+
+
+def _handle_forces(problem: Elasticity, constraints: Constraints) -> tuple[Floats, Floats]:
+    """Forces applied to handles, on the free unknowns and as x, y and moment of each handle (n_handles, 3)."""
+    applied = np.zeros(constraints.transform.shape[1])
+    forces = np.zeros((len(constraints.handles), 3))
+    for number, handle in enumerate(constraints.handles):
+        support = problem.supports[handle.support]
+        if isinstance(support, RigidHandle):
+            forces[number] = (*support.force, support.moment)
+        columns = np.flatnonzero(constraints.groups == problem.space.n_nodes + number)
+        applied[columns] = handle.basis.T @ forces[number]
+    return applied, forces
+
+
+def _handle_motions(constraints: Constraints, nodal: Floats) -> Floats:
+    """Motions of the handles by their nodes' displacements."""
+    motions = np.empty((len(constraints.handles), 3))
+    for number, handle in enumerate(constraints.handles):
+        moved = nodal.reshape(-1, 2)[handle.nodes]
+        motions[number] = np.linalg.lstsq(handle.arms.reshape(-1, 3), moved.ravel(), rcond=None)[0]
+    return motions
+
+
+def _solved(
+    problem: Elasticity, matrix: SymmetricMatrix, constraints: Constraints, rhs: Floats
+) -> tuple[Floats, Status]:
+    """Free unknowns, and how well they balance the load."""
+    if matrix.n == 0:
+        return np.empty(0), Status(True, "every displacement is prescribed", 0)
+    try:
+        values = cholesky(matrix, constraints.groups).solve(rhs)
+    except NotPositiveDefiniteError as error:
+        group = int(constraints.groups[int(error.args[1])])
+        place = f"its handle {group - problem.space.n_nodes}"
+        if group < problem.space.n_nodes:
+            x, y = problem.space.nodes[group]
+            place = f"its node at ({x:g}, {y:g})"
+        raise InputError(
+            f"body `{problem.name}`, whose stiffness is singular: {place} can move without force",
+            "elements with a stabilisation, on a mesh without empty cells or cells joined at one point only",
+            "check the mesh with flangeway.mesh.check, and leave the element's stabilisation as published",
+        ) from error
+    product = _times(matrix, values)
+    forces = np.abs(rhs).max(initial=0.0) + np.abs(matrix.values).max() * np.abs(values).max(initial=0.0)
+    residual = float(np.abs(product - rhs).max(initial=0.0) / forces) if forces > 0.0 else 0.0
+    converged = residual <= SMALL_RESIDUAL
+    advice = "" if converged else "; the mesh has cells of very different sizes or the materials very different moduli"
+    return values, Status(converged, f"forces balance to {residual:.1e} of the largest{advice}", 1)

@@ -1,0 +1,214 @@
+"""Rigid motions that the supports of a body leave free."""
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+
+from flangeway.errors import InputError, short
+from flangeway.problems import Body, Elasticity, PrescribedDisplacement
+from flangeway.problems.supports import axes
+from flangeway.solve.constraints import Constraints, find_constraints
+from flangeway.types import Floats, Ints
+
+FREE = 1e-9
+"""Singular value of the constraints, over the largest, below which a motion is free."""
+
+
+def refuse_free_motions(problem: Elasticity, constraints: Constraints) -> None:
+    """Raise `InputError` with the motion that nothing holds, found from the constraints before anything is factorised.
+
+    The mesh's pieces (cells joined by edges) and the rigid handles have two translations and a rotation each; they are
+    tied by common points, by handles' nodes and by the supports.
+    """
+    pieces, n_pieces = _pieces(problem)
+    nodes, owners = _nodes_of_pieces(problem, pieces)
+    centre = problem.space.mesh.points.mean(axis=0)
+    matrix = _Rows(problem, centre, n_pieces + len(constraints.handles))
+    _add_hinges(matrix, nodes, owners)
+    _add_supports(matrix, problem, constraints, nodes, owners)
+    _add_handles(matrix, problem, constraints, nodes, owners, n_pieces)
+    motions = matrix.null_space()
+    if motions.shape[1] == 0:
+        return
+    for piece in range(n_pieces):
+        described = _described(motions[3 * piece : 3 * piece + 3], centre, problem.size)
+        if described:
+            raise InputError(
+                f"body `{problem.name}`{_which(problem, pieces, piece, n_pieces)} {described}",
+                "supports that hold both translations and the rotation of every piece of the mesh",
+                "add a support against this motion (in Python a spring will do as well)",
+            )
+    raise InputError(
+        f"a rigid handle of body `{problem.name}` that moves on its own", "handles on the body", "check its edges"
+    )
+
+
+def refuse_floating(body: Body) -> None:
+    """Raise `InputError` with the motion that a body's held edges and points leave free."""
+    supports = [
+        PrescribedDisplacement(where, 0.0 if "x" in components else None, 0.0 if "y" in components else None)
+        for where, components in body.supports.items()
+    ]
+    problem = replace(body.elasticity, supports=supports)
+    try:
+        refuse_free_motions(problem, find_constraints(problem))
+    except InputError as reason:
+        raise InputError(
+            reason.given,
+            "a body in contact whose held edges and points fix both translations and the rotation of its every piece",
+            f"hold more of it in Body(held=...), now {short(body.held)}; contact alone holds nothing",
+        ) from reason
+
+
+class _Rows:
+    """Rows of conditions on the rigid motions of several rigid parts, scaled to lengths of one."""
+
+    def __init__(self, problem: Elasticity, centre: Floats, n_parts: int) -> None:
+        self._problem, self._centre, self._n_parts = problem, centre, n_parts
+        self._rows: list[Floats] = []
+
+    def velocities(self, nodes: Ints) -> Floats:
+        """Displacements of nodes by the motions x, y and the scaled rotation about the centre, (n, 2, 3)."""
+        arm = (self._problem.space.nodes[nodes] - self._centre) / self._problem.size
+        result = np.zeros((len(nodes), 2, 3))
+        result[:, 0, 0] = result[:, 1, 1] = 1.0
+        result[:, 0, 2], result[:, 1, 2] = -arm[:, 1], arm[:, 0]
+        return result
+
+    def add(self, parts: Ints, coefficients: Floats) -> None:
+        """Add ``coefficients . motion of the part = 0``, (n,) and (n, 3); compressed at once to few rows."""
+        for part in np.unique(parts):
+            rows = np.zeros((int((parts == part).sum()), 3 * self._n_parts))
+            rows[:, 3 * part : 3 * part + 3] = coefficients[parts == part]
+            self._rows.append(_compressed(rows))
+
+    def tie(self, first: Ints, second: Ints, of_first: Floats, of_second: Floats) -> None:
+        """Add ``of_first . motion of first = of_second . motion of second``, (n,) and (n, 3)."""
+        rows = np.zeros((len(first), 3 * self._n_parts))
+        columns = np.arange(3)
+        at = np.arange(len(first))[:, None]
+        rows[at, 3 * first[:, None] + columns] += of_first
+        rows[at, 3 * second[:, None] + columns] -= of_second
+        self._rows.append(_compressed(rows))
+
+    def null_space(self) -> Floats:
+        """Motions that satisfy all rows, shape (3 n_parts, n_free), with the rotation in radians times the size."""
+        n = 3 * self._n_parts
+        rows = np.vstack(self._rows) if self._rows else np.zeros((1, n))
+        rows = np.vstack((rows, np.zeros((max(0, n - len(rows)), n))))
+        _, values, vectors = np.linalg.svd(_compressed(rows))
+        return vectors[values <= FREE * max(values.max(), 1.0)].T
+
+
+def _compressed(rows: Floats) -> Floats:
+    """At most as many rows as columns with the same null space and singular values."""
+    return rows if len(rows) <= rows.shape[1] else np.asarray(np.linalg.qr(rows, mode="r"))
+
+
+def _pieces(problem: Elasticity) -> tuple[Ints, int]:
+    """Number of each cell's piece, and how many there are."""
+    mesh = problem.space.mesh
+    pairs = mesh.edge_cells[mesh.edge_cells[:, 1] >= 0]
+    graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_cells, mesh.n_cells))
+    n_pieces, labels = sp.csgraph.connected_components(graph, directed=False)
+    return labels.astype(np.int64), int(n_pieces)
+
+
+def _nodes_of_pieces(problem: Elasticity, pieces: Ints) -> tuple[Ints, Ints]:
+    """Pairs of a node and a piece that it belongs to, sorted by nodes."""
+    keys = []
+    for batch in problem.space.batches():
+        outer = batch.dofs[: len(batch.dofs) - batch.element.n_interior()]
+        keys.append(np.unique(outer.astype(np.int64) * (pieces.max() + 1) + pieces[batch.cells]))
+    nodes, owners = np.divmod(np.unique(np.concatenate(keys)), pieces.max() + 1)
+    return nodes, owners
+
+
+def _add_hinges(matrix: _Rows, nodes: Ints, owners: Ints) -> None:
+    """Tie pieces that share a point."""
+    same = np.flatnonzero(nodes[1:] == nodes[:-1])
+    velocities = matrix.velocities(nodes[same])
+    for component in range(2):
+        at = velocities[:, component]
+        matrix.tie(owners[same], owners[same + 1], at, at)
+
+
+def _first_owner(nodes: Ints, owners: Ints, wanted: Ints) -> Ints:
+    return owners[np.searchsorted(nodes, wanted)]
+
+
+def _add_supports(matrix: _Rows, problem: Elasticity, constraints: Constraints, nodes: Ints, owners: Ints) -> None:
+    """Add prescribed displacements, springs, and that a body of revolution only moves along its axis."""
+    rows = constraints.node_rows
+    coefficients = np.einsum("ni,nij->nj", rows.directions, matrix.velocities(rows.nodes))
+    matrix.add(_first_owner(nodes, owners, rows.nodes), coefficients)
+    for spring in problem.springs:
+        at = problem.support_nodes(spring)
+        for direction, stiffness in zip(axes(spring.angle), (spring.x, spring.y), strict=True):
+            if stiffness > 0.0:
+                matrix.add(_first_owner(nodes, owners, at), np.einsum("i,nij->nj", direction, matrix.velocities(at)))
+    if problem.axisymmetric:
+        parts = np.unique(owners)
+        for motion in (0, 2):
+            matrix.add(parts, np.broadcast_to(np.eye(3)[motion], (len(parts), 3)))
+
+
+def _add_handles(
+    matrix: _Rows, problem: Elasticity, constraints: Constraints, nodes: Ints, owners: Ints, n_pieces: int
+) -> None:
+    """Tie pieces to handles and add the handles' own constraints; handles turn about their pivots."""
+    for number, handle in enumerate(constraints.handles):
+        own = np.full(len(handle.nodes), n_pieces + number)
+        arms = handle.arms / np.array([1.0, 1.0, problem.size])
+        velocities = matrix.velocities(handle.nodes)
+        for component in range(2):
+            pieces = _first_owner(nodes, owners, handle.nodes)
+            matrix.tie(pieces, own, velocities[:, component], arms[:, component])
+        scaled = handle.rows.directions / np.array([1.0, 1.0, problem.size])
+        matrix.add(np.full(len(scaled), n_pieces + number), scaled / np.linalg.norm(scaled, axis=1, keepdims=True))
+
+
+def _which(problem: Elasticity, pieces: Ints, piece: int, n_pieces: int) -> str:
+    if n_pieces == 1:
+        return ""
+    x, y = problem.space.mesh.cell_centroids[np.flatnonzero(pieces == piece)[0]]
+    return f", its piece with the cell at ({x:g}, {y:g}),"
+
+
+def _described(motions: Floats, centre: Floats, size: float) -> str:
+    """Words for the motions (3, n) of a piece, empty if it stays at rest."""
+    left, values, _ = np.linalg.svd(motions, full_matrices=False)
+    basis = left[:, values > 1e-6]
+    if basis.shape[1] == 0:
+        return ""
+    if basis.shape[1] == 3:
+        return "can slide in x, slide in y and turn: nothing holds it"
+    turn = basis[2]
+    words = []
+    if np.abs(turn).max() > 1e-6:
+        # the combination with the largest rotation turns about the centre nearest to the middle of the body
+        x, y, rotation = basis @ (turn / np.linalg.norm(turn))
+        rate = rotation / size
+        at = centre + np.array([-y, x]) / rate
+        at[np.abs(at) < 1e-9 * size] = 0.0
+        words.append(f"turn about ({at[0]:g}, {at[1]:g})")
+        other = np.linalg.svd(turn[None])[2][1:]
+        translations = [basis @ row for row in other]
+    else:
+        translations = [basis[:, i] for i in range(basis.shape[1])]
+    if len(translations) == 2:
+        words = ["slide in x", "slide in y", *words]
+    elif translations:
+        words.insert(0, f"slide {_direction(translations[0][:2])}")
+    return "can " + " and ".join(words)
+
+
+def _direction(vector: Floats) -> str:
+    x, y = vector / np.linalg.norm(vector)
+    if abs(y) < 1e-6:
+        return "in x"
+    if abs(x) < 1e-6:
+        return "in y"
+    x, y = (x, y) if x > 0.0 else (-x, -y)
+    return f"along ({x:.3g}, {y:.3g})"

@@ -1,0 +1,245 @@
+"""Discrete spaces: the numbering of unknowns on a mesh, and assembly."""
+
+from collections.abc import Callable, Collection, Iterator, Mapping
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway._core import Pattern, n_threads
+from flangeway.elements import Element
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.errors import InputError, OutOfMemoryError, short
+from flangeway.mesh import PolyMesh, check
+from flangeway.space.assembly_memory import refuse_large_assembly
+from flangeway.space.symmetric import SymmetricMatrix
+from flangeway.space.threads import refuse_many_threads
+from flangeway.types import Floats
+
+Ints = NDArray[np.int32]
+
+ENTRIES_PER_BATCH = 250_000  # 2 MB of matrices: a batch's arrays stay in cache
+MOST_CELLS_PER_BATCH = 2000  # no power of two, which would put all rows into the same sets of the cache
+
+
+@dataclass(frozen=True, eq=False)
+class CellBatch:
+    """Cells with one element and one number of vertices.
+
+    Parameters
+    ----------
+    element
+        Their element.
+    cells
+        Numbers of the cells, shape (n_cells,).
+    vertices
+        Counter-clockwise vertices, shape (n_vertices, 2, n_cells).
+    dofs
+        Unknowns of one field, shape (n_local, n_cells).
+
+    """
+
+    element: Element
+    cells: NDArray[np.int64]
+    vertices: Floats
+    dofs: Ints
+
+    def vector_dofs(self, n_components: int) -> Ints:
+        """Unknowns of a field with components, numbered ``n_components * dof + component``."""
+        numbers = self.dofs[:, None] * n_components + np.arange(n_components, dtype=np.int32)[:, None]
+        return np.ascontiguousarray(numbers.reshape(-1, self.dofs.shape[1]))
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """Continuous discrete functions on a mesh.
+
+    The unknowns of one field are numbered: values at the mesh's points, then ``order - 1`` Gauss-Lobatto values
+    inside each edge (from its lower to its higher point), then the unknowns inside the cells.
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    element
+        One element for all cells, or one for each named cell set, which must then cover the mesh once.
+    cracks
+        Names of the mesh's edge sets that are faces of closed cracks, or of bodies that touch without being joined.
+        Elsewhere points that are there twice, or lie on an edge of another cell, are an error.
+
+    Raises
+    ------
+    InputError
+        If `flangeway.mesh.check` refuses the mesh, or the elements do not fit it.
+
+    """
+
+    mesh: PolyMesh
+    element: Element | Mapping[str, Element]
+    cracks: Collection[str] = ()
+
+    def __post_init__(self) -> None:
+        """Check the mesh and that elements fit it."""
+        if not isinstance(self.mesh, PolyMesh):
+            raise InputError(
+                f"Space({short(self.mesh)}, ...)", "a PolyMesh", "read or make one: triangulate, read_mesh"
+            )
+        check(self.mesh, cracks=self.cracks)
+        refuse_many_threads()
+        orders = {element.order for element, _ in self._regions}
+        if len(orders) != 1:
+            raise InputError(
+                f"elements of orders {sorted(orders)} in one space",
+                "one order, since neighbours share the unknowns of their edge",
+                "give every cell set an element of the same order",
+            )
+        for element, cells in self._regions:
+            for n_vertices in np.unique(np.diff(self.mesh.cell_offsets)[cells]):
+                element.check_cells(int(n_vertices))
+
+    @cached_property
+    def _regions(self) -> tuple[tuple[Element, NDArray[np.int64]], ...]:
+        if isinstance(self.element, Element):
+            return ((self.element, np.arange(self.mesh.n_cells)),)
+        elements = list(self.element.values()) if isinstance(self.element, Mapping) else [self.element]
+        if not elements or not all(isinstance(element, Element) for element in elements):
+            raise InputError(
+                f"Space(mesh, {short(self.element)})",
+                "an element, or one for each name of a cell set",
+                "write Lagrange(2), Virtual(1) or {'name of the set': Virtual(1)}",
+            )
+        times = np.zeros(self.mesh.n_cells, dtype=np.int64)
+        regions = []
+        for name, element in self.element.items():
+            if name not in self.mesh.cell_sets:
+                raise InputError(
+                    f"an element for the cell set `{name}`",
+                    f"the mesh's sets: {', '.join(sorted(self.mesh.cell_sets)) or 'none'}",
+                    "name the set with mesh.with_cell_set",
+                )
+            cells = np.asarray(self.mesh.cell_sets[name], dtype=np.int64)
+            times[cells] += 1
+            regions.append((element, cells))
+        if (times != 1).any():
+            cell = int(np.flatnonzero(times != 1)[0])
+            raise InputError(f"cell {cell} has {times[cell]} elements", "one element for each cell", "mend the sets")
+        return tuple(regions)
+
+    @property
+    def order(self) -> int:
+        """Order of the elements."""
+        return self._regions[0][0].order
+
+    @cached_property
+    def _interior_offsets(self) -> NDArray[np.int64]:
+        """First interior unknown of each cell, and the total at the end."""
+        counts = np.zeros(self.mesh.n_cells + 1, dtype=np.int64)
+        for element, cells in self._regions:
+            counts[cells + 1] = element.n_interior()
+        counts[0] = self.mesh.n_points + len(self.mesh.edges) * (self.order - 1)
+        return np.cumsum(counts)
+
+    @property
+    def n_dofs(self) -> int:
+        """Number of unknowns of one field."""
+        return int(self._interior_offsets[-1])
+
+    @property
+    def n_nodes(self) -> int:
+        """Unknowns of one field that are values at points: those of the mesh and of its edges."""
+        return int(self._interior_offsets[0])
+
+    @cached_property
+    def nodes(self) -> Floats:
+        """Points of the unknowns that are values, shape (n_nodes, 2)."""
+        inner = gauss_lobatto(self.order + 1)[0][1:-1]
+        start, end = self.mesh.points[self.mesh.edges].swapaxes(0, 1)
+        on_edges = start[:, None] + inner[:, None] * (end - start)[:, None]
+        return np.concatenate((self.mesh.points, on_edges.reshape(-1, 2)))
+
+    def edge_nodes(self, pairs: NDArray[np.integer]) -> Ints:
+        """Nodes of edges given as directed pairs of points (n, 2): shape (n, order + 1), in direction."""
+        inner = self._edge_inner(self.mesh.edge_numbers(pairs), pairs[:, 0] < pairs[:, 1])
+        nodes = np.concatenate((pairs[:, :1], inner, pairs[:, 1:]), axis=1)
+        return nodes.astype(np.int32)
+
+    def _edge_inner(self, edges: NDArray[np.integer], forward: NDArray[np.bool_]) -> Ints:
+        n_inner = self.order - 1
+        position = np.arange(n_inner)
+        position = np.where(forward[..., None], position, n_inner - 1 - position)
+        numbers = self.mesh.n_points + edges[..., None].astype(np.int64) * n_inner + position
+        return numbers.astype(np.int32)
+
+    def batches(self) -> Iterator[CellBatch]:
+        """Cells in groups of one element and one number of vertices, in a fixed order."""
+        mesh = self.mesh
+        counts = np.diff(mesh.cell_offsets)
+        for element, region in self._regions:
+            for n_vertices in np.unique(counts[region]):
+                cells = region[counts[region] == n_vertices]
+                n_local = int(n_vertices) * self.order + element.n_interior()
+                step = min(MOST_CELLS_PER_BATCH, max(ENTRIES_PER_BATCH // n_local**2, 100))
+                for start in range(0, len(cells), step):
+                    yield self._batch(element, int(n_vertices), cells[start : start + step])
+
+    def _batch(self, element: Element, n_vertices: int, cells: NDArray[np.int64]) -> CellBatch:
+        mesh = self.mesh
+        places = mesh.cell_offsets[cells][:, None] + np.arange(n_vertices)
+        corners = mesh.cell_points[places]
+        parts = [corners]
+        if self.order > 1:
+            forward = corners < np.roll(corners, -1, axis=1)
+            parts.append(self._edge_inner(mesh.cell_edges[places], forward).reshape(len(cells), -1))
+        if element.n_interior():
+            parts.append(self._interior_offsets[cells][:, None] + np.arange(element.n_interior()))
+        dofs = np.ascontiguousarray(np.concatenate(parts, axis=1).T.astype(np.int32))
+        vertices = np.ascontiguousarray(np.moveaxis(mesh.points[corners], 0, -1))
+        return CellBatch(element, cells, vertices, dofs)
+
+    def assemble(self, cell_matrices: Callable[[CellBatch], Floats], n_components: int) -> SymmetricMatrix:
+        """Add up symmetric matrices of cells.
+
+        Parameters
+        ----------
+        cell_matrices
+            Gives the matrices of a batch, shape (n, n, n_cells) with ``n = n_components * n_local``.
+        n_components
+            Components of the field.
+
+        Returns
+        -------
+        SymmetricMatrix
+            Of size ``n_components * n_dofs``.
+
+        Raises
+        ------
+        OutOfMemoryError
+            If there is too little memory for the matrices of all cells.
+
+        """
+        batches = list(self.batches())
+        dofs = [batch.vector_dofs(n_components) for batch in batches]
+        refuse_large_assembly(numbers.shape for numbers in dofs)
+
+        def matrices_of(batch: CellBatch) -> Floats:
+            return np.ascontiguousarray(cell_matrices(batch))
+
+        # NumPy releases the interpreter in its loops; those of order 1 are too short for threads to pay
+        workers = 1 if self.order == 1 else min(n_threads(), len(batches))
+        if workers == 1:
+            matrices = [matrices_of(batch) for batch in batches]
+        else:
+            with ThreadPoolExecutor(workers) as pool:
+                matrices = list(_begun(pool, matrices_of, batches))
+        pattern = Pattern(n_components * self.n_dofs, dofs)
+        return SymmetricMatrix(n_components * self.n_dofs, pattern.indptr, pattern.indices, pattern.scatter(matrices))
+
+
+def _begun(pool: ThreadPoolExecutor, work: Callable[[CellBatch], Floats], batches: list[CellBatch]) -> Iterator[Floats]:
+    """Results to come; an error of lack of memory where threads cannot start."""
+    try:
+        return pool.map(work, batches)
+    except RuntimeError as error:
+        raise OutOfMemoryError(f"threads for the assembly: {error}") from error

@@ -1,0 +1,136 @@
+"""What case files and campaigns share: a file in TOML, and the lines on which its keys stand."""
+
+import re
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar, Self
+
+from flangeway.errors import InputError
+from flangeway.system.file_content import toml_data
+from flangeway.types import Key
+
+LARGEST_BYTES = 5_000_000
+
+_HEADER = re.compile(r"\s*(\[\[?)([\w.\s\"'-]+)\]\]?\s*(?:#.*)?$")
+_NAME = r"(?:[\w-]+|\"[^\"]*\"|'[^']*')"
+_KEY = re.compile(rf"\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*=")
+
+
+@dataclass(frozen=True)
+class TomlKind:
+    """What a file in TOML is called, and what messages about it say.
+
+    Parameters
+    ----------
+    name
+        What messages call the file.
+    instead
+        What may be given in place of a file, after "a file that can be read"; empty if nothing may.
+    get_one
+        What to do without a file.
+    lines
+        Lines as the file has them.
+    too_large
+        What to do with a file that is too large.
+
+    """
+
+    name: str
+    instead: str
+    get_one: str
+    lines: str
+    too_large: str
+
+
+@dataclass(frozen=True)
+class TomlFile:
+    """A file in TOML.
+
+    Parameters
+    ----------
+    file
+        The file.
+    text
+        Its contents.
+    data
+        What it says.
+
+    """
+
+    file: Path
+    text: str
+    data: dict[str, Any]
+
+    kind: ClassVar[TomlKind]
+
+    @classmethod
+    def read(cls, file: Path) -> Self:
+        """Read a file.
+
+        Raises
+        ------
+        InputError
+            If it cannot be read, is larger than `LARGEST_BYTES`, or is no TOML in UTF-8.
+
+        """
+        kind = cls.kind
+        try:
+            size = file.stat().st_size
+            content = file.read_bytes() if size <= LARGEST_BYTES else b""
+        except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
+            raise InputError(
+                f"{kind.name} {file}: {getattr(reason, 'strerror', None) or reason}",
+                f"a file that can be read{kind.instead}",
+                kind.get_one,
+            ) from reason
+        if size > LARGEST_BYTES:
+            raise InputError(
+                f"{kind.name} {file} of {size} bytes", f"a file of up to {LARGEST_BYTES} bytes", kind.too_large
+            )
+        try:
+            text = content.decode("utf-8-sig")
+        except UnicodeDecodeError as reason:
+            raise InputError(
+                f"{file}: bytes that are no text (byte {reason.start})", "text in UTF-8", "save it as UTF-8"
+            ) from reason
+        try:
+            return cls(file, text, toml_data(text, kind.lines))
+        except InputError as reason:
+            raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
+
+    def place(self, key: Key) -> str:
+        """File and line of a key, or of the nearest one above it, to stand before a message."""
+        lines = self._lines
+        for end in range(len(key), 0, -1):
+            if key[:end] in lines:
+                return f"{self.file}, line {lines[key[:end]]}: "
+        return f"{self.file}: "
+
+    @cached_property
+    def _lines(self) -> dict[Key, int]:
+        """Line of each table and key."""
+        found: dict[Key, int] = {}
+        items: dict[Key, int] = {}
+        table: Key = ()
+        for number, row in enumerate(self.text.split("\n"), 1):
+            if header := _HEADER.match(row):
+                table = ()
+                names = _names(header[2])
+                for place, name in enumerate(names):
+                    table = (*table, name)
+                    if place == len(names) - 1 and header[1] == "[[":
+                        items[table] = items.get(table, -1) + 1
+                    if table in items:
+                        table = (*table, items[table])
+                found.setdefault(table, number)
+            elif key := _KEY.match(row):
+                names = _names(key[1])
+                for end in range(1, len(names) + 1):
+                    found.setdefault((*table, *names[:end]), number)
+        return found
+
+
+def _names(dotted: str) -> list[str]:
+    """Parts of a name with points between them; a point inside quotation marks is part of a name."""
+    return [name.strip("\"'") for name in re.findall(_NAME, dotted)]

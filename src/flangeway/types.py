@@ -1,0 +1,11 @@
+"""Names of types that many modules use."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+Bools = NDArray[np.bool_]
+Complex = NDArray[np.complex128]
+Key = tuple[str | int, ...]
+"""Path of an input: a name, or in nested tables names and positions in lists."""

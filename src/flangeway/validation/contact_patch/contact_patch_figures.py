@@ -1,0 +1,178 @@
+"""Pictures of the contact patch test: contact forces, pressures, and vertical stresses (seed Figures 70 to 75)."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.tri import Triangulation
+
+from flangeway.problems import ElasticField
+from flangeway.report.figures.display import display, displayed_stresses
+from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.plots import COLOURS
+from flangeway.types import Floats
+from flangeway.validation.contact_patch.contact_patch_reproduced import PUBLISHED, ContactPatchReproduction, PatchRun
+
+KINDS = {
+    "FO1": "linear triangles",
+    "VO1": "polygons, order 1",
+    "FO2": "quadratic triangles",
+    "VO2": "polygons, order 2",
+}
+"""Names by the letter of the method and the order."""
+DETAIL = (0.6, 1.4)
+"""Part of the interface in the picture of the contact forces, over its half width."""
+MARKERS = ("s", "o", "^")
+LINES = ((0, (1, 1)), (0, (5, 1.5)), "solid")
+PIECES = 3  # small triangles along each side of a cell's triangles
+
+
+def forces_figure(found: ContactPatchReproduction) -> Figure:
+    """Draw the contact forces of the finest node-to-segment results in the middle of the interface (Figure 70)."""
+    figure = new_figure(10.0, 6.4)
+    finest = _level(found, max(_levels(found)))
+    for axes, (kind, run) in zip(figure.subplots(2, 2, sharex=True).flat, finest.items(), strict=True):
+        for name, sign, marker in (("upper", 1.0, "o"), ("lower", -1.0, "s")):
+            part = run.case.part(name)
+            forces = run.solution.nodal_forces(part)[:, 1]
+            mine = np.flatnonzero(np.abs(part.body.space.nodes[:, 1]) < 1e-9)
+            x, length = part.body.space.nodes[mine, 0], np.abs(forces[mine])
+            shown = (x >= DETAIL[0]) & (x <= DETAIL[1])
+            axes.vlines(x[shown], 0.0, sign * length[shown], color=INK if sign > 0.0 else GREY, linewidth=1.1)
+            axes.plot(
+                x[shown], sign * length[shown], ls="none", marker=marker, ms=3.5, color=INK if sign > 0.0 else GREY,
+                label=f"{'secondary' if sign > 0.0 else 'primary'} box, {name}",
+            )  # fmt: skip
+        axes.axhline(0.0, color=INK, linewidth=0.6)
+        axes.set_title(f"{run.code}: {KINDS[kind]}", fontsize=10)
+        axes.set_ylabel("contact force of a node in kN", fontsize=9)
+        axes.set_xlabel("x in cm", fontsize=9)
+        axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
+        axes.label_outer()
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=2, frameon=False, fontsize=9)
+    return figure
+
+
+def pressures_figure(found: ContactPatchReproduction) -> Figure:
+    """Draw the pressures by influence width over the interface, for all refinements (Figure 71)."""
+    figure = new_figure(10.0, 6.8)
+    rows = figure.subplots(2, 2, sharex=True, sharey="row")
+    for axes, (kind, name) in zip(rows.flat, KINDS.items(), strict=True):
+        for level, marker, line in zip(_levels(found), MARKERS, LINES, strict=False):
+            run = _level(found, level)[kind]
+            x = _reference_x(run)
+            axes.plot(x, run.patch.pressures, color=INK, marker=marker, ms=3, mfc="white", ls=line, lw=0.8)
+        axes.axhline(-PUBLISHED, color="#d55e00", linewidth=1.6, zorder=1)
+        axes.set_title(name, fontsize=10)
+        axes.set_xlabel("x in cm", fontsize=9)
+        axes.set_ylabel("pressure in kN/cm²", fontsize=9)
+        axes.label_outer()
+    handles = [
+        Line2D([], [], color=INK, marker=marker, ms=4, mfc="white", ls=line, lw=0.8, label=f"node-to-segment, M{level}")
+        for level, marker, line in zip(_levels(found), MARKERS, LINES, strict=False)
+    ]
+    handles.append(Line2D([], [], color="#d55e00", lw=1.6, label="(6.1), and segment-to-segment with multipliers"))
+    figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
+    return figure
+
+
+def stresses_figure(found: ContactPatchReproduction, kind: str) -> Figure:
+    """Draw the vertical stress of the node-to-segment results of one kind of elements (Figures 72 to 75)."""
+    levels = _levels(found)
+    runs = [_level(found, level)[kind] for level in levels]
+    figure = new_figure(3.6 * len(runs) + 0.8, 4.2)
+    _draw_stresses(figure, list(figure.subplots(1, len(runs), sharey=True)), runs, [run.code for run in runs])
+    return figure
+
+
+def comparison_figure(found: ContactPatchReproduction) -> Figure:
+    """Draw the vertical stress with node-to-segment above and with segment-to-segment and multipliers below."""
+    figure = new_figure(12.0, 8.2)
+    rows = figure.subplots(2, 4, sharex=True, sharey=True)
+    level = min(2, max(_levels(found)))
+    for column, (kind, run) in zip(rows.T, _level(found, level).items(), strict=True):
+        proper = _proper(found, run)
+        titles = [f"{run.code}\nnode-to-segment", f"{KINDS[kind]}\nsegment-to-segment"]
+        _draw_stresses(figure, list(column), [run, proper], titles, location="bottom")
+    return figure
+
+
+def _draw_stresses(
+    figure: Figure,
+    panels: Sequence[Axes],
+    runs: Sequence[PatchRun],
+    titles: Sequence[str],
+    location: Literal["right", "bottom"] = "right",
+) -> None:
+    """Draw runs side by side in the same colours."""
+    fields = [[run.solution.field(run.case.part(name)) for name in ("upper", "lower")] for run in runs]
+    shown = [[_stress(field) for field in pair] for pair in fields]
+    values = np.concatenate([part[1] for pair in shown for part in pair])
+    norm = Normalize(float(values.min()), float(values.max()))
+    for axes, pair, drawn, title in zip(panels, fields, shown, titles, strict=True):
+        for field, (points, stress) in zip(pair, drawn, strict=True):
+            colours = axes.tripcolor(points, stress, shading="gouraud", cmap=COLOURS.reversed(), norm=norm)
+            mesh = field.problem.space.mesh
+            lines = LineCollection(list(mesh.points[mesh.edges]), colors=INK, linewidths=0.2, alpha=0.6)
+            axes.add_collection(lines)
+            axes.add_collection(LineCollection(list(mesh.points[mesh.boundary_edges]), colors=INK, linewidths=0.8))
+        axes.set_aspect("equal")
+        axes.set_title(title, fontsize=10)
+        axes.set_xlabel("x in cm", fontsize=9)
+        axes.set_ylabel("y in cm", fontsize=9)
+        axes.label_outer()
+    bar = figure.colorbar(
+        colours, ax=list(panels), location=location, shrink=0.85, aspect=25, label="vertical stress in kN/cm²"
+    )
+    mark = bar.ax.axhline if location == "right" else bar.ax.axvline
+    mark(PUBLISHED, color="white", linewidth=1.5)
+    bar.ax.tick_params(labelsize=7)
+
+
+def _stress(field: ElasticField) -> tuple[Triangulation, Floats]:
+    """Small triangles of a body and the vertical stress at their points."""
+    shown = display(field.problem.space, PIECES)
+    points = shown.points
+    return Triangulation(points[:, 0], points[:, 1], shown.triangles), displayed_stresses(field, shown).components[:, 1]
+
+
+def _levels(found: ContactPatchReproduction) -> list[int]:
+    return sorted({_parts(run)[1] for run in found.published})
+
+
+def _level(found: ContactPatchReproduction, level: int) -> dict[str, PatchRun]:
+    """Published configurations of one refinement by kind, in the order of `KINDS`."""
+    runs = {_parts(run)[0]: run for run in found.published if _parts(run)[1] == level}
+    return {kind: runs[kind] for kind in KINDS}
+
+
+def _parts(run: PatchRun) -> tuple[str, int]:
+    """Kind and refinement of a code such as ``FPTM3O2``."""
+    return f"{run.code[0]}{run.code[5:]}", int(run.code[4])
+
+
+def _proper(found: ContactPatchReproduction, like: PatchRun) -> PatchRun:
+    """Segment-to-segment with multipliers on the same meshes."""
+    return next(
+        run
+        for run in found.proper
+        if (run.upper, run.lower, run.law, run.rotation_rad) == (like.upper, like.lower, "multiplier", 0.0)
+        and run.pairing.endswith("standard")
+    )
+
+
+def _reference_x(run: PatchRun) -> Floats:
+    """Where the loaded nodes stood before the deformation."""
+    surface = run.solution.system.contacts[0].secondary
+    nodes = surface.part.body.space.nodes[surface.nodes]
+    moved = run.solution.state.positions[run.solution.system.nodes_of(surface)]
+    order = np.argsort(moved[:, 0])
+    places = np.searchsorted(moved[order, 0], run.patch.points[:, 0] - 1e-12)
+    x: Floats = nodes[order[places], 0]
+    return x

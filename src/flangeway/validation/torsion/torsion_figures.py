@@ -1,0 +1,124 @@
+"""Pictures of the reproduced torsion tables: convergence over h and unknowns, warping and Prandtl's function."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+
+from flangeway.report.figures.contours import Shades, draw_boundary, draw_field
+from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.validation.torsion.torsion_meshes import TorsionRow, published_reading, torsion_section
+from flangeway.validation.torsion.torsion_reproduced import TorsionReproduction
+
+Over = Literal["h", "n_dof"]
+
+TITLES = {
+    4: "Square, warping function (Table 4)",
+    5: "Triangle, warping function (Table 5)",
+    6: "Square, Prandtl's function (Table 6)",
+    7: "Triangle, Prandtl's function (Table 7)",
+}
+METHODS = {
+    "FD": ("Lagrange triangles", "^", "solid"),
+    "VD": ("virtual triangles", "s", (0, (6, 2))),
+    "VV": ("virtual polygons", "o", (0, (2, 1.5))),
+}
+"""Name, marker and line by the first two letters of a code: they stay apart in grey."""
+
+
+def convergence_figure(found: TorsionReproduction, over: Over) -> Figure:
+    """Draw the error of the torsion constant over h or over unknowns, published and computed, table by table."""
+    figure = new_figure(10.0, 9.2)
+    for axes, table in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, TITLES, strict=True):
+        _draw_table(axes, found, table, over)
+    handles = [
+        *(
+            Line2D([], [], color=INK, marker=marker, ls=line, ms=6, label=name)
+            for name, marker, line in METHODS.values()
+        ),
+        Line2D([], [], color=INK, marker="D", ls="none", ms=6, label="computed"),
+        Line2D([], [], color=GREY, marker="D", mfc="white", ls="none", ms=9, label="published"),
+        Line2D([], [], color=GREY, marker="o", mfc=GREY, ls="dotted", ms=5, label="polygons, projected load (3.81)"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=3, fontsize=9, frameon=False)
+    return figure
+
+
+def fields_figure(found: TorsionReproduction, formulation: Literal["warping", "prandtl"]) -> Figure:
+    """Draw the function on both sections, by triangles and by polygons of order 2, with the exact one beside it."""
+    figure = new_figure(10.5, 6.6)
+    level = max(row.code.level for row in found.computed if row.code.level <= 3)
+    rows = figure.subplots(2, 3)
+    for section, line in zip("ST", rows, strict=True):
+        pair = [_row(found.computed, f"{kind}{section}M{level}O2", formulation) for kind in ("FD", "VV")]
+        exact = torsion_section(pair[0].code.section)[1]
+        finest = pair[0].solution.problem.space.mesh
+        given = exact.warping(finest.points) if formulation == "warping" else exact.stress_function(finest.points)
+        shown = [(str(row.code), row.solution.problem.space.mesh, _values(row)) for row in pair]
+        shown.append(("exact", finest, given))
+        shades = Shades(np.concatenate([values for _, _, values in shown]))
+        for axes, (name, mesh, values) in zip(line, shown, strict=True):
+            draw_field(axes, mesh, values, shades)
+            draw_boundary(axes, mesh)
+            axes.set_aspect("equal")
+            axes.set_title(name, fontsize=10)
+            axes.set_xlabel("x over the root of the area", fontsize=8)
+            axes.tick_params(labelsize=8)
+        line[0].set_ylabel("y over the root of the area", fontsize=8)
+        label = "warping over θ′ and area" if formulation == "warping" else "Prandtl's function over Gθ′ and area"
+        bar = figure.colorbar(shades.mappable(), ax=line.tolist(), label=label, ticks=shades.levels.tolist())
+        bar.ax.tick_params(labelsize=8)
+    return figure
+
+
+def _values(row: TorsionRow) -> np.ndarray:
+    return row.solution.function[: row.solution.problem.space.mesh.n_points]
+
+
+def _row(rows: Sequence[TorsionRow], code: str, formulation: str) -> TorsionRow:
+    return next(row for row in rows if str(row.code) == code and row.formulation == formulation)
+
+
+def _draw_table(axes: Axes, found: TorsionReproduction, table: int, over: Over) -> None:
+    for kind, (_, marker, line) in METHODS.items():
+        for order in (1, 2):
+            group = [
+                (row, published)
+                for row, published in zip(found.computed, found.published, strict=True)
+                if row.table == table and str(row.code)[:2] == kind and row.code.order == order
+            ]
+            main = [(row, published) for row, published in group if published_reading(row)]
+            other = [row for row, _ in group if not published_reading(row)]
+            axes.plot(
+                [published[over] for _, published in main], [published["relative_error"] for _, published in main],
+                color=GREY, marker=marker, mfc="white", ls="none", ms=9,
+            )  # fmt: skip
+            axes.plot(*_curve([row for row, _ in main], over), color=INK, marker=marker, ls=line, lw=1.0, ms=4)
+            axes.plot(*_curve(other, over), color=GREY, marker=marker, ls="dotted", lw=1.0, ms=4)
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.grid(which="both", color="#e4e4e4", linewidth=0.5)
+    axes.set_title(TITLES[table], fontsize=10)
+    axes.set_xlabel("largest diameter of a cell h" if over == "h" else "number of unknowns")
+    axes.set_ylabel("relative error of the torsion constant")
+    axes.label_outer()
+    _draw_slopes(axes, over)
+
+
+def _curve(rows: Sequence[TorsionRow], over: Over) -> tuple[list[float], list[float]]:
+    sizes = [r.size if over == "h" else float(r.n_dofs if r.formulation == "warping" else r.n_free) for r in rows]
+    return sizes, [abs(row.relative_error) for row in rows]
+
+
+def _draw_slopes(axes: Axes, over: Over) -> None:
+    """Draw lines of the rates 2 and 4 for the eye."""
+    start, factor = (0.05, 2.0) if over == "h" else (1500.0, 3.0)
+    for order, error in ((1, 5e-4), (2, 1.2e-8)):
+        rate = 2.0 * order if over == "h" else -float(order)
+        x = np.array([start, start * factor])
+        axes.plot(x, error * (x / start) ** rate, color=INK, lw=0.8)
+        text = f"h{'²' if order == 1 else '⁴'}" if over == "h" else f"1/n{'' if order == 1 else '²'}"
+        axes.annotate(text, (x[1], error * factor**rate), textcoords="offset points", xytext=(4, -4), fontsize=8)
