@@ -1,6 +1,6 @@
 """The second run of wheelset cases beside the first: what is kept on disk is not computed again.
 
-Accuracy is the largest difference of a patch's force from that of the first run, over the load.
+Accuracy is the maximum difference of a patch's force from that of the first run, over the load.
 """
 
 import json

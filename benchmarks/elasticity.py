@@ -79,7 +79,7 @@ def _assembly(folder: Path) -> Iterator[Measurement]:
         _scikit_fem(folder, 2, store=True)
         apart = _sample("compare assembly", folder)["difference"]
         yield Measurement(
-            "largest difference of both stiffnesses of the triangles over the largest entry", "scikit-fem",
+            "maximum difference of both stiffnesses of the triangles over the largest entry", "scikit-fem",
             taken(found["assemble"])["seconds"], peer["seconds"], apart, apart, "quadrature of degree 2",
             peer["version"],
         )  # fmt: skip
@@ -151,7 +151,7 @@ def _energy_error(energy: float) -> float:
 
 
 def _backward_error(path: Path, solution: Any) -> float:
-    """Largest residual over the product of absolute values."""
+    """Maximum residual over the product of absolute values."""
     with np.load(path) as stored:
         n, load = len(stored["load"]), stored["load"]
         full = SymmetricMatrix(n, stored["indptr"], stored["indices"], stored["values"]).full()
@@ -198,7 +198,7 @@ def _check(folder: Path, name: str, element: Element) -> Run:
 
 
 def _compare(folder: Path) -> Run:
-    """Largest difference of both stiffnesses, unknowns matched by place and component."""
+    """Maximum difference of both stiffnesses, unknowns matched by place and component."""
     from scipy.spatial import cKDTree  # noqa: PLC0415
 
     problem = _problem(load_mesh(folder / "triangles.npz"), Lagrange(2))

@@ -1,4 +1,4 @@
-"""Hertz's problem (seed 6.2.2): the condensed path beside the sparse one, and times of the published configurations.
+"""Hertz's problem (Moherdaui 2021, 6.2.2): condensed beside sparse, and times of the published configurations.
 
 Accuracy is the relative difference of the force from that of the published reference solution, or, where the discs are
 pressed by a tenth of the approach, that of both paths from each other.

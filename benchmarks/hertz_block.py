@@ -122,7 +122,7 @@ class Pressed:
 
     @property
     def peak_error(self) -> float:
-        """Relative error of the largest pressure."""
+        """Relative error of the maximum pressure."""
         return float(self.pressures.max()) / self.theory.max_pressure - 1.0
 
     @property

@@ -2,7 +2,7 @@
 
 Every program runs in turns with the others, the peers with one thread and with all, and the fastest run counts. The
 time is from meshes to displacements of all nodes and the contact pressure; CalculiX's is that of the whole program.
-Accuracy is the relative error of the largest pressure from Hertz's under the force that the program itself found.
+Accuracy is the relative error of the maximum pressure from Hertz's under the force that the program itself found.
 Peers are given the approach that flangeway found for the load.
 """
 

@@ -1,6 +1,6 @@
 """Ten thousand positions of a wheelset, lateral motion by load, on two processes; 20 by the full search as well.
 
-Accuracy is the largest difference of a patch's force from that of the full search, over the weight. The peer is the
+Accuracy is the maximum difference of a patch's force from that of the full search, over the weight. The peer is the
 full search of the same program: its time is that of as many positions at the mean of those that were searched.
 """
 
@@ -83,7 +83,7 @@ def _pair(name: str) -> Iterator[Measurement]:
         f"budget {BUDGET_S:g} s; {1e3 * seconds * N_PROCESSES / n_positions:.1f} ms a position and process, "
         f"{1e3 * processor:.1f} ms of processor time; {rounds:.1f} iterations a position, {slow} by the full search, "
         f"{missing} not found; {N_CHECKED} drawn at random: pressures differ by {pressure:.1e}; "
-        f"with largest shear stresses {shear_seconds:.1f} s, {1e3 * more:.1f} ms of processor time more a position; "
+        f"with maximum shear stresses {shear_seconds:.1f} s, {1e3 * more:.1f} ms of processor time more a position; "
         f"meshing and condensing {condensing:.2f} s, load average {os.getloadavg()[0]:.1f}",
     )
 
@@ -104,7 +104,7 @@ def _solve(name: str, positions: Positions, *, shear: bool) -> tuple[PositionTab
 
 
 def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[float, float, float]:
-    """Largest differences of forces over the weight and of pressures from the full search, and its mean time."""
+    """Maximum differences of forces over the weight and of pressures from the full search, and its mean time."""
     rng = np.random.default_rng(20)
     worst, pressure, times = 0.0, 0.0, []
     for _ in range(N_CHECKED):

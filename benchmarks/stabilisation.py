@@ -4,8 +4,8 @@ For each order and candidate one line. ``cook``: displacement of Cook's membrane
 its reference, minus one, and ``cook soft`` the work of the load for nu = 0.4999; ``smooth`` and ``smooth soft``: errors
 of a trigonometric displacement in L2 and, of the stresses, in the energy norm. Each is a list over `MESHES`: dual
 polygons, Voronoi cells, stars with the triangles between their rays, and (orders 1 and 2) 100-gons, 36 cells of Cook's
-membrane and 64 of the square for Voronoi cells. ``hertz``: largest pressure between two discs over Hertz's, minus one,
-and oscillation over the largest pressure (orders 1 and 2). Times mean nothing.
+membrane and 64 of the square for Voronoi cells. ``hertz``: maximum pressure between two discs over Hertz's, minus one,
+and oscillation over the maximum pressure (orders 1 and 2). Times mean nothing.
 """
 
 import time

@@ -100,7 +100,7 @@ def _measured(size_scale: float) -> Iterator[Measurement]:
         for values in ({}, pair):
             time, run = timed(partial(_equilibrium, {**values, "size_scale": size_scale}))
             seconds.append(time)
-            errors.append(run.result.equilibrium.balance.resulting_error)
+            errors.append(run.result.equilibrium.balance.equilibrium_residual)
         yield Measurement(
             f"equilibrium of a worn pair, size_scale {size_scale:g}; peer: the bundled pair",
             ITSELF, seconds[1], seconds[0], errors[1], errors[0], asked=1.0 / 3.0,

@@ -1,6 +1,6 @@
 """A wheelset stands on two rails: where they touch, and how hard.
 
-        o  300 kN at the car's barycentre
+        o  300 kN at the car's centre of gravity
         |
     ||==|==||      two wheels on a rigid axle
     ||     ||
@@ -40,7 +40,7 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
 
         # the iteration has ended well, and the contact forces bear the load of 300 kN
         assert run.result.status.converged
-        assert run.result.equilibrium.balance.resulting_error < 1e-10
+        assert run.result.equilibrium.balance.equilibrium_residual < 1e-10
         left, right = run.result.patches
         assert math.isclose(left.force_on_wheel_N[1] + right.force_on_wheel_N[1], 300e3, rel_tol=1e-9)
 
@@ -53,7 +53,7 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
         pressure = right.pressure.pressures.max()
         assert math.isclose(pressure, right.hertz.max_pressure, rel_tol=0.1)
         print(
-            f"{method}: the axle sinks {run.result.approach_mm:.3f} mm; largest pressure {pressure:.0f} MPa "
+            f"{method}: the axle sinks {run.result.approach_mm:.3f} mm; maximum pressure {pressure:.0f} MPa "
             f"(Hertz {right.hertz.max_pressure:.0f} MPa) over a half width of {right.pressure.half_width:.2f} mm"
         )
 

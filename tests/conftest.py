@@ -25,10 +25,10 @@ from flangeway.problems import Body, Part
 
 # A commit is judged by the same examples everywhere: 50 of each test, or 1,000 with HYPOTHESIS_PROFILE=ci.
 # HYPOTHESIS_PROFILE=search draws 1,000 new ones at every run.
-judged = settings(settings.get_profile("default"), deadline=None, derandomize=True)
-settings.register_profile("default", judged, max_examples=50)
-settings.register_profile("ci", judged, max_examples=1000)
-settings.register_profile("search", judged, max_examples=1000, derandomize=False)
+checked = settings(settings.get_profile("default"), deadline=None, derandomize=True)
+settings.register_profile("default", checked, max_examples=50)
+settings.register_profile("ci", checked, max_examples=1000)
+settings.register_profile("search", checked, max_examples=1000, derandomize=False)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
 
 RADIUS = 50.0

@@ -17,5 +17,5 @@ def _imbalance(solution: ContactSolution) -> float:
 
 @pytest.fixture(scope="session")
 def imbalance() -> Callable[[ContactSolution], float]:
-    """Largest difference of force or moment between the two sides of a contact, over its force and the bodies' size."""
+    """Maximum difference of force or moment between the two sides of a contact, over its force and the bodies' size."""
     return _imbalance

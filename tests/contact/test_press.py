@@ -77,7 +77,7 @@ def test_the_answer_does_not_depend_on_the_load_steps(press) -> None:
     """Ten equal steps and one step end at the same displacements to 1e-9; all ten are kept, with rising force."""
     contact = contact_of(press, SegmentToSegment(), Multiplier())
     at_once = press_contacts(contact, None)
-    stepped = press_contacts(contact, None, steps=StepSettings(first=0.1, largest=0.1), response=at_once.response)
+    stepped = press_contacts(contact, None, steps=StepSettings(first=0.1, maximum=0.1), response=at_once.response)
     assert [step.share for step in stepped.steps] == pytest.approx(np.linspace(0.1, 1.0, 10))
     force = [step.state.forces.sum() for step in stepped.steps]
     assert (np.diff(force) > 0.0).all()
@@ -167,7 +167,7 @@ def test_a_motion_without_contact_says_so(press) -> None:
         (lambda _s, _p: AugmentedLagrange(1e5, "length", 0.0), "positive length"),
         (lambda _s, _p: Penalty(-1.0, per="length"), "positive number"),
         (lambda _s, _p: Penalty(1.0, per="area"), "'node' or 'length'"),
-        (lambda _s, _p: StepSettings(first=0.5, largest=0.1), "first <= largest"),
+        (lambda _s, _p: StepSettings(first=0.5, maximum=0.1), "first <= largest"),
         (lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {}, path="dense"), "'condensed' or"),
         (
             lambda s, p: press_parts(

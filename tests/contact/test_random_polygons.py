@@ -112,7 +112,7 @@ class Case:
 
     shapes: tuple[Shape, Shape]
     direction: float
-    aside: float
+    lateral_offset: float
     depth: float
     pairing: int
     law: int
@@ -120,7 +120,7 @@ class Case:
     def solve(self) -> ContactSolution:
         """Press them."""
         along = np.array([np.cos(self.direction), np.sin(self.direction)])
-        across = np.array([-along[1], along[0]]) * 0.8 * self.aside
+        across = np.array([-along[1], along[0]]) * 0.8 * self.lateral_offset
         touch = distance_along(self.shapes[0].corners, self.shapes[1].corners + across, along)
         start = across + (touch + 0.01) * along
         parts = (
@@ -193,7 +193,7 @@ def outline(solution: ContactSolution, part: Part, n: int) -> tuple[Floats, floa
 
 
 def overlap(one: Floats, other: Floats) -> float:
-    """Largest distance of the points of one outline that are inside the other from its sides, and the reverse."""
+    """Maximum distance of the points of one outline that are inside the other from its sides, and the reverse."""
     deepest = 0.0
     for points, sides in ((one, other), (other, one)):
         inside = points[Path(sides).contains_points(points)]
@@ -264,9 +264,11 @@ def random_case(seed: int) -> Case:
         for _ in range(2)
     ]
     direction = float(draw.choice([0.0, np.pi / 2.0, draw.uniform(0.0, 6.2), draw.uniform(0.0, 6.2)]))
-    aside = float(draw.choice([0.0, draw.uniform(-1.0, 1.0), draw.uniform(-1.0, 1.0)]))
+    lateral_offset = float(draw.choice([0.0, draw.uniform(-1.0, 1.0), draw.uniform(-1.0, 1.0)]))
     depth = float(draw.uniform(1e-4, 0.02))
-    return Case((pair[0], pair[1]), direction, aside, depth, int(draw.integers(0, 3)), int(draw.integers(0, 3)))
+    return Case(
+        (pair[0], pair[1]), direction, lateral_offset, depth, int(draw.integers(0, 3)), int(draw.integers(0, 3))
+    )
 
 
 def test_few_random_cases_fail() -> None:

@@ -237,8 +237,8 @@ def solved(imbalance: Callable[[ContactSolution], float]) -> Solve:
 
 
 def own_imbalance(case: ContactCase, solution: ContactSolution) -> float:
-    """Largest sum of force or moment of all parts' nodal forces over the largest force, counted node by node."""
-    total, largest = np.zeros(3), 0.0
+    """Largest sum of force or moment of all parts' nodal forces over the maximum force, counted node by node."""
+    total, maximum = np.zeros(3), 0.0
     for part, place in zip(solution.system.parts, solution.state.placements, strict=True):
         forces = solution.nodal_forces(part)
         nodes = part.body.space.nodes
@@ -246,8 +246,8 @@ def own_imbalance(case: ContactCase, solution: ContactSolution) -> float:
         points = place.points(nodes + moved)
         moments = points[:, 0] * forces[:, 1] - points[:, 1] * forces[:, 0]
         total += [*forces.sum(axis=0), moments.sum()]
-        largest = max(largest, float(np.abs(forces).max()))
-    return float(np.abs(total).max()) / largest
+        maximum = max(maximum, float(np.abs(forces).max()))
+    return float(np.abs(total).max()) / maximum
 
 
 @pytest.mark.parametrize("secondary", ["upper", "lower"])

@@ -47,7 +47,7 @@ class Slide:
     node_forces
         Vertical contact forces of the block's surface nodes at each place, shape (n, n_nodes).
     imbalances
-        Largest difference of force or moment between both sides over the force, shape (n,).
+        Maximum difference of force or moment between both sides over the force, shape (n,).
     iterations
         Newton iterations of each step, shape (n,).
     failure
@@ -64,13 +64,13 @@ class Slide:
 
     @property
     def roughness(self) -> float:
-        """Largest distance of the normal force from its smooth part, a parabola along the path, over its mean."""
+        """Maximum distance of the normal force from its smooth part, a parabola along the path, over its mean."""
         normal = self.forces[:, 1]
         return float(np.abs(self._rough(normal[:, None])).max() / normal.mean())
 
     @property
     def node_roughness(self) -> float:
-        """The same for the force of each node, over the largest force of a node."""
+        """The same for the force of each node, over the maximum force of a node."""
         return float(np.abs(self._rough(self.node_forces)).max() / self.node_forces.max())
 
     def _rough(self, values: Floats) -> Floats:

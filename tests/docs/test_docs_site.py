@@ -15,7 +15,7 @@ PAGES = sorted(DOCS.rglob("*.md"))
 MENU = (ROOT / "mkdocs.yml").read_text(encoding="utf-8").partition("\nnav:\n")[2]
 FOLDERS = {path.parent.name for path in Path(flangeway.__file__).parent.glob("*/*.py")} - {"cli", "report"}
 LAST_EQUATION = 139  # of chapter 3
-LARGEST_PICTURE = 150_000
+MAX_PICTURE = 150_000
 
 
 def name_of(path):
@@ -110,7 +110,7 @@ def test_pictures_of_the_gallery_are_small_and_all_shown():
     pictures = list((DOCS / "images").glob("gallery-*.png"))
     assert len(pictures) >= 5
     for picture in pictures:
-        assert picture.stat().st_size < LARGEST_PICTURE, picture.name
+        assert picture.stat().st_size < MAX_PICTURE, picture.name
         assert picture.name in text
 
 

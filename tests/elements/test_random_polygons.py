@@ -43,7 +43,7 @@ def fan(points):
 
 
 def dual_or_none(mesh):
-    """Dual polygons, or None where the origin is not inside of the triangles' barycentres, which is refused."""
+    """Dual polygons, or None where the origin is not inside of the triangles' centroids, which is refused."""
     try:
         return dual(mesh)
     except InputError as error:

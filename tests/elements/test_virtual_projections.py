@@ -10,7 +10,7 @@ ORDERS = [1, 2, 3, 4, 5]
 
 
 def worst_reproduction(points, order):
-    """Largest error with which the projections reproduce the monomials and their gradients."""
+    """Maximum error with which the projections reproduce the monomials and their gradients."""
     cell = Virtual(order).reconstruct(points[:, :, None])
     dofs = cell.monomial_dofs[:, :, 0]
     identity = np.eye(dofs.shape[1])
@@ -65,7 +65,7 @@ def test_projected_value_keeps_the_moments(ugly):
 
 
 def test_value_and_projected_value_agree_up_to_order_two():
-    """Energy and L2 projection are the same for k = 1 and 2 in the enhanced space (seed 3.80), not for k = 3."""
+    """Energy and L2 projection are the same for k = 1 and 2 in the enhanced space (Moherdaui 3.80), not for k = 3."""
     pentagon = np.array([(0, 0), (3, 0), (3, 2), (1.5, 4), (0, 4)], dtype=float)[:, :, None]
     for order in (1, 2):
         cell = Virtual(order).reconstruct(pentagon)

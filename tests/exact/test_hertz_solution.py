@@ -15,13 +15,13 @@ def contact() -> LineContact:
 
 
 def test_published_reference_follows_from_its_force(contact):
-    """P = 251.84 kN/cm gives the published p0 = 671.51 kN/cm^2 and a = 0.239 cm (seed Table 11)."""
+    """P = 251.84 kN/cm gives the published p0 = 671.51 kN/cm^2 and a = 0.239 cm (Moherdaui 2021, Table 11)."""
     assert contact.max_pressure == pytest.approx(671.51, rel=2e-5)
     assert contact.half_width == pytest.approx(0.239, abs=5e-4)
 
 
-def test_a_contact_is_found_from_its_largest_pressure(contact):
-    """The largest pressure gives back the force, P = pi R p0^2 / E*, where the published table lacks the square."""
+def test_a_contact_is_found_from_its_maximum_pressure(contact):
+    """The maximum pressure gives back the force, P = pi R p0^2 / E*, where the published table lacks the square."""
     again = LineContact.of_max_pressure(contact.max_pressure, 0.5, 11250.0)
     assert again.force_per_length == pytest.approx(contact.force_per_length, rel=1e-14)
     with pytest.raises(InputError):
@@ -58,7 +58,7 @@ def test_stresses_meet_the_loads_on_the_surface(contact):
 
 
 def test_stresses_on_the_axis_are_the_published_expressions(contact):
-    """On the line of symmetry the general solution is that of seed 2.73 to 2.75, the last without its minus sign."""
+    """On the line of symmetry the solution is that of Moherdaui (2021) 2.73 to 2.75, the last without its sign."""
     p0, a = contact.max_pressure, contact.half_width
     z = np.linspace(0.0, 1.0, 21)
     root = np.sqrt(a**2 + z**2)

@@ -9,7 +9,7 @@ import pytest
 
 from flangeway.cases.bodies.hertz_case import HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.post.pressure import scatter_of
+from flangeway.post.pressure import oscillation_of
 from flangeway.report.bodies.bodies_text import case_rows
 from flangeway.report.case_outputs import write_case
 
@@ -48,11 +48,11 @@ def test_a7_a_peak_does_not_hide_an_alternating_pressure(peak: float) -> None:
     for n in (8, 15, 40):
         pressures = 1.0 + 0.23 * (-1.0) ** np.arange(n)
         pressures[[0, -1]] = peak
-        assert scatter_of(pressures) == pytest.approx(0.46)
+        assert oscillation_of(pressures) == pytest.approx(0.46)
         for shift in np.linspace(0.05, 0.95, 10):
             places = 2.0 * (np.arange(n) + shift) / n - 1.0
-            assert scatter_of(np.sqrt(1.0 - places**2)) < 0.02
-            assert scatter_of(1.0 / np.sqrt(1.0 - places**2)) < 0.02
+            assert oscillation_of(np.sqrt(1.0 - places**2)) < 0.02
+            assert oscillation_of(1.0 / np.sqrt(1.0 - places**2)) < 0.02
 
 
 def test_a7_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> None:
@@ -64,7 +64,7 @@ def test_a7_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> 
     remark = contact["max_pressure_remark"]
     assert remark.startswith("scatters by ")
     assert contact["patches"][0]["max_pressure_remark"] == remark
-    (shown,) = (text for name, text in case_rows(run.summary) if "largest pressure" in name)
+    (shown,) = (text for name, text in case_rows(run.summary) if "maximum pressure" in name)
     assert shown == f"about {contact['max_pressure_MPa']:.6g} ({remark})"
     write_case(run, tmp_path)
     assert json.loads((tmp_path / "summary.json").read_text())["contacts"][0]["max_pressure_remark"] == remark
@@ -79,7 +79,7 @@ def test_a7_a_smooth_pressure_has_no_mark() -> None:
     run = punch(**roles, pairing="node-to-segment", enforcement="multiplier").run()
     (contact,) = run.summary["contacts"]
     assert contact["max_pressure_remark"] is None
-    (shown,) = (text for name, text in case_rows(run.summary) if "largest pressure" in name)
+    (shown,) = (text for name, text in case_rows(run.summary) if "maximum pressure" in name)
     assert shown == f"{contact['max_pressure_MPa']:.6g}"
 
 

@@ -77,9 +77,9 @@ def test_b10_case_files(tmp_path, call):
     """A wheelset's case file is taken by the geometry; what it does not need is named, what is wrong has its line."""
     file = tmp_path / "mine.toml"
     lines = ['case = "wheelset-curve"', "order = 2", "size_scale = 3.0", 'rail = "60E1"', 'wheel = "S1002"']
-    lines += ["gauge_mm = 1435", "back_to_back_mm = 1360", "largest_lateral_mm = 4", "step_mm = 0.2", ""]
+    lines += ["gauge_mm = 1435", "back_to_back_mm = 1360", "maximum_lateral_mm = 4", "step_mm = 0.2", ""]
     file.write_text("\n".join(lines), encoding="utf-8")
-    case, notices = read_geometry_case(file, {"largest_amplitude_mm": 3.0})
+    case, notices = read_geometry_case(file, {"maximum_amplitude_mm": 3.0})
     assert (case.rail, case.lateral_force_kN, case.superelevation_mm) == ("60E1", 28.4, 30.0)
     assert len(notices) == 1
     assert "order, size_scale" in notices[0]

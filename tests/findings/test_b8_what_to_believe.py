@@ -43,7 +43,7 @@ def test_b8_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
     anywhere = max(row["max_von_mises_MPa"] for row in rails)
     assert f"{below / strength:.1f} times in the rail" in warning
     assert anywhere > 1.2 * below
-    # below a contact of Hertz von Mises reaches 0.56 of the largest pressure
+    # below a contact of Hertz von Mises reaches 0.56 of the maximum pressure
     pressure = max(each["max_pressure_MPa"] for each in pushed.summary["contacts"])
     assert below == pytest.approx(0.56 * pressure, rel=0.25)
 
@@ -102,8 +102,8 @@ def test_b8_the_criterion_follows_load_and_curvature(usual):
     assert conforming(wheel, places[0], rail, end, 6.0)
 
 
-def test_b8_the_largest_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
-    """The largest shear and von Mises stresses below a contact are sought within two half widths."""
+def test_b8_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
+    """The maximum shear and von Mises stresses below a contact are sought within two half widths."""
     for contact in conformed.summary["contacts"]:
         for body in ("in_rail", "in_wheel"):
             for name in ("max_in_plane_shear", "max_von_mises"):
@@ -112,7 +112,7 @@ def test_b8_the_largest_stress_below_a_wide_contact_is_not_that_of_the_web(confo
 
 def test_b8_the_rigid_geometry_leaves_hertz_out_too():
     """`flangeway geometry` has no estimate of Hertz for contacts that conform, and one for others."""
-    coarse = {"step_mm": 1.0, "largest_lateral_mm": 2.0, "largest_amplitude_mm": 1.0}
+    coarse = {"step_mm": 1.0, "maximum_lateral_mm": 2.0, "maximum_amplitude_mm": 1.0}
     for values, conforms in (({"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0}, True), ({}, False)):
         contacts = run_geometry("a case", GeometryCase.from_values({**coarse, **values})).summary["equilibrium"][
             "contacts"

@@ -29,7 +29,7 @@ def test_b9_the_geometry_says_it_too():
             "lateral_force_kN": 28.4,
             "superelevation_mm": 30.0,
             "step_mm": 1.0,
-            "largest_amplitude_mm": 1.0,
+            "maximum_amplitude_mm": 1.0,
             "wheel": "S1002",
         }
     )

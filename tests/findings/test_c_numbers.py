@@ -94,7 +94,7 @@ PLACES = {
     "cant": lambda value: Track(rail(), cant=value),
     "gauge depth": lambda value: Track(rail(), gauge_depth_mm=value),
     "back to back": lambda value: Wheelset(wheel(), value),
-    "height of the load": lambda value: Wheelset(wheel(), barycentre_height_mm=value),
+    "height of the load": lambda value: Wheelset(wheel(), centre_of_gravity_height_mm=value),
     "left radius": lambda value: Wheelset(wheel(), left_radius_mm=value),
     "roll": lambda value: WheelsetMotion(roll_rad=value),
     "weight": Load,

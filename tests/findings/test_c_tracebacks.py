@@ -77,7 +77,7 @@ def test_c_two_solutions_at_one_distance_end_a_push():
     """Where the contact jumps at one distance, the search for a push ends without a division by zero."""
     search = object.__new__(_Search)
     state = SimpleNamespace(status=Status(False, "", 0))
-    search.scale, search.trials, search._judged = 1.0, 0, lambda best: best
+    search.scale, search.trials, search._checked = 1.0, 0, lambda best: best
     assert search._refined((0.5, -1.0, state), (0.5, 2.0, state))[1] == -1.0
 
 

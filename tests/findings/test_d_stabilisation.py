@@ -22,7 +22,7 @@ def test_d_cooks_tip_on_36_polygons(order: int, most: float) -> None:
 
 
 def test_d_hertz_pressure_of_order_1() -> None:
-    """The largest pressure between discs of order-1 polygons is Hertz's to 5 %, where it was 13 % above."""
+    """The maximum pressure between discs of order-1 polygons is Hertz's to 5 %, where it was 13 % above."""
     upper, lower = HalfDisc(0.06, "polygons", "vem", 1), HalfDisc(0.05, "polygons", "vem", 1)
     pairing = SegmentToSegment(weighting="dual")
     solution = solve_hertz(HertzProblem(upper, lower, Multiplier(), pairing, curved=True, n_steps=3))

@@ -17,7 +17,7 @@ def corners(mesh, cell):
 
 
 def test_dual_of_one_triangle_by_hand():
-    """A triangle gives three quadrilaterals: corner, middle, barycentre, middle."""
+    """A triangle gives three quadrilaterals: corner, middle, centre of gravity, middle."""
     mesh = PolyMesh([[0.0, 0.0], [6.0, 0.0], [0.0, 6.0]], [0, 3], [0, 1, 2])
     cells = dual(mesh)
     assert corners(cells, 0).tolist() == [[0, 0], [3, 0], [2, 2], [0, 3]]
@@ -26,7 +26,7 @@ def test_dual_of_one_triangle_by_hand():
 
 
 def test_inner_cells_are_made_of_the_barycentres():
-    """The inner points of a grid get hexagons whose corners are the barycentres about them."""
+    """The inner points of a grid get hexagons whose corners are the centroids about them."""
     mesh = rectangle_grid(3.0, 3.0, 3, 3)
     cells = dual(mesh)
     sizes = cells.cell_sizes.reshape(4, 4)
@@ -57,7 +57,7 @@ def triangulations(draw):
 
 @given(triangulations())
 def test_dual_of_any_triangulation_fills_the_body(mesh):
-    """Cells are simple, positive and fill the body; each holds its own point and barycentres."""
+    """Cells are simple, positive and fill the body; each holds its own point and centroids."""
     cells = dual(mesh)
     check(cells, region_area=1.0)
     assert cells.n_cells == mesh.n_points

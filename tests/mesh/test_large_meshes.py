@@ -18,7 +18,7 @@ from flangeway.mesh import (
     dual,
     gmsh_session,
     long_meshes,
-    long_meshes_told,
+    long_meshes_reported,
     rectangle_grid,
     refined,
     triangulate,
@@ -193,7 +193,7 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
     told = []
 
     def both():
-        with long_meshes_told(told.append):
+        with long_meshes_reported(told.append):
             hole = square(0.3).transformed(Placement(0.3, (3.0, 2.0)))
             fine = Refinement([(3.0, 3.0)], 0.02, 0.2)
             yield triangulate(circle(1.0, (3.0, 2.0)), size=0.2, refinements=[fine], holes=[hole])

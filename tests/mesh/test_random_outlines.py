@@ -72,11 +72,11 @@ def test_meshes_of_random_outlines_keep_the_area(segments, fineness):
     _, _, distances = outline.closest(mesh.points[mesh.boundary_edges[:, 0]])
     assert np.abs(distances).max() < 1e-9 * outline.size
     sides = zip(outline.segments, outline.names, strict=True)
-    cut_off = sum(largest_cut(segment, mesh, name) for segment, name in sides)
+    cut_off = sum(maximum_cut(segment, mesh, name) for segment, name in sides)
     assert abs(within - outline.area) <= cut_off + 1e-9 * outline.area
 
 
-def largest_cut(segment, mesh, name):
+def maximum_cut(segment, mesh, name):
     """Area between an arc and the chords of its edges, (r^2 / 2) (t - sin t) of each."""
     if isinstance(segment, Line):
         return 0.0

@@ -96,7 +96,7 @@ def test_principal_axes_turn_with_the_section():
 
 
 def test_principal_axis_carries_no_product_of_inertia():
-    """About the angle given, the largest moment is the one of `principal_moments`."""
+    """About the angle given, the maximum moment is the one of `principal_moments`."""
     found = constants(ANGLE, 0.1)
     ixx, iyy, ixy = found.second_moments
     c, s = np.cos(found.principal_angle), np.sin(found.principal_angle)

@@ -110,7 +110,7 @@ def test_both_rails_mirror_each_other(locus):
 
 
 def test_contact_angles(locus):
-    """Contact angles agree to 0.3 degrees on tread and throat, and to 1.3 degrees on the steep flange."""
+    """Contact angles agree to 0.3 degrees on tread and flange root, and to 1.3 degrees on the steep flange."""
     difference = np.degrees(np.abs(locus.right.contact_angles_rad[:, 0] - ANGLES))
     one_place = np.abs(BOTH) >= 1.0
     assert difference[one_place & (BOTH <= 4.5)].max() < 0.3
@@ -135,7 +135,7 @@ def test_jumps(benchmark, locus):
     for moved in (published, rigid):
         assert (moved[jumping] < -6.0).all()
         assert np.abs(moved[~jumping]).max() < 2.6
-    # the jump to the flange is the same to a tenth of a millimetre, that to the throat to 1.1 mm in 11
+    # the jump to the flange is the same to a tenth of a millimetre, that to the flange root to 1.1 mm in 11
     assert rigid[starts == 6.0] == pytest.approx(published[starts == 6.0], abs=0.1)
     assert rigid[starts == 4.5] == pytest.approx(published[starts == 4.5], abs=1.1)
 

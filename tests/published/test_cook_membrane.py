@@ -1,4 +1,4 @@
-"""Cook's membrane (seed 5.2.2) with the numbers of Artioli et al. (2017), and a nearly incompressible one."""
+"""Cook's membrane (Moherdaui 2021, 5.2.2) with numbers of Artioli et al. (2017), and a nearly incompressible one."""
 
 import numpy as np
 import pytest

@@ -22,7 +22,9 @@ def test_the_family_keeps_what_is_known_of_the_wheel(radius):
     """Taper, height, thickness and angle of the flange, narrow arc and slope between the arcs stay; no kink appears."""
     made = with_flange_root(wheel(), radius)
     parts = dict(zip(made.outline.names, made.outline.segments, strict=True))
-    narrow, wide, tread, face = (parts[n] for n in ("throat_R1", "throat_R2", "tread_1:20", "flange_face_75deg"))
+    narrow, wide, tread, face = (
+        parts[n] for n in ("flange_root_R1", "flange_root_R2", "tread_1:20", "flange_face_75deg")
+    )
     assert isinstance(narrow, Arc)
     assert narrow.radius == pytest.approx(14.2875, abs=1e-4)
     assert 1.0 / abs(wide.curvature) == pytest.approx(radius, rel=1e-6)
@@ -55,16 +57,16 @@ def test_vo2_stands_where_it_was_published():
 
 
 def test_roots_that_do_not_fit_are_refused():
-    """A radius that leaves no room, another throat for the identified wheel, and other wheels are refused."""
+    """A radius that leaves no room, another flange root for the identified wheel, and other wheels are refused."""
     for radius in (10.0, 90.0, float("nan")):
         with pytest.raises(InputError, match="flange root"):
             with_flange_root(wheel(), radius)
     with pytest.raises(InputError, match="flange root"):
         with_flange_root(wheel("S1002"), 40.0)
-    with pytest.raises(InputError, match="throat_radius_mm"):
+    with pytest.raises(InputError, match="flange_root_radius_mm"):
         wheel_named(IDENTIFIED, 17.0)
-    with pytest.raises(InputError, match="wide_throat_radius_mm"):
-        WheelsetTangentCase.from_values({"wheel": IDENTIFIED, "wide_throat_radius_mm": 44.0}).problem()
+    with pytest.raises(InputError, match="wide_flange_root_radius_mm"):
+        WheelsetTangentCase.from_values({"wheel": IDENTIFIED, "wide_flange_root_radius_mm": 44.0}).problem()
     assert wheel_named(IDENTIFIED, None).outline == identified_wheel().outline
 
 

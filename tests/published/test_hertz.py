@@ -114,8 +114,8 @@ def test_corners_of_straight_edges_show_in_the_pressure():
     problem = published_problem("VVO2", 2, "segments")
     rough, curved = (solve_hertz(replace(problem, curved=on_circle)) for on_circle in (False, True))
     assert rough.status.converged
-    assert curved.pressure.largest_difference(curved.theory, 0.025) < 0.01
-    assert rough.pressure.largest_difference(rough.theory, 0.025) > 0.015
+    assert curved.pressure.maximum_difference(curved.theory, 0.025) < 0.01
+    assert rough.pressure.maximum_difference(rough.theory, 0.025) > 0.015
 
 
 def test_condensed_and_sparse_paths_agree():

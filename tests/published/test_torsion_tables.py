@@ -1,4 +1,4 @@
-"""Torsion constants of seed chapter 4 against its Tables 4 to 7 (relative errors for M1 to M4)."""
+"""Torsion constants of Moherdaui (2021) chapter 4 against its Tables 4 to 7 (relative errors for M1 to M4)."""
 
 from functools import cache
 

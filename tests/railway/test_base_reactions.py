@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.railway.wheelset.residual import balance_of
+from flangeway.railway.wheelset.residual import residuals_of
 from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.solve import CondensedBodies
@@ -33,7 +33,7 @@ def test_supports_balance_the_contact_forces(results, name):
     assert {each.part for each in reactions} == set(results[name].model.parts)
     for each in reactions:
         assert each.force_error < 1e-9
-        assert each.moment_error < 1e-9
+        assert each.moment_residual < 1e-9
         assert np.abs(each.force_N + each.contact_force_N).max() < 1e-9 * np.linalg.norm(each.contact_force_N)
 
 
@@ -85,13 +85,13 @@ def test_the_holding_force_is_the_residual_of_the_balance(results):
     """What holds a prescribed motion is the negative residual about the axle's middle, and zero where it is free."""
     held = results["held"]
     response = CondensedBodies(held.model.system.surface_nodes)
-    residual, balance = balance_of(held.model, response, held.equilibrium.motion, held.equilibrium.state)
+    residual, balance = residuals_of(held.model, response, held.equilibrium.motion, held.equilibrium.state)
     found = holding_force(held)
     assert found.lateral_N == pytest.approx(-residual[0], rel=1e-9)
     assert found.moment_Nmm == pytest.approx(-residual[2], rel=1e-9)
     assert abs(found.vertical_N) < 1e-6
     assert abs(found.lateral_N) > 100.0
-    assert balance.resulting_error < 1e-10
+    assert balance.equilibrium_residual < 1e-10
 
 
 def test_a_free_wheelset_is_not_held(results):

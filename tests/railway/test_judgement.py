@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.cases import WheelsetTangentCase
 from flangeway.railway.wheelset.missed_overlap import missed_contact
-from flangeway.railway.wheelset.wheelset_checks import judged
+from flangeway.railway.wheelset.wheelset_checks import checked
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.solve import CondensedBodies
 
@@ -27,7 +27,7 @@ def judge(result, *, state=None, patches=None, missed=(), displacements=None, **
     """Judge a result of which something was changed."""
     if state is not None:
         changed["state"] = replace(result.equilibrium.state, **state)
-    return judged(
+    return checked(
         result.model,
         replace(result.equilibrium, **changed),
         result.patches if patches is None else patches,

@@ -38,7 +38,7 @@ def test_a_second_run_computes_nothing_anew(folder: Path, monkeypatch: pytest.Mo
         raise AssertionError("computed again")
 
     for name in (
-        "flangeway.railway.rigid.cached_start.rigid_rest",
+        "flangeway.railway.rigid.cached_start.rigid_start",
         "flangeway.railway.wheelset.cached_mesh.triangulate",
         "flangeway.solve.condensed.factorise",
         "flangeway.railway.wheelset.wheelset_result.find_equilibrium",

@@ -1,4 +1,4 @@
-"""Largest shear stresses of many positions, beside those of one field after the other."""
+"""Maximum shear stresses of many positions, beside those of one field after the other."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -13,7 +13,7 @@ from flangeway.post import stresses_along
 from flangeway.problems import ElasticField
 from flangeway.railway.positions import many_positions as positions
 from flangeway.railway.positions.many_positions import Positions, solve_positions
-from flangeway.railway.positions.positions_shear import LoadedPatch, largest_shears
+from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_shears
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
@@ -53,7 +53,7 @@ def asked(request: pytest.FixtureRequest) -> Asked:
         return [{} for _ in given]
 
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(positions, "largest_shears", kept)
+        patch.setattr(positions, "maximum_shears", kept)
         table = solve_positions(prepared, Positions.grid([-9.0, 0.0, 1.5, 8.8], [90e3, 250e3]), shear=True)
     assert table.converged.all(), table.messages
     return Asked(prepared, tuple(loaded))
@@ -118,11 +118,11 @@ def test_all_at_once_agree_with_one_alone(asked: Asked, monkeypatch: pytest.Monk
         return body_fields(self, number, forces)
 
     monkeypatch.setattr(CondensedBodies, "body_fields", counted)
-    first = largest_shears(prepared, loaded, superposed=False)
+    first = maximum_shears(prepared, loaded, superposed=False)
     assert sum(solved) == 2 * len(loaded)
-    last = largest_shears(prepared, loaded, superposed=True)
+    last = maximum_shears(prepared, loaded, superposed=True)
     solved.clear()
-    again = largest_shears(prepared, loaded, superposed=True)
+    again = maximum_shears(prepared, loaded, superposed=True)
     assert not solved  # the unit forces are kept
     assert again == last
     for wanted, by_solving, superposed in zip(expected, first, last, strict=True):

@@ -20,7 +20,7 @@ from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
-from flangeway.railway.wheelset.subsurface import SEARCHED, largest_on
+from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on
 
 STEEL = Elastic(210e3, 0.3)
 PAIRS = {"S1002 on 60E1": ("60E1", "S1002"), "AAR-1B on 136RE": ("136RE", "AAR-1B")}
@@ -146,8 +146,8 @@ def test_a_lateral_motion_is_found(north_american: PreparedWheelset) -> None:
     agree(north_american, table, 1)
 
 
-def test_the_largest_shear_is_that_of_the_fields(north_american: PreparedWheelset) -> None:
-    """The largest shear stress below each contact is that on the same line of the field of the full search: 1e-6."""
+def test_the_maximum_shear_is_that_of_the_fields(north_american: PreparedWheelset) -> None:
+    """The maximum shear stress below each contact is that on the same line of the field of the full search: 1e-6."""
     table = solve_positions(north_american, Positions.grid([1.0], [150e3, 200e3]), shear=True)
     found = north_american.solve(Load(200e3), Prescribed(lateral_mm=1.0))
     fields = north_american.response.fields(
@@ -164,7 +164,7 @@ def test_the_largest_shear_is_that_of_the_fields(north_american: PreparedWheelse
             lines = lines_below(north_american, role, patch.side, [patch])
             points = lines.points[0]
             line = stresses_along(ElasticField(body.elasticity, field), points[0], points[-1], len(points))
-            expected = largest_on(lines.depths[0], line.stresses.in_plane_shear, SEARCHED)
+            expected = maximum_on(lines.depths[0], line.stresses.in_plane_shear, SEARCHED)
             assert patch.shear[role].value_MPa == pytest.approx(expected.value_MPa, rel=1e-6)
             assert 0.2 < patch.shear[role].value_MPa / patch.max_pressure_MPa < 0.5
             assert 0.3 < patch.shear[role].depth_mm / patch.half_width_mm < 1.5

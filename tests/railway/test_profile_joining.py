@@ -9,8 +9,8 @@ from flangeway.railway.profiles.bundled import RailProfile, rail, wheel
 from flangeway.railway.profiles.formats.segment_files import write_segment_csv
 from flangeway.railway.profiles.joining import (
     BLEND_FACTOR,
-    LARGEST_BLEND_MM,
     LEAST_BLEND_MM,
+    MAX_BLEND_MM,
     joined,
     nominal_profile,
     on_plain_body,
@@ -82,7 +82,7 @@ def test_the_rule_is_kept(tmp_path):
         np.testing.assert_allclose(ends, sorted([joint.end, joint.landing]), atol=1e-9)
         assert nominal.closest([joint.landing, joint.foot])[2].max() < 1e-9
         assert joint.gap_mm == pytest.approx(np.hypot(*np.subtract(joint.end, joint.foot)), abs=1e-9)
-        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * joint.gap_mm), LARGEST_BLEND_MM)
+        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * joint.gap_mm), MAX_BLEND_MM)
         places = [place_of(nominal, lengths, p) for p in (joint.foot, joint.landing)]
         assert abs(places[1] - places[0]) == pytest.approx(blend, abs=1e-6)
     assert found.nominal.outline.area - outline.area > 10.0
@@ -130,11 +130,13 @@ def test_what_does_not_fit_is_refused(points, kind, name, message, tmp_path):
         joined(measured, name)
 
 
-@pytest.mark.parametrize(("name", "aside", "lean"), [("136RE", 6.0, 0.0), ("60E1", -6.5, 0.0), ("60E1", 0.0, 0.025)])
-def test_a_head_counted_from_elsewhere_is_moved_to_its_field_side(name, aside, lean, tmp_path):
+@pytest.mark.parametrize(
+    ("name", "lateral_offset", "lean"), [("136RE", 6.0, 0.0), ("60E1", -6.5, 0.0), ("60E1", 0.0, 0.025)]
+)
+def test_a_head_counted_from_elsewhere_is_moved_to_its_field_side(name, lateral_offset, lean, tmp_path):
     """A head counted from a mark beside its middle, or from the highest point as it leans, fits with a notice."""
     points = head_points(name) @ np.array([[1.0, -lean], [lean, 1.0]]) / np.hypot(1.0, lean)
-    points = points - points[np.argmax(points[:, 1])] * [float(lean != 0.0), 1.0] + [aside, 0.0]
+    points = points - points[np.argmax(points[:, 1])] * [float(lean != 0.0), 1.0] + [lateral_offset, 0.0]
     found = joined(read_profile(file_of(tmp_path, points, "rail"), ReadOptions(smooth_mm=0.0)), name)
     assert any("moved sideways" in notice for notice in found.profile.notices)
     assert max(joint.gap_mm for joint in found.joints) < 2.5

@@ -197,7 +197,7 @@ def test_small_overlaps_are_left_out(tmp_path):
     [(-58.0, -50.0, False), (-35.0, -25.0, False), (5.0, 15.0, True), (-10.0, 40.0, False)],
 )
 def test_gaps_are_bridged_only_where_the_profile_is_straight(first, last, bridged, tmp_path):
-    """A missing centimetre of tread is bridged with a notice; of flange or throat, or five of tread, it is refused."""
+    """A missing centimetre of tread is bridged with a notice; of flange or root, or five of tread, it is refused."""
     points = wheel_points()
     left = points[(points[:, 0] < first) | (points[:, 0] > last)]
     path = saved(tmp_path, left)

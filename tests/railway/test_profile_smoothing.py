@@ -82,7 +82,7 @@ def test_a_wave_of_the_wavelength_is_halved(wavelength):
 @example(limit=1.0, wavelength=1.0, noise=2e-4, seed=391)
 @example(limit=21.5, wavelength=20.0, noise=0.02, seed=1)  # feet of perpendiculars a tenth of a mm from their points
 def test_no_point_is_moved_further_than_the_limit(limit, wavelength, noise, seed):
-    """Whatever wavelength and noise, the largest deviation told is within the limit, and it is the true one."""
+    """Whatever wavelength and noise, the maximum deviation told is within the limit, and it is the true one."""
     points = noisy(head(0.5), noise, seed)
     try:
         found = smoothed(points, wavelength, limit)
@@ -91,7 +91,7 @@ def test_no_point_is_moved_further_than_the_limit(limit, wavelength, noise, seed
     assert found is not None or noise > 2e-4 * limit
     if found is None:
         return
-    assert found.largest_um <= limit
+    assert found.maximum_um <= limit
     distances = 1e3 * found.curve.closest(points)[2]
     apart = 1.02e3 * ARC_TOLERANCE_MM  # the arcs are compared with the spline at many places, but not at all
     assert distances.max() <= limit + apart
@@ -102,9 +102,9 @@ def test_corners_are_held_while_noise_is_smoothed():
     """A long wavelength rounds a small corner by no more than the limit, and says how many points it held."""
     points = noisy(head(), 0.002)
     free, held = smoothed(points, 10.0, 1e4), smoothed(points, 10.0, 15.0)
-    assert free.largest_um > 30.0
+    assert free.maximum_um > 30.0
     assert free.n_held == 0
-    assert held.largest_um <= 15.0
+    assert held.maximum_um <= 15.0
     assert 0 < held.n_held < len(points) / 2
 
 
@@ -112,7 +112,7 @@ def test_without_smoothing_the_curve_goes_through_all_points():
     """Wavelength 0 moves nothing, and the arcs pass every point within their tolerance."""
     points = noisy(head(), 0.003)
     found = smoothed(points, 0.0)
-    assert found.largest_um == 0.0
+    assert found.maximum_um == 0.0
     np.testing.assert_allclose(found.points, points, atol=1e-9)
     assert found.curve.closest(points)[2].max() <= ARC_TOLERANCE_MM * 1.01
 

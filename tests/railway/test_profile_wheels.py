@@ -47,9 +47,9 @@ def test_s1002_is_smooth():
         turn = a.tangent(1.0)[0] @ b.tangent(0.0)[0]
         assert math.degrees(math.acos(min(1.0, turn))) < 0.05
     radii = {n: s.radius for n, s in zip(contour.names, contour.segments, strict=True) if isinstance(s, Arc)}
-    for name, radius in (("throat_R13", 13.0), ("flange_front_R20", 20.0), ("flange_tip_R12", 12.0)):
+    for name, radius in (("flange_root_R13", 13.0), ("flange_front_R20", 20.0), ("flange_tip_R12", 12.0)):
         assert radii[name] == pytest.approx(radius, rel=1e-8)
-    assert contour.segments[contour.names.index("throat_R13")].curvature < 0.0
+    assert contour.segments[contour.names.index("flange_root_R13")].curvature < 0.0
     assert contour.segments[contour.names.index("flange_tip_R12")].curvature > 0.0
 
 
@@ -61,7 +61,7 @@ def test_heavy_haul_wheel_is_nine_smooth_arcs():
         assert a.tangent(1.0)[0] @ b.tangent(0.0)[0] == pytest.approx(1.0, abs=1e-8)
     assert contour.closest([(0.0, 0.0)])[2][0] < 1e-5
     hollow = [n for n, s in zip(contour.names, contour.segments, strict=True) if s.curvature < 0.0]
-    assert hollow == ["throat_R14", "throat_R39"]
+    assert hollow == ["flange_root_R14", "flange_root_R39"]
     assert wheel("heavy-haul").flange_height_mm == pytest.approx(26.0, abs=0.05)
 
 
@@ -82,9 +82,9 @@ def test_wheels_are_regions_with_a_straight_cut(name, cut):
 
 
 def test_wrong_wheels_are_refused():
-    """A throat's radius for a wheel without one to choose, and a cut below the rim's edge, are refused."""
-    with pytest.raises(InputError, match="throat_radius_mm"):
-        wheel("S1002", throat_radius_mm=13.0)
+    """A flange root's radius for a wheel without one to choose, and a cut below the rim's edge, are refused."""
+    with pytest.raises(InputError, match="flange_root_radius_mm"):
+        wheel("S1002", flange_root_radius_mm=13.0)
     with pytest.raises(InputError, match="cut_height_mm"):
         wheel("heavy-haul", cut_height_mm=22.0)
 

@@ -100,7 +100,7 @@ def test_wheel_has_the_figures_of_the_standard():
     assert abs(tread.tangent(0.5)[0, 1] / tread.tangent(0.5)[0, 0]) == pytest.approx(0.05, rel=1e-5)
     tape_line = tread.closest([(0.0, 0.0)])[1][0]
     assert tape_line < 1e-5
-    arc = outline.segments[outline.names.index("throat_R1")]
+    arc = outline.segments[outline.names.index("flange_root_R1")]
     points = arc.point(np.linspace(0, 1, 100001))
     thickness = profile.flange_back_mm + points[np.argmin(np.abs(points[:, 1] + 9.525)), 0]
     assert thickness == pytest.approx(34.925, abs=2e-3)
@@ -127,23 +127,23 @@ def test_wheel_running_surface_is_one_chain_in_outline_order():
     part = profile.outline.part(profile.running_names)
     assert part.names == profile.running_names
     assert part.segments[0].start == (-77.7875, -7.9375)
-    assert {"throat_R1", "throat_R2", "tread_1:20"} <= set(part.names)
+    assert {"flange_root_R1", "flange_root_R2", "tread_1:20"} <= set(part.names)
 
 
 @pytest.mark.parametrize("radius", [10.0, 14.2875, 17.4625, 20.0])
-def test_throat_with_another_radius_stays_smooth(radius):
-    """The throat's arc has the radius asked for and meets its neighbours tangentially."""
-    outline = wheel(throat_radius_mm=radius).outline
-    i = outline.names.index("throat_R1")
+def test_flange_root_with_another_radius_stays_smooth(radius):
+    """The flange root's arc has the radius asked for and meets its neighbours tangentially."""
+    outline = wheel(flange_root_radius_mm=radius).outline
+    i = outline.names.index("flange_root_R1")
     assert outline.segments[i].radius == pytest.approx(radius, rel=1e-9)
     for a, b in ((i - 1, i), (i, i + 1)):
         first, second = outline.segments[a].tangent(1.0)[0], outline.segments[b].tangent(0.0)[0]
         assert first @ second == pytest.approx(1.0, abs=1e-12)
 
 
-def test_throat_of_the_files_radius_is_the_files():
-    """The construction with 14.2875 mm gives the file's throat, to its rounding."""
-    made, given = wheel(throat_radius_mm=14.2875).outline, wheel().outline
+def test_flange_root_of_the_files_radius_is_the_files():
+    """The construction with 14.2875 mm gives the file's flange root, to its rounding."""
+    made, given = wheel(flange_root_radius_mm=14.2875).outline, wheel().outline
     assert made.names == given.names
     for a, b in zip(made.segments, given.segments, strict=True):
         np.testing.assert_allclose([a.start, a.end], [b.start, b.end], atol=5e-5)
@@ -166,7 +166,7 @@ def test_users_see_how_certain_the_contours_are():
         (lambda: wheel("S1003"), "AAR-1B"),
         (lambda: wheel(cut_height_mm=5.0), "20 to 100"),
         (lambda: wheel(cut_height_mm=math.nan), "20 to 100"),
-        (lambda: wheel(throat_radius_mm=25.0), "10 to 20"),
+        (lambda: wheel(flange_root_radius_mm=25.0), "10 to 20"),
     ],
 )
 def test_unknown_profiles_are_refused_with_those_there_are(make, word):

@@ -74,8 +74,8 @@ def test_stresses_along_the_surface_are_principal_stresses_of_the_cells(curve):
         along = np.stack((-face.outwards[near, 1], face.outwards[near, 0]), axis=1)
         planes = np.array([[components[:, 0], components[:, 2]], [components[:, 2], components[:, 1]]])
         cells = np.einsum("ni,ijn,nj->n", along, planes, along)
-        largest = np.abs(face.stresses_MPa).max()
-        assert np.abs(cells - face.stresses_MPa[near]).max() < 0.08 * largest
+        maximum = np.abs(face.stresses_MPa).max()
+        assert np.abs(cells - face.stresses_MPa[near]).max() < 0.08 * maximum
 
 
 def test_faces_go_up_from_the_base(curve):
@@ -89,7 +89,7 @@ def test_faces_go_up_from_the_base(curve):
         assert (sign * face.outwards[web, 0] > 0.99).all()
 
 
-def test_extremes_are_the_largest_between_two_heights(curve):
+def test_extremes_are_the_maximum_between_two_heights(curve):
     """Tension and compression are the largest and the least value between the heights; without edges they are nan."""
     face = rail_bending(curve, "right").faces[0]
     upper = face.points_mm[:, 1] > 90.0

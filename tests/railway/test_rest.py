@@ -6,13 +6,13 @@ import pytest
 
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
-from flangeway.railway.rigid.elastic_start import rigid_rest
+from flangeway.railway.rigid.elastic_start import rigid_start
 
 
 @pytest.mark.parametrize("cant", [1 / 40, 1 / 30, 1 / 100])
 def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(cant: float) -> None:
     """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(cant)) from its middle, to 1 µm."""
-    rest = rigid_rest(WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "cant": cant}).problem())
+    rest = rigid_start(WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "cant": cant}).problem())
     _, on_rail = rest.near_places((0.0,), 0.01)["right"]
     assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(cant)), abs=1e-3)
     assert rest.relative_curvature_per_mm == pytest.approx(1 / 254.0)
@@ -20,9 +20,9 @@ def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(cant: float) -
 
 
 def test_in_the_curve_the_flange_side_has_a_second_place() -> None:
-    """At rest in the curve tread and throat touch on the right and the tread on the left, each place on both curves."""
+    """At rest in the curve tread and flange root touch on the right, the tread on the left, each on both curves."""
     problem = WheelsetCurveCase().problem()
-    rest = rigid_rest(problem)
+    rest = rigid_start(problem)
     near = rest.near_places((0.0,), 1e-3)
     assert [len(near[side][0]) for side in ("left", "right")] == [1, 2]
     for side, (on_wheel, on_rail) in near.items():
@@ -33,7 +33,7 @@ def test_in_the_curve_the_flange_side_has_a_second_place() -> None:
 
 def test_a_prescribed_lateral_motion_is_taken() -> None:
     """The rest at a prescribed lateral motion has it, and touches on both sides; no balance is looked for."""
-    rest = rigid_rest(WheelsetTangentCase.from_values({"lateral_mm": 5.0}).problem())
+    rest = rigid_start(WheelsetTangentCase.from_values({"lateral_mm": 5.0}).problem())
     assert rest.motion.lateral_mm == pytest.approx(5.0, abs=1e-9)
     assert rest.equilibrium is None
 
@@ -42,14 +42,14 @@ def test_a_prescribed_lateral_motion_is_taken() -> None:
 def test_a_wheel_that_misses_its_rail(gauge: float) -> None:
     """A gauge that leaves the wheels beside the rails, or on the edge of them, is refused with what to check."""
     with pytest.raises(InputError, match="gauge_mm"):
-        rigid_rest(WheelsetTangentCase.from_values({"gauge_mm": gauge}).problem())
+        rigid_start(WheelsetTangentCase.from_values({"gauge_mm": gauge}).problem())
 
 
 def test_where_a_rigid_flange_climbs_the_rest_stays_before_it() -> None:
     """S1002 on 60E1: from 6.9 mm a flange climbs by 70 degrees; a prescribed 8 mm starts before, 5 mm where it is."""
     values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
     problems = [WheelsetTangentCase.from_values({**values, "lateral_mm": y}).problem() for y in (5.0, 8.0, -8.0)]
-    before, right, left = (rigid_rest(problem).starts for problem in problems)
+    before, right, left = (rigid_start(problem).starts for problem in problems)
     assert [start.lateral_mm for start in before] == [pytest.approx(5.0)]
     assert 6.5 < right[0].lateral_mm < 7.0
     assert right[0].vertical_mm < 0.5

@@ -143,14 +143,14 @@ def test_jumps_of_both_sides_are_mirrored(s1002):
 
 
 def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
-    """Near 5 mm tread and throat of the S1002 are both within some micrometres of the rail."""
+    """Near 5 mm tread and flange root of the S1002 are both within some micrometres of the rail."""
     locus = contact_locus(s1002, [5.0])
     assert locus.right.gaps_mm[0, 1] < 0.002
     assert abs(locus.right.wheel_points_mm[0, 0, 0] - locus.right.wheel_points_mm[0, 1, 0]) > 10.0
 
 
 def test_a_thousand_positions_are_where_they_were_asked_for(heavy_haul):
-    """A sweep over tread, throat and flange has each of its lateral motions to round-off."""
+    """A sweep over tread, flange root and flange has each of its lateral motions to round-off."""
     lateral = np.linspace(-9.9, 9.9, 1000)
     assert np.abs(contact_locus(heavy_haul, lateral).lateral_mm - lateral).max() < 1e-10
 
@@ -198,8 +198,8 @@ def test_the_gauge_is_that_of_the_faces(s1002):
     assert face == pytest.approx(717.5, abs=1e-3)
 
 
-def test_a_throat_that_conforms_to_the_gauge_corner_is_followed():
-    """An S1002's throat touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found all the same."""
+def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():
+    """An S1002's flange root touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found."""
     values = {"wheel_radius_mm": 460.0, "left_wheel_radius_mm": 459.0, "wheel_radius_at": "tape-line"}
     wheelset = find_geometry_case("s1002-60e1", values).curves()
     jumps = contact_jumps(wheelset, 6.7)

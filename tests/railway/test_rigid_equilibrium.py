@@ -1,4 +1,4 @@
-"""Balance of a rigid wheelset: against the potential of its load, statics by hand, and what must fail."""
+"""RelativeResiduals of a rigid wheelset: against the potential of its load, statics by hand, and what must fail."""
 
 import math
 from dataclasses import replace
@@ -47,7 +47,7 @@ def residual(wheelset, position, load):
     """Forces and moment about the origin of the track that are left, over the weight."""
     along, onto = load.in_track
     total = np.array([along, -onto])
-    motion, height = position.motion, wheelset.barycentre_height_mm
+    motion, height = position.motion, wheelset.centre_of_gravity_height_mm
     x = motion.lateral_mm - height * math.sin(motion.roll_rad)
     y = wheelset.reference_height_mm + motion.vertical_mm + height * math.cos(motion.roll_rad)
     moment = -x * onto - y * along
@@ -83,12 +83,12 @@ def test_in_the_curve_the_outer_wheel_bears_on_two_points(crown_radius_in):
     position = found.position
     assert [point.side for point in position.contacts] == ["left", "right", "right"]
     assert all(point.normal_force_N > 0.05 * WEIGHT for point in position.contacts)
-    tread, throat = sorted(position.contacts[1:], key=lambda point: point.contact_angle_rad)
+    tread, flange_root = sorted(position.contacts[1:], key=lambda point: point.contact_angle_rad)
     assert math.degrees(tread.contact_angle_rad) < 4.0
-    assert math.degrees(throat.contact_angle_rad) > 10.0
-    assert throat.rail_point_mm[0] < tread.rail_point_mm[0] - 10.0
+    assert math.degrees(flange_root.contact_angle_rad) > 10.0
+    assert flange_root.rail_point_mm[0] < tread.rail_point_mm[0] - 10.0
     assert residual(wheelset, position, CURVE) < 1e-9
-    # the lateral motion is within the spread that the seed's own profile leaves open
+    # the lateral motion is within the spread that Moherdaui's own profile leaves open
     assert 6.5 < position.motion_in_space.lateral_mm < 9.0
 
 
@@ -101,7 +101,7 @@ def test_the_curve_in_numbers(usual):
 
 def potential(wheelset, load, locus):
     along, onto = load.in_track
-    height = wheelset.barycentre_height_mm
+    height = wheelset.centre_of_gravity_height_mm
     x = locus.lateral_mm - height * np.sin(locus.roll_rad)
     y = wheelset.reference_height_mm + locus.vertical_mm + height * np.cos(locus.roll_rad)
     return onto * y - along * x
@@ -178,7 +178,7 @@ def test_overturning_is_said_with_the_ratio_at_which_it_begins(usual):
 
 def test_derailment_is_said_with_the_ratio_that_the_flange_holds(usual):
     """A force low enough not to overturn, but too large for the flange, climbs it; a little below it is held."""
-    low = replace(usual, barycentre_height_mm=-usual.reference_height_mm)
+    low = replace(usual, centre_of_gravity_height_mm=-usual.reference_height_mm)
     failed = rigid_equilibrium(low, Load(WEIGHT, 3.0 * WEIGHT))
     assert not failed.status.converged
     assert "L/V 3.000, which is a derailment: the right flange climbs" in failed.status.message
@@ -190,8 +190,8 @@ def test_derailment_is_said_with_the_ratio_that_the_flange_holds(usual):
 
 
 def test_all_balances_are_given(usual):
-    """Beside the balance in the throat there is the unstable one on the top of the climbing flange."""
-    low, load = replace(usual, barycentre_height_mm=0.0), Load(WEIGHT, 150e3)
+    """Beside the balance in the flange root there is the unstable one on the top of the climbing flange."""
+    low, load = replace(usual, centre_of_gravity_height_mm=0.0), Load(WEIGHT, 150e3)
     found = rigid_equilibrium(low, load)
     assert [each.stable for each in found.positions] == [True, False]
     assert found.positions[0].motion.lateral_mm == pytest.approx(found.position.motion.lateral_mm)

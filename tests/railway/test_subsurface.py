@@ -10,9 +10,9 @@ from flangeway.railway.wheelset.subsurface import (
     by_normal,
     closest_on_boundary,
     hertz_below,
-    largest_of_lines,
-    largest_on,
-    largest_shear,
+    maximum_of_lines,
+    maximum_on,
+    maximum_shear,
     stresses_below,
 )
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
@@ -27,9 +27,9 @@ def light():
 
 @pytest.mark.parametrize("body", ["rail", "wheel"])
 def test_a_small_contact_has_the_shear_of_hertz(light, body):
-    """Under a small load the largest in-plane shear is 0.300 p0 at 0.786 a (Johnson, 1985, 4.2), within 3 and 6 %."""
+    """Under a small load the maximum in-plane shear is 0.300 p0 at 0.786 a (Johnson, 1985, 4.2), within 3 and 6 %."""
     for patch in light.patches:
-        found = largest_shear(light, patch, body)
+        found = maximum_shear(light, patch, body)
         assert found.value_MPa == pytest.approx(0.3003 * patch.hertz.max_pressure, rel=0.03)
         assert found.depth_mm == pytest.approx(0.7862 * patch.hertz.half_width, rel=0.06)
 
@@ -68,14 +68,14 @@ def test_a_cubic_finds_the_top_between_jumps():
     """Hertz's shear stress in steps of a tenth of the half width has its top where the smooth one has it, to 3 %."""
     depths = np.linspace(0.0, 4.0, 201)
     middles = 0.1 * np.floor(depths / 0.1) + 0.05
-    found = largest_on(depths, middles - middles**2 / np.hypot(1.0, middles))
+    found = maximum_on(depths, middles - middles**2 / np.hypot(1.0, middles))
     assert found.value_MPa == pytest.approx(0.3003, rel=0.005)
     assert found.depth_mm == pytest.approx(0.7862, rel=0.03)
 
 
 def test_too_few_points_are_not_smoothed():
     """With few points the largest one is the answer, and what is outside of the body does not count."""
-    found = largest_on(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 5.0, 4.0, np.nan]))
+    found = maximum_on(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 5.0, 4.0, np.nan]))
     assert (found.value_MPa, found.depth_mm) == (5.0, 1.0)
 
 
@@ -85,7 +85,7 @@ def test_the_last_digit_of_depths_does_not_matter():
     depths = np.linspace(0.0, 5.0, 41)
     for _ in range(50):
         values = 100.0 * depths * np.exp(-0.8 * depths) + rng.normal(scale=3.0, size=depths.shape)
-        found, other = largest_on(depths, values), largest_on(depths * (1.0 + 4e-16 * rng.normal(size=41)), values)
+        found, other = maximum_on(depths, values), maximum_on(depths * (1.0 + 4e-16 * rng.normal(size=41)), values)
         assert (other.depth_mm, other.value_MPa) == pytest.approx((found.depth_mm, found.value_MPa), rel=1e-10)
 
 
@@ -97,16 +97,16 @@ def test_many_lines_have_the_tops_of_cubics():
     values = 100.0 * share * np.exp(-rng.uniform(0.5, 9.0, (200, 1)) * share) + rng.normal(scale=0.3, size=depths.shape)
     values[share > rng.uniform(0.4, 1.5, (200, 1))] = np.nan
     n_smoothed = 0
-    for found, places, stresses in zip(largest_of_lines(depths, values), depths, values, strict=True):
-        largest = places[np.nanargmax(stresses)]
-        near = np.isfinite(stresses) & (np.abs(places - largest) <= 0.5 * largest * (1.0 + 1e-9))
-        wanted = largest, np.nanmax(stresses)
+    for found, places, stresses in zip(maximum_of_lines(depths, values), depths, values, strict=True):
+        maximum = places[np.nanargmax(stresses)]
+        near = np.isfinite(stresses) & (np.abs(places - maximum) <= 0.5 * maximum * (1.0 + 1e-9))
+        wanted = maximum, np.nanmax(stresses)
         if near.sum() >= 8:
             cubic = Polynomial.fit(places[near], stresses[near], 3)
             level = cubic.deriv().roots()
             tops = [float(each.real) for each in level if np.isreal(each) and cubic.deriv(2)(each.real) < 0.0]
             for top in tops:
-                if abs(top - largest) <= 0.5 * largest:
+                if abs(top - maximum) <= 0.5 * maximum:
                     wanted, n_smoothed = (top, cubic(top)), n_smoothed + 1
         assert (found.depth_mm, found.value_MPa) == pytest.approx(wanted, rel=1e-10)
     assert 100 < n_smoothed < 200

@@ -48,7 +48,7 @@ def test_back_to_back_and_radius() -> None:
 
 
 def test_a_motion_is_rigid_and_about_the_axle() -> None:
-    """A roll keeps the axle's middle, lowers the left wheel if positive, and moves the barycentre to the left."""
+    """A roll keeps the axle's middle, lowers the left wheel if positive, moves the centre of gravity to the left."""
     wheelset = Wheelset(wheel())
     motion = WheelsetMotion(lateral_mm=3.0, vertical_mm=-1.0, roll_rad=1e-3)
     before, after = wheel_points(wheelset, "right"), wheel_points(wheelset, "right", motion)
@@ -56,7 +56,7 @@ def test_a_motion_is_rigid_and_about_the_axle() -> None:
     assert motion.axle(wheelset) == pytest.approx((3.0, 500.0 - 25.4 - 1.0))
     assert after[:, 1].min() > before[:, 1].min() - 1.0
     assert wheel_points(wheelset, "left", motion)[:, 1].min() < before[:, 1].min() - 1.0
-    x, y = motion.barycentre(wheelset)
+    x, y = motion.centre_of_gravity(wheelset)
     assert x == pytest.approx(3.0 - 1457.7 * math.sin(1e-3))
     assert y == pytest.approx(500.0 - 25.4 - 1.0 + 1457.7 * math.cos(1e-3))
 
@@ -77,7 +77,7 @@ def test_left_mirrors_right() -> None:
         (lambda: Track(rail(), cant=40.0), "cant"),
         (lambda: Wheelset(wheel(), back_to_back_mm=-1.0), "back_to_back_mm"),
         (lambda: Wheelset(wheel(), radius_mm=math.inf), "radius_mm"),
-        (lambda: Wheelset(wheel(), barycentre_height_mm=math.nan), "barycentre_height_mm"),
+        (lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan), "centre_of_gravity_height_mm"),
     ],
 )
 def test_bad_measures_are_named(make, name: str) -> None:

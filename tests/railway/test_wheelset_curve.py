@@ -28,7 +28,7 @@ def test_the_curve_is_in_balance_from_a_cold_start(crown: int) -> None:
     """The resulting error is below 1e-10, with two contacts on the outer rail and one on the inner one."""
     result = solve(WheelsetCurveCase, crown_radius_in=crown)
     assert result.status.converged, result.status.message
-    assert result.equilibrium.balance.resulting_error < 1e-10
+    assert result.equilibrium.balance.equilibrium_residual < 1e-10
     regions = sorted((patch.side, patch.region) for patch in result.patches)
     assert regions == [("left", "crown"), ("right", "crown"), ("right", "gauge corner")]
     along, onto = result.model.problem.load.in_track
@@ -57,7 +57,7 @@ def test_thirty_times_the_load_is_found() -> None:
     """At 9 MN an axle, many steps' limit below first touch, the balance is found as well."""
     result = solve(WheelsetTangentCase, axle_load_kN=9000.0)
     assert result.status.converged, result.status.message
-    assert result.equilibrium.balance.resulting_error < 1e-10
+    assert result.equilibrium.balance.equilibrium_residual < 1e-10
 
 
 def test_a_prescribed_shift_is_held_by_a_force_at_the_axle() -> None:
@@ -66,8 +66,8 @@ def test_a_prescribed_shift_is_held_by_a_force_at_the_axle() -> None:
     assert result.status.converged, result.status.message
     assert result.equilibrium.motion.lateral_mm == pytest.approx(5.0, abs=1e-12)
     balance = result.equilibrium.balance
-    assert abs(balance.vertical_error) + abs(balance.moment_error) < 1e-9
-    assert abs(balance.lateral_error) > 1e-4
+    assert abs(balance.vertical_residual) + abs(balance.moment_residual) < 1e-9
+    assert abs(balance.lateral_residual) > 1e-4
     assert result.model.problem.prescribed == Prescribed(lateral_mm=5.0)
 
 
@@ -128,18 +128,18 @@ def test_what_cannot_balance_is_said() -> None:
 def test_a_flange_that_climbs_is_a_derailment() -> None:
     """A force low enough not to overturn, but beyond what the flange holds, is refused as a derailment with L/V."""
     with pytest.raises(InputError, match="derailment") as caught:
-        solve(WheelsetCurveCase, lateral_force_kN=900.0, superelevation_mm=0.0, barycentre_height_mm=-480.0)
+        solve(WheelsetCurveCase, lateral_force_kN=900.0, superelevation_mm=0.0, centre_of_gravity_height_mm=-480.0)
     assert "L/V 3.000" in caught.value.given
 
 
 def test_all_balances_are_found() -> None:
-    """Beside the balance in the throat there is one on the top of the climbing flange, and it is unstable."""
+    """Beside the balance in the flange root there is one on the top of the climbing flange, and it is unstable."""
     result = solve(WheelsetCurveCase, equilibria="all", order=1)
     assert result.status.converged, result.status.message
     assert result.equilibrium.stable is True
     (other,) = result.others
     assert other.stable is False
-    assert other.balance.resulting_error < 1e-9
+    assert other.balance.equilibrium_residual < 1e-9
     rigid = [position.motion.lateral_mm for position in result.model.rest.equilibrium.positions]
     assert [result.equilibrium.motion.lateral_mm, other.motion.lateral_mm] == pytest.approx(rigid, abs=2.0)
 

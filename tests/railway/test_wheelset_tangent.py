@@ -1,4 +1,4 @@
-"""The main job: a wheelset in balance on tangent track (seed 7.3.1)."""
+"""The main job: a wheelset in balance on tangent track (Moherdaui 2021, 7.3.1)."""
 
 import numpy as np
 import pytest
@@ -7,7 +7,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
 from flangeway.railway.wheelset.equilibrium import contact_at, find_equilibrium
-from flangeway.railway.wheelset.residual import balance_of, jacobian_of
+from flangeway.railway.wheelset.residual import jacobian_of, residuals_of
 from flangeway.railway.wheelset.wheelset_model import Discretisation, Load, WheelsetProblem, build_model
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.solve import CondensedBodies, SparseBodies
@@ -35,9 +35,9 @@ def coarse():
 
 
 def test_the_load_is_balanced(solved: WheelsetResult) -> None:
-    """The resulting error of the balance is below 1e-10 (the seed: 1e-5 by hand)."""
+    """The resulting error of the balance is below 1e-10 (Moherdaui (2021): 1e-5 by hand)."""
     assert solved.status.converged, solved.status.message
-    assert solved.equilibrium.balance.resulting_error < 1e-10
+    assert solved.equilibrium.balance.equilibrium_residual < 1e-10
     vertical = sum(patch.force_on_wheel_N[1] for patch in solved.patches)
     assert vertical == pytest.approx(300e3, rel=1e-10)
 
@@ -54,7 +54,7 @@ def test_both_sides_are_alike(solved: WheelsetResult) -> None:
 
 
 def test_pressure_and_width_are_hertzian(solved: WheelsetResult) -> None:
-    """Largest pressure and half width are within 10 % of Hertz's for the local radii."""
+    """Maximum pressure and half width are within 10 % of Hertz's for the local radii."""
     for patch in solved.patches:
         assert patch.pressure.pressures.max() == pytest.approx(patch.hertz.max_pressure, rel=0.1)
         assert patch.pressure.half_width == pytest.approx(patch.hertz.half_width, rel=0.1)
@@ -124,7 +124,7 @@ def test_jacobian_of_the_balance(coarse, motion: WheelsetMotion) -> None:
         for sign in (1.0, -1.0):
             at = motion.moved(WheelsetMotion(*change), sign)
             moved = contact_at(model, response, at, (motion, state))
-            ends.append(balance_of(model, response, at, moved)[0])
+            ends.append(residuals_of(model, response, at, moved)[0])
         difference = (ends[0] - ends[1]) / (2.0 * steps[column])
         assert difference == pytest.approx(exact[:, column], rel=1e-5, abs=1e-5 * np.abs(exact[:, column]).max())
 

@@ -120,7 +120,7 @@ def test_the_chain_ends_in_balance(name, runs):
     """From the files to the balance: converged, errors below 1e-10, contact forces that bear the load."""
     run = runs[name]
     assert run.result.status.converged, run.result.status.message
-    assert run.result.equilibrium.balance.resulting_error < 1e-10
+    assert run.result.equilibrium.balance.equilibrium_residual < 1e-10
     along, onto = run.result.model.problem.load.in_track
     total = sum(patch.force_on_wheel_N for patch in run.result.patches)
     assert total == pytest.approx([-along, onto], rel=1e-8, abs=1.0)

@@ -70,7 +70,7 @@ def test_axes_bear_units_and_names(drawn):
             (*zones, "Left contact"),
             (*zones, "Right contact"),
             ("contact pressure in MPa", "in mm", "Hertz"),
-            ("stress in MPa", "depth in mm", "Hertz", "von Mises", "largest in-plane shear", "Rail: left"),
+            ("stress in MPa", "depth in mm", "Hertz", "von Mises", "maximum in-plane shear", "Rail: left"),
             ("tension", "compression", "MPa", "mrad", "mm down", "x in mm", "times as large"),
         ),
         strict=True,
@@ -135,12 +135,12 @@ def test_colours_of_a_body_without_stress():
 
 
 def test_the_factor_makes_the_motion_visible(runs):
-    """The deformed picture shows the largest motion as a hundredth to a fortieth of a part's size."""
+    """The deformed picture shows the maximum motion as a hundredth to a fortieth of a part's size."""
     parts = list(part_fields(runs["fem"].result))
     factor = deformation_factor(parts)
-    largest = max(np.abs(part.points() - part.touch_points).max() for part in parts)
+    maximum = max(np.abs(part.points() - part.touch_points).max() for part in parts)
     size = max(np.ptp(part.touch_points, axis=0).max() for part in parts)
-    assert size / 100.0 < factor * largest <= size / 40.0
+    assert size / 100.0 < factor * maximum <= size / 40.0
 
 
 def test_pictures_are_png(runs):

@@ -131,8 +131,8 @@ def test_the_table_below_the_contacts_is_complete(folder, runs):
             assert depths == sorted(depths)
             assert depths[-1] == pytest.approx(4.0 * contact["half_width_mm"], rel=1e-5)
             assert float(mine[0]["hertz_across_surface_MPa"]) == pytest.approx(-contact["hertz_pressure_MPa"], rel=1e-5)
-            largest = max(float(row["in_plane_shear_MPa"]) for row in mine)
-            assert largest == pytest.approx(contact[f"in_{body}"]["max_in_plane_shear_MPa"], rel=0.1)
+            maximum = max(float(row["in_plane_shear_MPa"]) for row in mine)
+            assert maximum == pytest.approx(contact[f"in_{body}"]["max_in_plane_shear_MPa"], rel=0.1)
 
 
 def test_text_is_escaped_and_warnings_are_shown(runs):

@@ -99,9 +99,9 @@ def test_a_series_opens_all_its_files_in_time(tmp_path):
     assert [float(row["timestep"]) for row in rows] == [0.0, 0.0, 0.25, 0.25, 0.5, 0.5]
     assert [row["part"] for row in rows] == ["0", "1"] * 3
     assert rows[0]["name"] == "beam & co"
-    largest = [np.abs(meshio.read(tmp_path / row["file"]).point_data["displacement"]).max() for row in rows[::2]]
-    assert largest[0] == 0.0
-    assert largest[2] == pytest.approx(2.0 * largest[1])
+    maximum = [np.abs(meshio.read(tmp_path / row["file"]).point_data["displacement"]).max() for row in rows[::2]]
+    assert maximum[0] == 0.0
+    assert maximum[2] == pytest.approx(2.0 * maximum[1])
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["load.pvd", *(p.name for p in written)])
 
 

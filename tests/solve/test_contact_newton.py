@@ -96,7 +96,7 @@ def test_forces_do_not_depend_on_the_axes_of_space(press) -> None:
 
 
 def test_hertz_pressure_and_width(press) -> None:
-    """Half width and largest pressure are within 10 % of Hertz for a few nodes a half width."""
+    """Half width and maximum pressure are within 10 % of Hertz for a few nodes a half width."""
     problem = press("fem", size=0.1, penalty=1e7)
     _, state = solved(problem)
     force = state.forces.sum() / THICKNESS

@@ -1,4 +1,4 @@
-"""Campaigns that ask for the largest shear stress below the contacts."""
+"""Campaigns that ask for the maximum shear stress below the contacts."""
 
 from collections import OrderedDict
 
@@ -34,7 +34,7 @@ def sweep(tmp_path_factory):
     return campaign, [result for chunk in found for result in chunk]
 
 
-def test_each_side_has_the_largest_below_its_patches(sweep):
+def test_each_side_has_the_maximum_below_its_patches(sweep):
     """Values and depths of a side are those of the patch with the largest; they are a part of that patch's pressure."""
     _, found = sweep
     n_two = 0

@@ -16,7 +16,7 @@ def test_defaults_are_the_published_measures():
     problem = WheelsetTangentCase().problem()
     assert (problem.track.gauge_mm, problem.track.cant) == (1600.0, 1 / 40)
     assert (problem.wheelset.back_to_back_mm, problem.wheelset.radius_mm) == (1515.0, 500.0)
-    assert problem.wheelset.barycentre_height_mm == 1457.7
+    assert problem.wheelset.centre_of_gravity_height_mm == 1457.7
     assert (problem.load.vertical_N, problem.thickness_mm) == (300e3, 10.0)
     assert (problem.material.young, problem.material.poisson) == (210e3, 0.3)
     assert problem.material.hypothesis == "plane_strain"
@@ -26,16 +26,16 @@ def test_every_input_reaches_the_problem():
     """Each input, changed alone, changes the problem that is solved: none is without effect."""
     changes = {
         "crown_radius_in": 14.0, "gauge_mm": 1602.0, "cant": 0.05, "back_to_back_mm": 1516.0,
-        "wheel_radius_mm": 450.0, "barycentre_height_mm": 1500.0, "axle_load_kN": 200.0, "thickness_mm": 20.0,
+        "wheel_radius_mm": 450.0, "centre_of_gravity_height_mm": 1500.0, "axle_load_kN": 200.0, "thickness_mm": 20.0,
         "young_MPa": 2e5, "poisson": 0.25, "method": "vem", "size_scale": 2.0, "contact_size_mm": 0.3,
         "body_size_mm": 2.0, "penalty_factor": 10.0, "primary": "wheel", "rail": "60E1", "wheel": "S1002",
-        "throat_radius_mm": 17.46, "left_rail": "60E1", "left_wheel": "S1002", "gauge_depth_mm": 14.0,
+        "flange_root_radius_mm": 17.46, "left_rail": "60E1", "left_wheel": "S1002", "gauge_depth_mm": 14.0,
         "wheel_radius_at": "tape-line", "left_wheel_radius_mm": 499.0, "car_mass_t": 100.0,
         "lateral_force_kN": 10.0, "superelevation_mm": 20.0, "lateral_mm": 5.0, "vertical_mm": -1.0, "roll_rad": 1e-4,
         "wheel_young_MPa": 2e5, "wheel_poisson": 0.25, "rail_young_MPa": 2e5, "rail_poisson": 0.25, "order": 2,
         "wheel_method": "vem", "rail_method": "vem", "wheel_order": 2, "rail_order": 2, "wheel_contact_size_mm": 0.3,
         "rail_contact_size_mm": 0.3, "growth": 0.2, "pairing": "node-to-segment", "enforcement": "multiplier",
-        "penetration_mm": 1e-3, "equilibria": "all", "wide_throat_radius_mm": 44.0, "yield_MPa": 900.0,
+        "penetration_mm": 1e-3, "equilibria": "all", "wide_flange_root_radius_mm": 44.0, "yield_MPa": 900.0,
     }  # fmt: skip
     curve = {"speed_km_h": 70.0, "curve_radius_m": 400.0, "superelevation_mm": "from-speed"}
     together = {

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import CASES
-from flangeway.post import contact_doubts, cut_zones, pressure_patches
+from flangeway.post import check_contact, cut_zones, pressure_patches
 
 NAMES = ["the contact"]
 
@@ -28,9 +28,9 @@ def good():
 def test_a_good_contact_has_no_doubts(good):
     """The disc on the block of the case's example is converged, without errors and cut zones."""
     contact = good.contact
-    doubts = contact_doubts(contact.system, contact.state, good.patches, NAMES)
+    checks = check_contact(contact.system, contact.state, good.patches, NAMES)
     assert good.status.converged
-    assert doubts.errors == ()
+    assert checks.errors == ()
     assert cut_zones(contact.system, contact.state) == ()
 
 
@@ -49,20 +49,20 @@ def test_a_tension_is_an_error(good):
     forces = state.forces.copy()
     forces[forces == 0.0] = -0.01 * forces.max()
     wrong = replace(state, forces=forces)
-    doubts = contact_doubts(good.contact.system, wrong, pressure_patches(good.contact.system, wrong), NAMES)
-    assert len(doubts.errors) == 1
-    assert "pulls with" in doubts.errors[0]
+    checks = check_contact(good.contact.system, wrong, pressure_patches(good.contact.system, wrong), NAMES)
+    assert len(checks.errors) == 1
+    assert "pulls with" in checks.errors[0]
 
 
 def test_segments_are_counted_by_order(good):
     """A patch of 7 constraints is 7 segments, which is told as too few; 8 on a smooth ellipse are enough."""
     patch = good.patches[0]
     short = replace(patch, pressures=patch.pressures[:7])
-    doubts = contact_doubts(good.contact.system, good.contact.state, [short], NAMES)
-    assert any("only 7 segments wide, fewer than 8" in warning for warning in doubts.warnings)
+    checks = check_contact(good.contact.system, good.contact.state, [short], NAMES)
+    assert any("only 7 segments wide, fewer than 8" in warning for warning in checks.warnings)
     places = np.linspace(-1.0, 1.0, 10)[1:-1]
     smooth = replace(patch, pressures=100.0 * np.sqrt(1.0 - places**2))
-    assert contact_doubts(good.contact.system, good.contact.state, [smooth], NAMES).warnings == ()
+    assert check_contact(good.contact.system, good.contact.state, [smooth], NAMES).warnings == ()
 
 
 @pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])

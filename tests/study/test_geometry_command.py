@@ -11,7 +11,7 @@ from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, find_geometry_case
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import wheel
-from flangeway.railway.profiles.flange_root import with_wide_throat
+from flangeway.railway.profiles.flange_root import with_wide_flange_root
 from flangeway.railway.rigid.rigid_contact import contact_locus
 
 COARSE = ("--set", "step_mm=0.1")
@@ -50,12 +50,12 @@ def test_the_command_writes_its_files(call, tmp_path):
     assert f"{summary['equivalent_conicity']['integration']:.4f}" in out
 
 
-def test_the_curve_has_the_figure_of_the_throat(call, tmp_path):
-    """With a lateral force on AAR-1B wheels the effect of the throat is drawn, and three contacts are listed."""
+def test_the_curve_has_the_figure_of_the_flange_root(call, tmp_path):
+    """With a lateral force on AAR-1B wheels the effect of the flange root is drawn, and three contacts are listed."""
     code, out, _ = call("geometry", "wheelset-curve", *COARSE)
     assert code == 0
     folder = tmp_path / "out" / "geometry-wheelset-curve"
-    assert (folder / "throat_radius.png").stat().st_size > 1000
+    assert (folder / "flange_root_radius.png").stat().st_size > 1000
     contacts = json.loads((folder / "geometry.json").read_text(encoding="utf-8"))["equilibrium"]["contacts"]
     assert [contact["side"] for contact in contacts] == ["left", "right", "right"]
     assert all(contact["hertz_max_pressure_MPa"] > 100.0 for contact in contacts)
@@ -64,10 +64,10 @@ def test_the_curve_has_the_figure_of_the_throat(call, tmp_path):
 
 def test_the_title_says_what_is_changed():
     """The title names the inputs that are not the case's own: nobody takes one wheel's conicity for another's."""
-    values = {"step_mm": 0.5, "largest_lateral_mm": 2.0, "wheel": "AAR-1B"}
+    values = {"step_mm": 0.5, "maximum_lateral_mm": 2.0, "wheel": "AAR-1B"}
     title = run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values)).summary["title"]
     assert title.startswith("S1002 on 60E1 at 1:40")
-    assert title.endswith("; changed: wheel = AAR-1B, largest_lateral_mm = 2.0, step_mm = 0.5")
+    assert title.endswith("; changed: wheel = AAR-1B, maximum_lateral_mm = 2.0, step_mm = 0.5")
 
 
 def test_overturning_ends_with_one(call):
@@ -119,7 +119,7 @@ def test_conicity_is_finite_at_all_amplitudes(name):
 
 def test_without_roll_the_tread_of_1_20_is_its_conicity():
     """Without roll the AAR-1B's conicity is the slope of its tread; with roll about five percent more."""
-    values = {"step_mm": 0.1, "largest_lateral_mm": 5.0}
+    values = {"step_mm": 0.1, "maximum_lateral_mm": 5.0}
     plain = run_geometry("wheelset-tangent", find_geometry_case("wheelset-tangent", {**values, "roll": "none"}))
     assert plain.summary["equivalent_conicity"]["integration"] == pytest.approx(0.05, rel=1e-5)
     rolled = run_geometry("wheelset-tangent", find_geometry_case("wheelset-tangent", values))
@@ -127,12 +127,12 @@ def test_without_roll_the_tread_of_1_20_is_its_conicity():
 
 
 @pytest.mark.parametrize("radius", [30.0, 38.1, 50.0])
-def test_the_wide_throat_stays_tangent(radius):
+def test_the_wide_flange_root_stays_tangent(radius):
     """Another radius of the wide arc leaves tread and flange where they are and no kink anywhere."""
-    usual, other = wheel("AAR-1B"), with_wide_throat(wheel("AAR-1B"), radius)
+    usual, other = wheel("AAR-1B"), with_wide_flange_root(wheel("AAR-1B"), radius)
     parts = dict(zip(other.outline.names, other.outline.segments, strict=True))
-    assert 1.0 / abs(parts["throat_R2"].curvature) == pytest.approx(radius, rel=1e-6)
-    names = ("throat_R1", "throat_R2", "tread_1:20")
+    assert 1.0 / abs(parts["flange_root_R2"].curvature) == pytest.approx(radius, rel=1e-6)
+    names = ("flange_root_R1", "flange_root_R2", "tread_1:20")
     for one, following in itertools.pairwise(names):
         assert parts[one].tangent(1.0)[0] == pytest.approx(parts[following].tangent(0.0)[0], abs=2e-5)
     same = dict(zip(usual.outline.names, usual.outline.segments, strict=True))
@@ -140,7 +140,7 @@ def test_the_wide_throat_stays_tangent(radius):
     assert parts["tread_1:20"].end == same["tread_1:20"].end
 
 
-def test_a_wide_throat_that_is_none_is_refused():
+def test_a_wide_flange_root_that_is_none_is_refused():
     """A radius below that of the narrow arc has no common tangents."""
-    with pytest.raises(InputError, match="wide_throat_radius_mm = 12"):
-        with_wide_throat(wheel("AAR-1B"), 12.0)
+    with pytest.raises(InputError, match="wide_flange_root_radius_mm = 12"):
+        with_wide_flange_root(wheel("AAR-1B"), 12.0)

@@ -41,7 +41,7 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     summary = json.loads((folder / "profile.json").read_text(encoding="utf-8"))
     assert summary["read_as"]["unit"] == "in"
     assert 2.0 < summary["smoothing"]["noise_um"] < 4.0
-    assert summary["smoothing"]["largest_deviation_um"] <= summary["smoothing"]["limit_um"] < 25.0
+    assert summary["smoothing"]["maximum_deviation_um"] <= summary["smoothing"]["limit_um"] < 25.0
     assert summary["area_mm2"] == pytest.approx(8602.42, abs=3.0)
     assert summary["peak_memory_MB"] > 10.0
     again = run_profile("new/rail.dxf")

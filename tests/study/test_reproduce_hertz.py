@@ -129,7 +129,7 @@ def test_codes_name_methods_and_cells():
 
 
 def test_other_discs_meet_hertz_too():
-    """Unequal radii, materials and orders, chosen by a user, give Hertz's largest pressure within 2 %."""
+    """Unequal radii, materials and orders, chosen by a user, give Hertz's maximum pressure within 2 %."""
     soft = Elastic(10e3, 0.25)
     problem = HertzProblem(
         HalfDisc(0.012, order=2, radius=2.0, opening_rad=1.0),

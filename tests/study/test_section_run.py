@@ -75,8 +75,8 @@ def test_thin_tube_follows_bredt():
     assert found.torsion_constant == pytest.approx(2.0 * math.pi * radius**3 * thickness, rel=1e-3)
 
 
-def test_largest_shear_stress_of_a_disc_and_none_at_a_notch():
-    """A disc's largest stress per torque is 2 / (pi R^3); a section with a reentrant corner has none, and says so."""
+def test_maximum_shear_stress_of_a_disc_and_none_at_a_notch():
+    """A disc's maximum stress per torque is 2 / (pi R^3); a section with a reentrant corner has none, and says so."""
     found = run_section(drawn(Region(circle(10.0)))).summary
     assert found["max_shear_stress_per_torque_per_mm3"] == pytest.approx(2.0 / (math.pi * 1e3), rel=5e-3)
     ell = run_section(drawn(Region(polygon([(0, 0), (30, 0), (30, 5), (5, 5), (5, 30), (0, 30)])))).summary

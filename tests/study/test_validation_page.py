@@ -17,7 +17,7 @@ from flangeway.validation.validation_tables import PageTable, digits, relative
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")
 SECTIONS = {title: text for title, _, text in (part.partition("\n") for part in PAGE.split("\n## ")[1:])}
-LARGEST_PICTURE = 150_000
+MAX_PICTURE = 150_000
 
 
 def rows_of(text):
@@ -75,7 +75,7 @@ def test_pictures_are_small_described_and_all_shown():
     assert len(shown) >= len(SECTIONS)
     for words, name in shown:
         assert len(words) > 40
-        assert (DOCS / "images" / name).stat().st_size < LARGEST_PICTURE
+        assert (DOCS / "images" / name).stat().st_size < MAX_PICTURE
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,7 @@ class Campaign:
     columns
         Columns of results to export; empty: all.
     shear
-        Whether the largest shear stresses below the contacts of wheelsets are wanted.
+        Whether the maximum shear stresses below the contacts of wheelsets are wanted.
 
     """
 

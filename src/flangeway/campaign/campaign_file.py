@@ -118,7 +118,7 @@ class _CampaignText(TomlFile):
         try:
             return read_case(name, {**inputs, **values})
         except InputError as reason:
-            key = next((key for key in (*varied, *inputs) if _is_told(key, reason.given)), "")
+            key = next((key for key in (*varied, *inputs) if _is_reported(key, reason.given)), "")
             in_list = self._has("vary", key)
             place = self._line("vary" if in_list else "inputs", key)
             if key in varied and not in_list:
@@ -207,7 +207,7 @@ class _CampaignText(TomlFile):
         return any(name == key or name.startswith(f"{key}.") for name in names)
 
 
-def _is_told(key: str, message: str) -> bool:
+def _is_reported(key: str, message: str) -> bool:
     """Whether a message is about an input; of one inside of tables it may count the items: ``bodies[1].size_mm``."""
     table, _, name = key.rpartition(".")
     return bool(re.search(rf"\b{re.escape(key)}\b" + (rf"|\.{re.escape(name)}\b" if table else ""), message))

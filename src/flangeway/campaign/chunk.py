@@ -30,7 +30,7 @@ class Chunk:
     losses
         How many workers have died of it.
     shear
-        Whether the largest shear stresses below the contacts of wheelsets are wanted.
+        Whether the maximum shear stresses below the contacts of wheelsets are wanted.
     n_alike
         Number of rows of the whole campaign with the same bodies.
 

@@ -7,10 +7,10 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 from flangeway.exact import LineContact
-from flangeway.railway.positions.positions_patches import LanePatch
+from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.wheelset.subsurface import largest_shear
+from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 Value = float | int | str | None
@@ -39,7 +39,7 @@ PATCH_COLUMNS = (
 
 _SHEAR = {role: (f"{role}_max_in_plane_shear_MPa", f"{role}_max_in_plane_shear_depth_mm") for role in ROLES}
 PATCH_SHEAR_COLUMNS = tuple(name for names in _SHEAR.values() for name in names)
-"""Further columns of patches where the largest shear stress below the surface is asked for."""
+"""Further columns of patches where the maximum shear stress below the surface is asked for."""
 
 WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in PATCH_SHEAR_COLUMNS)
 """Further results of wheelsets then: the largest of each side's patches, in the wheel and in the rail."""
@@ -60,7 +60,7 @@ class PatchNumbers:
 
     """
 
-    patch: LanePatch
+    patch: PositionPatch
     hertz: LineContact | None
 
 
@@ -94,13 +94,13 @@ class RowResult:
 
 
 def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False) -> RowResult:
-    """Return the numbers of a wheelset in balance, with the largest shear stresses below its patches or without."""
+    """Return the numbers of a wheelset in balance, with the maximum shear stresses below its patches or without."""
     if not result.status.converged:
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
     patches = []
     for patch in result.patches:
-        below = {role: largest_shear(result, patch, role) for role in ROLES} if shear else None
-        patches.append(PatchNumbers(replace(LanePatch.of(patch), shear=below), patch.hertz))
+        below = {role: maximum_shear(result, patch, role) for role in ROLES} if shear else None
+        patches.append(PatchNumbers(replace(PositionPatch.of(patch), shear=below), patch.hertz))
     values, rows = numbers_of(result.equilibrium.motion.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
@@ -140,7 +140,7 @@ def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
     return {f"{side}_{name}": value for name, value in (dict.fromkeys(_SIDE) | values).items()}
 
 
-def _patch(patch: LanePatch, hertz: LineContact | None, number: int) -> dict[str, Value]:
+def _patch(patch: PositionPatch, hertz: LineContact | None, number: int) -> dict[str, Value]:
     lateral, vertical = patch.force_on_wheel_N
     inward = -lateral if patch.side == "right" else lateral
     values: dict[str, Value] = {

@@ -12,7 +12,7 @@ from flangeway.campaign.columns import PatchNumbers, RowResult, numbers_of
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.post.contact_checks import roughness
 from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
-from flangeway.railway.positions.positions_patches import LanePatch
+from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_load import Load
@@ -35,7 +35,7 @@ def position_rows(prepared_for: Row, rows: Sequence[Row], *, shear: bool, n_alik
     rows
         The rows; they differ in position and load only.
     shear
-        Whether the largest shear stresses below the contacts are wanted.
+        Whether the maximum shear stresses below the contacts are wanted.
     n_alike
         Number of rows of the whole campaign with these bodies.
 
@@ -107,6 +107,6 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
     return RowResult("converged", "contact forces balance the load", tuple(warnings), values, rows, seconds)
 
 
-def _numbers(prepared: PreparedWheelset, patch: LanePatch) -> PatchNumbers:
+def _numbers(prepared: PreparedWheelset, patch: PositionPatch) -> PatchNumbers:
     force = float(np.hypot(*patch.force_on_wheel_N))
     return PatchNumbers(patch, prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force))

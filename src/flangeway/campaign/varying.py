@@ -13,7 +13,7 @@ from flangeway.system.file_content import csv_cells
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MOST_ROWS = 1_000_000
-LARGEST_VALUE = 1e100
+MAX_VALUE = 1e100
 """No input is larger; up to it ends and steps of ranges do not overflow."""
 VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
 
@@ -72,10 +72,10 @@ def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
     for inner, value in given.items():
         if inner not in RANGE_KEYS:
             raise InputError(f"{name}.{inner}", ", ".join(RANGE_KEYS), closest(inner, list(RANGE_KEYS)))
-        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= LARGEST_VALUE:
+        if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MAX_VALUE:
             raise InputError(
                 f"{name}.{inner} = {short(value)}",
-                f"a number up to {LARGEST_VALUE:g}",
+                f"a number up to {MAX_VALUE:g}",
                 "correct it; numbers stand without quotation marks",
             )
     if not {"from", "to"} <= set(given) or ("n" in given) == ("step" in given):

@@ -21,7 +21,7 @@ Progress = Callable[[str], None]
 
 MOST_TOLD = 5
 """Faults that one message tells; the others are counted."""
-LARGEST_NUMBER = 1e30
+MAX_NUMBER = 1e30
 """No length, force or modulus is larger in its unit."""
 
 _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
@@ -239,10 +239,10 @@ def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None
         except ValueError:  # a name
             return
         except OverflowError:  # an integer of hundreds of digits
-            number = 2.0 * LARGEST_NUMBER
-        if LARGEST_NUMBER < number < math.inf:
+            number = 2.0 * MAX_NUMBER
+        if MAX_NUMBER < number < math.inf:
             raise InputError(
-                f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {LARGEST_NUMBER:g}", "correct it"
+                f"{where(key)}{key_text(key)} = {short(value)}", f"numbers up to {MAX_NUMBER:g}", "correct it"
             )
 
 

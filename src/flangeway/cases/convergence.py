@@ -7,8 +7,8 @@ from flangeway.cases.case import Progress
 from flangeway.cases.wheelset.runner import run_case
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 
-LARGEST_APPROACH_CHANGE = 0.02
-LARGEST_POSITION_CHANGE_MM = 0.2
+MAX_APPROACH_CHANGE = 0.02
+MAX_POSITION_CHANGE_MM = 0.2
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class Convergence:
             return False
         changes = self.changes()
         return (
-            abs(changes["approach_change"]) < LARGEST_APPROACH_CHANGE
-            and changes["position_change_mm"] < LARGEST_POSITION_CHANGE_MM
+            abs(changes["approach_change"]) < MAX_APPROACH_CHANGE
+            and changes["position_change_mm"] < MAX_POSITION_CHANGE_MM
         )
 
     def changes(self) -> dict[str, float]:
-        """Relative changes of approach, pressure and half width; the largest change of a position in mm."""
+        """Relative changes of approach, pressure and half width; the maximum change of a position in mm."""
         coarse, fine = self.summaries
         pairs = _pairs(coarse, fine)
 
@@ -70,8 +70,8 @@ class Convergence:
             "within": self.within,
             "changes": self.changes() if self.converged else None,
             "limits": {
-                "approach_change": LARGEST_APPROACH_CHANGE,
-                "position_change_mm": LARGEST_POSITION_CHANGE_MM,
+                "approach_change": MAX_APPROACH_CHANGE,
+                "position_change_mm": MAX_POSITION_CHANGE_MM,
             },
             "runs": runs,
             "case": self.summaries[0]["case"],

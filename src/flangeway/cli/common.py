@@ -85,11 +85,11 @@ def progress_shown() -> Iterator[Progress]:
     from rich.progress import Progress as Bar  # noqa: PLC0415
     from rich.progress import SpinnerColumn, TextColumn, TimeElapsedColumn  # noqa: PLC0415
 
-    from flangeway.mesh import long_meshes_told  # noqa: PLC0415
+    from flangeway.mesh import long_meshes_reported  # noqa: PLC0415
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        with long_meshes_told(say):
+        with long_meshes_reported(say):
             yield say
         return
     columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
@@ -99,7 +99,7 @@ def progress_shown() -> Iterator[Progress]:
         def show(sentence: str) -> None:
             bar.update(task, description=sentence)
 
-        with long_meshes_told(show):
+        with long_meshes_reported(show):
             yield show
 
 

@@ -22,7 +22,7 @@ GeometrySet = Annotated[
     typer.Option(
         "--set",
         metavar="KEY=VALUE",
-        help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, largest_lateral_mm, ...; a wrong "
+        help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a wrong "
         "key lists all.",
     ),
 ]

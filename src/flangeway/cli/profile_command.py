@@ -42,7 +42,7 @@ ProfileSmooth = Annotated[
 ]
 ProfileLimit = Annotated[
     float | None,
-    typer.Option("--limit", metavar="UM", help="Largest motion of a point by smoothing.", show_default=False),
+    typer.Option("--limit", metavar="UM", help="Maximum motion of a point by smoothing.", show_default=False),
 ]
 ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
 ProfileJoin = Annotated[

@@ -16,7 +16,7 @@ STRAIGHT = 1e-9
 """Turn between two parts of a straight side, by round-off."""
 
 LITTLE = 1e-3
-"""Depth over the largest displacement of the surfaces that elements leave between nodes."""
+"""Depth over the maximum displacement of the surfaces that elements leave between nodes."""
 
 ROUND_OFF = 1e-9
 """Of a depth, over the size of the smaller body."""

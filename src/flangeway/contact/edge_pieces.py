@@ -68,7 +68,7 @@ def find_pieces(
     candidates
         Secondary and primary edges that may face each other, each of shape (c,).
     reach, depth
-        Largest gap and largest penetration along the secondary's normal at the middle of a piece.
+        Maximum gap and maximum penetration along the secondary's normal at the middle of a piece.
 
     """
     edges, partners, feet = _over_chords(secondary, primary, candidates)

@@ -39,8 +39,8 @@ def shape_functions(order: int, xi: Floats, highest: int = 2) -> tuple[Floats, .
     Returns
     -------
     tuple of Floats
-        ``highest + 1`` arrays of shape (*xi.shape, order + 1), nodes in the direction of the edge (seed 3.122 and 3.131
-        with its middle node in the middle).
+        ``highest + 1`` arrays of shape (*xi.shape, order + 1), nodes in the direction of the edge (Moherdaui 2021,
+        3.122 and 3.131 with its middle node in the middle).
 
     """
     coefficients = _coefficients(order)

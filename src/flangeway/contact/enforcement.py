@@ -13,7 +13,7 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True)
 class Penalty:
-    """Contact pressure in proportion to the penetration (seed 2.66, signs of the errata).
+    """Contact pressure in proportion to the penetration (Moherdaui 2021, 2.66, signs of the errata).
 
     Parameters
     ----------
@@ -21,8 +21,9 @@ class Penalty:
         The penalty, > 0. There is no default: it depends on the material, the size of the elements and the accuracy
         that is wanted. A contact without it names a first choice for its bodies.
     per
-        ``"node"``: force per penetration at each secondary node (seed 3.5), with `NodeToSegment` only. ``"length"``:
-        pressure per penetration, so that the answer does not depend on the number of nodes (seed 3.5.8).
+        ``"node"``: force per penetration at each secondary node (Moherdaui 2021, 3.5), with `NodeToSegment` only.
+        ``"length"``: pressure per penetration, so that the answer does not depend on the number of nodes (Moherdaui
+        2021, 3.5.8).
 
     """
 
@@ -38,7 +39,7 @@ class Penalty:
 
     @property
     def penetration(self) -> float:
-        """Largest penetration that is tolerated: any."""
+        """Maximum penetration that is tolerated: any."""
         return np.inf
 
 
@@ -51,7 +52,7 @@ class AugmentedLagrange:
     value, per
         As in `Penalty`. The larger, the fewer corrections are needed.
     penetration
-        Largest penetration, and largest gap under pressure, that is tolerated; a length > 0.
+        Maximum penetration, and maximum gap under pressure, that is tolerated; a length > 0.
 
     """
 
@@ -83,7 +84,7 @@ class Multiplier:
 
     @property
     def penetration(self) -> float:
-        """Largest penetration that is tolerated; the solver's own tolerance decides."""
+        """Maximum penetration that is tolerated; the solver's own tolerance decides."""
         return np.inf
 
 

@@ -1,4 +1,4 @@
-"""Gap between a node and an edge, with its first and second derivatives (seed 3.5.1 to 3.5.6).
+"""Gap between a node and an edge, with its first and second derivatives (Moherdaui 2021, 3.5.1 to 3.5.6).
 
 With the closest point ``x_m(xi)``, the edge's tangent ``t = x_m,xi`` and its unit normal n, which points out of the
 primary body, the gap is ``g = n . (x_s - x_m)``: open where positive.
@@ -55,8 +55,8 @@ class NodeEdgeGaps:
 def closest_parameters(nodes: Floats, edges: Floats) -> Floats:
     """Parameter of the point of each edge (extended beyond its ends) that is closest to a node.
 
-    Straight edges have the closed form of seed (3.125), which is also the first guess of the Newton iteration for
-    curved ones (seed 3.135).
+    Straight edges have the closed form of Moherdaui (2021, 3.125), which is also the first guess of the Newton
+    iteration for curved ones (Moherdaui 2021, 3.135).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Node-to-segment contact: each secondary node against one primary edge (seed 3.5)."""
+"""Node-to-segment contact: each secondary node against one primary edge (Moherdaui 2021, 3.5)."""
 
 from dataclasses import dataclass
 

@@ -27,7 +27,7 @@ class BodyOverlap:
         That point, x and y.
     allowed
         Depth that is explained there: by the penetration of the contact law, by the chords of curves (h^2 / 8 R on each
-        side, see `Boundary`), by a thousandth of the surfaces' largest displacement, and by round-off.
+        side, see `Boundary`), by a thousandth of the surfaces' maximum displacement, and by round-off.
 
     """
 

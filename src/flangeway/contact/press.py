@@ -62,7 +62,7 @@ class ContactSolution:
     steps
         Converged load steps.
     initial_penetration
-        Largest penetration of each contact before any motion and deformation, shape (n_contacts,); 0 if it was open.
+        Maximum penetration of each contact before any motion and deformation, shape (n_contacts,); 0 if it was open.
     overlapped
         Whether it is a failure because bodies overlap although the iteration converged.
 
@@ -246,6 +246,6 @@ def _share_of(motion: Placement, share: float) -> Placement:
 
 
 def _penetrations(system: ContactSystem, positions: Floats) -> Floats:
-    """Largest penetration of each contact at positions of the surface nodes."""
+    """Maximum penetration of each contact at positions of the surface nodes."""
     lin = system.linearise(positions, None)
     return np.array([float((-pairs.gaps).max(initial=0.0)) for pairs in lin.pairs])

@@ -152,7 +152,7 @@ class ContactSystem:
         return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
     def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
-        """Largest penetration that the law of a contact explains, with what is little beside the largest displacement.
+        """Maximum penetration that the law of a contact explains, with what is little beside the maximum displacement.
 
         The latter is what elements between nodes leave, and includes round-off.
         """

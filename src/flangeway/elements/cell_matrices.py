@@ -30,7 +30,7 @@ class CellMatrices:
     centroid
         Centroid, shape (2,).
     diameter
-        Largest distance of two vertices.
+        Maximum distance of two vertices.
     area
         Area.
     D
@@ -78,7 +78,7 @@ class CellMatrices:
 
     @property
     def stiffness(self) -> Floats:
-        """Stiffness of Laplace's operator with the identity as stabilisation (seed 3.69, 3.71), (n, n)."""
+        """Stiffness of Laplace's operator with the identity as stabilisation (Moherdaui 2021, 3.69, 3.71), (n, n)."""
         gram = self.G.copy()
         gram[0] = 0.0
         missed = np.eye(len(self.D)) - self.pi_nabla

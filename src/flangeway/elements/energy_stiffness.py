@@ -7,7 +7,7 @@ from flangeway.types import Floats
 
 
 def energy_stiffness(element: Element, reconstruction: Reconstruction, moduli: Floats) -> Floats:
-    """Consistency (seed 3.69) plus stabilisation.
+    """Consistency (Moherdaui 2021, 3.69) plus stabilisation.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Lagrange triangles of order k (seed 3.2.3: T3, T6, and T10)."""
+"""Lagrange triangles of order k (Moherdaui 2021, 3.2.3: T3, T6, and T10)."""
 
 from dataclasses import dataclass
 from functools import cache

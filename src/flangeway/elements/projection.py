@@ -1,4 +1,4 @@
-"""The integrals behind the projections of virtual elements (seed 3.3.3), for whole batches of polygons."""
+"""The integrals behind the projections of virtual elements (Moherdaui 2021, 3.3.3), for whole batches of polygons."""
 
 from dataclasses import dataclass
 
@@ -59,7 +59,7 @@ class Polygons:
         return monomials.evaluate(self.order, points)
 
     def monomial_dofs(self, boundary: Floats) -> Floats:
-        """Degrees of freedom of the monomials, the matrix D (seed 3.64), (n_local, n_monomials(k), n_cells)."""
+        """Degrees of freedom of the monomials, matrix D (Moherdaui 2021, 3.64), (n_local, n_monomials(k), n_cells)."""
         n_inner = n_monomials(self.order - 2)
         if not n_inner:
             return np.ascontiguousarray(boundary.swapaxes(0, 1))
@@ -95,7 +95,7 @@ class Polygons:
     def energy_matrices(self, gradient_moments: Floats) -> tuple[Floats, Floats]:
         """Gradient products of the monomials from degree 1, and of these with the basis functions.
 
-        These are the matrices G and B without their first rows (seed 3.56, 3.60): shapes
+        These are the matrices G and B without their first rows (Moherdaui 2021, 3.56, 3.60): shapes
         (n, n, n_cells) and (n, n_local, n_cells) with ``n = n_monomials(k) - 1``.
         """
         order, map_ = self.order, self.frame.map
@@ -125,7 +125,7 @@ class Polygons:
         return mean
 
     def energy_projection(self, monomial_dofs: Floats, gradient_moments: Floats) -> tuple[Floats, Floats]:
-        """Energy projection and the integrals that it is made of (seed 3.60, 3.62).
+        """Energy projection and the integrals that it is made of (Moherdaui 2021, 3.60, 3.62).
 
         Returns
         -------

@@ -31,7 +31,7 @@ class Reconstruction:
         The local coordinates in which the monomials are written.
     value
         Coefficients of the value, degree k, shape (n_monomials(k), n_local, n_cells). A virtual element's
-        is orthogonal in energy (seed 3.54).
+        is orthogonal in energy (Moherdaui 2021, 3.54).
     moments
         Integrals of the monomials up to degree 2 k over each cell, shape (n_monomials(2 k), n_cells).
     monomial_dofs
@@ -41,8 +41,8 @@ class Reconstruction:
         shape (n_monomials(k - 1), 2, n_local, n_cells). None if every discrete function is a polynomial
         of degree k, so that nothing is left to project or to stabilise.
     energy_moments
-        Integrals of the gradient times those of the monomials from degree 1, the matrix B of seed (3.60) without its
-        first row, shape (n_monomials(k) - 1, n_local, n_cells); None likewise.
+        Integrals of the gradient times those of the monomials from degree 1, the matrix B of Moherdaui (2021, 3.60)
+        without its first row, shape (n_monomials(k) - 1, n_local, n_cells); None likewise.
 
     """
 
@@ -90,7 +90,7 @@ class Reconstruction:
     def value_energy(self, moduli: Floats) -> Floats:
         """Integrals of products of the gradients of `value` times moduli (n_cells,), (n_local, n_local, n_cells).
 
-        This is the consistency of seed (3.69), ``Pi^T B``.
+        This is the consistency of Moherdaui (2021, 3.69), ``Pi^T B``.
         """
         if self.energy_moments is None:
             return self.gradient_energy(self.value_gradient, moduli)
@@ -120,11 +120,11 @@ class Reconstruction:
 
     @cached_property
     def projected_value(self) -> Floats:
-        """Coefficients of the L2 projection of the value, degree k, shape as `value` (seed 3.76).
+        """Coefficients of the L2 projection of the value, degree k, shape as `value` (Moherdaui 2021, 3.76).
 
         Moments up to degree k - 2 are degrees of freedom; those of degree k - 1 and k are, in the enhanced
         space (Ahmad et al., 2013, "Equivalent projectors for virtual element methods"), the moments of
-        `value`. For k = 1 and 2 both projections agree (seed 3.80).
+        `value`. For k = 1 and 2 both projections agree (Moherdaui 2021, 3.80).
         """
         if self.exact or self.order <= 2:
             return self.value

@@ -37,7 +37,7 @@ def _mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats
 
 @dataclass(frozen=True)
 class IdentityStabilisation(Stabilisation):
-    """Modulus times ``(I - D Pi)^T (I - D Pi)`` (seed 3.71; Beirao da Veiga et al., 2013).
+    """Modulus times ``(I - D Pi)^T (I - D Pi)`` (Moherdaui 2021, 3.71; Beirao da Veiga et al., 2013).
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ class SpectralStabilisation(Stabilisation):
 
 @dataclass(frozen=True)
 class TraceStabilisation(Stabilisation):
-    """``factor tr(K_c) (I - Q Q^T)``, Q an orthonormal basis of the polynomials' degrees of freedom (seed 3.96).
+    """``factor tr(K_c) (I - Q Q^T)``, Q an orthonormal basis of the polynomials' unknowns (Moherdaui 2021, 3.96).
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The virtual element of order k on simple polygons (seed 3.3.1 to 3.3.5 and 3.3.7)."""
+"""The virtual element of order k on simple polygons (Moherdaui 2021, 3.3.1 to 3.3.5 and 3.3.7)."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,8 @@ class Virtual(Element):
     The value is reconstructed by the projection that is orthogonal in energy (Beirao da Veiga et al., 2013; seed
     3.58 to 3.66), and the gradient either as that polynomial's or by its own L2 projection onto polynomials of
     degree k - 1, whose symmetric part is the projection onto strains of Artioli et al. (2017, Comput. Mech. 60,
-    eq. 14; seed 3.84 to 3.88). Monomials are written in the cell's principal axes, so that a stretch costs no digits.
+    eq. 14; Moherdaui (2021) 3.84 to 3.88). Monomials are written in the cell's principal axes, so that a stretch costs
+    no digits.
 
     What breaks first is the conditioning of the monomials, however far the cell is from the origin and however short
     its edges. Solutions of plane elasticity reproduce polynomials, at nu = 0.3, to 1e-12 for k <= 4, to 1e-11 for
@@ -38,9 +39,9 @@ class Virtual(Element):
     order
         Order k, 1 to 10.
     stabilisation
-        Stiffness of what the projection misses. None takes `IdentityStabilisation` for one field (seed 3.71) and
-        `SpectralStabilisation` for a displacement, chosen by measurement; published displacements took
-        `TraceStabilisation` (seed 3.96).
+        Stiffness of what the projection misses. None takes `IdentityStabilisation` for one field (Moherdaui 2021, 3.71)
+        and `SpectralStabilisation` for a displacement, chosen by measurement; published displacements took
+        `TraceStabilisation` (Moherdaui 2021, 3.96).
 
     """
 

@@ -1,4 +1,4 @@
-"""Contact of parallel cylinders by Hertz (Johnson, 1985, "Contact Mechanics", 4.2; seed Table 2 as corrected)."""
+"""Contact of parallel cylinders by Hertz (Johnson, 1985, "Contact Mechanics", 4.2; Moherdaui 2021, Table 2)."""
 
 from dataclasses import dataclass
 from typing import Self
@@ -40,7 +40,7 @@ class LineContact:
 
     @classmethod
     def of_max_pressure(cls, max_pressure: float, relative_curvature: float, modulus: float) -> Self:
-        """Contact with a given largest pressure, ``P = pi R p0^2 / E*``."""
+        """Contact with a given maximum pressure, ``P = pi R p0^2 / E*``."""
         return cls(
             np.pi * max_pressure * abs(max_pressure) / (relative_curvature * modulus), relative_curvature, modulus
         )
@@ -53,12 +53,12 @@ class LineContact:
 
     @property
     def max_pressure(self) -> float:
-        """Largest pressure ``p0 = 2 P / (pi a)``."""
+        """Maximum pressure ``p0 = 2 P / (pi a)``."""
         return 2.0 * self.force_per_length / (np.pi * self.half_width)
 
     @property
     def max_shear(self) -> float:
-        """Largest shear stress in the plane, ``0.3003 p0`` at `DEPTH_OF_MAX_SHEAR` below the middle (seed 2.75)."""
+        """Maximum in-plane shear stress, ``0.3003 p0`` at `DEPTH_OF_MAX_SHEAR` below it (Moherdaui 2021, 2.75)."""
         depth = DEPTH_OF_MAX_SHEAR
         return self.max_pressure * (depth - depth**2 / float(np.hypot(1.0, depth)))
 
@@ -68,7 +68,7 @@ class LineContact:
         return self.max_pressure * np.sqrt(np.maximum(relative, 0.0))
 
     def stresses(self, x: ArrayLike, depth: ArrayLike) -> Floats:
-        """Stresses in a half plane (McEwen, 1949; Johnson, 1985, eq. 4.49; on the axis seed 2.73 to 2.75).
+        """Stresses in a half plane (McEwen, 1949; Johnson, 1985, eq. 4.49; on the axis Moherdaui (2021) 2.73 to 2.75).
 
         Parameters
         ----------

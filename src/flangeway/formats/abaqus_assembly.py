@@ -10,7 +10,7 @@ from flangeway.errors import InputError
 from flangeway.types import Floats
 
 FLAT = 1e-9
-LARGEST_COORDINATE = 1e30
+MAX_COORDINATE = 1e30
 
 
 @dataclass(frozen=True)
@@ -264,8 +264,6 @@ def _real(word: str, block: DeckBlock) -> float:
         value = float(word.upper().replace("D", "E"))
     except ValueError as reason:
         raise InputError(f"{block.place_of(word)}: {word[:40]}", "a number and coordinates", "repair it") from reason
-    if not abs(value) <= LARGEST_COORDINATE:
-        raise InputError(
-            f"{block.place_of(word)}: {word[:40]}", f"coordinates up to {LARGEST_COORDINATE:g}", "repair it"
-        )
+    if not abs(value) <= MAX_COORDINATE:
+        raise InputError(f"{block.place_of(word)}: {word[:40]}", f"coordinates up to {MAX_COORDINATE:g}", "repair it")
     return value

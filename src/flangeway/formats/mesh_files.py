@@ -11,7 +11,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.formats.abaqus_mesh import read_abaqus
-from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, mended_mesh
+from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
 from flangeway.mesh.gmsh_session import gmsh_model
 from flangeway.system.file_content import is_file
 from flangeway.types import Ints
@@ -67,7 +67,7 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
         raise InputError(f"{file}, which is empty", "a mesh", "export it again")
     try:
         drawn = read_abaqus(file) if file.suffix.lower() == ".inp" else _read_meshio(file)
-        return mended_mesh(drawn, merge_points=merge_points)
+        return repaired_mesh(drawn, merge_points=merge_points)
     except OSError as reason:
         raise InputError(
             f"{file}: {reason.strerror or reason}", "a file that can be read", "check its permissions"

@@ -78,7 +78,7 @@ class MeshFile:
     notices: tuple[str, ...] = ()
 
 
-def mended_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
+def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     """Return the mesh in the plane with counter-clockwise cells, each once, and points that are used, each once.
 
     Points that hang on edges of cells are added to these, unless points at one place stay apart.

@@ -13,7 +13,7 @@ from collections.abc import Mapping, Sequence
 
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import UNITS, DrawnSection, agreed_unit
-from flangeway.formats.outline_repair import DrawnSegment, drawn_polygon, mended_outline
+from flangeway.formats.outline_repair import DrawnSegment, drawn_polygon, repaired_outline
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.geometry.region import Section, nested_regions
@@ -63,13 +63,13 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         what = "outline" if len(loops) == 1 else f"loop {number} of {len(loops)}"
         drawn = _with_mirror_image(loop, what) if mirrored else loop
         try:
-            outline, mended = mended_outline(drawn, what, direction_matters=not mirrored and number == 1)
+            outline, repaired = repaired_outline(drawn, what, direction_matters=not mirrored and number == 1)
         except InputError as reason:
             if "starts at" in reason.given and "from the end" in reason.given:
                 raise InputError(reason.given, reason.allowed, _MIRROR_ADVICE) from reason
             raise
         outlines.append(outline)
-        notices += mended
+        notices += repaired
     regions = nested_regions(outlines)
     names = ["section"] if len(regions) == 1 else [f"part_{i}" for i in range(1, len(regions) + 1)]
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), agreed, notices=tuple(notices))

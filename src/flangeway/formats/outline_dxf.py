@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.formats.drawn_section import DrawnSection, agreed_unit
-from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, mended_outline
+from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, repaired_outline
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.geometry.region import Section, nested_regions
@@ -51,7 +51,7 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
             "check the format of the file, or draw the outline in model space",
         )
     agreed = agreed_unit(unit_of(drawing), unit, _HOW)
-    with damage_told():
+    with damage_reported():
         loops, chains, ignored = _pieces(drawing)
         loops += _joined_chains(chains)
     if not loops:
@@ -91,16 +91,16 @@ def _section(loops: Sequence[list[DrawnSegment]], unit: str, ignored: Counter[st
     outlines = []
     for number, loop in enumerate(loops, 1):
         what = f"loop {number} of {len(loops)} (layer {loop[0].name!r})"
-        outline, mended = mended_outline(loop, what, direction_matters=False)
+        outline, repaired = repaired_outline(loop, what, direction_matters=False)
         outlines.append(outline)
-        notices += mended
+        notices += repaired
     regions = nested_regions(outlines)
     names = ["section"] if len(regions) == 1 else [f"part_{i}" for i in range(1, len(regions) + 1)]
     return DrawnSection("", Section(dict(zip(names, regions, strict=True))), unit, notices=tuple(notices))
 
 
 @contextmanager
-def damage_told() -> Iterator[None]:
+def damage_reported() -> Iterator[None]:
     """Turn what the library raises about damaged entities, of whatever kind, into an InputError."""
     from ezdxf.lldxf.const import DXFError  # noqa: PLC0415  (slow to import, and few programs read drawings)
 

@@ -12,7 +12,7 @@ from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.segments import Arc, Line, Segment
 
-LARGEST_COORDINATE = 1e30
+MAX_COORDINATE = 1e30
 """So that the sixth power of a length, and products of such, stay within floating-point numbers."""
 
 
@@ -62,7 +62,7 @@ def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[Dra
     ]
 
 
-def mended_outline(
+def repaired_outline(
     drawn: Sequence[DrawnSegment], what: str, *, direction_matters: bool = True
 ) -> tuple[Outline, tuple[str, ...]]:
     """Return a counter-clockwise outline, and a notice of each thing that was mended.
@@ -103,10 +103,10 @@ def mended_outline(
 def _refuse_not_finite(drawn: Sequence[DrawnSegment], what: str) -> None:
     for number, segment in enumerate(drawn):
         for kind, point in (("start", segment.start), ("end", segment.end), ("centre", segment.centre)):
-            if point is not None and not all(abs(coordinate) <= LARGEST_COORDINATE for coordinate in point):
+            if point is not None and not all(abs(coordinate) <= MAX_COORDINATE for coordinate in point):
                 raise InputError(
                     f"{what}: {kind} of segment {number} ({segment.name}) is ({point[0]}, {point[1]})",
-                    f"finite coordinates up to {LARGEST_COORDINATE:g}",
+                    f"finite coordinates up to {MAX_COORDINATE:g}",
                     "repair or remove this point",
                 )
 

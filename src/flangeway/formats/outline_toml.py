@@ -7,7 +7,7 @@ from typing import Any
 
 from flangeway.errors import InputError, short
 from flangeway.formats.drawn_section import DrawnSection, PartMaterial, agreed_unit
-from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, mended_outline
+from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, repaired_outline
 from flangeway.formats.rounded_corners import rounded_polygon, through_arc
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.outline import Outline
@@ -119,8 +119,8 @@ def _outline(table: Mapping[str, Any], what: str, notices: list[str], *, outer: 
         if not radius > 0.0:
             raise InputError(f"{what}: radius of the circle = {radius:g}", "a positive length", "correct it")
         drawn = drawn_circle(_point(circle.get("centre"), f"{what}: centre of the circle"), radius)
-    outline, mended = mended_outline(drawn, what, direction_matters=outer)
-    notices += mended
+    outline, repaired = repaired_outline(drawn, what, direction_matters=outer)
+    notices += repaired
     return outline
 
 

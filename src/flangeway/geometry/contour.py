@@ -17,7 +17,7 @@ from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment
 
 JOINT_TOLERANCE = 1e-6
-"""Largest gap between neighbours that `from_segments` closes, relative to the size of the whole."""
+"""Maximum gap between neighbours that `from_segments` closes, relative to the size of the whole."""
 
 CROSSING_TOLERANCE = 1e-9
 """Distance at which segments touch, relative to the size of the whole."""
@@ -191,9 +191,9 @@ class Contour:
         Parameters
         ----------
         spacing
-            Largest distance of neighbours along the chain.
+            Maximum distance of neighbours along the chain.
         max_deviation
-            Largest distance between chords and arcs. At least one of both is needed.
+            Maximum distance between chords and arcs. At least one of both is needed.
 
         Raises
         ------

@@ -18,7 +18,7 @@ from flangeway.geometry.arrays import FloatArray, Point, as_point, as_points
 from flangeway.geometry.placement import Placement
 
 RADIUS_TOLERANCE = 1e-5
-"""Largest difference of an arc's two radii, relative to the radius (files carry 6 decimals)."""
+"""Maximum difference of an arc's two radii, relative to the radius (files carry 6 decimals)."""
 
 
 def _parameters(s: ArrayLike) -> FloatArray:
@@ -274,7 +274,7 @@ def _refuse_zero_length(kind: str, start: Point, end: Point) -> None:
         )
 
 
-def halved(segments: Sequence[Segment], largest_sweep: float) -> list[tuple[Segment, int]]:
+def halved(segments: Sequence[Segment], maximum_sweep: float) -> list[tuple[Segment, int]]:
     """Return the segments with arcs cut into equal pieces no wider than an angle.
 
     Returns
@@ -285,7 +285,7 @@ def halved(segments: Sequence[Segment], largest_sweep: float) -> list[tuple[Segm
     """
     pieces: list[tuple[Segment, int]] = []
     for number, segment in enumerate(segments):
-        count = math.ceil(abs(segment.sweep) / largest_sweep) if isinstance(segment, Arc) else 1
+        count = math.ceil(abs(segment.sweep) / maximum_sweep) if isinstance(segment, Arc) else 1
         cuts = np.arange(1, count) / count
         pieces.extend((piece, number) for piece in (segment.split(cuts) if count > 1 else (segment,)))
     return pieces

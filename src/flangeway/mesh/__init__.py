@@ -4,7 +4,7 @@ from flangeway.mesh.conforming import conforming
 from flangeway.mesh.dual import dual
 from flangeway.mesh.gmsh_mesher import triangulate
 from flangeway.mesh.halved import edges_halved
-from flangeway.mesh.long_meshes import long_meshes_told
+from flangeway.mesh.long_meshes import long_meshes_reported
 from flangeway.mesh.marking import doerfler_marking
 from flangeway.mesh.mesh_checks import check
 from flangeway.mesh.polymesh import PolyMesh
@@ -22,7 +22,7 @@ __all__ = [
     "dual",
     "dual_section",
     "edges_halved",
-    "long_meshes_told",
+    "long_meshes_reported",
     "rectangle_grid",
     "refined",
     "triangulate",

@@ -18,9 +18,9 @@ BYTES_A_TRIANGLE = 420
 def dual(mesh: PolyMesh) -> PolyMesh:
     """Return the polygons about the points of a mesh of triangles.
 
-    The polygon of a point is made of the barycentres of its triangles and, on the boundary, of the
+    The polygon of a point is made of the centroids of its triangles and, on the boundary, of the
     middles of its two boundary edges and the point itself, so that the outline is kept. Cell i of
-    the dual belongs to point i of `mesh`. The dual's points are the barycentres, then the middles
+    the dual belongs to point i of `mesh`. The dual's points are the centroids, then the middles
     of the boundary edges, then the boundary points, each in the order of `mesh`. A boundary edge
     (a, b) becomes (a, m), (m, b) in its edge sets. A cell set is carried along if every point has
     either all or none of its triangles in it.
@@ -50,16 +50,16 @@ def dual(mesh: PolyMesh) -> PolyMesh:
     refuse_large_mesh(f"the dual polygons of {mesh.n_cells:,} triangles", BYTES_A_TRIANGLE * mesh.n_cells)
     _refuse_unfit(mesh)
     n_triangles, n_points = mesh.n_cells, mesh.n_points
-    barycentres = mesh.points[mesh.cell_points.reshape(-1, 3)].mean(axis=1)
+    centroids = mesh.points[mesh.cell_points.reshape(-1, 3)].mean(axis=1)
     rim = _sorted_rim(mesh)
     n_rim = len(rim)
-    points = np.vstack([barycentres, mesh.points[rim].mean(axis=1), mesh.points[rim[:, 0]]])
+    points = np.vstack([centroids, mesh.points[rim].mean(axis=1), mesh.points[rim[:, 0]]])
     leaving = np.full(n_points, -1, dtype=np.int64)
     reaching = np.full(n_points, -1, dtype=np.int64)
     leaving[rim[:, 0]] = np.arange(n_rim)
     reaching[rim[:, 1]] = np.arange(n_rim)
 
-    rings, ring_points = _rings(mesh, barycentres, rim, leaving)
+    rings, ring_points = _rings(mesh, centroids, rim, leaving)
     counts = np.diff(rings).astype(np.int64)
     on_rim = leaving >= 0
     # a boundary point adds itself and the middle of the leaving edge before, of the reaching after
@@ -112,12 +112,12 @@ def _sorted_rim(mesh: PolyMesh) -> IntArray:
 
 
 def _rings(
-    mesh: PolyMesh, barycentres: FloatArray, rim: IntArray, leaving: NDArray[np.int64]
+    mesh: PolyMesh, centroids: FloatArray, rim: IntArray, leaving: NDArray[np.int64]
 ) -> tuple[IntArray, NDArray[np.int64]]:
     """Return offsets (n_points + 1,) and triangles about every point, by rising angle."""
     about = mesh.cell_points.astype(np.int64)
     triangles = row_numbers(mesh.cell_offsets)
-    rays = barycentres[triangles] - mesh.points[about]
+    rays = centroids[triangles] - mesh.points[about]
     angles = np.arctan2(rays[:, 1], rays[:, 0])
     edges = mesh.points[rim[:, 1]] - mesh.points[rim[:, 0]]
     first = np.zeros(mesh.n_points)
@@ -134,7 +134,7 @@ def _rings(
         point = int(about[order[folded.argmax()]])
         raise InputError(
             f"point {point} at {point_text(mesh.points[point])}: two neighbouring triangles are so flat that "
-            "their barycentres lie half a turn or more apart",
+            "their centroids lie half a turn or more apart",
             "triangles that make a simple polygon about every point",
             "refine the mesh there",
         )

@@ -17,7 +17,7 @@ _TOLD: ContextVar[Callable[[str], None]] = ContextVar("_TOLD", default=lambda _:
 
 
 @contextmanager
-def long_meshes_told(progress: Callable[[str], None]) -> Iterator[None]:
+def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
     """Tell of triangulations that take long, wherever they are begun inside this context.
 
     Most are begun deep inside of other work, which does not know of sizes.

@@ -162,7 +162,7 @@ def layers(points: FloatArray, rim: IntArray) -> tuple[IndexArray, IndexArray]:
     forward = np.sign(step[edge, 0])
     own = np.sign(step[rows, 0])[probe]  # the ray goes to the left: up where the probe's edge goes forward
     lengths = np.hypot(*step.T)
-    aside = np.abs(height) > 2.0 * TOUCHING * lengths[edge] * lengths[rows][probe]
-    hit: BoolArray = aside & (np.sign(height) * forward * own < 0.0)
+    lateral_offset = np.abs(height) > 2.0 * TOUCHING * lengths[edge] * lengths[rows][probe]
+    hit: BoolArray = lateral_offset & (np.sign(height) * forward * own < 0.0)
     sums = np.bincount(probe, weights=np.where(hit, -own * forward, 0.0), minlength=len(rows))
     return rows, np.rint(sums).astype(np.int64)

@@ -276,7 +276,7 @@ class PolyMesh:
 
     @cached_property
     def cell_diameters(self) -> FloatArray:
-        """Largest distance of two points of every cell (n_cells,)."""
+        """Maximum distance of two points of every cell (n_cells,)."""
         diameters = np.zeros(self.n_cells)
         for n_vertices, cells in self.batches():
             corners = self.points[self.batch_points(n_vertices, cells)]

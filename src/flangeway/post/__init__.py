@@ -1,7 +1,7 @@
 """What is computed from a solution: stresses, contact pressure, section constants, error norms."""
 
 from flangeway.post.adaptive import AdaptiveRun, AdaptiveStep, adapt
-from flangeway.post.contact_checks import ContactDoubts, contact_doubts, cut_zones
+from flangeway.post.contact_checks import ContactChecks, check_contact, cut_zones
 from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
 from flangeway.post.location import locate
 from flangeway.post.nodal_equilibrium import nodal_imbalance, nodal_residual
@@ -18,7 +18,7 @@ from flangeway.post.torsion_stress import corner_shear_stresses, shear_stresses
 __all__ = [
     "AdaptiveRun",
     "AdaptiveStep",
-    "ContactDoubts",
+    "ContactChecks",
     "CutForce",
     "ErrorNorms",
     "Overlap",
@@ -31,7 +31,7 @@ __all__ = [
     "Stresses",
     "adapt",
     "cell_stresses",
-    "contact_doubts",
+    "check_contact",
     "corner_shear_stresses",
     "corner_stresses",
     "cut_zones",

@@ -15,14 +15,14 @@ from flangeway.solve import ContactState
 SMALL_PENETRATION = 0.05
 """Penetration over the elastic sinking of the surfaces: about the relative error that it makes in the pressure."""
 
-LARGEST_PENETRATION = 1.0
-LARGEST_PULL = 1e-9
-LARGEST_TURN = np.deg2rad(30.0)
+MAX_PENETRATION = 1.0
+MAX_PULL = 1e-9
+MAX_TURN = np.deg2rad(30.0)
 """Turn at the end of a surface below which the boundary goes on as the same surface."""
 
 
 @dataclass(frozen=True)
-class ContactDoubts:
+class ContactChecks:
     """What was found.
 
     Parameters
@@ -38,18 +38,18 @@ class ContactDoubts:
     warnings: tuple[str, ...] = ()
 
 
-def contact_doubts(
+def check_contact(
     system: ContactSystem,
     state: ContactState,
     patches: Sequence[PressurePatch],
     names: Sequence[str],
     finer: str = "take smaller elements there",
     stiffer: str = "raise the penalty",
-) -> ContactDoubts:
+) -> ContactChecks:
     """Check the regions of contact of a solution, without trust in the iteration that found it.
 
     Errors: forces or positions that are not finite, nodes that pull, and a penetration of the size of the elastic
-    sinking p a / E* (largest pressure, half width, modulus of contact; for Hertz's contact it is the height of the
+    sinking p a / E* (maximum pressure, half width, modulus of contact; for Hertz's contact it is the height of the
     circle over the half width). Warnings: a corner that meets a corner, a penetration above 5 % of that, straight edges
     in contact whose distance h^2 / 8 R from the curve they stand for is above it, regions of fewer than 8 segments, and
     a pressure that scatters from node to node.
@@ -70,13 +70,13 @@ def contact_doubts(
     if not isinstance(lin, ContactLinearisation):
         raise TypeError("a state of another system of constraints")
     if not (np.isfinite(state.forces).all() and np.isfinite(state.positions).all()):
-        return ContactDoubts(errors=("forces or positions are not finite numbers",))
+        return ContactChecks(errors=("forces or positions are not finite numbers",))
     errors: list[str] = []
     warnings: list[str] = []
     for number, (contact, name) in enumerate(zip(system.contacts, names, strict=True)):
         inside = slice(lin.starts[number], lin.starts[number + 1])
         forces = state.forces[inside]
-        if forces.min(initial=0.0) < -LARGEST_PULL * np.abs(forces).max(initial=0.0):
+        if forces.min(initial=0.0) < -MAX_PULL * np.abs(forces).max(initial=0.0):
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
         if forces.any():
             warnings += [
@@ -92,7 +92,7 @@ def contact_doubts(
                 f"the penetration of {name}, {depth:.1e} mm, is {100.0 * depth / sinking:.0f} % of what the surfaces "
                 f"sink; {stiffer}"
             )
-            (errors if depth > LARGEST_PENETRATION * sinking else warnings).append(sentence)
+            (errors if depth > MAX_PENETRATION * sinking else warnings).append(sentence)
         facets = _facet_depth(contact, lin.pairs[number], np.flatnonzero(forces > 0.0))
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None
@@ -103,7 +103,7 @@ def contact_doubts(
             )
         for patch in mine:
             warnings += roughness(patch.n_segments, patch.scatter, name, finer)
-    return ContactDoubts(tuple(errors), tuple(warnings))
+    return ContactChecks(tuple(errors), tuple(warnings))
 
 
 def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]:
@@ -153,7 +153,7 @@ def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> f
 
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:
-    """Largest pressure times half width over the modulus of contact."""
+    """Maximum pressure times half width over the modulus of contact."""
     softness = sum(_softness(surface.part.body) for surface in (contact.secondary, contact.primary))
     return float(patch.pressures.max()) * patch.half_width * softness
 
@@ -187,4 +187,4 @@ def _goes_on(surface: Surface, *, forwards: bool) -> bool:
     if len(beyond) != 1 or (surface.edges == beyond[0]).all(axis=1).any():
         return False
     (ax, ay), (bx, by) = (mesh.points[edge[1]] - mesh.points[edge[0]] for edge in (own, beyond[0]))
-    return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < LARGEST_TURN)
+    return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < MAX_TURN)

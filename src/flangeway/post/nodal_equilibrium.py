@@ -1,4 +1,4 @@
-"""Balance of the nodes of a body, from its displacements alone."""
+"""RelativeResiduals of the nodes of a body, from its displacements alone."""
 
 import numpy as np
 
@@ -23,7 +23,7 @@ def nodal_residual(field: ElasticField, forces: Floats) -> Floats:
 
 
 def nodal_imbalance(field: ElasticField, forces: Floats, held: Bools) -> float:
-    """Largest force that is left at a node, over the largest one there; zero without any force.
+    """Maximum force that is left at a node, over the largest one there; zero without any force.
 
     It is that of `nodal_residual`, so neither the factor, nor condensation, nor the contact iteration is trusted that
     found the displacements.

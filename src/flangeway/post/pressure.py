@@ -13,11 +13,10 @@ from flangeway.types import Floats
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 
 FEWEST_SEGMENTS = 8
-"""Segments in a region of contact below which its largest pressure depends on where the nodes happen to lie."""
+"""Segments in a region of contact below which its maximum pressure depends on where the nodes happen to lie."""
 
-LARGEST_SCATTER = 0.1
-"""Scatter of pressures, see `scatter_of`, above which none of them is to be relied on; the meshes of the default cases
-have 0.02."""
+MAX_SCATTER = 0.1
+"""Pressure oscillation (`oscillation_of`) above which no pressure is to be relied on; the default cases have 0.02."""
 
 FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 """Fourth difference: hardly anything of smooth pressures, and 16 times the amplitude of the finest wave."""
@@ -44,7 +43,7 @@ class PressurePatch:
     normal_forces
         Contact forces of the nodes, shape (n,).
     pressures
-        Contact forces over the nodes' areas: for node-to-segment by influence width (seed Figure 63), for
+        Contact forces over the nodes' areas: for node-to-segment by influence width (Moherdaui 2021, Figure 63), for
         segment-to-segment the values of the integrated field, shape (n,). A node of whose area the primary faces less
         than half has the mean pressure of itself and its neighbour.
     width
@@ -84,8 +83,8 @@ class PressurePatch:
 
     @property
     def scatter(self) -> float:
-        """Change of the pressure from one node to the next and back, over the mean around them; see `scatter_of`."""
-        return scatter_of(self.pressures)
+        """Change of the pressure from one node to the next and back, over the local mean; see `oscillation_of`."""
+        return oscillation_of(self.pressures)
 
     @property
     def n_segments(self) -> float:
@@ -103,7 +102,7 @@ class PressurePatch:
         return self.width / 2.0
 
 
-def scatter_of(pressures: Floats) -> float:
+def oscillation_of(pressures: Floats) -> float:
     """Change of pressures from one node to the next and back, over the mean around them.
 
     It is the noise of node-to-segment contact; smooth pressures have almost none, and a peak at an edge hides none: a
@@ -132,12 +131,12 @@ def pressure_remark(n_segments: float, scatter: float) -> str | None:
     n_segments
         Number of segments that the region is wide; at least `FEWEST_SEGMENTS` are wanted.
     scatter
-        Of its pressures, see `scatter_of`; at most `LARGEST_SCATTER` is.
+        Of its pressures, see `oscillation_of`; at most `MAX_SCATTER` is.
 
     """
     if n_segments < FEWEST_SEGMENTS:
         return f"only {n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
-    if scatter > LARGEST_SCATTER:
+    if scatter > MAX_SCATTER:
         return f"scatters by {100.0 * scatter:.0f} %"
     return None
 

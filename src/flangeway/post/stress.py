@@ -32,7 +32,7 @@ class Stresses:
 
     @property
     def in_plane_shear(self) -> Floats:
-        """Largest shear stress in the plane, shape (n,)."""
+        """Maximum shear stress in the plane, shape (n,)."""
         xx, yy, xy, _ = self.components.T
         return np.hypot((xx - yy) / 2.0, xy)
 

@@ -26,7 +26,7 @@ SAME_PLACE = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Elasticity:
-    """A linear elastic body; unknowns are displacements, numbered ``2 * dof + component`` (seed 3.2.6 and 3.3.7).
+    """A linear elastic body; unknowns: displacements numbered ``2 * dof + component`` (Moherdaui 2021, 3.2.6, 3.3.7).
 
     Parameters
     ----------
@@ -219,7 +219,7 @@ class Elasticity:
         return values if len(self.materials) == 1 else values[..., self.cell_material[batch.cells]]
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
-        """Stiffness of cells: consistency (seed 3.93) plus stabilisation, (2 n_local, 2 n_local, n_cells)."""
+        """Stiffness of cells: consistency (Moherdaui 2021, 3.93) and stabilisation, (2 n_local, 2 n_local, n_cells)."""
         result, stabilisation = self._cell_parts(batch)
         if stabilisation is not None:
             by_component = result.transpose(1, 3, 0, 2, 4)

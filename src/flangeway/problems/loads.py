@@ -226,7 +226,7 @@ class Gravity(Load):
 
 
 def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Floats:
-    """Forces of a force per volume times a factor of each cell (n_cells,), on the projected functions (seed 3.81)."""
+    """Forces of a force per volume times a factor of each cell (n_cells,), on projections (Moherdaui 2021, 3.81)."""
     space = problem.space
     # a constant is of degree 0, times the radius of degree 1
     degree = 2 * space.order + 2 if callable(value) else space.order + 1

@@ -21,7 +21,7 @@ class StrainOperators:
     """Derivatives of one component by x and y, and in a body of revolution its hoop strain, on a batch of cells.
 
     The strains of a discrete displacement are their projections onto polynomials of degree k - 1, orthogonal in L2,
-    with the radius as weight in a body of revolution (seed 3.84 to 3.88).
+    with the radius as weight in a body of revolution (Moherdaui 2021, 3.84 to 3.88).
 
     Parameters
     ----------

@@ -1,7 +1,8 @@
 """St. Venant's torsion: from a space and shear moduli to stiffness, load and torsional rigidity.
 
 Displacements are ``u = -theta' z y``, ``v = theta' z x``, ``w = theta' psi(x, y)``; all results are for a rate of
-twist ``theta' = 1``. Equations of the seed are as corrected: (2.99) with ``+2 G theta'``, (2.103) with a minus sign.
+twist ``theta' = 1``. Equations of Moherdaui (2021) are as corrected: (2.99) with ``+2 G theta'``, (2.103) with a minus
+sign.
 """
 
 from collections.abc import Mapping
@@ -42,16 +43,17 @@ class Torsion:
     shear_modulus
         Shear modulus G > 0 of all cells, or of each named cell set, which must then cover the mesh once.
     formulation
-        ``"warping"``: the warping function (Neumann's problem, seed 2.93). ``"prandtl"``: the stress function, zero on
-        the outer boundary and constant on each hole's, whose value is an unknown (seed 2.98).
+        ``"warping"``: the warping function (Neumann's problem, Moherdaui (2021) 2.93). ``"prandtl"``: the stress
+        function, zero on the outer boundary and constant on each hole's, whose value is an unknown (Moherdaui 2021,
+        2.98).
     load
         How Prandtl's function is integrated, for the load and for the torsional rigidity: ``"projected"`` by the
-        L2 projection (seed 3.81), or ``"vertex_mean"``, area times the mean of the vertices' values (order 1 only;
-        less accurate on polygons, the same on triangles).
+        L2 projection (Moherdaui 2021, 3.81), or ``"vertex_mean"``, area times the mean of the vertices' values (order 1
+        only; less accurate on polygons, the same on triangles).
     gradient
         Gradient of a virtual function in stiffness, rigidity and stresses: ``"energy"``, that of the projection that is
-        orthogonal in energy (seed 3.69), or ``"l2"``, the L2 projection of the gradient, which keeps its rotation too.
-        They differ on virtual elements of order 2 and more.
+        orthogonal in energy (Moherdaui 2021, 3.69), or ``"l2"``, the L2 projection of the gradient, which keeps its
+        rotation too. They differ on virtual elements of order 2 and more.
 
     Raises
     ------
@@ -129,7 +131,7 @@ class Torsion:
         return self.space.assemble(self.cell_stiffness, n_components=1)
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
-        """Stiffness of cells: consistency (seed 3.69) plus stabilisation, (n_local, n_local, n_cells)."""
+        """Stiffness of cells: consistency (Moherdaui 2021, 3.69) plus stabilisation, (n_local, n_local, n_cells)."""
         reconstruction = batch.element.reconstruct(batch.vertices)
         moduli = self.cell_moduli[batch.cells]
         if self.formulation == "prandtl":
@@ -185,7 +187,7 @@ class Torsion:
         return load
 
     def torsional_rigidity(self, function: Floats) -> float:
-        """Torque per rate of twist of a warping function (seed 2.103) or Prandtl's function (seed 2.106).
+        """Torque per rate of twist of a warping or a Prandtl function (Moherdaui 2021, 2.103 and 2.106).
 
         Parameters
         ----------

@@ -27,7 +27,7 @@ _STRESSES: tuple[tuple[str, str, Formula], ...] = (
     ("principal_1_MPa", "principal stress 1 (greatest)", "principal-1"),
     ("principal_2_MPa", "principal stress 2", "principal-2"),
     ("principal_3_MPa", "principal stress 3 (least)", "principal-3"),
-    ("max_in_plane_shear_MPa", "largest in-plane shear", "in-plane-shear"),
+    ("max_in_plane_shear_MPa", "maximum in-plane shear", "in-plane-shear"),
     ("stress_xx_MPa", "stress xx", "xx"),
     ("stress_yy_MPa", "stress yy", "yy"),
     ("stress_xy_MPa", "stress xy", "xy"),

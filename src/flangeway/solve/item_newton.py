@@ -33,7 +33,7 @@ class ItemSettings:
     max_iterations
         Iterations before giving up.
     tolerance
-        Largest residual over the largest force on an unknown.
+        Maximum residual over the maximum force on an unknown.
 
     """
 
@@ -122,7 +122,7 @@ def solve_items(
         residuals.append(system.relative_residual())
     converged = bool(residuals[-1] <= settings.tolerance)
     n_iterations = len(residuals) - 1
-    ended = f"converged in {n_iterations} iterations: the residual is {residuals[-1]:.1e} of the largest force"
+    ended = f"converged in {n_iterations} iterations: the residual is {residuals[-1]:.1e} of the maximum force"
     if converged:
         items = tuple(item.commit(system.state[item.unknowns]) for item in items)
     status = Status(converged, ended if converged else f"not {ended}{why}; take smaller load steps", n_iterations)
@@ -157,9 +157,9 @@ class _System:
         self.condenses = condense and len(self.kept) <= MOST_DENSE and len(self.kept) < len(self.free)
 
     def relative_residual(self) -> float:
-        """Largest residual of a free unknown over the largest force on any."""
-        residual, largest = self._residual()
-        return float(np.abs(residual[self.free]).max(initial=0.0)) / (largest or 1.0)
+        """Maximum residual of a free unknown over the maximum force on any."""
+        residual, maximum = self._residual()
+        return float(np.abs(residual[self.free]).max(initial=0.0)) / (maximum or 1.0)
 
     def reactions(self) -> Floats:
         """Forces that hold the prescribed unknowns."""
@@ -182,15 +182,15 @@ class _System:
             self.state[self.free] += factor.recover(at_kept, right)
 
     def _residual(self) -> tuple[Floats, float]:
-        """Residual of all unknowns, and the largest force on one."""
+        """Residual of all unknowns, and the maximum force on one."""
         internal = self.stiffness @ self.state
         total = internal - self.load
-        largest = max(np.abs(internal).max(initial=0.0), np.abs(self.load).max(initial=0.0))
+        maximum = max(np.abs(internal).max(initial=0.0), np.abs(self.load).max(initial=0.0))
         for item in self.nonlinear:
             forces = item.residual(self.state[item.unknowns])
             total[item.unknowns] += forces
-            largest = max(largest, np.abs(forces).max(initial=0.0))
-        return total, float(largest)
+            maximum = max(maximum, np.abs(forces).max(initial=0.0))
+        return total, float(maximum)
 
     def _assembled(self, parts: Sequence[tuple[Item, Floats]]) -> sp.csr_array:
         """Sum of the tangents of items at their states, shape (n, n)."""

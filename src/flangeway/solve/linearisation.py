@@ -37,7 +37,7 @@ class Linearisation(Protocol):
 
     @property
     def tolerances(self) -> Floats:
-        """Largest penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached."""
+        """Maximum penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached."""
 
     def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap``, shape (2 n_touched, 2 n_touched)."""
@@ -55,7 +55,7 @@ class Constraints(Protocol):
     def guarded(self, positions: Floats, lin: Linearisation, forces: Floats, moved: float) -> Linearisation | None:
         """Linearise with further constraints where bodies overlap although those of ``lin`` hold; None if nowhere.
 
-        ``moved`` is the largest displacement, beside which some depths are little.
+        ``moved`` is the maximum displacement, beside which some depths are little.
         """
 
     def describe(self, key: int, positions: Floats) -> str:

@@ -6,8 +6,9 @@ the geometric stiffness ``G = -sum p d2g`` of the *current* forces,
 
     (K + G) u' = B^T p' + G u,   0 <= p',   0 <= g + B (u' - u) + C p',   p' . (...) = 0,
 
-where ``B = dg/du`` and C is the compliance of the contact law (0: no penetration; 1/penalty: seed 2.66 with the sign of
-the errata). Once the active set has settled this is Newton's method with the consistent tangent (seed 3.118).
+where ``B = dg/du`` and C is the compliance of the contact law (0: no penetration; 1/penalty: Moherdaui (2021) 2.66 with
+the sign of the errata). Once the active set has settled this is Newton's method with the consistent tangent (Moherdaui
+2021, 3.118).
 
 Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead, and the forces p0
 are corrected to those found until it is (Uzawa's method).
@@ -33,7 +34,7 @@ HALVE_AFTER = 16
 """Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
 
 NEAR = 0.5
-"""Part of the largest displacement by which bodies may have moved since a start whose gaps are linearised anew only
+"""Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
 
 NAMED = 3
@@ -54,7 +55,7 @@ class NewtonSettings:
     max_corrections
         Corrections of the forces before giving up.
     tolerance
-        Largest imbalance of forces over the total force, and largest violation of the contact law over the largest
+        Maximum imbalance of forces over the total force, and maximum violation of the contact law over the largest
         displacement.
 
     """
@@ -76,9 +77,9 @@ class Iteration:
     Parameters
     ----------
     change
-        Largest change of a displacement over the largest displacement.
+        Maximum change of a displacement over the maximum displacement.
     residual
-        Largest imbalance over the total force, or violation of the contact law over the largest displacement.
+        Maximum imbalance over the total force, or violation of the contact law over the maximum displacement.
     n_active
         Number of constraints under force.
     changed
@@ -231,8 +232,8 @@ class _Run:
 
     def guard(self) -> bool:
         """Add constraints where bodies overlap although those that there are hold; whether there are any."""
-        largest = float(np.abs(self.displacements).max(initial=0.0))
-        more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, largest)
+        maximum = float(np.abs(self.displacements).max(initial=0.0))
+        more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, maximum)
         if more is None:
             return False
         self.forces = _carried(self.current, self.forces, more)
@@ -245,7 +246,7 @@ class _Run:
         self.anchor = (self.current, self.forces)
 
     def excess(self) -> float:
-        """Largest penetration, or gap under force, over the tolerated one."""
+        """Maximum penetration, or gap under force, over the tolerated one."""
         gaps = np.where(self.forces > 0.0, np.abs(self.current.gaps), -self.current.gaps)
         return float((gaps / self.current.tolerances).max(initial=0.0))
 
@@ -306,10 +307,10 @@ class _Run:
         if new_forces is None:
             return None
         moved = answer[:, :-1] @ new_forces + answer[:, -1]
-        borne = (jacobian.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
+        carried_load = (jacobian.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
         applied = np.zeros_like(displacements)
-        applied[nodes] = borne
-        return self.response.displacements(self.rotations, nodes, borne), new_forces, applied
+        applied[nodes] = carried_load
+        return self.response.displacements(self.rotations, nodes, carried_load), new_forces, applied
 
     def _explain(self) -> str:
         last = self.history[-1]

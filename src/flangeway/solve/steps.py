@@ -1,4 +1,4 @@
-"""Adaptive steps along a path (seed 3.5.7.1)."""
+"""Adaptive steps along a path (Moherdaui 2021, 3.5.7.1)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -27,11 +27,11 @@ class StepSettings:
     """
 
     first: float = 1.0
-    largest: float = 1.0
+    maximum: float = 1.0
     smallest: float = 1.0 / 1024.0
 
     def __post_init__(self) -> None:
-        sizes = self.smallest, self.first, self.largest
+        sizes = self.smallest, self.first, self.maximum
         if not (are_finite(sizes, 3) and 0.0 < sizes[0] <= sizes[1] <= sizes[2] <= 1.0):
             raise InputError(
                 "StepSettings(smallest={}, first={}, largest={})".format(*map(short, sizes)),
@@ -81,6 +81,6 @@ def follow(
             return attempt
         state, position = attempt, target
         if attempt.status.iterations <= FEW_ITERATIONS:
-            size = min(2.0 * size, settings.largest)
+            size = min(2.0 * size, settings.maximum)
         elif attempt.status.iterations > MANY_ITERATIONS:
             size /= 2.0

@@ -82,7 +82,7 @@ def interpolate(space: Space, function: Function, degree: int | None = None) -> 
 
 
 def load_vector(space: Space, function: Function, degree: int | None = None) -> Floats:
-    """Integrals of a function times the projected basis functions (seed 3.81).
+    """Integrals of a function times the projected basis functions (Moherdaui 2021, 3.81).
 
     Parameters
     ----------

@@ -7,8 +7,8 @@ from typing import Any
 
 from flangeway.errors import InputError
 
-LARGEST_BYTES = 50_000_000
-LARGEST_DEPTH = 50
+MAX_BYTES = 50_000_000
+MAX_DEPTH = 50
 """Tables and lists inside of each other; no input has more than ten."""
 
 
@@ -33,17 +33,17 @@ def file_content(file: Path, what: str) -> bytes:
     Raises
     ------
     InputError
-        If it cannot be read, is empty, or larger than `LARGEST_BYTES`.
+        If it cannot be read, is empty, or larger than `MAX_BYTES`.
 
     """
     try:
         size = file.stat().st_size
-        content = file.read_bytes() if size <= LARGEST_BYTES else b""
+        content = file.read_bytes() if size <= MAX_BYTES else b""
     except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
         why = getattr(reason, "strerror", None) or reason
         raise InputError(f"file {file}: {why}", "a file that can be read", "check the name") from reason
-    if size > LARGEST_BYTES:
-        raise InputError(f"file {file} of {size} bytes", f"up to {LARGEST_BYTES} bytes", f"give {what} and no more")
+    if size > MAX_BYTES:
+        raise InputError(f"file {file} of {size} bytes", f"up to {MAX_BYTES} bytes", f"give {what} and no more")
     if not content.strip():
         raise InputError(f"{file}: an empty file", what, "check that it was saved")
     return content
@@ -84,7 +84,7 @@ def toml_data(text: str, lines: str) -> dict[str, Any]:
     """
     try:
         data = tomllib.loads(text)
-        if _depth(data) <= LARGEST_DEPTH:
+        if _depth(data) <= MAX_DEPTH:
             return data
         why = "lists or tables too deep inside of each other"
     except tomllib.TOMLDecodeError as reason:
@@ -97,10 +97,10 @@ def toml_data(text: str, lines: str) -> dict[str, Any]:
 
 
 def _depth(data: dict[str, Any]) -> int:
-    """How deep tables and lists are inside of each other; past `LARGEST_DEPTH` it is not counted on."""
+    """How deep tables and lists are inside of each other; past `MAX_DEPTH` it is not counted on."""
     level: list[Any] = [data]
     depth = 0
-    while level and depth <= LARGEST_DEPTH:
+    while level and depth <= MAX_DEPTH:
         depth += 1
         inner = [each for value in level for each in (value.values() if isinstance(value, dict) else value)]
         level = [each for each in inner if isinstance(each, dict | list)]

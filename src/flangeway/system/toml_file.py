@@ -10,7 +10,7 @@ from flangeway.errors import InputError
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key
 
-LARGEST_BYTES = 5_000_000
+MAX_BYTES = 5_000_000
 
 _HEADER = re.compile(r"\s*(\[\[?)([\w.\s\"'-]+)\]\]?\s*(?:#.*)?$")
 _NAME = r"(?:[\w-]+|\"[^\"]*\"|'[^']*')"
@@ -71,22 +71,22 @@ class TomlFile:
         Raises
         ------
         InputError
-            If it cannot be read, is larger than `LARGEST_BYTES`, or is no TOML in UTF-8.
+            If it cannot be read, is larger than `MAX_BYTES`, or is no TOML in UTF-8.
 
         """
         kind = cls.kind
         try:
             size = file.stat().st_size
-            content = file.read_bytes() if size <= LARGEST_BYTES else b""
+            content = file.read_bytes() if size <= MAX_BYTES else b""
         except (OSError, ValueError) as reason:  # a zero byte in the name is the latter
             raise InputError(
                 f"{kind.name} {file}: {getattr(reason, 'strerror', None) or reason}",
                 f"a file that can be read{kind.instead}",
                 kind.get_one,
             ) from reason
-        if size > LARGEST_BYTES:
+        if size > MAX_BYTES:
             raise InputError(
-                f"{kind.name} {file} of {size} bytes", f"a file of up to {LARGEST_BYTES} bytes", kind.too_large
+                f"{kind.name} {file} of {size} bytes", f"a file of up to {MAX_BYTES} bytes", kind.too_large
             )
         try:
             text = content.decode("utf-8-sig")

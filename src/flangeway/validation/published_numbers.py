@@ -29,7 +29,7 @@ class ReproducedNumber:
     relative_difference
         ``computed / published - 1``, or ``computed - published`` where zero or round-off is compared.
     limit
-        Largest difference that counts as within, in words such as ``"15 %"``; empty for a number that is shown only.
+        Maximum difference that counts as within, in words such as ``"15 %"``; empty for a number that is shown only.
     within
         Whether it is within its limit; for a number that is shown only, within that of its kind.
     note

@@ -24,10 +24,10 @@ HEAD = """# Validation
 
 *Written by `{command}`; no number and no picture on this page is made by hand.*
 
-What flangeway computes, beside what was published or is known exactly. "The seed" is T. F. Moherdaui, *The Virtual
-Element Method for Wheel-Rail Contact Problems*, São Paulo, 2021. Nothing is taken from an earlier run: meshes are made
-anew, and nothing comes from the cache. The same command writes all numbers with eight digits and more pictures into
-`out/reproduce`, and ends with status 1 if a part is not passed.
+What flangeway computes, beside what was published or is known exactly. "Moherdaui (2021)" is T. F. Moherdaui, *The
+Virtual Element Method for Wheel-Rail Contact Problems*, São Paulo, 2021. Nothing is taken from an earlier run: meshes
+are made anew, and nothing comes from the cache. The same command writes all numbers with eight digits and more pictures
+into `out/reproduce`, and ends with status 1 if a part is not passed.
 
 {extent}
 

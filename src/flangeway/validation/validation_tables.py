@@ -12,7 +12,7 @@ LEAST_CHANGE = 1e-5
 """Relative differences below it are shown as such."""
 
 SHOWN_ONLY = "shown only"
-NAMES = {"n_dof": "unknowns", "h": "largest diameter of a cell"}
+NAMES = {"n_dof": "unknowns", "h": "maximum diameter of a cell"}
 """Quantities that have another name on the page."""
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 

@@ -118,9 +118,9 @@ def test_the_search_is_kept_and_drawn(runs):
     """The errors of the positions that were tried end with a balance; the picture has a line for each kind."""
     for run in runs.values():
         equilibrium = run.result.equilibrium
-        errors = [balance.resulting_error for balance in equilibrium.history]
+        errors = [balance.equilibrium_residual for balance in equilibrium.history]
         assert len(errors) > 3
-        assert max(min(errors), equilibrium.balance.resulting_error) <= TOLERANCE < errors[-2] < errors[0]
+        assert max(min(errors), equilibrium.balance.equilibrium_residual) <= TOLERANCE < errors[-2] < errors[0]
         axes = convergence_figure(run).axes[0]
         drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
         assert np.array_equal(drawn["resulting error"], np.maximum(errors, 1e-16))

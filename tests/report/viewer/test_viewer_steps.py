@@ -216,11 +216,11 @@ def test_one_scale_for_all_steps_or_one_for_each(open_page, page):
         opened.page.uncheck("#viewer-common")
         own.append(float(opened.page.input_value("#viewer-high")))
         assert "In this load step the shown parts have" in opened.page.inner_text(".viewer-scale-note")
-        largest = max(
+        maximum = max(
             np.abs(values_in(page.parent / f"{name}-{number}.vtu", "von_mises_MPa")[0]).max()
             for name in ("upper", "lower", "post")
         )
-        assert own[-1] == pytest.approx(largest, rel=1e-4)
+        assert own[-1] == pytest.approx(maximum, rel=1e-4)
     assert own == sorted(own)
     assert own[0] < 0.5 * own[-1]
     assert set(common) == {own[-1]}

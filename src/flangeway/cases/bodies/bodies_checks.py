@@ -4,11 +4,11 @@ import numpy as np
 
 from flangeway.cases.bodies.bodies_model import BodiesModel
 from flangeway.cases.bodies.pressing import Pressed, moved_part
-from flangeway.post import contact_doubts, cut_zones, deepest_overlap, nodal_imbalance, pressure_patches
+from flangeway.post import check_contact, cut_zones, deepest_overlap, nodal_imbalance, pressure_patches
 from flangeway.problems import ElasticField
 from flangeway.solve import Status
 
-LARGEST_IMBALANCE = 1e-6
+MAX_IMBALANCE = 1e-6
 """See `nodal_imbalance`; what is found without fault has round-off, below 1e-9."""
 
 SHARE_OF_BODY = 0.25
@@ -16,11 +16,11 @@ SHARE_OF_BODY = 0.25
 MOST_STOPS = 200
 
 
-def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
+def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
     """Return the final status, and warnings about what makes the result less exact.
 
     Errors, which make the status that of a failure besides an overlap (see `ContactSolution.overlaps`): those of
-    `contact_doubts`, nodes that are not in balance, and a body that was carried through another one. The status says as
+    `check_contact`, nodes that are not in balance, and a body that was carried through another one. The status says as
     well if nothing touches.
 
     Parameters
@@ -42,8 +42,8 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
     names = [
         f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
     ]
-    doubts = contact_doubts(contact.system, contact.state, patches, names)
-    errors = [*doubts.errors, *_unbalanced(pressed, model)]
+    checks = check_contact(contact.system, contact.state, patches, names)
+    errors = [*checks.errors, *_unbalanced(pressed, model)]
     if errors and status.converged:
         status = Status(False, "; ".join(errors), status.iterations)
     missing = (
@@ -51,7 +51,7 @@ def judged_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[s
         "on there: contact beyond is missing; give more edges, unless they were left out on purpose"
         for surface in cut_zones(contact.system, contact.state)
     )
-    return status, (*doubts.warnings, *missing)
+    return status, (*checks.warnings, *missing)
 
 
 def _carried_through(model: BodiesModel) -> list[str]:
@@ -86,7 +86,7 @@ def _unbalanced(pressed: Pressed, model: BodiesModel) -> list[str]:
             forces = back.vectors(pressed.contact.nodal_forces(body.part))
             field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
             left = nodal_imbalance(field, forces, ~body.part.body.free.reshape(-1, 2))
-            if not left <= LARGEST_IMBALANCE:
+            if not left <= MAX_IMBALANCE:
                 errors.append(
                     f"{body.name}: {left:.1e} of the largest nodal force is not in balance; raise this with the case "
                     "file as a fault, unless its cells are of very different sizes or its materials of very different "

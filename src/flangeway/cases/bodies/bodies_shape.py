@@ -11,7 +11,7 @@ from flangeway.cases.bodies.bodies_tables import BodyTable, DiscTable, FineTable
 from flangeway.cases.case import closest
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
-from flangeway.formats.mesh_repair import DrawnMesh, mended_mesh
+from flangeway.formats.mesh_repair import DrawnMesh, repaired_mesh
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.formats.outline_toml import outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
@@ -179,7 +179,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
                 raise InputError(f"{key}.cells = {name!r}", sets, closest(name, known) if known else "leave cells out")
         mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
         cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
-        joined = mended_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
+        joined = repaired_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
         told += [f"body {body.name}: {notice}" for notice in joined.notices]
         mesh = joined.mesh
     told = [f"{Path(str(body.file)).name}: {notice}" for notice in told]

@@ -23,9 +23,9 @@ def support_rows(
 
     Supports that hold the same component of a node share its reaction.
     """
-    borne = {name: iter(_reactions(body, results[name], contact)) for name, body in model.bodies.items()}
+    carried_load = {name: iter(_reactions(body, results[name], contact)) for name, body in model.bodies.items()}
     return [
-        {"number": number, "body": table.body, "force_N": next(borne[table.body])}
+        {"number": number, "body": table.body, "force_N": next(carried_load[table.body])}
         for number, table in enumerate(case.supports, 1)
     ]
 

@@ -1,4 +1,4 @@
-"""Cook's membrane (seed 5.2.2): its meshes, its solutions, and its refinement where the error is."""
+"""Cook's membrane (Moherdaui 2021, 5.2.2): its meshes, its solutions, and its refinement where the error is."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -35,20 +35,21 @@ FINER_AT_CORNERS = (4.0, 4.0, 8.0, 10.0)
 """Edges of the coarsest mesh, and how many times shorter they are at the corners: at the last one stresses grow without
 limit, and at the last but one the shear of the loaded side does not fit the free one."""
 
-LARGEST_LEVEL = 6
+MAX_LEVEL = 6
 HIGHEST_PUBLISHED_ORDER = 2
 QUADRATURE_DEGREE = 3
 
 
 @dataclass(frozen=True)
 class CookCode:
-    """One configuration, such as ``VCM3O2`` (seed Figure 52).
+    """One configuration, such as ``VCM3O2`` (Moherdaui 2021, Figure 52).
 
     Parameters
     ----------
     method
         ``"F"`` for Lagrange triangles, ``"V"`` for virtual elements on their dual polygons, ``"H"`` for both: triangles
-        inside, and at the boundary triangles whose outer edge is halved, as virtual quadrilaterals (seed Figure 68).
+        inside, and at the boundary triangles whose outer edge is halved, as virtual quadrilaterals (Moherdaui 2021,
+        Figure 68).
     level
         Refinement, 1 to 4 for the published ones.
     order
@@ -63,8 +64,8 @@ class CookCode:
     def __post_init__(self) -> None:
         if self.method not in ("F", "V", "H"):
             raise InputError(f"CookCode(method={self.method!r})", "'F', 'V' or 'H'", "choose one of these")
-        if not 1 <= self.level <= LARGEST_LEVEL:
-            raise InputError(f"CookCode(level={self.level})", f"1 to {LARGEST_LEVEL}", "choose one of these")
+        if not 1 <= self.level <= MAX_LEVEL:
+            raise InputError(f"CookCode(level={self.level})", f"1 to {MAX_LEVEL}", "choose one of these")
 
     def __str__(self) -> str:
         return f"{self.method}CM{self.level}O{self.order}"

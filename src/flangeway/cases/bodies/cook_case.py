@@ -6,7 +6,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult, summarise_bodies
-from flangeway.cases.bodies.cook import CORNER, ENERGY, LARGEST_LEVEL, MIDDLE, CookCode, solve_cook
+from flangeway.cases.bodies.cook import CORNER, ENERGY, MAX_LEVEL, MIDDLE, CookCode, solve_cook
 from flangeway.cases.case import Progress, RunnableCase
 from flangeway.elements.lagrange import HIGHEST_ORDER
 from flangeway.errors import InputError
@@ -18,7 +18,7 @@ PUBLISHED_POISSON = 1.0 / 3.0
 
 
 class CookCase(RunnableCase):
-    """Cook's membrane, 48 mm wide, E = 70 MPa, with a shear of 6.25 MPa on its right side (seed 5.2.2)."""
+    """Cook's membrane, 48 mm wide, E = 70 MPa, with a shear of 6.25 MPa on its right side (Moherdaui 2021, 5.2.2)."""
 
     name: ClassVar[str] = "cook"
     title: ClassVar[str] = "Cook's membrane: a tapered panel held on the left and sheared on the right"
@@ -27,7 +27,7 @@ class CookCase(RunnableCase):
     method: Literal["fem", "vem", "mixed"] = Field(
         "vem", description="fem: triangles; vem: polygons; mixed: triangles inside, virtual quadrilaterals on the rim"
     )
-    level: int = Field(3, ge=1, le=LARGEST_LEVEL, description="refinement: each cuts the triangles before in four")
+    level: int = Field(3, ge=1, le=MAX_LEVEL, description="refinement: each cuts the triangles before in four")
     order: int = Field(2, ge=1, le=4, description="order of the elements; fem up to 3")
     poisson: float = Field(PUBLISHED_POISSON, gt=-1.0, lt=0.5, description="Poisson's ratio; 0.4999 shows locking")
 

@@ -19,14 +19,14 @@ ZONE_OF_HERTZ = 1.6
 """The same over Hertz's half width, where the force is given."""
 ZONE_EDGES = 3.0
 MOST_EDGES = 10_000
-LARGEST_RADIUS = 1e6
+MAX_RADIUS = 1e6
 """Radius over the elements' size above which a half disc is no shape to be meshed."""
 WIDEST_ZONE = 0.75
 """Half width of the zone over the radius above which the bodies are no half discs any more."""
 
 
 class HertzCase(RunnableCase):
-    """A half disc pressed on another one, or on a block, in plane strain (seed 6.2.2)."""
+    """A half disc pressed on another one, or on a block, in plane strain (Moherdaui 2021, 6.2.2)."""
 
     name: ClassVar[str] = "hertz"
     title: ClassVar[str] = "A cylinder on another one or on a block, beside Hertz's solution"
@@ -124,11 +124,11 @@ class HertzCase(RunnableCase):
         if self.force_N is not None and "indentation_mm" in self.model_fields_set:
             raise InputError("force_N and indentation_mm", "one of both", "leave one out")
         radius, below = self.radius_mm, self.lower_radius_mm
-        if max(radius, below) > LARGEST_RADIUS * self.size_mm:
+        if max(radius, below) > MAX_RADIUS * self.size_mm:
             key = "radius_mm" if radius >= below else "lower_radius_mm"
             raise InputError(
                 f"{key} = {max(radius, below):g} with elements of size_mm = {self.size_mm:g}",
-                f"radii up to {LARGEST_RADIUS:g} times size_mm",
+                f"radii up to {MAX_RADIUS:g} times size_mm",
                 'make it smaller; lower = "block" is flat',
             )
         zone = self._zone()
@@ -190,13 +190,13 @@ class HertzCase(RunnableCase):
         if theory is None or not run.patches:
             return found
         patch = max(run.patches, key=lambda patch: float(patch.normal_forces.sum()))
-        largest = float(patch.pressures.max())
+        maximum = float(patch.pressures.max())
         return {
             **found,
-            "max_pressure_MPa": largest,
+            "max_pressure_MPa": maximum,
             "max_pressure_remark": patch.remark,
             "hertz_max_pressure_MPa": theory.max_pressure,
-            "max_pressure_difference": largest / theory.max_pressure - 1.0,
+            "max_pressure_difference": maximum / theory.max_pressure - 1.0,
             "half_width_mm": patch.half_width,
             "hertz_half_width_mm": theory.half_width,
             "half_width_difference": patch.half_width / theory.half_width - 1.0,

@@ -16,7 +16,7 @@ from flangeway.types import Floats
 Trial = tuple[float, float, ContactState]
 """A distance along the push, by how much the contact resists more than it must, and the solution there."""
 
-LARGEST_ERROR = 1e-7
+MAX_ERROR = 1e-7
 """Difference of the force behind a pushed part from the wanted one, over the latter, at which the search ends."""
 NEAR = 1e-2
 """Excess at both ends of a bracket, over the force, below which the stiffness in it is compared with the one before."""
@@ -247,9 +247,9 @@ class _Search:
         weights, last = [low[1], high[1]], -1
         best = min(low, high, key=lambda trial: abs(trial[1]))
         if high[0] == low[0]:  # two solutions at one distance: the contact jumps
-            return self._judged(best)
+            return self._checked(best)
         stiffness = (high[1] - low[1]) / (high[0] - low[0])
-        while abs(best[1]) > LARGEST_ERROR * self.scale and self.trials < MOST_TRIALS and high[0] != low[0]:
+        while abs(best[1]) > MAX_ERROR * self.scale and self.trials < MOST_TRIALS and high[0] != low[0]:
             slope = (high[1] - low[1]) / (high[0] - low[0])
             if max(-low[1], high[1]) > NEAR * self.scale:
                 stiffness = slope
@@ -266,11 +266,11 @@ class _Search:
             weights[side] = best[1]
             weights[1 - side] /= 2.0 if side == last else 1.0
             last = side
-        return self._judged(best)
+        return self._checked(best)
 
     def _settled(self, best: Trial, stiffness: float) -> Trial:
         """Newton's method with a stiffness that hardly changes, each trial from the last, whose forces it corrects."""
-        while abs(best[1]) > LARGEST_ERROR * self.scale and self.trials < MOST_TRIALS:
+        while abs(best[1]) > MAX_ERROR * self.scale and self.trials < MOST_TRIALS:
             trial = self._solve(best[0] - best[1] / stiffness, best[2])
             self.driver.progress(f"pushed by {trial[0]:.6g}: {trial[2].status.message}")
             if not trial[2].status.converged:
@@ -280,7 +280,7 @@ class _Search:
             best = trial
         return best
 
-    def _judged(self, trial: Trial) -> Pressed:
+    def _checked(self, trial: Trial) -> Pressed:
         distance, excess, state = trial
         if not state.status.converged:
             return self._failed(f"at {distance:.4g} along the push: {state.status.message}")

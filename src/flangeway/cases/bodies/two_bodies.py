@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_checks import judged_bodies
+from flangeway.cases.bodies.bodies_checks import checked_bodies
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult, summarise_bodies
 from flangeway.cases.bodies.bodies_supports import support_rows
@@ -94,10 +94,10 @@ class TwoBodiesCase(RunnableCase):
         results = {name: BodyResult(solution) for name, solution in alone.items()}
         status = _worst([solution.status for solution in alone.values()])
         pressed: Pressed | None = None
-        doubts: tuple[str, ...] = ()
+        checks: tuple[str, ...] = ()
         if model.contacts:
             pressed = self._pressed(model, progress)
-            in_contact, doubts = judged_bodies(pressed, model)
+            in_contact, checks = checked_bodies(pressed, model)
             status = _worst([in_contact, status])
             for name, body in model.bodies.items():
                 if body.part is not None:
@@ -105,7 +105,7 @@ class TwoBodiesCase(RunnableCase):
         in_order = {name: results[name] for name in model.bodies}
         contact = None if pressed is None else pressed.contact
         timings = {"meshing": meshed - start, "total": time.perf_counter() - start}
-        notices = [*model.notices, *_notices(contact), *doubts]
+        notices = [*model.notices, *_notices(contact), *checks]
         found = {} if pressed is None else _found(pressed, model)
         summary = summarise_bodies(self, status, in_order, contact, found, timings, notices)
         summary["supports"] = support_rows(self, model, in_order, contact) if status.converged else []

@@ -195,7 +195,7 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
             "noise_um": smoothing.noise_um,
             "wavelength_mm": smoothing.wavelength_mm,
             "rms_deviation_um": smoothing.rms_um,
-            "largest_deviation_um": smoothing.largest_um,
+            "maximum_deviation_um": smoothing.maximum_um,
             "limit_um": smoothing.limit_um,
             "points_held_to_limit": smoothing.n_held,
         }

@@ -49,15 +49,15 @@ class Conicities:
         return dict(zip(("amplitude_mm", "integration", "regression"), found, strict=True))
 
 
-def conicities_of(difference: RollingRadiusDifference, largest_mm: float | None) -> Conicities:
+def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None) -> Conicities:
     """Conicity at amplitudes 0.1 mm apart, as far as the difference is given.
 
     Parameters
     ----------
     difference
         Rolling radius difference.
-    largest_mm
-        Largest amplitude that is wanted; None: as far as the difference goes.
+    maximum_mm
+        Maximum amplitude that is wanted; None: as far as the difference goes.
 
     """
     none: Floats = np.zeros(0)
@@ -66,20 +66,21 @@ def conicities_of(difference: RollingRadiusDifference, largest_mm: float | None)
     except InputError as error:
         return Conicities(none, none, none, (f"no equivalent conicity: {error.given}",))
     room = min(middle - float(difference.lateral_mm[0]), float(difference.lateral_mm[-1]) - middle)
-    largest = room if largest_mm is None else min(largest_mm, room)
-    amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(largest / STEP_MM + 1e-9) + 1.0) * STEP_MM
+    maximum = room if maximum_mm is None else min(maximum_mm, room)
+    amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(maximum / STEP_MM + 1e-9) + 1.0) * STEP_MM
     while len(amplitudes) and not _fits(difference, float(amplitudes[-1])):
         amplitudes = amplitudes[:-1]
     notices = []
     reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
-    if largest_mm is not None and reached < math.floor(largest_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
+    if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
         notices.append(f"conicity only up to an amplitude of {reached:.1f} mm")
     found = equivalent_conicity(difference, amplitudes) if len(amplitudes) else none
-    aside = amplitudes[np.isnan(found)]
-    if len(aside):
+    pushed = amplitudes[np.isnan(found)]
+    if len(pushed):
         notices.append(
-            f"no equivalent conicity by integration at {len(aside)} amplitudes from {aside[0]:.1f} to {aside[-1]:.1f} "
-            "mm: the rolling radius difference pushes the wheelset away from the middle, about which it does not swing"
+            f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
+            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle, about which "
+            "it does not swing"
         )
     regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
     return Conicities(amplitudes, found, regression, tuple(notices))
@@ -124,8 +125,8 @@ class ConicityCase(Case):
     unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
         None, description="unit of both columns; what the file says if left out"
     )
-    largest_amplitude_mm: float | None = Field(
-        None, ge=FIRST_MM, le=30.0, description="largest amplitude; as far as the difference is given if left out"
+    maximum_amplitude_mm: float | None = Field(
+        None, ge=FIRST_MM, le=30.0, description="maximum amplitude; as far as the difference is given if left out"
     )
 
 
@@ -148,7 +149,7 @@ def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
     start = time.perf_counter()
     case = ConicityCase.from_values(values)
     difference = read_rolling_radius_difference(file, case.unit)
-    conicities = conicities_of(difference, case.largest_amplitude_mm)
+    conicities = conicities_of(difference, case.maximum_amplitude_mm)
     summary = {
         "case": file.stem,
         "title": f"Equivalent conicity of the rolling radius difference in {file.name}",

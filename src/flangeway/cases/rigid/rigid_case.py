@@ -12,7 +12,7 @@ from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
 from flangeway.railway.rigid.rigid_contact import RigidWheelset
-from flangeway.railway.rigid.yawed import LARGEST_YAW_RAD
+from flangeway.railway.rigid.yawed import MAX_YAW_RAD
 
 
 class GeometryCase(WheelsetInputs):
@@ -21,17 +21,17 @@ class GeometryCase(WheelsetInputs):
     name: ClassVar[str] = "geometry"
     title: ClassVar[str] = "Contact geometry of a rigid wheelset on rigid rails"
 
-    largest_lateral_mm: float = Field(
-        8.0, gt=0.0, le=60.0, description="largest lateral motion that is shown; less where a flange climbs before"
+    maximum_lateral_mm: float = Field(
+        8.0, gt=0.0, le=60.0, description="maximum lateral motion that is shown; less where a flange climbs before"
     )
     step_mm: float = Field(0.02, ge=1e-3, le=1.0, description="distance of the positions")
-    largest_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0, description="largest amplitude of the conicity")
+    maximum_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0, description="maximum amplitude of the conicity")
     roll: Literal["free", "none"] = Field(
         "free", description="free: both wheels touch; none: no roll, as in the reference results of EN 15302"
     )
 
     yaw_mrad: float = Field(
-        0.0, ge=-1e3 * LARGEST_YAW_RAD, le=1e3 * LARGEST_YAW_RAD,
+        0.0, ge=-1e3 * MAX_YAW_RAD, le=1e3 * MAX_YAW_RAD,
         description="yaw of the axle, counter-clockwise seen from above: the right wheel is ahead",
     )  # fmt: skip
 
@@ -56,7 +56,7 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
     "wheelset-curve": (
         "136RE and AAR-1B in a curve of 400 m at 70 km/h, superelevation 3 cm",
-        {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "largest_lateral_mm": 9.9},
+        {"lateral_force_kN": 28.4, "superelevation_mm": 30.0, "maximum_lateral_mm": 9.9},
     ),
     "s1002-60e1": (
         "S1002 on 60E1 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm",
@@ -68,9 +68,9 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "back_to_back_mm": 1360.0,
             "wheel_radius_mm": 460.0,
             "wheel_radius_at": "tape-line",
-            "barycentre_height_mm": 1000.0,
+            "centre_of_gravity_height_mm": 1000.0,
             "axle_load_kN": 225.0,
-            "largest_lateral_mm": 7.0,
+            "maximum_lateral_mm": 7.0,
         },
     ),
 }

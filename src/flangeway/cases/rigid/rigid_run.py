@@ -40,18 +40,18 @@ from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 
-THROAT_RADII_MM = (10.0, 12.0, 14.2875, 17.4625, 20.0)
-"""Radii of the throat's narrow arc that the figure compares."""
+FLANGE_ROOT_RADII_MM = (10.0, 12.0, 14.2875, 17.4625, 20.0)
+"""Radii of the flange root's narrow arc that the figure compares."""
 
-WIDE_THROAT_RADII_MM = (30.0, 34.0, 38.1, 44.0, 50.0)
-"""Radii of the throat's wide arc that the figure compares."""
+WIDE_FLANGE_ROOT_RADII_MM = (30.0, 34.0, 38.1, 44.0, 50.0)
+"""Radii of the flange root's wide arc that the figure compares."""
 
-_FURTHER_MM = 4.0  # beyond the largest amplitude: an asymmetric wheelset swings about another place
+_FURTHER_MM = 4.0  # beyond the maximum amplitude: an asymmetric wheelset swings about another place
 
 
 @dataclass(frozen=True, eq=False)
-class ThroatEffect:
-    """Lateral motion in balance over the radii of the throat.
+class FlangeRootEffect:
+    """Lateral motion in balance over the radii of the flange root.
 
     Parameters
     ----------
@@ -89,9 +89,9 @@ class GeometryRun:
     conicities
         Equivalent conicity over the amplitude.
     equilibrium
-        Balance under the load.
-    throat
-        Effect of the throat's radii on the balance; None for wheels without that parameter, without lateral
+        RelativeResiduals under the load.
+    flange root
+        Effect of the flange root's radii on the balance; None for wheels without that parameter, without lateral
         force or without balance.
     summary
         What ``geometry.json`` holds.
@@ -105,7 +105,7 @@ class GeometryRun:
     jumps: tuple[ContactJump, ...]
     conicities: Conicities
     equilibrium: RigidEquilibrium
-    throat: ThroatEffect | None
+    flange_root: FlangeRootEffect | None
     summary: dict[str, Any]
 
     @property
@@ -151,34 +151,34 @@ def run_geometry(
     wheelset = RigidWheelset.of(track, axle, case.yaw_rad)
     said = list(notices)
     progress("lowering the wheelset on the rails")
-    reach = max(case.largest_lateral_mm, case.largest_amplitude_mm + _FURTHER_MM)
+    reach = max(case.maximum_lateral_mm, case.maximum_amplitude_mm + _FURTHER_MM)
     whole = _scanned(wheelset, case, reach)
-    wanted = math.floor(case.largest_lateral_mm / case.step_mm + 1e-9) * case.step_mm
+    wanted = math.floor(case.maximum_lateral_mm / case.step_mm + 1e-9) * case.step_mm
     shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
     first, last = np.flatnonzero(shown)[[0, -1]]
     locus = whole.part(slice(first, last + 1))
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
         said.append(
-            f"the scan of {case.largest_lateral_mm:g} mm stops at lateral motions of {locus.lateral_mm[0]:.2f} and "
+            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral motions of {locus.lateral_mm[0]:.2f} and "
             f"{locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
         )
     progress("narrowing the jumps of the points of contact")
     jumps = contact_jumps(wheelset, float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
     progress("integrating the wave motion")
-    conicities = conicities_of(RollingRadiusDifference.of(whole), case.largest_amplitude_mm)
+    conicities = conicities_of(RollingRadiusDifference.of(whole), case.maximum_amplitude_mm)
     said += conicities.notices
     progress("seeking the balance under the load")
     equilibrium = rigid_equilibrium(wheelset, case.load())
-    throat = None
+    flange_root = None
     if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
-        progress("varying the radii of the throat")
-        throat = throat_effect(case)
+        progress("varying the radii of the flange root")
+        flange_root = flange_root_effect(case)
     said += [*worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
     summary = _summary(name, case, jumps, conicities, equilibrium, said)
     _leave_out_conforming(summary, track, axle)
     summary["timings_s"] = {"total": time.perf_counter() - start}
     summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
-    return GeometryRun(name, case, wheelset, locus, jumps, conicities, equilibrium, throat, summary)
+    return GeometryRun(name, case, wheelset, locus, jumps, conicities, equilibrium, flange_root, summary)
 
 
 def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset) -> None:
@@ -197,8 +197,8 @@ def _scanned(wheelset: RigidWheelset, case: GeometryCase, reach: float) -> Conta
     return contact_locus(wheelset, numbers * case.step_mm, roll=rolls)
 
 
-def throat_effect(case: GeometryCase) -> ThroatEffect:
-    """Lateral motion in balance for several radii of the AAR-1B's throat.
+def flange_root_effect(case: GeometryCase) -> FlangeRootEffect:
+    """Lateral motion in balance for several radii of the AAR-1B's flange root.
 
     Raises
     ------
@@ -207,7 +207,7 @@ def throat_effect(case: GeometryCase) -> ThroatEffect:
 
     """
     if case.wheel != "AAR-1B":
-        raise InputError(f"throat radii of {case.wheel}", "AAR-1B", "choose the wheel with this parameter")
+        raise InputError(f"flange root radii of {case.wheel}", "AAR-1B", "choose the wheel with this parameter")
     load = case.load()
 
     def lateral(**changes: float) -> tuple[RigidWheelset, float]:
@@ -215,8 +215,8 @@ def throat_effect(case: GeometryCase) -> ThroatEffect:
         position = rigid_equilibrium(wheelset, load, reached_only=True).position
         return wheelset, math.nan if position is None else position.motion_in_space.lateral_mm
 
-    narrow = [lateral(throat_radius_mm=radius) for radius in THROAT_RADII_MM]
-    wide = [lateral(wide_throat_radius_mm=radius)[1] for radius in WIDE_THROAT_RADII_MM]
+    narrow = [lateral(flange_root_radius_mm=radius) for radius in FLANGE_ROOT_RADII_MM]
+    wide = [lateral(wide_flange_root_radius_mm=radius)[1] for radius in WIDE_FLANGE_ROOT_RADII_MM]
     ratios, laterals = [], []
     for wheelset, _ in narrow:
         path = path_of_contact(wheelset, 25.0)
@@ -224,10 +224,10 @@ def throat_effect(case: GeometryCase) -> ThroatEffect:
         outward = (path.rail_level >= 0.0) & (np.arange(len(path.rail_level)) <= int(np.argmax(locus.lateral_mm)))
         ratios.append(held_ratios(wheelset, path)[outward])
         laterals.append(locus.lateral_mm[outward])
-    return ThroatEffect(
-        np.array(THROAT_RADII_MM),
+    return FlangeRootEffect(
+        np.array(FLANGE_ROOT_RADII_MM),
         np.array([value for _, value in narrow]),
-        np.array(WIDE_THROAT_RADII_MM),
+        np.array(WIDE_FLANGE_ROOT_RADII_MM),
         np.array(wide),
         tuple(ratios),
         tuple(laterals),

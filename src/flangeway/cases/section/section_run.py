@@ -272,14 +272,14 @@ def _corner_notices(drawn: DrawnSection) -> list[str]:
     x, y = corners[0]
     return [
         f"{len(corners)} sharp reentrant corner{'s' * (len(corners) > 1)}, the first at ({x:.6g}, {y:.6g}): the "
-        "elastic stress there has no limit, so that no largest shear stress is given."
+        "elastic stress there has no limit, so that no maximum shear stress is given."
     ]
 
 
 def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constants: SectionConstants) -> dict[str, Any]:
     """Return the numbers, with the section's unit in the keys."""
     unit, mesh = drawn.unit, space.mesh
-    largest, smallest = constants.principal_moments
+    maximum, smallest = constants.principal_moments
     low, high = constants.torsion_bounds
     summary: dict[str, Any] = {
         "title": drawn.title,
@@ -287,7 +287,7 @@ def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constan
         f"boundary_length_{unit}": sum(region.boundary_length for region in drawn.section.regions),
         f"centroid_{unit}": list(constants.centroid),
         f"second_moments_{unit}4": dict(zip(("xx", "yy", "xy"), constants.second_moments, strict=True)),
-        f"principal_moments_{unit}4": [largest, smallest],
+        f"principal_moments_{unit}4": [maximum, smallest],
         "principal_angle_deg": _angle_deg(constants.principal_angle),
         **_bending(drawn, constants),
         f"torsion_constant_{unit}4": constants.torsion_constant,
@@ -344,7 +344,7 @@ def _angle_deg(angle_rad: float) -> float:
 
 
 def _max_shear(drawn: DrawnSection, constants: SectionConstants) -> float | None:
-    """Return the largest shear stress for a torque of one, None where it has no limit or depends on the part."""
+    """Return the maximum shear stress for a torque of one, None where it has no limit or depends on the part."""
     if len(drawn.section.parts) > 1 or any(len(region.reentrant_corners()) for region in drawn.section.regions):
         return None
     stresses = corner_shear_stresses(constants.prandtl)

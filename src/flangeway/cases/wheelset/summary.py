@@ -18,7 +18,7 @@ from flangeway.cases.wheelset.wheelset_curve import PUBLISHED_CM, WheelsetCurveC
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
 from flangeway.post import cell_stresses
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.wheelset.residual import Balance
+from flangeway.railway.wheelset.residual import RelativeResiduals
 from flangeway.railway.wheelset.validity import SLICE, below_contacts
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -30,10 +30,11 @@ REFERENCE = (
     "The approach is the descent from the position in which rigid wheels touch (in a curve: come to rest)."
 )
 PUBLISHED_REASON = (
-    "Published position of the curve (seed Table 16, along horizontal and vertical): its vertical motion counts from a "
-    "reference that is not given, with a gap of about 2.6 mm; its lateral motion is decided by where the wheel's "
-    "flange root meets the rail, and the root of the AAR-1B is assumed here, which leaves the lateral motion 1 to 3 mm "
-    "larger. `flangeway reproduce wheel-rail` compares with a root that one of the published numbers identifies."
+    "Published position of the curve (Moherdaui 2021, Table 16, along horizontal and vertical): its vertical "
+    "displacement counts from a reference that is not given, with a gap of about 2.6 mm; its lateral displacement is "
+    "decided by where the wheel's flange root meets the rail. The root of the AAR-1B is assumed here, which makes the "
+    "lateral displacement 1 to 3 mm larger. `flangeway reproduce wheel-rail` compares with a root that one of the "
+    "published numbers identifies."
 )
 CONFORMING = (
     "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
@@ -94,7 +95,7 @@ def summarise(case: WheelsetCase, result: WheelsetResult, total_s: float) -> dic
             "stable": result.equilibrium.stable,
             "reference": REFERENCE,
         },
-        "other_balances": other_rows(result),
+        "other_equilibria": other_rows(result),
         "load": _load(result),
         "balance": _balance(result.equilibrium.balance),
         "sides": [_side(result, side) for side in SIDES],
@@ -160,7 +161,7 @@ def published_position(case: WheelsetCase) -> dict[str, Any]:
 
 
 def _is_as_published(case: WheelsetCase) -> bool:
-    """Whether all inputs but method and order are the defaults, which are those of the seed."""
+    """Whether all inputs but method and order are the defaults, which are those of Moherdaui (2021)."""
     fields = type(case).model_fields
     return all(
         getattr(case, key) == field.get_default(call_default_factory=True)
@@ -169,12 +170,12 @@ def _is_as_published(case: WheelsetCase) -> bool:
     )
 
 
-def _balance(balance: Balance) -> dict[str, float]:
+def _balance(balance: RelativeResiduals) -> dict[str, float]:
     return {
-        "vertical_error": balance.vertical_error,
-        "lateral_error": balance.lateral_error,
-        "moment_error": balance.moment_error,
-        "resulting_error": balance.resulting_error,
+        "vertical_residual": balance.vertical_residual,
+        "lateral_residual": balance.lateral_residual,
+        "moment_residual": balance.moment_residual,
+        "equilibrium_residual": balance.equilibrium_residual,
     }
 
 
@@ -233,7 +234,7 @@ def _assumptions(case: WheelsetCase, result: WheelsetResult) -> list[str]:
         *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),
         f"The {role}s give the segments of contact: {reason}.",
         "The rails are fixed along their whole base.",
-        "The wheels' cuts and the axle are rigid; the load acts at the car's barycentre and stays vertical"
+        "The wheels' cuts and the axle are rigid; the load acts at the car's centre of gravity and stays vertical"
         + (", its lateral force horizontal." if problem.load.lateral_N else "."),
         *(["The left side is the mirror image of the right side, mesh included."] if alike else []),
     ]

@@ -11,7 +11,7 @@ from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, RigidPo
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
 from flangeway.railway.wheelset.bending import FaceStresses, RailBending, rail_bending
-from flangeway.railway.wheelset.subsurface import SEARCHED, largest_on, stresses_below
+from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on, stresses_below
 from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
 from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
 
@@ -35,7 +35,7 @@ def contact_row(result: WheelsetResult, patch: WheelRailPatch) -> Row:
         "half_width_mm": patch.pressure.half_width,
         "max_pressure_MPa": patch.pressure.pressures.max(),
         "max_pressure_remark": patch.pressure.remark,
-        "pressure_scatter": patch.pressure.scatter,
+        "pressure_oscillation": patch.pressure.scatter,
         "hertz_half_width_mm": hertz.half_width if hertz else None,
         "hertz_pressure_MPa": hertz.max_pressure if hertz else None,
         "hertz_in_plane_shear_MPa": hertz.max_shear if hertz else None,
@@ -52,10 +52,10 @@ def _angle(side: Side, lateral: float, vertical: float) -> float:
 
 
 def _below(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> Row:
-    """Largest stresses on the normal below the centre of pressure."""
+    """Maximum stresses on the normal below the centre of pressure."""
     line = stresses_below(result, patch, body)
-    shear = largest_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
-    mises = largest_on(line.distances, line.stresses.von_mises, SEARCHED)
+    shear = maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+    mises = maximum_on(line.distances, line.stresses.von_mises, SEARCHED)
     return {
         "max_in_plane_shear_MPa": shear.value_MPa,
         "max_in_plane_shear_depth_mm": shear.depth_mm,
@@ -115,7 +115,7 @@ def support_rows(result: WheelsetResult) -> Row:
             "reference_mm": each.reference_mm,
             **({"eccentricity_mm": each.eccentricity_mm} if each.part.startswith("rail") else {}),
             "force_error": each.force_error,
-            "moment_error": each.moment_error,
+            "moment_residual": each.moment_residual,
         }
         for each in support_reactions(result)
     ]
@@ -192,7 +192,7 @@ def other_rows(result: WheelsetResult) -> list[Row]:
         {
             **motion_row(each.motion),
             "stable": each.stable,
-            "resulting_error": each.balance.resulting_error,
+            "equilibrium_residual": each.balance.equilibrium_residual,
         }
         for each in result.others
     ]

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 class WheelsetCase(WheelsetInputs, RunnableCase):
-    """A wheelset on two rails (seed 7.2.1); subclasses are situations with defaults of their own."""
+    """A wheelset on two rails (Moherdaui 2021, 7.2.1); subclasses are situations with defaults of their own."""
 
     essential: ClassVar[tuple[str, ...]] = (
         *("rail", "wheel", "gauge_mm", "wheel_radius_mm", "axle_load_kN"),

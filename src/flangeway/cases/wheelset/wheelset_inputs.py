@@ -9,12 +9,12 @@ from flangeway.cases.case import Case
 from flangeway.cases.wheelset.wheelset_profiles import rail_named, wheel_named
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile
-from flangeway.railway.profiles.flange_root import with_wide_throat
+from flangeway.railway.profiles.flange_root import with_wide_flange_root
 from flangeway.railway.profiles.profile_file import ReadOptions
 from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, usual_gauge
 from flangeway.railway.track.wheelset_load import (
     GRAVITY_M_S2,
-    LARGEST_SLOPE,
+    MAX_SLOPE,
     Load,
     balanced_superelevation_mm,
     curve_force_N,
@@ -36,11 +36,13 @@ class WheelsetInputs(Case):
         None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in; 10 if left out"
     )
     wheel: str = Field("AAR-1B", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
-    throat_radius_mm: float | None = Field(
-        None, gt=0.0, description="radius of the AAR-1B's throat beside the flange; the file's if left out"
+    flange_root_radius_mm: float | None = Field(
+        None, gt=0.0, description="radius of the AAR-1B's flange root beside the flange; the file's if left out"
     )
-    wide_throat_radius_mm: float | None = Field(
-        None, gt=0.0, description="radius of the wide arc between the AAR-1B's throat and tread; the file's if left out"
+    wide_flange_root_radius_mm: float | None = Field(
+        None,
+        gt=0.0,
+        description="radius of the wide arc between the AAR-1B's flange root and tread; the file's if left out",
     )
     left_rail: str | None = Field(None, description="rail of the left side, likewise; as on the right if left out")
     left_wheel: str | None = Field(None, description="wheel of the left side, likewise; as on the right if left out")
@@ -85,8 +87,8 @@ class WheelsetInputs(Case):
     left_wheel_radius_mm: float | None = Field(
         None, ge=150.0, description="radius of the left wheel, likewise; same at the tape line if left out"
     )
-    barycentre_height_mm: float = Field(
-        Wheelset.barycentre_height_mm, description="height of the car's barycentre above the axle"
+    centre_of_gravity_height_mm: float = Field(
+        Wheelset.centre_of_gravity_height_mm, description="height of the car's centre of gravity above the axle"
     )
     axle_load_kN: float = Field(  # noqa: N815 (the unit kilonewton)
         300.0, gt=0.0, le=1e5, description="weight that the wheelset bears; it presses on the rails"
@@ -96,7 +98,8 @@ class WheelsetInputs(Case):
     )
     n_axles: int = Field(N_AXLES, ge=1, description="wheelsets that share car_mass_t")
     lateral_force_kN: float = Field(  # noqa: N815
-        0.0, description="horizontal force at the barycentre, to the right: centrifugal force of a curve to the left"
+        0.0,
+        description="horizontal force at the centre of gravity, to the right: centrifugal force of a curve to the left",
     )
     speed_km_h: float | None = Field(
         None, ge=0.0, description="speed; with curve_radius_m it gives the centrifugal force for lateral_force_kN"
@@ -206,10 +209,10 @@ class WheelsetInputs(Case):
                 f"at most the {what}",
                 "lower it, or raise the speed",
             )
-        if height > LARGEST_SLOPE * base:
+        if height > MAX_SLOPE * base:
             raise InputError(
                 f"superelevation_mm = from-speed: the {what}",
-                f"at most {LARGEST_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
+                f"at most {MAX_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
                 "give the superelevation that is there, or what is not balanced as cant_deficiency_mm",
             )
         return math.copysign(height, balanced)
@@ -255,8 +258,12 @@ class WheelsetInputs(Case):
         other = self.left_wheel if key == "wheel" else self.wheel
         if name != "AAR-1B" and other == "AAR-1B":
             return wheel_named(name, None, self.wheel_body, other, read, key)
-        found = wheel_named(name, self.throat_radius_mm, self.wheel_body, other, read, key)
-        return found if self.wide_throat_radius_mm is None else with_wide_throat(found, self.wide_throat_radius_mm)
+        found = wheel_named(name, self.flange_root_radius_mm, self.wheel_body, other, read, key)
+        return (
+            found
+            if self.wide_flange_root_radius_mm is None
+            else with_wide_flange_root(found, self.wide_flange_root_radius_mm)
+        )
 
     def wheelset(self) -> Wheelset:
         """Return the wheels on their axle."""
@@ -271,4 +278,4 @@ class WheelsetInputs(Case):
         distance = self.back_to_back_mm
         if distance is None:
             distance = usual_gauge(self.gauge_mm).back_to_back_mm
-        return Wheelset(right, distance, radius, self.barycentre_height_mm, left, left_radius)
+        return Wheelset(right, distance, radius, self.centre_of_gravity_height_mm, left, left_radius)

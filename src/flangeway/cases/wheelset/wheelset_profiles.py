@@ -64,7 +64,7 @@ def rail_named(
 
 def wheel_named(
     name: str,
-    throat_radius_mm: float | None,
+    flange_root_radius_mm: float | None,
     body: str | None = None,
     other: str | None = None,
     options: ReadOptions = READ_AS_IT_IS,
@@ -75,10 +75,12 @@ def wheel_named(
         _refuse_other_kind(name, "wheel")
         _refuse_options(name, options, key)
         if name == IDENTIFIED:
-            if throat_radius_mm is not None:
-                raise InputError(f"throat_radius_mm = {throat_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+            if flange_root_radius_mm is not None:
+                raise InputError(
+                    f"flange_root_radius_mm = {flange_root_radius_mm:g} for {name}", "AAR-1B", "leave it out"
+                )
             return identified_wheel()
-        return wheel(name, throat_radius_mm=throat_radius_mm)
+        return wheel(name, flange_root_radius_mm=flange_root_radius_mm)
     found = _from_file(name, "wheel", body, other, options, key)
     if not isinstance(found, WheelProfile):
         raise TypeError("a wheel's file gives a wheel")

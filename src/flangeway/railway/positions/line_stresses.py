@@ -63,7 +63,7 @@ class LineStresses:
             self._batch_of[batch.cells], self._place_in[batch.cells] = number, np.arange(len(batch.cells))
 
     def in_plane_shear(self, lines: Lines, forces: Floats, solve: Solve, *, superposed: bool) -> Floats:
-        """Largest in-plane shear stress on the lines, shape (m, n), not-a-number outside of the body.
+        """Maximum in-plane shear stress on the lines, shape (m, n), not-a-number outside of the body.
 
         Parameters
         ----------

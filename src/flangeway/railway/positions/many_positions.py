@@ -1,7 +1,7 @@
 """Thousands of positions of one wheelset: lateral motion by load, each in balance.
 
-A number of positions is solved side by side (`Lanes`), each from a neighbour that has been found (`Front`). What does
-not converge there is solved by the full search.
+A number of positions is solved side by side (`Lanes`), each from a neighbour that has been found (`PositionQueue`).
+What does not converge there is solved by the full search.
 """
 
 from collections.abc import Callable
@@ -13,13 +13,13 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
-from flangeway.railway.positions.position_queue import Front, Journey
+from flangeway.railway.positions.position_queue import Continuation, PositionQueue
 from flangeway.railway.positions.positions_newton import Lanes
-from flangeway.railway.positions.positions_patches import LanePatch, lane_patches, patches_of
-from flangeway.railway.positions.positions_shear import LoadedPatch, largest_shears
+from flangeway.railway.positions.positions_patches import PositionPatch, patches_of, position_patches
+from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_shears
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
-from flangeway.railway.positions.surface_positions import Demands
-from flangeway.railway.rigid.elastic_start import rigid_rest
+from flangeway.railway.positions.surface_positions import Targets
+from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.rigid.rigid_contact import contact_locus
 from flangeway.railway.track.placements import SIDES, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
@@ -127,7 +127,7 @@ class PositionTable:
     by_full_search: Bools
     rounds: Ints
     motion: Floats
-    patches: tuple[tuple[LanePatch, ...], ...]
+    patches: tuple[tuple[PositionPatch, ...], ...]
     messages: dict[int, str]
 
     @property
@@ -171,7 +171,7 @@ def solve_positions(
     progress
         Called with the number of positions that are done and that of all.
     shear
-        Whether the largest shear stress below each contact is wanted: it needs the fields of all bodies.
+        Whether the maximum shear stress below each contact is wanted: it needs the fields of all bodies.
     n_alike
         Number of positions of the same bodies in this call and others together; this call alone if left out. From
         `FEWEST_SUPERPOSED` on the fields for shear stresses are superposed, which changes nothing beyond round-off.
@@ -198,7 +198,7 @@ class _Run:
     shear: bool
     superposed: bool
     waiting: list[tuple[int, LoadedPatch]] = field(default_factory=list)
-    patches: dict[int, tuple[LanePatch, ...]] = field(default_factory=dict)
+    patches: dict[int, tuple[PositionPatch, ...]] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
     rests: dict[int, WheelsetMotion] = field(default_factory=dict)
 
@@ -215,7 +215,9 @@ class _Run:
             if value is not None and component > 0:
                 given[:, component] = value
         given[:, 0] = self.positions.lateral_mm
-        self.demands = Demands(along, onto, self.positions.vertical_N, given, problem.wheelset.barycentre_height_mm)
+        self.targets = Targets(
+            along, onto, self.positions.vertical_N, given, problem.wheelset.centre_of_gravity_height_mm
+        )
         self.guesses = self._guesses()
 
     def _load(self, number: int) -> Load:
@@ -249,7 +251,7 @@ class _Run:
             return self.rests.get(number)
         try:
             problem = self.prepared.problem_with(self._load(number), self._prescribed(number))
-            self.rests[number] = rigid_rest(problem).motion
+            self.rests[number] = rigid_start(problem).motion
             return self.rests[number]
         except InputError as error:
             self.messages[number] = str(error)
@@ -257,12 +259,12 @@ class _Run:
 
     def go(self) -> None:
         """Solve all."""
-        front = Front(self.demands, self._possible(), AT_ONCE)
+        front = PositionQueue(self.targets, self._possible(), AT_ONCE)
         at = [each for each in (self._next(front, None) for _ in range(AT_ONCE)) if each is not None]
         if at:
-            lanes = Lanes(self.stands, self.demands.take(np.array([each.number for each in at])), self._pressed(at))
-            for lane, journey in enumerate(at):
-                lanes.ask(lane, self.demands, journey.number, journey.shares[0], journey.origin)
+            lanes = Lanes(self.stands, self.targets.take(np.array([each.number for each in at])), self._pressed(at))
+            for lane, continuation in enumerate(at):
+                lanes.ask(lane, self.targets, continuation.number, continuation.shares[0], continuation.origin)
             self._advance(lanes, at, front)
         for number in np.flatnonzero(front.open):
             self._solve_slowly(int(number))
@@ -275,15 +277,15 @@ class _Run:
             possible[number] = self._start(int(number)) is not None
         return possible
 
-    def _next(self, front: Front, at: int | None) -> Journey | None:
+    def _next(self, front: PositionQueue, at: int | None) -> Continuation | None:
         """What a lane does next; positions that rigid wheels cannot begin are left to their neighbours."""
-        while (journey := front.next(at)) is not None:
-            if journey.origin is not None or self._start(journey.number) is not None:
-                return journey
-            front.lost(journey)
+        while (continuation := front.next(at)) is not None:
+            if continuation.origin is not None or self._start(continuation.number) is not None:
+                return continuation
+            front.lost(continuation)
         return None
 
-    def _advance(self, lanes: Lanes, at: list[Journey], front: Front) -> None:
+    def _advance(self, lanes: Lanes, at: list[Continuation], front: PositionQueue) -> None:
         """Solve in lanes what can be solved there."""
         while True:
             done, lost = lanes.evaluate()
@@ -299,15 +301,15 @@ class _Run:
                 if lost[lane]:
                     front.lost(before)
                 if done[lane] and not before.arrives:
-                    journey: Journey | None = before.on()
+                    continuation: Continuation | None = before.on()
                 else:
-                    journey = self._next(front, before.number if done[lane] else None)
-                if journey is None:
+                    continuation = self._next(front, before.number if done[lane] else None)
+                if continuation is None:
                     ends[lane] = True
                     continue
-                at[lane] = journey
-                lanes.ask(int(lane), self.demands, journey.number, journey.shares[0], journey.origin)
-                if not journey.follows:
+                at[lane] = continuation
+                lanes.ask(int(lane), self.targets, continuation.number, continuation.shares[0], continuation.origin)
+                if not continuation.follows:
                     moves.append(int(lane))
             if ends.all():
                 break
@@ -317,7 +319,7 @@ class _Run:
                 at[:] = [each for each, end in zip(at, ends, strict=True) if not end]
                 lanes.keep(~ends)
 
-    def _move(self, lanes: Lanes, moves: Ints, at: list[Journey], front: Front) -> None:
+    def _move(self, lanes: Lanes, moves: Ints, at: list[Continuation], front: PositionQueue) -> None:
         """Put lanes where their journeys begin."""
         cold = np.array([lane for lane in moves if at[lane].origin is None], dtype=np.int64)
         if len(cold):
@@ -327,17 +329,17 @@ class _Run:
             if origin is not None:
                 lanes.take_up(int(lane), front.states[origin])
 
-    def _pressed(self, journeys: list[Journey]) -> Floats:
+    def _pressed(self, journeys: list[Continuation]) -> Floats:
         """Where the searches for positions begin: rigid wheels a little pressed on the rails, shape (n, 3)."""
         motions = [self._start(each.number) for each in journeys]
         rest = np.array([motion.components for motion in motions if motion is not None])
-        given = self.demands.given[[each.number for each in journeys]]
+        given = self.targets.given[[each.number for each in journeys]]
         return np.where(np.isnan(given), rest - [0.0, PRESSED_MM, 0.0], given)
 
-    def _collect(self, lanes: Lanes, found: Ints, at: list[Journey]) -> None:
+    def _collect(self, lanes: Lanes, found: Ints, at: list[Continuation]) -> None:
         if len(found) == 0:
             return
-        sides = [lane_patches(side, found) for side in lanes.sides]
+        sides = [position_patches(side, found) for side in lanes.sides]
         for place, lane in enumerate(found):
             number = at[lane].number
             self.patches[number] = tuple(patch for side in sides for patch in side[place])
@@ -353,10 +355,10 @@ class _Run:
             self._find_shear()
 
     def _find_shear(self) -> None:
-        """Give the patches that wait for it their largest shear stress."""
+        """Give the patches that wait for it their maximum shear stress."""
         waiting, self.waiting = self.waiting, []
-        found = largest_shears(self.prepared, [each for _, each in waiting], superposed=self.superposed)
-        patches: dict[int, list[LanePatch]] = {}
+        found = maximum_shears(self.prepared, [each for _, each in waiting], superposed=self.superposed)
+        patches: dict[int, list[PositionPatch]] = {}
         for (number, each), shear in zip(waiting, found, strict=True):
             patches.setdefault(number, []).append(replace(each.patch, shear=shear))
         self.patches.update({number: tuple(mine) for number, mine in patches.items()})

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.railway.positions.positions_newton import LaneState
-from flangeway.railway.positions.surface_positions import Demands
+from flangeway.railway.positions.positions_newton import PositionState
+from flangeway.railway.positions.surface_positions import Targets
 from flangeway.types import Bools, Floats
 
 NEAR = np.array([0.1, 0.02, 0.02])
@@ -33,7 +33,7 @@ SMALL_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 
 
 @dataclass(frozen=True)
-class Journey:
+class Continuation:
     """How a lane comes to a position.
 
     Parameters
@@ -59,12 +59,12 @@ class Journey:
         """Whether the next stop is the position itself."""
         return len(self.shares) == 1
 
-    def on(self) -> "Journey":
+    def on(self) -> "Continuation":
         """What is left of it after the next stop."""
-        return Journey(self.number, self.origin, self.shares[1:], follows=True)
+        return Continuation(self.number, self.origin, self.shares[1:], follows=True)
 
 
-class Front:
+class PositionQueue:
     """Positions that are open, and where they may be begun from.
 
     A few positions are begun from rigid wheels. All others are begun from the nearest that has been found, as soon as
@@ -82,21 +82,21 @@ class Front:
 
     """
 
-    def __init__(self, demands: Demands, possible: Bools, n_first: int) -> None:
-        self.features = _features(demands)
+    def __init__(self, targets: Targets, possible: Bools, n_first: int) -> None:
+        self.features = _features(targets)
         n = len(self.features)
         self.open, self.found = possible.copy(), ~possible
         self.distance, self.nearest = np.full(n, np.inf), np.full(n, -1)
         self.lost_from, self.tries = np.full(n, -1), np.zeros(n, dtype=np.int64)
         self.begun, self.stopped, self.tried_all = (np.zeros(n, dtype=np.bool_) for _ in range(3))
-        self.states: dict[int, LaneState] = {}
+        self.states: dict[int, PositionState] = {}
         self.most_states = MOST_STATES
         order = np.lexsort(self.features.T[[1, 2, 0]])
         order = order[possible[order]]
         spread = (np.arange(n_first) + 0.5) / n_first * len(order)
         self.first = np.unique(order[spread.astype(np.int64)]).tolist() if len(order) else []
 
-    def arrived(self, number: int, state: LaneState) -> None:
+    def arrived(self, number: int, state: PositionState) -> None:
         """Note that a position has been found, and its state."""
         self.states[number], self.found[number] = state, True
         away = self._away(number)
@@ -107,13 +107,13 @@ class Front:
             self.states = {each: state for each, state in self.states.items() if each in serving}
             self.most_states = max(MOST_STATES, 2 * len(self.states))
 
-    def lost(self, journey: Journey) -> None:
+    def lost(self, continuation: Continuation) -> None:
         """Note that a position was not found that way."""
-        self.open[journey.number] = True
-        if journey.origin is not None:
-            self.lost_from[journey.number] = journey.origin
+        self.open[continuation.number] = True
+        if continuation.origin is not None:
+            self.lost_from[continuation.number] = continuation.origin
 
-    def next(self, at: int | None) -> Journey | None:
+    def next(self, at: int | None) -> Continuation | None:
         """How a lane goes on.
 
         Parameters
@@ -123,7 +123,7 @@ class Front:
 
         Returns
         -------
-        Journey or None
+        Continuation or None
             None if all ways to all open positions have been tried.
 
         """
@@ -131,7 +131,7 @@ class Front:
             return self._begin(self.first.pop(), SHARES)
         return self._neighbour(at) or self._far_one()
 
-    def _neighbour(self, at: int | None) -> Journey | None:
+    def _neighbour(self, at: int | None) -> Continuation | None:
         """The way to a position close to one that has been found."""
         willing = self.open & (self.tries < MOST_TRIES)
         if at is not None:
@@ -147,7 +147,7 @@ class Front:
         self.tries[number] += 1
         return self._go(number, int(self.nearest[number]))
 
-    def _far_one(self) -> Journey | None:
+    def _far_one(self) -> Continuation | None:
         """The way to a position that has no neighbours, or was lost from those that it has."""
         for number in np.flatnonzero(self.open & ~self.begun)[:1]:
             return self._begin(int(number), SHARES)
@@ -161,13 +161,15 @@ class Front:
             return self._begin(int(number), SMALL_SHARES)
         return None
 
-    def _begin(self, number: int, shares: tuple[float, ...]) -> Journey:
+    def _begin(self, number: int, shares: tuple[float, ...]) -> Continuation:
         self.open[number], self.begun[number] = False, True
-        return Journey(number, None, shares)
+        return Continuation(number, None, shares)
 
-    def _go(self, number: int, origin: int, shares: tuple[float, ...] = (1.0,), *, follows: bool = False) -> Journey:
+    def _go(
+        self, number: int, origin: int, shares: tuple[float, ...] = (1.0,), *, follows: bool = False
+    ) -> Continuation:
         self.open[number] = False
-        return Journey(number, origin, shares, follows)
+        return Continuation(number, origin, shares, follows)
 
     def _away(self, number: int) -> Floats:
         """Steps from a position to all, shape (n,)."""
@@ -175,8 +177,8 @@ class Front:
         return away
 
 
-def _features(demands: Demands) -> Floats:
+def _features(targets: Targets) -> Floats:
     """Positions in a space where neighbours are about one apart, shape (n, 3)."""
-    lateral = np.where(np.isnan(demands.given[:, 0]), 1e3, demands.given[:, 0])
-    ratio = np.where(np.isnan(demands.given[:, 0]), demands.along / demands.onto, 0.0)
-    return np.stack((lateral, np.log(demands.onto), ratio), axis=1) / NEAR
+    lateral = np.where(np.isnan(targets.given[:, 0]), 1e3, targets.given[:, 0])
+    ratio = np.where(np.isnan(targets.given[:, 0]), targets.along / targets.onto, 0.0)
+    return np.stack((lateral, np.log(targets.onto), ratio), axis=1) / NEAR

@@ -17,7 +17,14 @@ import numpy as np
 
 from flangeway.railway.positions.positions_tangent import Tangent, restricted, tangents
 from flangeway.railway.positions.running_pair import Candidates, Gaps
-from flangeway.railway.positions.surface_positions import Demands, Loads, Stand, Surroundings, carried, resultants
+from flangeway.railway.positions.surface_positions import (
+    Loads,
+    SidePose,
+    SurfacePositions,
+    Targets,
+    carried,
+    resultants,
+)
 from flangeway.types import Bools, Floats, Ints
 
 MARGIN_MM = 0.12
@@ -66,7 +73,7 @@ RIDGE = np.array([1e-3, 1e-3, 1e3])
 
 
 @dataclass(frozen=True, eq=False)
-class LaneState:
+class PositionState:
     """A position that a lane has found.
 
     Parameters
@@ -82,20 +89,20 @@ class LaneState:
     loads: tuple[tuple[Ints, Floats], ...]
 
 
-class LaneSide:
+class PositionSide:
     """One side of all lanes: loads, tangents and gaps."""
 
-    def __init__(self, stand: Stand, n_lanes: int) -> None:
+    def __init__(self, stand: SidePose, n_positions: int) -> None:
         self.stand, self.pair = stand, stand.pair
         empty = np.zeros(0, dtype=np.int64)
-        window = np.zeros((n_lanes, len(self.pair.hats.nodes)), dtype=np.bool_)
+        window = np.zeros((n_positions, len(self.pair.hats.nodes)), dtype=np.bool_)
         self.candidates = Candidates(window, empty, empty)
-        self.tangents: list[Tangent | None] = [None] * n_lanes
+        self.tangents: list[Tangent | None] = [None] * n_positions
         self.in_tangent = window.copy()
-        self.loads = Loads.none(self.pair, n_lanes)
+        self.loads = Loads.none(self.pair, n_positions)
         self.gaps: Gaps
-        self.around: Surroundings
-        self.borne: Loads
+        self.around: SurfacePositions
+        self.carried_load: Loads
 
     def keep(self, stays: Bools) -> None:
         """Drop lanes; what `evaluate` finds has to be found anew."""
@@ -111,11 +118,11 @@ class LaneSide:
 
     def evaluate(self, motion: Floats, anew: Ints, margins: Floats) -> None:
         """Find gaps and what the contact forces load the bodies with; look anew for candidates of some lanes."""
-        self.around = Surroundings.at(self.stand, motion, self.loads)
+        self.around = SurfacePositions.at(self.stand, motion, self.loads)
         if len(anew):
             self._look(anew, margins)
         self.gaps = self.pair.gaps(self.around.wheel, self.around.rail, self.candidates)
-        self.borne = carried(self.stand, self.gaps, self.around, self.loads.forces)
+        self.carried_load = carried(self.stand, self.gaps, self.around, self.loads.forces)
 
     def _look(self, lanes: Ints, margins: Floats) -> None:
         found = self.around.take(lanes).search(self.pair, margins)
@@ -139,11 +146,12 @@ class LaneSide:
         return slack, allowed
 
     def violation(self) -> Floats:
-        """Largest imbalance over the total force, or violation of the law over the displacement, shape (L,)."""
-        loads, borne = self.loads, self.borne
+        """Maximum imbalance over the total force, or violation of the law over the displacement, shape (L,)."""
+        loads, carried_load = self.loads, self.carried_load
         total = np.maximum(loads.forces.sum(axis=1), 1e-300)
         imbalance = np.maximum(
-            np.abs(borne.wheel - loads.wheel).max(axis=(1, 2)), np.abs(borne.rail - loads.rail).max(axis=(1, 2))
+            np.abs(carried_load.wheel - loads.wheel).max(axis=(1, 2)),
+            np.abs(carried_load.rail - loads.rail).max(axis=(1, 2)),
         )
         slack, allowed = self.law()
         violation = np.where(loads.forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
@@ -179,21 +187,21 @@ class Lanes:
 
     """
 
-    def __init__(self, stands: tuple[Stand, ...], demands: Demands, motion: Floats) -> None:
-        self.demands, self.motion = demands, motion.copy()
-        self.sides = [LaneSide(stand, len(motion)) for stand in stands]
-        n_lanes = len(motion)
-        self.looked_at = np.full((n_lanes, 3), np.inf)
-        self.renewed_at = np.full(n_lanes, np.inf)
-        self.age, self.tangent_age = np.zeros(n_lanes, dtype=np.int64), np.zeros(n_lanes, dtype=np.int64)
-        self.error = np.full(n_lanes, np.inf)
+    def __init__(self, stands: tuple[SidePose, ...], targets: Targets, motion: Floats) -> None:
+        self.targets, self.motion = targets, motion.copy()
+        self.sides = [PositionSide(stand, len(motion)) for stand in stands]
+        n_positions = len(motion)
+        self.looked_at = np.full((n_positions, 3), np.inf)
+        self.renewed_at = np.full(n_positions, np.inf)
+        self.age, self.tangent_age = np.zeros(n_positions, dtype=np.int64), np.zeros(n_positions, dtype=np.int64)
+        self.error = np.full(n_positions, np.inf)
 
-    def state(self, lane: int) -> LaneState:
+    def state(self, lane: int) -> PositionState:
         """What a lane has found."""
         loads = [side.loads.packed(lane) for side in self.sides]
-        return LaneState(self.motion[lane].copy(), tuple(loads))
+        return PositionState(self.motion[lane].copy(), tuple(loads))
 
-    def take_up(self, lane: int, state: LaneState) -> None:
+    def take_up(self, lane: int, state: PositionState) -> None:
         """Let a lane be where a position was found."""
         self._move(np.array([lane]), state.motion)
         for side, loads in zip(self.sides, state.loads, strict=True):
@@ -201,7 +209,7 @@ class Lanes:
 
     def keep(self, stays: Bools) -> None:
         """Drop lanes."""
-        self.demands, self.motion, self.error = self.demands.take(stays), self.motion[stays], self.error[stays]
+        self.targets, self.motion, self.error = self.targets.take(stays), self.motion[stays], self.error[stays]
         self.looked_at, self.renewed_at = self.looked_at[stays], self.renewed_at[stays]
         self.age, self.tangent_age = self.age[stays], self.tangent_age[stays]
         for side in self.sides:
@@ -220,27 +228,27 @@ class Lanes:
         for side in self.sides:
             side.forget(lanes)
 
-    def ask(self, lane: int, demands: Demands, number: int, share: float, origin: int | None) -> None:
-        """Ask a lane for a position, or a place on the way; see `Demands.changed`. It goes on from where it is."""
-        self.demands = self.demands.changed(lane, demands, number, share, origin)
+    def ask(self, lane: int, targets: Targets, number: int, share: float, origin: int | None) -> None:
+        """Ask a lane for a position, or a place on the way; see `Targets.changed`. It goes on from where it is."""
+        self.targets = self.targets.changed(lane, targets, number, share, origin)
         self.age[lane], self.error[lane] = 0, np.nan
 
     def evaluate(self) -> tuple[Bools, Bools]:
         """Evaluate the equations; return which lanes are solved and which are lost."""
         self.age += 1
-        to_come = np.abs(self.demands.left(self.motion)) / CAP * CAP[0]
+        to_come = np.abs(self.targets.left(self.motion)) / CAP * CAP[0]
         with np.errstate(invalid="ignore"):
             moved = np.abs(self.motion - self.looked_at) / CAP * CAP[0]
         anew = np.flatnonzero(~(moved.max(axis=1) <= MOVED_MM))
         self.looked_at[anew] = self.motion[anew]
         margins = MARGIN_MM + np.where(self.error > LOWERED, MARGIN_MM, 0.0)
-        residual = self.demands.loads(self.motion)
+        residual = self.targets.loads(self.motion)
         error = to_come.max(axis=1)
         for side in self.sides:
             side.evaluate(self.motion, anew, margins[anew])
             residual += np.einsum("lh,lhk->lk", side.loads.forces, resultants(side.stand, side.gaps, side.around))
             error = np.maximum(error, side.violation())
-        error = np.maximum(error, self.demands.errors(residual))
+        error = np.maximum(error, self.targets.errors(residual))
         done = error <= TOLERANCE
         if done.any():
             done &= ~self._is_missed(done)
@@ -274,8 +282,8 @@ class Lanes:
         """Solve the linearised equations and move on."""
         self.tangent_age += 1
         windows = [Window.of(side) for side in self.sides]
-        change, forces = linear_step(windows, self.demands, self.motion)
-        self.motion = self.demands.arrived(self.motion + change)
+        change, forces = linear_step(windows, self.targets, self.motion)
+        self.motion = self.targets.arrived(self.motion + change)
         for side, window, now in zip(self.sides, windows, forces, strict=True):
             side.loads = window.loads_after(now, change)
 
@@ -309,9 +317,9 @@ class Window:
 
     """
 
-    stand: Stand
+    stand: SidePose
     gaps: Gaps
-    around: Surroundings
+    around: SurfacePositions
     tangents: list[Tangent]
     rows: Ints
     is_real: Bools
@@ -327,16 +335,16 @@ class Window:
     moved: Floats
 
     @classmethod
-    def of(cls, side: LaneSide) -> "Window":
+    def of(cls, side: PositionSide) -> "Window":
         """Gather them."""
         all_tangents, loads = side.renewed(), side.loads
         size = max((len(each.rows) for each in all_tangents), default=0) or 1
-        n_lanes = len(all_tangents)
-        rows = np.zeros((n_lanes, size), dtype=np.int64)
-        is_real = np.zeros((n_lanes, size), dtype=np.bool_)
-        matrix = np.zeros((n_lanes, size, size))
-        by_turning, turned_by = np.zeros((n_lanes, size, 4)), np.zeros((n_lanes, 4, size))
-        moved, out = np.zeros((n_lanes, 4, 3)), np.zeros((n_lanes, 4))
+        n_positions = len(all_tangents)
+        rows = np.zeros((n_positions, size), dtype=np.int64)
+        is_real = np.zeros((n_positions, size), dtype=np.bool_)
+        matrix = np.zeros((n_positions, size, size))
+        by_turning, turned_by = np.zeros((n_positions, size, 4)), np.zeros((n_positions, 4, size))
+        moved, out = np.zeros((n_positions, 4, 3)), np.zeros((n_positions, 4))
         gap_shift, on_wheel, on_rail = _out_of_balance(side)
         for lane, tangent in enumerate(all_tangents):
             n = len(tangent.rows)
@@ -415,11 +423,11 @@ class Window:
         return product
 
 
-def _out_of_balance(side: LaneSide) -> tuple[Floats, Floats, Floats]:
+def _out_of_balance(side: PositionSide) -> tuple[Floats, Floats, Floats]:
     """Changes of the gaps (L, n_hats) and displacements (L, n, 2) in the rail's frame by what is out of balance."""
     turns = side.around.turns.swapaxes(1, 2)
-    on_wheel = side.pair.wheel.displacements(side.borne.wheel - side.loads.wheel) @ turns
-    on_rail = side.pair.rail.displacements(side.borne.rail - side.loads.rail)
+    on_wheel = side.pair.wheel.displacements(side.carried_load.wheel - side.loads.wheel) @ turns
+    on_rail = side.pair.rail.displacements(side.carried_load.rail - side.loads.rail)
     values = 0.0
     for gradients, nodes, moved in zip(
         (side.gaps.on_wheel, side.gaps.on_rail), side.gaps.nodes, (on_wheel, on_rail), strict=True
@@ -430,7 +438,7 @@ def _out_of_balance(side: LaneSide) -> tuple[Floats, Floats, Floats]:
     return shift.reshape(side.gaps.gaps.shape), on_wheel, on_rail
 
 
-def linear_step(windows: list[Window], demands: Demands, motion: Floats) -> tuple[Floats, list[Floats]]:
+def linear_step(windows: list[Window], targets: Targets, motion: Floats) -> tuple[Floats, list[Floats]]:
     """Change of the motion (L, 3) and new forces (L, m) of both sides by the complementarity problem of this round."""
     active = [each.is_real & np.where(each.forces > 0.0, True, each.slack < 0.0) for each in windows]
     forces = [np.zeros_like(each.forces) for each in windows]
@@ -438,7 +446,7 @@ def linear_step(windows: list[Window], demands: Demands, motion: Floats) -> tupl
     lanes = np.arange(len(motion))
     for _ in range(SWAPS):
         answers = [each.respond(lanes, mine[lanes]) for each, mine in zip(windows, active, strict=True)]
-        change[lanes] = _motion_change(windows, lanes, answers, demands.take(lanes), motion[lanes])
+        change[lanes] = _motion_change(windows, lanes, answers, targets.take(lanes), motion[lanes])
         swapped = np.zeros(len(lanes), dtype=np.bool_)
         for number, (each, answer) in enumerate(zip(windows, answers, strict=True)):
             now = answer[..., 0] + np.einsum("lmk,lk->lm", answer[..., 1:], change[lanes])
@@ -454,11 +462,11 @@ def linear_step(windows: list[Window], demands: Demands, motion: Floats) -> tupl
 
 
 def _motion_change(
-    windows: list[Window], lanes: Ints, answers: list[Floats], demands: Demands, motion: Floats
+    windows: list[Window], lanes: Ints, answers: list[Floats], targets: Targets, motion: Floats
 ) -> Floats:
     """Change of the motion that balances the loads, within the longest step, shape (L, 3)."""
-    residual, stiffness = demands.loads(motion), np.zeros((len(lanes), 3, 3))
-    stiffness[:, 2, 2] = -demands.turning(motion)
+    residual, stiffness = targets.loads(motion), np.zeros((len(lanes), 3, 3))
+    stiffness[:, 2, 2] = -targets.turning(motion)
     for each, answer in zip(windows, answers, strict=True):
         change = answer.copy()
         change[..., 0] -= each.forces[lanes]
@@ -466,13 +474,13 @@ def _motion_change(
         residual += each.balance[lanes] + products[..., 0]
         stiffness -= products[..., 1:] + each.stiffness[lanes]
     stiffness += np.diag(RIDGE)
-    held = ~demands.free
+    held = ~targets.free
     coupling = np.where(held[:, None, :], stiffness, 0.0)
     stiffness[held[:, :, None] | held[:, None, :]] = 0.0
     lane, component = np.nonzero(held)
     stiffness[lane, component, component] = 1.0
     # what is given moves by what it has still to go, and the rest with it
-    to_come = demands.left(motion)
+    to_come = targets.left(motion)
     residual -= np.einsum("lij,lj->li", coupling, np.clip(to_come, -CAP, CAP))
     step = np.linalg.solve(stiffness * CAP, np.where(held, to_come, residual)[..., None])[..., 0]
     excess = np.abs(step).max(axis=1, keepdims=True)

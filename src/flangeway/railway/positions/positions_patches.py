@@ -7,8 +7,8 @@ from typing import Self
 import numpy as np
 
 from flangeway.post import pressure_patches
-from flangeway.post.pressure import CONSTRAINTS_APART, pressure_remark, scatter_of
-from flangeway.railway.positions.positions_newton import LaneSide
+from flangeway.post.pressure import CONSTRAINTS_APART, oscillation_of, pressure_remark
+from flangeway.railway.positions.positions_newton import PositionSide
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
 from flangeway.railway.positions.surface_positions import resultants
 from flangeway.railway.track.discretisation import Role
@@ -20,7 +20,7 @@ from flangeway.types import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
-class LanePatch:
+class PositionPatch:
     """One region of contact; see `flangeway.railway.wheelset.wheelset_result.WheelRailPatch`.
 
     Parameters
@@ -30,7 +30,7 @@ class LanePatch:
     force_on_wheel_N
         Resultant on the wheel, axes of the track.
     max_pressure_MPa, half_width_mm
-        Largest pressure, and half of the loaded length.
+        Maximum pressure, and half of the loaded length.
     wheel_point_mm, rail_point_mm
         Centre of pressure on the undeformed profiles, in their frames.
     at_edge
@@ -40,7 +40,7 @@ class LanePatch:
     scatter
         Of its pressures, see `flangeway.post.PressurePatch.scatter`.
     shear
-        Largest shear stress below it in the wheel and in the rail, where that was asked for.
+        Maximum shear stress below it in the wheel and in the rail, where that was asked for.
 
     """
 
@@ -79,7 +79,7 @@ class LanePatch:
         )
 
 
-def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
+def position_patches(side: PositionSide, lanes: Ints) -> list[list[PositionPatch]]:
     """Regions of contact of one side of some lanes, along the secondary surface as it stands."""
     pair, gaps, forces = side.pair, side.gaps, side.loads.forces
     n_hats = forces.shape[1]
@@ -93,7 +93,7 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
     sums = [np.bincount(rows, moments[..., x].ravel(), minlength=forces.size) for x in range(2)]
     covered = np.bincount(rows, gaps.covered[chosen].ravel(), minlength=forces.size)
     widths = _node_lengths(side)
-    found: list[list[LanePatch]] = []
+    found: list[list[PositionPatch]] = []
     for lane in lanes:
         loaded = np.flatnonzero(forces[lane] > 0.0)
         groups = np.split(loaded, np.flatnonzero(np.diff(loaded) > CONSTRAINTS_APART) + 1)
@@ -118,7 +118,7 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
             )
             pressures = force / gaps.areas[lane, group]
             patches.append(
-                LanePatch(
+                PositionPatch(
                     side.stand.side,
                     region_of(side.stand.side, x, y),
                     (float(x), float(y)),
@@ -128,7 +128,7 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
                     (float(on_rail[0]), float(on_rail[1])),
                     bool(at_edge),
                     float(len(group)),  # segment-to-segment has one constraint for each segment
-                    scatter_of(pressures),
+                    oscillation_of(pressures),
                 )
             )
         # the left side mirrors the right-hand form, and its chain runs the other way
@@ -136,14 +136,14 @@ def lane_patches(side: LaneSide, lanes: Ints) -> list[list[LanePatch]]:
     return found
 
 
-def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[LanePatch, ...]:
+def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[PositionPatch, ...]:
     """Regions of contact of a position that was found by the full search, left side first."""
     model = prepared.model
     found = pressure_patches(model.system, equilibrium.state)
-    return tuple(LanePatch.of(wheel_rail_patch(model, patch)) for patch in found)
+    return tuple(PositionPatch.of(wheel_rail_patch(model, patch)) for patch in found)
 
 
-def _node_lengths(side: LaneSide) -> Floats:
+def _node_lengths(side: PositionSide) -> Floats:
     """Lengths that belong to the secondary's nodes, shape (n,)."""
     lengths = np.zeros(len(side.pair.secondary.points))
     np.add.at(lengths, side.pair.hats.nodes, side.pair.hats.areas / side.pair.thickness)

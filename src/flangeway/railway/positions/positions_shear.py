@@ -1,4 +1,4 @@
-"""Largest shear stress below the contacts of many positions, from the fields of the bodies themselves."""
+"""Maximum shear stress below the contacts of many positions, from the fields of the bodies themselves."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,11 +9,11 @@ import numpy as np
 
 from flangeway.problems import Body
 from flangeway.railway.positions.line_stresses import Lines, LineStresses
-from flangeway.railway.positions.positions_patches import LanePatch
+from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.railway.wheelset.subsurface import DEPTH, SEARCHED, SubsurfaceExtreme, inward_from, largest_of_lines
+from flangeway.railway.wheelset.subsurface import DEPTH, SEARCHED, SubsurfaceExtreme, inward_from, maximum_of_lines
 from flangeway.solve import CondensedBodies
 from flangeway.types import Floats
 
@@ -34,7 +34,7 @@ class LoadedPatch:
 
     """
 
-    patch: LanePatch
+    patch: PositionPatch
     wheel: Floats
     rail: Floats
 
@@ -46,12 +46,12 @@ _kept: WeakKeyDictionary[CondensedBodies, dict[Key, LineStresses]] = WeakKeyDict
 """What serves all lines into condensed bodies; it goes with them."""
 
 
-def largest_shears(
+def maximum_shears(
     prepared: PreparedWheelset, loaded: Sequence[LoadedPatch], *, superposed: bool
 ) -> list[dict[Role, SubsurfaceExtreme]]:
-    """Largest in-plane shear stress in the wheel and in the rail below each region of contact.
+    """Maximum in-plane shear stress in the wheel and in the rail below each region of contact.
 
-    It is that of `flangeway.railway.wheelset.subsurface.largest_shear`: on the line along the inward normal through
+    It is that of `flangeway.railway.wheelset.subsurface.maximum_shear`: on the line along the inward normal through
     the centre of pressure, smoothed over the cells. All regions are treated together, and displacements are found
     only where their lines run.
 
@@ -83,12 +83,12 @@ def largest_shears(
             solve = partial(prepared.response.body_fields, parts.index(f"{role}-{sides[0]}"))
             stresses = _stresses(prepared.response, key, forces.shape[1])
             shear = stresses.in_plane_shear(lines, forces, solve, superposed=superposed)
-            for number, extreme in zip(numbers, largest_of_lines(lines.depths, shear, SEARCHED), strict=True):
+            for number, extreme in zip(numbers, maximum_of_lines(lines.depths, shear, SEARCHED), strict=True):
                 found[number][role] = extreme
     return found
 
 
-def lines_below(prepared: PreparedWheelset, role: Role, side: Side, patches: Sequence[LanePatch]) -> Lines:
+def lines_below(prepared: PreparedWheelset, role: Role, side: Side, patches: Sequence[PositionPatch]) -> Lines:
     """Lines into a body below regions of contact, in the body's frame.
 
     Parameters

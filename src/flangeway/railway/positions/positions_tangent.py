@@ -16,7 +16,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.railway.positions.running_pair import Candidates, Gaps, RunningPair
-from flangeway.railway.positions.surface_positions import Loads, Stand, Surroundings, carried
+from flangeway.railway.positions.surface_positions import Loads, SidePose, SurfacePositions, carried
 from flangeway.types import Bools, Floats, Ints
 
 DIFFERENCE_MM = 1e-5
@@ -73,7 +73,7 @@ class Tangent:
         result: Floats = _SELECTED[0] @ wheel + _SELECTED[1] @ rail
         return result
 
-    def moved(self, stand: Stand, axle: Floats) -> Floats:
+    def moved(self, stand: SidePose, axle: Floats) -> Floats:
         """Q: the wheel's motion as a whole by that of the wheelset, shape (4, 3)."""
         back = stand.rail_turn.T
         motion = np.zeros((3, 3))
@@ -99,18 +99,18 @@ def restricted(candidates: Candidates, pair: RunningPair, stays: Bools) -> Candi
 
 
 def tangents(
-    stand: Stand, around: Surroundings, candidates: Candidates, forces: Floats, chosen: Bools, wanted: Bools
+    stand: SidePose, around: SurfacePositions, candidates: Candidates, forces: Floats, chosen: Bools, wanted: Bools
 ) -> list[Tangent]:
     """Tangents of the lanes that are wanted, under contact forces (L, n_hats), of the constraints that are chosen."""
     pair = stand.pair
     around, candidates, forces = around.take(wanted), restricted(candidates, pair, wanted), forces[wanted]
     chosen = chosen[wanted]
     gaps = pair.gaps(around.wheel, around.rail, candidates)
-    borne = carried(stand, gaps, around, forces)
-    size = np.abs(borne.rail).sum(axis=2)
+    carried_load = carried(stand, gaps, around, forces)
+    size = np.abs(carried_load.rail).sum(axis=2)
     total = size.sum(axis=1)
     centre = np.einsum("ln,lnx->lx", size, around.rail) / np.maximum(total, 1e-300)[:, None]
-    turning = _turning(stand, around, candidates, forces, borne, centre)
+    turning = _turning(stand, around, candidates, forces, carried_load, centre)
     found = []
     bounds = _bounds(gaps, len(forces))
     order = np.argsort(gaps.rows[:, 0] // forces.shape[1], kind="stable")
@@ -127,8 +127,8 @@ def tangents(
         by_turning, turned_by = np.zeros((len(rows), 4)), np.zeros((4, len(rows)))
         fits = []
         bodies = (
-            (pair.wheel, around.wheel[lane], np.linalg.norm(borne.wheel[lane], axis=1), around.turns[lane]),
-            (pair.rail, around.rail[lane], np.linalg.norm(borne.rail[lane], axis=1), np.eye(2)),
+            (pair.wheel, around.wheel[lane], np.linalg.norm(carried_load.wheel[lane], axis=1), around.turns[lane]),
+            (pair.rail, around.rail[lane], np.linalg.norm(carried_load.rail[lane], axis=1), np.eye(2)),
         )
         for number, (chain, positions, weights, turn) in enumerate(bodies):
             within, columns = np.unique(nodes[number][mine] - lane * len(chain.points), return_inverse=True)
@@ -172,9 +172,9 @@ _SELECTED = (
 """Relative motion and the wheel's rotation by the motions of the wheel and of the rail."""
 
 
-def _bounds(gaps: Gaps, n_lanes: int) -> Ints:
+def _bounds(gaps: Gaps, n_positions: int) -> Ints:
     lanes = np.sort(gaps.rows[:, 0] // gaps.gaps.shape[1], kind="stable")
-    return np.searchsorted(lanes, np.arange(n_lanes + 1))
+    return np.searchsorted(lanes, np.arange(n_positions + 1))
 
 
 def _modes(positions: Floats, centre: Floats) -> Floats:
@@ -197,7 +197,7 @@ def _fit(positions: Floats, weights: Floats, centre: Floats) -> Floats:
     return np.einsum("ab,bnx->anx", np.linalg.inv(normal), weighted)
 
 
-def _resultants(stand: Stand, arms: Floats, loads: Floats) -> Floats:
+def _resultants(stand: SidePose, arms: Floats, loads: Floats) -> Floats:
     """Forces and moments (3, 4) of loads (4, n, 2) on the wheel.
 
     The moment does not change where the wheel's rotation turns forces and arms alike.
@@ -219,18 +219,23 @@ def _jacobian(gradients: Floats, rows: Ints, columns: Ints, n_rows: int, n_nodes
 
 
 def _turning(
-    stand: Stand, around: Surroundings, candidates: Candidates, forces: Floats, borne: Loads, centre: Floats
+    stand: SidePose,
+    around: SurfacePositions,
+    candidates: Candidates,
+    forces: Floats,
+    carried_load: Loads,
+    centre: Floats,
 ) -> tuple[Floats, Floats]:
     """Changes of the loads by motions of the rail against the wheel, and by rotation of both, in the rail's frame.
 
     Two arrays (L, 4, n, 2).
     """
-    wheel, rail = borne.wheel @ around.turns.swapaxes(1, 2), borne.rail
+    wheel, rail = carried_load.wheel @ around.turns.swapaxes(1, 2), carried_load.rail
     found: list[list[Floats]] = [[], []]
     arms = (around.rail - centre[:, None]) / ARM_MM
     ones, zeros = np.ones(arms.shape[:2]), np.zeros(arms.shape[:2])
     for mode in ((ones, zeros), (zeros, ones), (-arms[..., 1], arms[..., 0])):
-        moved = Surroundings(
+        moved = SurfacePositions(
             around.wheel, around.rail + DIFFERENCE_MM * np.stack(mode, axis=2), around.turns, around.axles,
             around.lowered, around.scale,
         )  # fmt: skip

@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 
 from flangeway.railway.positions.running_pair import RunningPair
-from flangeway.railway.positions.surface_positions import Stand
+from flangeway.railway.positions.surface_positions import SidePose
 from flangeway.railway.track.placements import SIDES, WheelsetMotion, mirrored
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -63,7 +63,7 @@ class PreparedWheelset:
         return replace(problem, load=load or problem.load, prescribed=prescribed or problem.prescribed)
 
     @cached_property
-    def stands(self) -> tuple[Stand, ...]:
+    def stands(self) -> tuple[SidePose, ...]:
         """Both sides in the form for many positions.
 
         Raises
@@ -82,7 +82,7 @@ class PreparedWheelset:
             placements = [track.placement(side), wheelset.placement(side)]
             rail, wheel = placements if side == "right" else [mirrored(each) for each in placements]
             stands.append(
-                Stand(
+                SidePose(
                     side,
                     pairs[key],
                     rail.rotation_rad,

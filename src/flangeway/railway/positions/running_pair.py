@@ -240,15 +240,15 @@ class RunningPair:
         lowered
             About how far the rail's head has moved, shape (L, 2).
         margin
-            Largest gap, one for all or shape (L,).
+            Maximum gap, one for all or shape (L,).
 
         """
         wheel_ends, rail_ends = self.wheel.ends, self.rail.ends
         points = wheel[:, wheel_ends]
-        n_lanes, n_ends = points.shape[:2]
+        n_positions, n_ends = points.shape[:2]
         distances, facing = self._tree.query((points - lowered[:, None]).reshape(-1, 2), distance_upper_bound=SEEN_MM)
-        found = np.isfinite(distances).reshape(n_lanes, n_ends)
-        facing = np.minimum(facing, len(rail_ends) - 1).reshape(n_lanes, n_ends)
+        found = np.isfinite(distances).reshape(n_positions, n_ends)
+        facing = np.minimum(facing, len(rail_ends) - 1).reshape(n_positions, n_ends)
         normals = self._normals[1][facing]
         found &= np.einsum("lki,lij,kj->lk", normals, turns, self._normals[0]) < FACING
         there = np.take_along_axis(rail[:, rail_ends], facing[:, :, None], axis=1)
@@ -256,12 +256,12 @@ class RunningPair:
         across = apart[..., 0] * normals[..., 0] + apart[..., 1] * normals[..., 1]
         near = found & (across < np.reshape(margin, (-1, 1)))
         lanes, edges, partners = self._edges_between(near, found, facing)
-        window = np.zeros((n_lanes, len(self.hats.nodes)), dtype=np.bool_)
+        window = np.zeros((n_positions, len(self.hats.nodes)), dtype=np.bool_)
         if self.wheel_is_secondary:
             window[:] = self._at_hats(near)
             secondary, primary = edges, partners
         else:
-            near_rail = np.zeros((n_lanes, len(rail_ends)), dtype=np.bool_)
+            near_rail = np.zeros((n_positions, len(rail_ends)), dtype=np.bool_)
             lane, end = np.nonzero(near)
             near_rail[lane, facing[lane, end]] = True
             near_rail = _widened(near_rail, 1)

@@ -14,7 +14,7 @@ ARM_MM = 750.0
 
 
 @dataclass(frozen=True, eq=False)
-class Stand:
+class SidePose:
     """Where the pair of a side stands, in the right-hand form.
 
     Parameters
@@ -67,7 +67,7 @@ class Stand:
 
 
 @dataclass(frozen=True, eq=False)
-class Demands:
+class Targets:
     """What each lane is asked for.
 
     Parameters
@@ -78,7 +78,7 @@ class Demands:
         What errors of the vertical force are measured by, shape (L,).
     given
         Components of the motion that are prescribed, nan for those that are found, shape (L, 3).
-    barycentre_height
+    centre_of_gravity_height
         Height above the axle of the point where the forces act.
 
     """
@@ -87,7 +87,7 @@ class Demands:
     onto: Floats
     weight: Floats
     given: Floats
-    barycentre_height: float
+    centre_of_gravity_height: float
 
     @property
     def free(self) -> Bools:
@@ -103,13 +103,13 @@ class Demands:
         left = self.left(motion)
         return np.where(self.free | (np.abs(left) > 1e-9), motion, np.where(self.free, 0.0, self.given))
 
-    def take(self, lanes: Ints | Bools) -> "Demands":
+    def take(self, lanes: Ints | Bools) -> "Targets":
         """Those of some lanes."""
-        return Demands(
-            self.along[lanes], self.onto[lanes], self.weight[lanes], self.given[lanes], self.barycentre_height
+        return Targets(
+            self.along[lanes], self.onto[lanes], self.weight[lanes], self.given[lanes], self.centre_of_gravity_height
         )
 
-    def changed(self, lane: int, other: "Demands", number: int, share: float, origin: int | None) -> "Demands":
+    def changed(self, lane: int, other: "Targets", number: int, share: float, origin: int | None) -> "Targets":
         """Those with another demand for one lane: a share of the way to it from another, or under a share of its load.
 
         Parameters
@@ -117,7 +117,7 @@ class Demands:
         lane
             The lane.
         other, number
-            Demands, and which of them.
+            Targets, and which of them.
         share
             Part of the way or of the load.
         origin
@@ -135,18 +135,18 @@ class Demands:
             part_way(mine, theirs, 0.0 if origin is None else theirs[origin])
             for mine, theirs in ((self.along, other.along), (self.onto, other.onto), (self.weight, other.weight))
         )
-        return Demands(along, onto, weight, part_way(self.given, other.given, given), self.barycentre_height)
+        return Targets(along, onto, weight, part_way(self.given, other.given, given), self.centre_of_gravity_height)
 
     def loads(self, motion: Floats) -> Floats:
         """Forces in the track's axes and moment about the axle's middle, shape (L, 3)."""
-        x = -self.barycentre_height * np.sin(motion[:, 2])
-        y = self.barycentre_height * np.cos(motion[:, 2])
+        x = -self.centre_of_gravity_height * np.sin(motion[:, 2])
+        y = self.centre_of_gravity_height * np.cos(motion[:, 2])
         return np.stack((self.along, -self.onto, -x * self.onto - y * self.along), axis=1)
 
     def turning(self, motion: Floats) -> Floats:
         """Derivative of the moment by roll, shape (L,)."""
         cosine, sine = np.cos(motion[:, 2]), np.sin(motion[:, 2])
-        return self.barycentre_height * (cosine * self.onto + sine * self.along)
+        return self.centre_of_gravity_height * (cosine * self.onto + sine * self.along)
 
     def errors(self, residual: Floats) -> Floats:
         """Largest relative error of the balance of what is free, shape (L,)."""
@@ -172,12 +172,12 @@ class Loads:
     rail: Floats
 
     @classmethod
-    def none(cls, pair: RunningPair, n_lanes: int) -> "Loads":
+    def none(cls, pair: RunningPair, n_positions: int) -> "Loads":
         """Nothing touches."""
         return cls(
-            np.zeros((n_lanes, len(pair.hats.nodes))),
-            np.zeros((n_lanes, *pair.wheel.points.shape)),
-            np.zeros((n_lanes, *pair.rail.points.shape)),
+            np.zeros((n_positions, len(pair.hats.nodes))),
+            np.zeros((n_positions, *pair.wheel.points.shape)),
+            np.zeros((n_positions, *pair.rail.points.shape)),
         )
 
     def take(self, lanes: Ints | Bools) -> "Loads":
@@ -201,7 +201,7 @@ class Loads:
 
 
 @dataclass(frozen=True, eq=False)
-class Surroundings:
+class SurfacePositions:
     """Positions of one side's surfaces in the rail's frame.
 
     Parameters
@@ -215,7 +215,7 @@ class Surroundings:
     lowered
         About how far the rail's head has moved, shape (L, 2).
     scale
-        Largest displacement, shape (L,).
+        Maximum displacement, shape (L,).
 
     """
 
@@ -227,7 +227,7 @@ class Surroundings:
     scale: Floats
 
     @classmethod
-    def at(cls, stand: Stand, motion: Floats, loads: Loads) -> "Surroundings":
+    def at(cls, stand: SidePose, motion: Floats, loads: Loads) -> "SurfacePositions":
         """Positions after a motion (L, 3) under loads."""
         pair = stand.pair
         turns, places, axles = stand.wheels(motion)
@@ -242,15 +242,15 @@ class Surroundings:
         """See `RunningPair.search`."""
         return pair.search(self.wheel, self.rail, self.turns, self.lowered, margin)
 
-    def take(self, lanes: Ints | Bools) -> "Surroundings":
+    def take(self, lanes: Ints | Bools) -> "SurfacePositions":
         """Those of some lanes."""
-        return Surroundings(
+        return SurfacePositions(
             self.wheel[lanes], self.rail[lanes], self.turns[lanes], self.axles[lanes], self.lowered[lanes],
             self.scale[lanes],
         )  # fmt: skip
 
 
-def resultants(stand: Stand, gaps: Gaps, around: Surroundings) -> Floats:
+def resultants(stand: SidePose, gaps: Gaps, around: SurfacePositions) -> Floats:
     """Forces in the track's axes and moment about the axle's middle of unit contact forces, shape (L, n_hats, 3).
 
     They are those on the wheel, for the motion's signs, and as well the derivatives of the gaps by the motion.
@@ -272,7 +272,7 @@ def resultants(stand: Stand, gaps: Gaps, around: Surroundings) -> Floats:
     return np.stack(columns, axis=1).reshape(*gaps.gaps.shape, 3) * stand.signs
 
 
-def carried(stand: Stand, gaps: Gaps, around: Surroundings, forces: Floats) -> Loads:
+def carried(stand: SidePose, gaps: Gaps, around: SurfacePositions, forces: Floats) -> Loads:
     """Loads of the bodies under contact forces (L, n_hats)."""
     first, second = (forces.ravel()[gaps.rows[:, number], None, None] for number in range(2))
     found = []

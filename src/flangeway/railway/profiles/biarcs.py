@@ -34,7 +34,7 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
     breaks
         Parameters (n,), increasing; joints of the chain are at all of them.
     tolerance
-        Largest distance between curve and arcs.
+        Maximum distance between curve and arcs.
 
     Raises
     ------
@@ -64,7 +64,7 @@ def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
 
 
 def _pair(curve: Curve, low: float, high: float) -> tuple[list[Segment], float]:
-    """Return two arcs between parameters and their largest distance from the curve."""
+    """Return two arcs between parameters and their maximum distance from the curve."""
     points, tangents = curve(low + (high - low) * _FRACTIONS)
     tangents = tangents / np.hypot(*tangents.T)[:, None]
     start, end, t0, t1 = points[0], points[-1], tangents[0], tangents[-1]

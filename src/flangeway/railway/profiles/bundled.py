@@ -30,7 +30,7 @@ CROWNED = ("136RE-8", "136RE-10", "136RE-14")
 """What `nominal_profile` calls the crowns of the 136RE."""
 
 _CUT_HEIGHTS_MM = (20.0, 100.0)
-_THROAT_RADII_MM = (10.0, 20.0)
+_FLANGE_ROOT_RADII_MM = (10.0, 20.0)
 
 _HEAD_SIDE = {
     "136RE": ("crown", "shoulder", "gauge_corner", "head_side_1:40"),
@@ -41,8 +41,8 @@ _RUNNING = (
     "flange_tip_land",
     "flange_tip_front",
     "flange_face_75deg",
-    "throat_R1",
-    "throat_R2",
+    "flange_root_R1",
+    "flange_root_R2",
     "tread_1:20",
     "rim_edge",
 )
@@ -207,7 +207,9 @@ def _texts_60e1(_: float | None) -> tuple[str, str]:
 _RAIL_TEXTS = {"136RE": _texts_136re, "60E1": _texts_60e1}
 
 
-def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm: float | None = None) -> WheelProfile:
+def wheel(
+    name: str = "AAR-1B", *, cut_height_mm: float = 50.0, flange_root_radius_mm: float | None = None
+) -> WheelProfile:
     """Return the lower part of a wheel's rim.
 
     Parameters
@@ -217,8 +219,8 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
     cut_height_mm
         Height above the tape line of the straight cut that closes the region, 20 to 100 mm
         (30 to 100 mm for the heavy-haul wheel, whose rim's edge is higher).
-    throat_radius_mm
-        Radius of the arc between the flange's face and the wider arc of the throat of the AAR-1B, 10 to
+    flange_root_radius_mm
+        Radius of the arc between the flange's face and the wider arc of the flange root of the AAR-1B, 10 to
         20 mm; that of the file (14.2875 mm, inferred) by default. The arc stays tangent to both.
 
     Raises
@@ -232,14 +234,16 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
         raise InputError(f"wheel '{name}'", f"one of {', '.join(WHEELS)}, or a file of a profile", advice)
     _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
     if name not in _WHEEL_FILES:
-        if throat_radius_mm is not None:
-            raise InputError(f"throat_radius_mm = {throat_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+        if flange_root_radius_mm is not None:
+            raise InputError(f"flange_root_radius_mm = {flange_root_radius_mm:g} for {name}", "AAR-1B", "leave it out")
         return _s1002(cut_height_mm) if name == "S1002" else _heavy_haul(cut_height_mm)
     # the file's axes point towards the flange and away from the axle: half a turn, without rounding
     contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
-    if throat_radius_mm is not None:
-        _refuse_outside("throat_radius_mm", throat_radius_mm, _THROAT_RADII_MM, "leave it out for the file's")
-        contour |= _rounded_throat(contour, throat_radius_mm)
+    if flange_root_radius_mm is not None:
+        _refuse_outside(
+            "flange_root_radius_mm", flange_root_radius_mm, _FLANGE_ROOT_RADII_MM, "leave it out for the file's"
+        )
+        contour |= _rounded_flange_root(contour, flange_root_radius_mm)
     outer, back = contour["outer_face"], contour["back_face"]
     contour["outer_face"] = Line((outer.end[0], cut_height_mm), outer.end)
     contour["back_face"] = Line(back.start, (back.start[0], cut_height_mm))
@@ -253,7 +257,7 @@ def wheel(name: str = "AAR-1B", *, cut_height_mm: float = 50.0, throat_radius_mm
         flange_back_mm=-float(outline.bounds(["back_face"])[0, 0]),
         certainty=(
             "An approximation: taper, height, thickness and angle of the flange and width of the "
-            "rim agree with the standard's figures; the radii of the throat and its junctions are "
+            "rim agree with the standard's figures; the radii of the flange root and its junctions are "
             "assumed."
         ),
         source=(
@@ -312,15 +316,15 @@ def _refuse_outside(name: str, value: float, limits: tuple[float, float], advice
         raise InputError(f"{name} = {value}", f"{low:g} to {high:g}", advice)
 
 
-def _rounded_throat(contour: Mapping[str, Segment], radius: float) -> dict[str, Segment]:
-    """Return throat and flange face for another radius of the arc between them.
+def _rounded_flange_root(contour: Mapping[str, Segment], radius: float) -> dict[str, Segment]:
+    """Return flange root and flange face for another radius of the arc between them.
 
     The arc is tangent to the line of the face and, from inside, to the circle of the wider arc:
     its centre is `radius` off the line and the difference of the radii from the other's centre.
     """
-    face, wide = contour["flange_face_75deg"], contour["throat_R2"]
+    face, wide = contour["flange_face_75deg"], contour["flange_root_R2"]
     if not isinstance(wide, Arc):
-        raise TypeError("the throat of a wheel file is made of arcs")
+        raise TypeError("the flange root of a wheel file is made of arcs")
     # from tread to flange the wheel is on the right: the centres of its hollow arcs are on the left
     along, off = face.tangent(0.0)[0], -face.normal(0.0)[0]
     start, other = np.array(face.start), np.array(wide.centre)
@@ -333,8 +337,8 @@ def _rounded_throat(contour: Mapping[str, Segment], radius: float) -> dict[str, 
     outward = (centre - other) / np.hypot(*(centre - other))
     junction = as_point(other + wide.radius * outward)
     return {
-        "throat_R2": Arc(wide.start, junction, wide.centre, wide.counter_clockwise),
-        "throat_R1": Arc(junction, as_point(foot), as_point(centre), wide.counter_clockwise),
+        "flange_root_R2": Arc(wide.start, junction, wide.centre, wide.counter_clockwise),
+        "flange_root_R1": Arc(junction, as_point(foot), as_point(centre), wide.counter_clockwise),
         "flange_face_75deg": Line(as_point(foot), face.end),
     }
 

@@ -6,10 +6,10 @@ from numpy.typing import ArrayLike
 from flangeway.geometry import Contour, FloatArray
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 
-LARGEST_WIDTH = 0.5
+MAX_WIDTH = 0.5
 """Half width of a contact over a radius of its bodies above which these are no half planes for it."""
 
-LARGEST_CHANGE = 1.5
+MAX_CHANGE = 1.5
 """Factor between the gap at an end of the contact and that of constant curvature up to which it is one of Hertz's."""
 
 _N_ALONG = 50
@@ -33,9 +33,9 @@ def conforming(
 ) -> bool:
     """Whether a contact is none of Hertz's, whose curvatures are constant and whose width is small against the radii.
 
-    It is one where Hertz's own half width a exceeds `LARGEST_WIDTH` times the smallest radius of either profile over
+    It is one where Hertz's own half width a exceeds `MAX_WIDTH` times the smallest radius of either profile over
     it, or the gap of the profiles at either end of it, ``int_0^a (a - s) k(s) ds`` with the relative curvature k along
-    the surfaces, is not that of the curvature at the middle, ``k(0) a^2 / 2``, within a factor of `LARGEST_CHANGE`.
+    the surfaces, is not that of the curvature at the middle, ``k(0) a^2 / 2``, within a factor of `MAX_CHANGE`.
 
     Parameters
     ----------
@@ -52,14 +52,14 @@ def conforming(
         _curvatures(wheel.running_surface, wheel_point, along),
         _curvatures(rail.running_surface, rail_point, -along),
     )
-    if half_width_mm * max(np.abs(of_wheel).max(), np.abs(of_rail).max()) > LARGEST_WIDTH:
+    if half_width_mm * max(np.abs(of_wheel).max(), np.abs(of_rail).max()) > MAX_WIDTH:
         return True
     weights = half_width_mm - np.abs(along)
     middle = relative_curvature(wheel, wheel_point, rail, rail_point)
     ends = [
         float((weights * (of_wheel + of_rail))[side].sum() / weights[side].sum()) for side in (along < 0, along > 0)
     ]
-    return not all(1.0 / LARGEST_CHANGE <= end / middle <= LARGEST_CHANGE for end in ends)
+    return not all(1.0 / MAX_CHANGE <= end / middle <= MAX_CHANGE for end in ends)
 
 
 def _curvatures(surface: Contour, point: ArrayLike, along: FloatArray) -> FloatArray:

@@ -19,7 +19,7 @@ IDENTIFIED = "AAR-1B (identified)"
 
 IDENTIFIED_RADIUS_MM = 49.2
 """Radius of the wide arc with which elements VO2, on the published kind of mesh, have the published lateral translation
-of the curve, 0.7309 cm (seed Table 16). `flangeway reproduce wheel-rail` finds it again."""
+of the curve, 0.7309 cm (Moherdaui 2021, Table 16). `flangeway reproduce wheel-rail` finds it again."""
 
 
 def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfile:
@@ -32,7 +32,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
     Parameters
     ----------
     profile
-        Wheel with segments ``throat_R1``, ``throat_R2`` and ``tread_1:20``.
+        Wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
     wide_radius_mm
         Radius of the wide arc.
 
@@ -74,8 +74,8 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
             parts["flange_tip_land"] = Line(land.start, _moved(land.end, shift))
             parts["flange_tip_front"] = _moved_arc(tip, shift)
             parts["flange_face_75deg"] = Line(_moved(tip.end, shift), _moved(narrow.start, moved))
-            parts["throat_R1"] = _moved_arc(narrow, moved)
-            parts["throat_R2"] = Arc(
+            parts["flange_root_R1"] = _moved_arc(narrow, moved)
+            parts["flange_root_R2"] = Arc(
                 _moved(narrow.end, moved), as_point(foot), as_point(centre), wide.counter_clockwise
             )
             parts["tread_1:20"] = Line(as_point(foot), tread.end)
@@ -87,7 +87,7 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
     )
 
 
-def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
+def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     """Return an AAR-1B with another radius of the wide arc between tread and narrow arc, tangent to both.
 
     The narrow arc keeps its place, and the slope between the arcs changes; see `with_flange_root` for the other way.
@@ -95,7 +95,7 @@ def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     Parameters
     ----------
     profile
-        Wheel with segments ``throat_R1``, ``throat_R2`` and ``tread_1:20``.
+        Wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
     radius_mm
         Radius, larger than that of the narrow arc.
 
@@ -109,7 +109,7 @@ def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     if profile.title == IDENTIFIED or not (
         isinstance(narrow, Arc) and isinstance(wide, Arc) and isinstance(tread, Line)
     ):
-        raise InputError(f"wide_throat_radius_mm for {profile.title}", "AAR-1B", "leave it out")
+        raise InputError(f"wide_flange_root_radius_mm for {profile.title}", "AAR-1B", "leave it out")
     along, off = tread.tangent(0.0)[0], tread.normal(0.0)[0]
     # the outline has the wheel on its left: the flange root's hollow arcs have their centres on its right
     arm = np.array(narrow.centre) - np.array(tread.start)
@@ -117,7 +117,7 @@ def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     square = (radius_mm - narrow.radius) ** 2 - (radius_mm - depth) ** 2
     if radius_mm <= narrow.radius or square <= 0.0:
         raise InputError(
-            f"wide_throat_radius_mm = {radius_mm:g}",
+            f"wide_flange_root_radius_mm = {radius_mm:g}",
             f"more than {0.5 * (narrow.radius + depth):.1f} mm",
             "leave it out for 38.1 mm",
         )
@@ -125,8 +125,8 @@ def with_wide_throat(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     centre = foot + radius_mm * off
     ray = np.array(narrow.centre) - centre
     joint = as_point(centre + radius_mm * ray / np.hypot(*ray))
-    parts["throat_R1"] = Arc(narrow.start, joint, narrow.centre, narrow.counter_clockwise)
-    parts["throat_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
+    parts["flange_root_R1"] = Arc(narrow.start, joint, narrow.centre, narrow.counter_clockwise)
+    parts["flange_root_R2"] = Arc(joint, as_point(foot), as_point(centre), wide.counter_clockwise)
     parts["tread_1:20"] = Line(as_point(foot), tread.end)
     return replace(profile, outline=Outline.from_segments(parts.values(), parts.keys()))
 
@@ -149,13 +149,13 @@ def identified_wheel() -> WheelProfile:
 def _root_of(profile: WheelProfile) -> tuple[dict[str, Segment], Segment | None, Segment | None, Segment | None]:
     """Return all segments by name; narrow arc, wide arc and tread, None where the wheel has no such segment."""
     parts: dict[str, Segment] = dict(zip(profile.outline.names, profile.outline.segments, strict=True))
-    return parts, parts.get("throat_R1"), parts.get("throat_R2"), parts.get("tread_1:20")
+    return parts, parts.get("flange_root_R1"), parts.get("flange_root_R2"), parts.get("tread_1:20")
 
 
 def _gauge_point(narrow: Arc) -> NDArray[np.float64]:
     """Return the point of the narrow arc at which the flange's thickness is measured."""
-    aside = float(np.sqrt(narrow.radius**2 - (narrow.centre[1] + GAUGE_HEIGHT_MM) ** 2))
-    return np.array((narrow.centre[0] - aside, -GAUGE_HEIGHT_MM))
+    lateral_offset = float(np.sqrt(narrow.radius**2 - (narrow.centre[1] + GAUGE_HEIGHT_MM) ** 2))
+    return np.array((narrow.centre[0] - lateral_offset, -GAUGE_HEIGHT_MM))
 
 
 def _moved(point: Point, shift: NDArray[np.float64]) -> Point:

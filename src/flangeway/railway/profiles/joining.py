@@ -2,7 +2,7 @@
 
 The rule: the measured surface is kept whole. From each of its ends a straight transition leads to the nominal outline,
 to the point that lies beyond the end's foot on that outline by a blend: four times the distance between the end and its
-foot, at least `LEAST_BLEND_MM` and at most `LARGEST_BLEND_MM`. The nominal
+foot, at least `LEAST_BLEND_MM` and at most `MAX_BLEND_MM`. The nominal
 outline closes the body from there. The ends may be no further from the nominal outline than the limits below: else the
 origin is wrong, or it is the profile of another rail or wheel.
 
@@ -23,22 +23,22 @@ from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_betw
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 
 LEAST_BLEND_MM = 1.0
-LARGEST_BLEND_MM = 12.0
+MAX_BLEND_MM = 12.0
 BLEND_FACTOR = 4.0
-LARGEST_GAP_MM = 4.0
-"""Largest distance of an end of a rail's head, or of a wheel's flange back, from the nominal outline.
+MAX_GAP_MM = 4.0
+"""Maximum distance of an end of a rail's head, or of a wheel's flange back, from the nominal outline.
 
 A new head that its file holds inclined by 1:40 about its top ends 3 mm from the upright body.
 """
 
-LARGEST_WEAR_MM = 12.0
+MAX_WEAR_MM = 12.0
 """The same at the gauge side of a head, where the end lies inside of the nominal outline: a face that is worn."""
 
-LARGEST_RIM_GAP_MM = 15.0
+MAX_RIM_GAP_MM = 15.0
 """The same at the rim of a wheel: rims differ in width."""
 
-LARGEST_SHIFT_MM = 15.0
-"""Largest motion sideways that lays the field side of a measured head on the nominal one."""
+MAX_SHIFT_MM = 15.0
+"""Maximum motion sideways that lays the field side of a measured head on the nominal one."""
 
 REACHES_MM = {"rail": (-15.0, 10.0), "wheel": (-40.0, 20.0)}
 """First and last x that a measured surface covers at least, from the head's middle or the tape line: where contact is.
@@ -151,12 +151,15 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     try:
         outline, joints = _closed(surface, nominal)
     except InputError:
-        aside = _field_shift(measured, surface, nominal)
-        if aside is None:
+        lateral_offset = _field_shift(measured, surface, nominal)
+        if lateral_offset is None:
             raise
-        surface = surface.transformed(Placement(translation=(aside, 0.0)))
+        surface = surface.transformed(Placement(translation=(lateral_offset, 0.0)))
         outline, joints = _closed(surface, nominal)
-        notices = (*notices, f"The head is moved sideways by {aside:.2f} mm: its field side lies on the nominal one.")
+        notices = (
+            *notices,
+            f"The head is moved sideways by {lateral_offset:.2f} mm: its field side lies on the nominal one.",
+        )
     _refuse_short(surface, kind)
     title = f"{measured.title} on {nominal.title}"
     certainty = (
@@ -228,10 +231,10 @@ def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfi
     x, y = max(ends)
     face = _field_side(nominal.outline.part(nominal.head_names))
     face = face[np.argsort(face[:, 1])]
-    if not face[0, 1] - LARGEST_GAP_MM <= y <= face[-1, 1]:
+    if not face[0, 1] - MAX_GAP_MM <= y <= face[-1, 1]:
         return None
     shift = float(np.interp(y, face[:, 1], face[:, 0])) - x
-    return shift if abs(shift) <= LARGEST_SHIFT_MM else None
+    return shift if abs(shift) <= MAX_SHIFT_MM else None
 
 
 def _field_side(head: Contour) -> FloatArray:
@@ -347,7 +350,7 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
     is_rail = isinstance(nominal, RailProfile)
     words = ("field side", "gauge side") if is_rail else ("flange's back", "rim")
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
-    limits = (LARGEST_GAP_MM, LARGEST_GAP_MM if is_rail else LARGEST_RIM_GAP_MM)
+    limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
     lengths = lengths_along(nominal.outline)
     total = float(lengths[-1])
     places, joints = [], []
@@ -355,7 +358,7 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
         segment, parameter, gap = (float(values[0]) for values in nominal.outline.closest([end]))
         foot_place = lengths[int(segment)] + parameter * nominal.outline.segments[int(segment)].length
         foot = point_at(nominal.outline, lengths, foot_place % total)
-        limit = LARGEST_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
+        limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
                 f"the end of the measured surface at the {words[i]}, ({end[0]:.5g}, {end[1]:.5g}) mm, {gap:.3g} mm "
@@ -364,7 +367,7 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
             )
-        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * gap), LARGEST_BLEND_MM)
+        blend = min(max(LEAST_BLEND_MM, BLEND_FACTOR * gap), MAX_BLEND_MM)
         place = (foot_place + sense * blend) % total
         places.append(place)
         joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))

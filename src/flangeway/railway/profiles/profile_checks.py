@@ -24,7 +24,7 @@ WIDEST_GAP_MM = 25.0
 _SMALL_GAP_MM = 5.0
 _TURN_OVER_GAP_DEG = 12.0
 _FOLD_DEG = 100.0
-_LARGEST_FOLD_MM = 1.0
+_MAX_FOLD_MM = 1.0
 _MOST_FOLDED = 20
 _HOOK = 3  # points at the end of a file that may be a stray stroke
 _OUTLIER_UM = 100.0
@@ -174,11 +174,11 @@ def _without_folds(points: FloatArray, lines: Lines) -> tuple[FloatArray, Lines,
         if len(points) - i <= _HOOK:
             notice = f"The last {len(points) - i} points turn back and are left out, from line {lines[i]}."
             return points[kept], lines[kept], [notice]
-        if math.dist(points[i], last) > _LARGEST_FOLD_MM or len(dropped) > _MOST_FOLDED:
+        if math.dist(points[i], last) > _MAX_FOLD_MM or len(dropped) > _MOST_FOLDED:
             x, y = last
             raise InputError(
                 f"line {lines[i]}: the points turn back at ({x:.6g}, {y:.6g}) mm",
-                f"points in order along the profile, or overlaps up to {_LARGEST_FOLD_MM:g} mm",
+                f"points in order along the profile, or overlaps up to {_MAX_FOLD_MM:g} mm",
                 "sort the points along the profile, or remove those that are wrong",
             )
     if not dropped:

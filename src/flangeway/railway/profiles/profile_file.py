@@ -69,7 +69,7 @@ class ReadOptions:
     smooth_mm
         Wavelength to smooth by; 0 for none. See `flangeway.railway.profiles.smoothing.smoothed`.
     limit_um
-        Largest distance that smoothing may move a point.
+        Maximum distance that smoothing may move a point.
     drop_outliers
         Whether to leave out single points off the curve.
 

@@ -18,12 +18,12 @@ from flangeway.geometry import Contour, FloatArray
 from flangeway.railway.profiles.biarcs import biarcs
 
 ARC_TOLERANCE_MM = 2e-4
-"""Largest distance between the spline and the arcs that stand for it."""
+"""Maximum distance between the spline and the arcs that stand for it."""
 
 USUAL_WAVELENGTH_MM = 5.0
 """Wavelength that noisy points are smoothed by: about the width of a contact. Very noisy ones need a longer one."""
 
-LARGEST_USUAL_WAVELENGTH_MM = 20.0
+MAX_USUAL_WAVELENGTH_MM = 20.0
 """Longest wavelength that is taken if nothing is asked."""
 
 CURVATURE_NOISE_PER_MM = 1e-3
@@ -39,7 +39,7 @@ NOISE_UM = 0.02
 """Noise above which points are smoothed if nothing is asked; rounding to the fifth decimal stays below."""
 
 USUAL_LIMIT_UM = 20.0
-"""Largest deviation of a point, or six times the noise if that is more, if nothing is asked."""
+"""Maximum deviation of a point, or six times the noise if that is more, if nothing is asked."""
 
 FEWEST_POINTS = 10
 _PIECE_MM = 4.0
@@ -65,7 +65,7 @@ class Smoothing:
     wavelength_mm
         Wavelength whose height is halved; 0 for a curve through all points.
     limit_um
-        Largest distance that was allowed.
+        Maximum distance that was allowed.
     noise_um
         Noise of the points, estimated.
     n_held
@@ -87,8 +87,8 @@ class Smoothing:
         return float(np.sqrt(np.mean(self.deviations_um**2)))
 
     @property
-    def largest_um(self) -> float:
-        """Largest deviation."""
+    def maximum_um(self) -> float:
+        """Maximum deviation."""
         return float(np.abs(self.deviations_um).max())
 
 
@@ -129,7 +129,7 @@ def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:
     if variance == 0.0:
         return USUAL_WAVELENGTH_MM
     wavelength = 2.0 * math.pi * (variance / CURVATURE_NOISE_PER_MM**2) ** 0.2
-    return float(min(max(round(wavelength), USUAL_WAVELENGTH_MM), LARGEST_USUAL_WAVELENGTH_MM))
+    return float(min(max(round(wavelength), USUAL_WAVELENGTH_MM), MAX_USUAL_WAVELENGTH_MM))
 
 
 def smoothed(
@@ -145,7 +145,7 @@ def smoothed(
         Wavelength whose height is halved; 0 for a curve through all points; None for `usual_wavelength_mm` if their
         noise is above `NOISE_UM`, else 0.
     limit_um
-        Largest deviation of any point; `USUAL_LIMIT_UM` or six times the noise if left out.
+        Maximum deviation of any point; `USUAL_LIMIT_UM` or six times the noise if left out.
     name
         Name of the segments of the curve.
 

@@ -16,21 +16,21 @@ from flangeway.railway.profiles.biarcs import biarcs
 Named: TypeAlias = tuple[str, Segment]
 
 POLYNOMIAL_TOLERANCE_MM = 5e-5
-"""Largest distance between the polynomials of an S1002 and the arcs that stand for them."""
+"""Maximum distance between the polynomials of an S1002 and the arcs that stand for them."""
 
 # EN 13715, S1002: y from the tape line towards the flange negative, z from the tread at the tape line down
 _TREAD = (
     0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,
     -5.957839843e-12, 2.646656573e-13,
 )  # fmt: skip
-_THROAT = (
+_FLANGE_ROOT = (
     -4.320221063e3, -1.038384026e3, -1.065501873e2, -6.051367875, -2.054332446e-1, -4.169739389e-3, -4.687195829e-5,
     -2.252755540e-7,
 )  # fmt: skip
 _Y = {"rim": 60.0, "A": 32.15796, "B": -26.0, "C": -35.0, "D": -38.426669071, "E": -39.764473993}
 _Y |= {"F": -49.662510381, "G": -62.764705882, "back": -70.0}
 _CIRCLES = {
-    "throat_R13": ((-26.210665, 16.446), 13.0, -1.0),
+    "flange_root_R13": ((-26.210665, 16.446), 13.0, -1.0),
     "flange_front_R20": ((-58.558326413, 8.834924130), 20.0, 1.0),
     "flange_tip_R12": ((-55.0, 16.0), 12.0, 1.0),
     "flange_back_R20.5": ((-49.5, 9.519259302), 20.5, 1.0),
@@ -46,9 +46,9 @@ def s1002_contour() -> Contour:
         ("flange_back_R20.5", _circle_piece("flange_back_R20.5", _Y["back"], _Y["G"])),
         ("flange_tip_R12", _circle_piece("flange_tip_R12", _Y["G"], _Y["F"])),
         ("flange_front_R20", _circle_piece("flange_front_R20", _Y["F"], _Y["E"])),
-        ("flange_face_70deg", Line(_on_circle("flange_front_R20", _Y["E"]), _on_circle("throat_R13", _Y["D"]))),
-        ("throat_R13", _circle_piece("throat_R13", _Y["D"], _Y["C"])),
-        *_polynomial_pieces("throat", _THROAT, _Y["C"], _Y["B"]),
+        ("flange_face_70deg", Line(_on_circle("flange_front_R20", _Y["E"]), _on_circle("flange_root_R13", _Y["D"]))),
+        ("flange_root_R13", _circle_piece("flange_root_R13", _Y["D"], _Y["C"])),
+        *_polynomial_pieces("flange_root", _FLANGE_ROOT, _Y["C"], _Y["B"]),
         *_polynomial_pieces("tread", _TREAD, _Y["B"], _Y["A"]),
         ("tread_1:15", Line(_on_polynomial(_TREAD, _Y["A"]), (_Y["rim"], _Y["rim"] / 15.0 - 1.364323640))),
     ]
@@ -62,7 +62,7 @@ def _on_circle(name: str, y: float) -> Point:
 
 def _circle_piece(name: str, first: float, last: float) -> Arc:
     (y_centre, z_centre), _, sign = _CIRCLES[name]
-    # z points down: the flange's arcs are convex, the throat's is hollow
+    # z points down: the flange's arcs are convex, the flange root's is hollow
     return Arc(_on_circle(name, first), _on_circle(name, last), (y_centre, -z_centre), sign > 0.0)
 
 
@@ -86,7 +86,7 @@ HEAVY_HAUL_TAPE_MM = 70.0
 """Distance of the tape line from the flange's back of the heavy-haul wheel, which its source does not give."""
 
 _NAMES = (
-    "flange_back", "flange_tip_back", "flange_tip_front", "flange_face", "throat_R14", "throat_R39",
+    "flange_back", "flange_tip_back", "flange_tip_front", "flange_face", "flange_root_R14", "flange_root_R39",
     "tread_R1335", "tread_R608", "rim_edge",
 )  # fmt: skip
 

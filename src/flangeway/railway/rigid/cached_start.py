@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.railway.rigid.elastic_start import CLIMBED_MM, CLIMBING_RAD, SCAN_MM, RigidRest, rigid_rest
+from flangeway.railway.rigid.elastic_start import CLIMBED_MM, CLIMBING_RAD, SCAN_MM, RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_contact import RigidWheelset
 from flangeway.railway.track.placements import SIDES, WheelsetMotion
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
@@ -24,7 +24,7 @@ MARGIN_MM = 8.0
 
 
 @dataclass(frozen=True, eq=False)
-class KnownRest:
+class CachedRigidStart:
     """What a model takes from the rigid wheelset.
 
     Parameters
@@ -32,7 +32,7 @@ class KnownRest:
     rest
         Where it rests.
     relative_curvature_per_mm
-        See `RigidRest`.
+        See `RigidStart`.
     places
         Points that touch or nearly touch by the part's name, in its profile's frame, each (n, 2).
     close
@@ -41,19 +41,19 @@ class KnownRest:
 
     """
 
-    rest: RigidRest
+    rest: RigidStart
     relative_curvature_per_mm: float
     places: Mapping[str, Floats]
     close: Mapping[str, Floats]
 
 
-def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
+def cached_rigid_start(problem: WheelsetProblem, cache: Cache | None) -> CachedRigidStart:
     """Find them, or take what was found before for the same profiles, track, load and prescribed motion.
 
     Raises
     ------
     InputError
-        As `rigid_rest`.
+        As `rigid_start`.
 
     """
     numbers = (FLANGE_MM, CLOSE_MM, MARGIN_MM, SCAN_MM, CLIMBING_RAD, CLIMBED_MM)
@@ -72,23 +72,23 @@ def known_rest(problem: WheelsetProblem, cache: Cache | None) -> KnownRest:
     return found
 
 
-def _found(problem: WheelsetProblem) -> KnownRest:
-    rest = rigid_rest(problem)
+def _found(problem: WheelsetProblem) -> CachedRigidStart:
+    rest = rigid_start(problem)
     lateral = rest.motion.lateral_mm
-    aside = math.copysign(FLANGE_MM, lateral) if abs(lateral) > FLANGE_MM else 0.0
-    near = rest.near_places((0.0, 0.5 * aside, aside) if aside else (0.0,), MARGIN_MM)
+    lateral_offset = math.copysign(FLANGE_MM, lateral) if abs(lateral) > FLANGE_MM else 0.0
+    near = rest.near_places((0.0, 0.5 * lateral_offset, lateral_offset) if lateral_offset else (0.0,), MARGIN_MM)
     places = {f"{role}-{side}": near[side][number] for side in SIDES for number, role in enumerate(("wheel", "rail"))}
     close = rest.close_places(CLOSE_MM)
     around = {f"{role}-{side}": close[side][number] for side in SIDES for number, role in enumerate(("wheel", "rail"))}
-    return KnownRest(rest, rest.relative_curvature_per_mm, places, around)
+    return CachedRigidStart(rest, rest.relative_curvature_per_mm, places, around)
 
 
-def _unpacked(problem: WheelsetProblem, arrays: Arrays) -> KnownRest:
+def _unpacked(problem: WheelsetProblem, arrays: Arrays) -> CachedRigidStart:
     starts = tuple(WheelsetMotion(*(float(each) for each in row)) for row in arrays["starts"])
     load = problem.load if problem.prescribed.lateral_mm is None else None
-    rest = RigidRest(RigidWheelset.of(problem.track, problem.wheelset), starts, load)
+    rest = RigidStart(RigidWheelset.of(problem.track, problem.wheelset), starts, load)
     places, close = (
         {name.removeprefix(kind): array for name, array in arrays.items() if name.startswith(kind)}
         for kind in ("at ", "close ")
     )
-    return KnownRest(rest, float(arrays["curvature"]), places, close)
+    return CachedRigidStart(rest, float(arrays["curvature"]), places, close)

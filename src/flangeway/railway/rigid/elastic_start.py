@@ -34,7 +34,7 @@ SCAN_MM = 0.1
 
 
 @dataclass(frozen=True, eq=False)
-class RigidRest:
+class RigidStart:
     """A rigid wheelset at rest under its load, or at the lateral motion that is prescribed.
 
     Beyond the lateral motion at which a rigid flange begins to climb it stands where it does not climb yet: rigid
@@ -91,11 +91,11 @@ class RigidRest:
 
         """
         found: dict[Side, list[tuple[Floats, Floats]]] = {side: [] for side in SIDES}
-        for aside in asides_mm:
+        for lateral_offset in asides_mm:
             try:
-                settled = self._settled(aside)
+                settled = self._settled(lateral_offset)
             except InputError:
-                if aside == 0.0:
+                if lateral_offset == 0.0:
                     raise
                 continue
             locus = locus_of(self.wheelset, settled)
@@ -131,9 +131,9 @@ class RigidRest:
             found[side] = curves.wheel_frame.inverse().points(on_wheel), curves.rail_frame.inverse().points(on_rail)
         return found
 
-    def _settled(self, aside_mm: float) -> Settled:
+    def _settled(self, lateral_offset_mm: float) -> Settled:
         height = self.wheelset.reference_height_mm
-        level = self.motion.lateral_mm + height * math.sin(self.motion.roll_rad) + aside_mm
+        level = self.motion.lateral_mm + height * math.sin(self.motion.roll_rad) + lateral_offset_mm
         return settle(self.wheelset, np.array([level]), gaps=True)
 
     def _inside(self, side: Side, wheel_arc: Floats, rail_x: Floats) -> NDArray[np.bool_]:
@@ -144,7 +144,7 @@ class RigidRest:
         return inside
 
 
-def rigid_rest(problem: WheelsetProblem) -> RigidRest:
+def rigid_start(problem: WheelsetProblem) -> RigidStart:
     """Find where a rigid wheelset comes to rest when it starts in the middle of the track.
 
     Raises
@@ -157,7 +157,7 @@ def rigid_rest(problem: WheelsetProblem) -> RigidRest:
     wheelset = RigidWheelset.of(problem.track, problem.wheelset)
     lateral = problem.prescribed.lateral_mm
     if lateral is not None:
-        return RigidRest(wheelset, _held_starts(wheelset, lateral), None)
+        return RigidStart(wheelset, _held_starts(wheelset, lateral), None)
     equilibrium = rigid_equilibrium(wheelset, problem.load)
     # the path of contact, which the balance has followed, need not be followed again for its middle
     middle = locus_of(wheelset, settle(wheelset, np.array([0.0]), at_axle=True)).motion(0)
@@ -171,7 +171,7 @@ def rigid_rest(problem: WheelsetProblem) -> RigidRest:
     for motion in found:
         if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
             starts.append(motion)
-    return RigidRest(wheelset, tuple(starts), problem.load, equilibrium)
+    return RigidStart(wheelset, tuple(starts), problem.load, equilibrium)
 
 
 def _held_starts(wheelset: RigidWheelset, lateral: float) -> tuple[WheelsetMotion, ...]:

@@ -38,7 +38,7 @@ _ROUNDING_MM = 0.1 * TOUCH_TOLERANCE_MM
 _CONFORMING_MM = 1e-5
 """Difference of the heights that is left where curves conform: the touch jumps among places of the same height."""
 
-_LARGEST_TURN_RAD = 0.02
+_MAX_TURN_RAD = 0.02
 _FAST = 3.0  # motion of the point of contact per lateral motion, above which it may have jumped
 _MAX_ITERATIONS = 40
 _SECTIONS = 32
@@ -54,7 +54,7 @@ class RigidWheelset:
         The sides, each in its right-hand form.
     reference_height_mm
         Height of the axle's middle over the top of the rails in the reference position.
-    barycentre_height_mm
+    centre_of_gravity_height_mm
         Height above the axle's middle of the point where a load acts.
 
     """
@@ -62,7 +62,7 @@ class RigidWheelset:
     left: RigidSide
     right: RigidSide
     reference_height_mm: float
-    barycentre_height_mm: float = Wheelset.barycentre_height_mm
+    centre_of_gravity_height_mm: float = Wheelset.centre_of_gravity_height_mm
 
     @classmethod
     def of(cls, track: Track, wheelset: Wheelset, yaw_rad: float = 0.0) -> "RigidWheelset":
@@ -78,7 +78,7 @@ class RigidWheelset:
         """
         refuse_misfit(track, wheelset)
         left, right = (RigidSide.of(track, wheelset, side, yaw_rad) for side in SIDES)
-        return cls(left, right, wheelset.tape_radius_mm, wheelset.barycentre_height_mm)
+        return cls(left, right, wheelset.tape_radius_mm, wheelset.centre_of_gravity_height_mm)
 
     def side(self, side: Side) -> RigidSide:
         """Curves of a side."""
@@ -204,7 +204,7 @@ def path_of_contact(wheelset: RigidWheelset, reach_mm: float) -> Settled:
     wheelset
         Wheels and rails.
     reach_mm
-        Largest lateral motion at the rails' height.
+        Maximum lateral motion at the rails' height.
 
     Raises
     ------
@@ -251,7 +251,7 @@ def contact_jumps(wheelset: RigidWheelset, lateral_mm: float) -> tuple[ContactJu
     wheelset
         Wheels and rails.
     lateral_mm
-        Largest lateral motion of the axle's middle.
+        Maximum lateral motion of the axle's middle.
 
     Raises
     ------
@@ -362,7 +362,7 @@ def _settle(
         arm, slope = _levers(radius, eta[active], phi[active], left, right)
         swing = radius * np.cos(phi[active])
         turn = (height - slope * offset) / (arm - slope * swing) if at_axle else height / arm
-        new = phi[active] + np.clip(turn, -_LARGEST_TURN_RAD, _LARGEST_TURN_RAD)
+        new = phi[active] + np.clip(turn, -_MAX_TURN_RAD, _MAX_TURN_RAD)
         if not at_axle:
             low[active] = np.where(height > 0.0, phi[active], low[active])
             high[active] = np.where(height > 0.0, high[active], phi[active])
@@ -390,25 +390,25 @@ def _levers(radius: float, rail_level: Floats, roll: Floats, left: Touches, righ
     return arms[0] + arms[1], slopes[0] + slopes[1]
 
 
-def lateral_limits(wheelset: RigidWheelset, largest_mm: float) -> tuple[float, float]:
-    """Least and largest lateral motion of the axle's middle, before a flange climbs and turns the axle back.
+def lateral_limits(wheelset: RigidWheelset, maximum_mm: float) -> tuple[float, float]:
+    """Least and maximum lateral motion of the axle's middle, before a flange climbs and turns the axle back.
 
     Parameters
     ----------
     wheelset
         Wheels and rails.
-    largest_mm
+    maximum_mm
         Lateral motion up to which they are looked for.
 
     """
-    path, part = _outward(wheelset, largest_mm)
+    path, part = _outward(wheelset, maximum_mm)
     lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
     return float(lateral[part.start]), float(lateral[part.stop - 1])
 
 
-def unrolled_limits(wheelset: RigidWheelset, largest_mm: float) -> tuple[float, float]:
-    """Least and largest lateral motion without roll, before a touch reaches the end of a running surface; see above."""
-    n_side = math.ceil(largest_mm / PATH_STEP_MM)
+def unrolled_limits(wheelset: RigidWheelset, maximum_mm: float) -> tuple[float, float]:
+    """Least and maximum lateral motion without roll, before a touch reaches the end of a running surface; see above."""
+    n_side = math.ceil(maximum_mm / PATH_STEP_MM)
     lateral = np.linspace(-n_side, n_side, 2 * n_side + 1) * PATH_STEP_MM
     over = wheelset.right.over_rail(lateral) & wheelset.left.over_rail(-lateral)
     lateral = lateral[_run_about(over, n_side)]
@@ -420,9 +420,9 @@ def unrolled_limits(wheelset: RigidWheelset, largest_mm: float) -> tuple[float, 
     return float(run[0]), float(run[-1])
 
 
-def _outward(wheelset: RigidWheelset, largest_mm: float) -> tuple[Settled, slice]:
+def _outward(wheelset: RigidWheelset, maximum_mm: float) -> tuple[Settled, slice]:
     """The path of contact, and the part of it on which the axle moves outward with the wheelset at the rails."""
-    path = path_of_contact(wheelset, largest_mm + _FLANGE_MM)
+    path = path_of_contact(wheelset, maximum_mm + _FLANGE_MM)
     lateral = path.rail_level - wheelset.reference_height_mm * np.sin(path.roll)
     rises = np.append(np.diff(lateral) > 0.0, False)
     middle = int(np.argmin(np.abs(path.rail_level)))

@@ -20,7 +20,7 @@ from flangeway.types import Floats
 STEEPEST_RAD = math.radians(89.0)
 """Steeper parts of a profile are left out: a wheel that comes from above cannot touch there first."""
 
-_LARGEST_LOSS_MM = 2.0
+_MAX_LOSS_MM = 2.0
 
 
 class CurvePoints(NamedTuple):
@@ -103,7 +103,7 @@ class RigidCurve:
         tables = sorted((np.array(run) for run in runs if run), key=_extent)
         if not tables:
             raise InputError("a profile without a running surface", "tangents that are not vertical", "check its axes")
-        if len(tables) > 1 and _extent(tables[-2]) > _LARGEST_LOSS_MM:
+        if len(tables) > 1 and _extent(tables[-2]) > _MAX_LOSS_MM:
             x, y = tables[-2][0, :2]
             raise InputError(
                 f"a running surface divided by an overhang, about ({x:.2f}, {y:.2f})",

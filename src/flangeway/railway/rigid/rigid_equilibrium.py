@@ -31,7 +31,7 @@ from flangeway.solve import Status
 from flangeway.types import Floats
 
 BALANCED = 1e-5
-"""Largest residual force over the load at which the normal forces count as in equilibrium."""
+"""Maximum residual force over the load at which the normal forces count as in equilibrium."""
 
 NEUTRAL_MM = 1.0
 """Length from which positions that all are in equilibrium count as one, which is neutral."""
@@ -111,7 +111,7 @@ class RigidPosition:
     residual
         Residual of the balance over the load; above `BALANCED` no compressive forces balance the load.
     neutral_mm
-        Least and largest lateral motion of the axle's middle between which every position is in equilibrium, as for
+        Least and maximum lateral motion of the axle's middle between which every position is in equilibrium, as for
         cylinders; None where the equilibrium is a single position.
 
     """
@@ -124,7 +124,7 @@ class RigidPosition:
     neutral_mm: tuple[float, float] | None = None
 
     @property
-    def bears(self) -> bool:
+    def carries(self) -> bool:
         """Whether compressive forces balance the load."""
         return self.residual <= BALANCED
 
@@ -139,7 +139,7 @@ class RigidPosition:
 
 @dataclass(frozen=True, eq=False)
 class RigidEquilibrium:
-    """Balance of a rigid wheelset under a load.
+    """RelativeResiduals of a rigid wheelset under a load.
 
     Parameters
     ----------
@@ -202,7 +202,7 @@ def rigid_equilibrium(wheelset: RigidWheelset, load: Load, *, reached_only: bool
     wheelset
         Wheels and rails.
     load
-        Forces at the barycentre.
+        Forces at the centre of gravity.
     reached_only
         Whether only the one that is reached is looked for.
 
@@ -223,11 +223,11 @@ def rigid_equilibrium(wheelset: RigidWheelset, load: Load, *, reached_only: bool
     outcome: RigidPosition | InputError
     if position is None:
         outcome = _derailment(path, held_ratios(wheelset, path), along / onto)
-    elif not position.bears:
+    elif not position.carries:
         outcome = _overturning(wheelset, position, along / onto)
     else:
         outcome = position
-    return RigidEquilibrium(outcome, tuple(each for each in positions if each.bears), along / onto)
+    return RigidEquilibrium(outcome, tuple(each for each in positions if each.carries), along / onto)
 
 
 class _Candidate(NamedTuple):
@@ -296,9 +296,9 @@ def _slopes(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
 
 
 def _work(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
-    """Lift and lateral motion of the barycentre per lateral motion at the rails' height."""
+    """Lift and lateral motion of the centre of gravity per lateral motion at the rails' height."""
     vertical, roll = _slopes(wheelset, path)
-    height = wheelset.reference_height_mm + wheelset.barycentre_height_mm
+    height = wheelset.reference_height_mm + wheelset.centre_of_gravity_height_mm
     return vertical - roll * height * np.sin(path.roll), 1.0 - roll * height * np.cos(path.roll)
 
 
@@ -310,7 +310,7 @@ def _derivative(wheelset: RigidWheelset, path: Settled, load: Load) -> Floats:
 
 
 def held_ratios(wheelset: RigidWheelset, path: Settled) -> Floats:
-    """Ratio of lateral to vertical force at the barycentre that is in balance in each position, nan where none is.
+    """Ratio of lateral to vertical force at the centre of gravity in equilibrium at each position, nan where none is.
 
     Parameters
     ----------
@@ -359,14 +359,14 @@ def _position(
     points = _points(locus, ends)
     along, onto = load.in_track
     height = wheelset.reference_height_mm + motion.vertical_mm
-    barycentre = (
-        motion.lateral_mm - wheelset.barycentre_height_mm * math.sin(motion.roll_rad),
-        height + wheelset.barycentre_height_mm * math.cos(motion.roll_rad),
+    centre_of_gravity = (
+        motion.lateral_mm - wheelset.centre_of_gravity_height_mm * math.sin(motion.roll_rad),
+        height + wheelset.centre_of_gravity_height_mm * math.cos(motion.roll_rad),
     )
     columns = []
     for point in points:
         x, y = point.force_on_wheel_N
-        moment = (point.point_mm[0] - barycentre[0]) * y - (point.point_mm[1] - barycentre[1]) * x
+        moment = (point.point_mm[0] - centre_of_gravity[0]) * y - (point.point_mm[1] - centre_of_gravity[1]) * x
         columns.append((x, y, moment / height))
     forces, rest = nnls(np.array(columns).T, np.array([-along, onto, 0.0]) / onto)
     bearing = tuple(
@@ -431,9 +431,9 @@ def _derailment(path: Settled, ratios: Floats, load_ratio: float) -> InputError:
 def _overturning(wheelset: RigidWheelset, position: RigidPosition, load_ratio: float) -> InputError:
     side = "right" if load_ratio >= 0.0 else "left"
     arm = max(abs(point.point_mm[0] - position.motion.lateral_mm) for point in position.contacts if point.side == side)
-    height = wheelset.barycentre_height_mm + max(point.rolling_radius_mm for point in position.contacts)
+    height = wheelset.centre_of_gravity_height_mm + max(point.rolling_radius_mm for point in position.contacts)
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which is overturning about the {side} rail: the other wheel lifts",
-        f"L/V up to {arm / height:.3f}, at which it lifts with this height of the barycentre",
-        "lower the lateral force, the speed or the barycentre, or raise the superelevation",
+        f"L/V up to {arm / height:.3f}, at which it lifts with this height of the centre of gravity",
+        "lower the lateral force, the speed or the centre of gravity, or raise the superelevation",
     )

@@ -10,7 +10,7 @@ from flangeway.railway.profiles.orientation import UNITS_MM
 from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
 from flangeway.system.file_content import file_content
 
-LARGEST_LATERAL_MM = 50.0
+MAX_LATERAL_MM = 50.0
 """Lateral motion beyond which a file is of something else, as a profile."""
 
 
@@ -43,10 +43,10 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
                 "add a line `# unit: mm` at the top, name the columns y_mm and delta_r_mm, or give --set unit=mm",
             )
         rows = found.points * UNITS_MM[chosen]
-        if len(rows) and np.abs(rows[:, 0]).max() > LARGEST_LATERAL_MM:
+        if len(rows) and np.abs(rows[:, 0]).max() > MAX_LATERAL_MM:
             raise InputError(
                 f"lateral motions up to {np.abs(rows[:, 0]).max():.4g} mm",
-                f"up to {LARGEST_LATERAL_MM:g} mm: a column of lateral motions and one of rolling radius differences",
+                f"up to {MAX_LATERAL_MM:g} mm: a column of lateral motions and one of rolling radius differences",
                 "check the unit; a profile is given in a case file as wheel or rail",
             )
         return RollingRadiusDifference(*(rows if len(rows) < 2 or rows[0, 0] <= rows[-1, 0] else rows[::-1]).T)

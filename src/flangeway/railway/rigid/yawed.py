@@ -20,12 +20,12 @@ from flangeway.errors import InputError
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.types import Floats
 
-LARGEST_YAW_RAD = 0.2
+MAX_YAW_RAD = 0.2
 """Largest yaw; beyond it steep flanges touch at the height of the axle."""
 
 _SPACING_MM = 0.1
 _EDGE_STEP_RAD = 0.02
-_LARGEST_SINE = 0.95
+_MAX_SINE = 0.95
 _SAME_MM = 1e-9
 _APART_MM = 1e-5
 
@@ -48,18 +48,18 @@ def outline_across(profile: RigidCurve, yaw_rad: float) -> RigidCurve:
     Raises
     ------
     InputError
-        If the yaw is larger than `LARGEST_YAW_RAD`.
+        If the yaw is larger than `MAX_YAW_RAD`.
 
     """
-    if not abs(yaw_rad) <= LARGEST_YAW_RAD:
+    if not abs(yaw_rad) <= MAX_YAW_RAD:
         raise InputError(
-            f"a yaw of {yaw_rad:g} rad", f"-{LARGEST_YAW_RAD:g} to {LARGEST_YAW_RAD:g} rad", "give 5 mrad as 0.005"
+            f"a yaw of {yaw_rad:g} rad", f"-{MAX_YAW_RAD:g} to {MAX_YAW_RAD:g} rad", "give 5 mrad as 0.005"
         )
     if yaw_rad == 0.0:
         return profile
     x, y, angle = _with_edges(profile)
     sine = np.tan(angle) * math.tan(abs(yaw_rad))
-    seen = np.abs(sine) < _LARGEST_SINE
+    seen = np.abs(sine) < _MAX_SINE
     x, y, angle, sine = x[seen], y[seen], angle[seen], sine[seen]
     across = x * math.cos(yaw_rad) - y * sine * math.sin(abs(yaw_rad))
     height = y * np.sqrt(1.0 - sine**2)

@@ -40,20 +40,20 @@ class Discretisation:
     penalty_factor
         Penalty as pressure per penetration, over the contact modulus per mm.
     nodal_penalty_N_per_mm
-        Penalty of node-to-segment contact as force per penetration at each secondary node, as in the seed; None: by
-        `penalty_factor`.
+        Penalty of node-to-segment contact as force per penetration at each secondary node, as in Moherdaui (2021);
+        None: by `penalty_factor`.
     primary
         Which bodies give the segments; the others give the nodes. ``"auto"``: see `WheelsetProblem.primary`.
     wheel_method, rail_method, wheel_order, rail_order, wheel_contact_size_mm, rail_contact_size_mm
         What differs for one body; None: as for both.
     pairing
-        ``"segment-to-segment"`` or, as in the seed, ``"node-to-segment"``, whose nodal pressures scatter. At order 2 it
-        needs sizes that differ between wheel and rail: where nodes face nodes, each of them has two curved edges to
-        choose from, and Newton's method cycles between these.
+        ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures scatter. At
+        order 2 it needs sizes that differ between wheel and rail: where nodes face nodes, each of them has two curved
+        edges to choose from, and Newton's method cycles between these.
     enforcement
         ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
     penetration_mm
-        Largest penetration that augmented Lagrange tolerates.
+        Maximum penetration that augmented Lagrange tolerates.
     stabilisation
         Of polygons; None: their usual one.
 

@@ -1,4 +1,4 @@
-"""Where the rails and the wheels stand (seed 7.2.1; readings in `docs/readings.md`).
+"""Where the rails and the wheels stand (Moherdaui 2021, 7.2.1; readings in `docs/readings.md`).
 
 Axes of the track: x across it to the right, y up from its plane, origin in the middle of the track at the top of the
 rails. Without superelevation they are those of space.
@@ -150,7 +150,7 @@ class Wheelset:
         Distance between the inner faces of the wheels.
     radius_mm
         Distance from the axle to the farthest point of the wheel, the tip of the flange.
-    barycentre_height_mm
+    centre_of_gravity_height_mm
         Height above the axle of the point where the load acts.
     left_wheel
         Profile of the left wheel, in the right-hand form; None: the left wheel mirrors the right one.
@@ -162,7 +162,7 @@ class Wheelset:
     wheel: WheelProfile
     back_to_back_mm: float = 1515.0
     radius_mm: float = 500.0
-    barycentre_height_mm: float = 1457.7
+    centre_of_gravity_height_mm: float = 1457.7
     left_wheel: WheelProfile | None = None
     left_radius_mm: float | None = None
 
@@ -171,7 +171,9 @@ class Wheelset:
             check_positive("Wheelset", name, getattr(self, name), "a positive length", "give it in mm")
         _require_positive("Wheelset", left_radius_mm=self.left_radius_mm)
         advice = "give the height above the axle in mm"
-        check_finite("Wheelset", "barycentre_height_mm", self.barycentre_height_mm, "a finite length", advice)
+        check_finite(
+            "Wheelset", "centre_of_gravity_height_mm", self.centre_of_gravity_height_mm, "a finite length", advice
+        )
 
     @property
     def is_symmetric(self) -> bool:
@@ -240,10 +242,10 @@ class WheelsetMotion:
         """Place of the axle's middle."""
         return self.lateral_mm, wheelset.tape_radius_mm + self.vertical_mm
 
-    def barycentre(self, wheelset: Wheelset) -> tuple[float, float]:
+    def centre_of_gravity(self, wheelset: Wheelset) -> tuple[float, float]:
         """Place of the point where the load acts."""
         x, y = self.axle(wheelset)
-        height = wheelset.barycentre_height_mm
+        height = wheelset.centre_of_gravity_height_mm
         return x - height * math.sin(self.roll_rad), y + height * math.cos(self.roll_rad)
 
     def placement(self, wheelset: Wheelset, side: Side) -> Placement:

@@ -9,13 +9,13 @@ from flangeway.errors import InputError
 GRAVITY_M_S2 = 9.80665
 """Standard acceleration of free fall."""
 
-LARGEST_SLOPE = 0.2
+MAX_SLOPE = 0.2
 """Largest superelevation over its base width."""
 
 
 @dataclass(frozen=True)
 class Load:
-    """Force on the wheelset at the car's barycentre: weight along the vertical, lateral force along the horizontal.
+    """Force at the car's centre of gravity: weight along the vertical, lateral force along the horizontal.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def balanced_superelevation_mm(speed_km_h: float, radius_m: float, base_mm: floa
 
 def superelevation_angle(superelevation_mm: float, base_mm: float) -> float:
     """Tilt in rad of a track whose right rail is higher by `superelevation_mm`, measured over a base width."""
-    if not (base_mm > 0.0 and abs(superelevation_mm) <= LARGEST_SLOPE * base_mm):
+    if not (base_mm > 0.0 and abs(superelevation_mm) <= MAX_SLOPE * base_mm):
         raise InputError(
             f"superelevation_mm = {superelevation_mm:g} over a base of {base_mm:g} mm",
             "at most a fifth of the base width",

@@ -57,7 +57,7 @@ class FaceStresses:
     web_MPa: float  # noqa: N815
 
     def extreme(self, sign: float, above_mm: float = -np.inf, below_mm: float = np.inf) -> tuple[float, Floats]:
-        """Largest tension (sign 1) or compression (sign -1) between two heights in MPa, signed, and its place (2,).
+        """Maximum tension (sign 1) or compression (sign -1) between two heights in MPa, signed, and its place (2,).
 
         Not-a-number if no edge lies between the heights.
         """

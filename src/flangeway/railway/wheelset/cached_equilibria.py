@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from flangeway.railway.track.placements import WheelsetMotion
 from flangeway.railway.wheelset.equilibrium import ACCEPTED, Equilibrium
-from flangeway.railway.wheelset.residual import Balance, balance_of
+from flangeway.railway.wheelset.residual import RelativeResiduals, residuals_of
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, ContactState, Status, solve_contact
 from flangeway.solve.condensed import body_key
@@ -21,7 +21,7 @@ SAME = 1e-10
 
 
 @dataclass(frozen=True, eq=False)
-class KnownEquilibria:
+class CachedEquilibria:
     """Equilibria of one model from some starts.
 
     Parameters
@@ -58,7 +58,7 @@ class KnownEquilibria:
             [(part.name, part.placement) for part in model.system.parts],
             [surface.points for surface in model.system.surface_nodes],
             contacts,
-            (wheelset.tape_radius_mm, wheelset.barycentre_height_mm, wheelset.back_to_back_mm),
+            (wheelset.tape_radius_mm, wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm),
             problem.load,
             problem.prescribed,
             problem.all_equilibria,
@@ -119,13 +119,15 @@ class KnownEquilibria:
             Status(True, "", 0), placements, displacements, reference + displacements, lin, forces, nodal
         )
         state = solve_contact(response, model.system, placements, start=before)
-        _, balance = balance_of(model, response, motion, state)
-        if not state.status.converged or balance.resulting_error > ACCEPTED:
+        _, balance = residuals_of(model, response, motion, state)
+        if not state.status.converged or balance.equilibrium_residual > ACCEPTED:
             return None
         stable = int(arrays["stable"][number])
         status = Status(True, str(arrays["messages"][number]), int(arrays["iterations"][number]))
         errors = np.asarray(arrays[f"history_{number}"], dtype=np.float64).tolist()
-        history = tuple(Balance(vertical, lateral, moment, balance.free) for vertical, lateral, moment in errors)
+        history = tuple(
+            RelativeResiduals(vertical, lateral, moment, balance.free) for vertical, lateral, moment in errors
+        )
         return Equilibrium(status, motion, balance, state, None if stable < 0 else bool(stable), history)
 
 
@@ -142,6 +144,6 @@ def _packed(found: Sequence[Equilibrium]) -> Arrays:
         arrays[f"forces_{number}"] = each.state.forces[loaded]
         arrays[f"nodal_{number}"] = each.state.nodal_forces
         arrays[f"history_{number}"] = np.array(
-            [(past.vertical_error, past.lateral_error, past.moment_error) for past in each.history]
+            [(past.vertical_residual, past.lateral_residual, past.moment_residual) for past in each.history]
         )
     return arrays

@@ -1,4 +1,4 @@
-"""The position of the wheelset in which the contact forces balance its load (seed 7.2.1, without trial by hand)."""
+"""The position of the wheelset in which contact forces and load are in equilibrium (Moherdaui 2021, 7.2.1)."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -6,14 +6,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.railway.track.placements import WheelsetMotion
-from flangeway.railway.wheelset.residual import Balance, balance_of, is_stable, jacobian_of
+from flangeway.railway.wheelset.residual import RelativeResiduals, is_stable, jacobian_of, residuals_of
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, ContactState, Status, StepSettings, follow, solve_contact
 from flangeway.types import Floats
 
 FIRST_PENETRATION_MM = 0.1
 FIRST_CAP = np.array([0.3, 0.3, 3e-4])  # mm, mm, rad: the lateral stiffness jumps when a flange touches
-LARGEST_GROWTH = 64.0
+MAX_GROWTH = 64.0
 SMALLEST_GROWTH = 1.0 / 1024.0
 MAX_ITERATIONS = 60
 STALLED = 15
@@ -58,10 +58,10 @@ class Equilibrium:
 
     status: Status
     motion: WheelsetMotion
-    balance: Balance
+    balance: RelativeResiduals
     state: ContactState
     stable: bool | None = None
-    history: tuple[Balance, ...] = ()
+    history: tuple[RelativeResiduals, ...] = ()
 
 
 def find_equilibrium(
@@ -101,12 +101,12 @@ class _Search:
         self.start = start
         self.motion = _pressed(model, start)
         self.state = contact_at(model, response, self.motion, start=start)
-        self.residual, self.balance = balance_of(model, response, self.motion, self.state)
+        self.residual, self.balance = residuals_of(model, response, self.motion, self.state)
         self.growth, self.last_error = 1.0, np.inf
         self.safe = (self.motion, self.state)
         self.least = (np.inf, 0)
         self.best: Equilibrium | None = None
-        self.history: list[Balance] = []
+        self.history: list[RelativeResiduals] = []
 
     def run(self) -> Equilibrium:
         iteration = 0
@@ -152,7 +152,7 @@ class _Search:
         return iteration - self.least[1] > STALLED
 
     def _is_done(self, error: float, iteration: int) -> bool:
-        if self.best is not None and error >= self.best.balance.resulting_error:
+        if self.best is not None and error >= self.best.balance.equilibrium_residual:
             return True  # round-off: the last step was no better
         if error > ACCEPTED or self.now is not self.free:
             return False
@@ -180,12 +180,12 @@ class _Search:
 
     def _be_at(self, motion: WheelsetMotion, state: ContactState) -> None:
         self.motion, self.state = motion, state
-        self.residual, self.balance = balance_of(self.model, self.response, motion, state)
+        self.residual, self.balance = residuals_of(self.model, self.response, motion, state)
 
     def _advance(self, *, may_grow: bool) -> None:
         step, limited = self._step()
         if limited and may_grow:
-            self.growth = min(2.0 * self.growth, LARGEST_GROWTH)
+            self.growth = min(2.0 * self.growth, MAX_GROWTH)
         target = self.motion.moved(WheelsetMotion(*step))
         self._be_at(target, contact_at(self.model, self.response, target, self.safe))
 

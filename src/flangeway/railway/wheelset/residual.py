@@ -12,40 +12,42 @@ from flangeway.solve.sensitivity import QUARTER_TURN, motion_derivatives
 from flangeway.types import Floats
 
 LATERAL_REFERENCE_N = 28.4e3
-"""Reference of the lateral error in both situations: the centrifugal force of the curve (seed 7.2.2)."""
+"""Reference of the lateral error in both situations: the centrifugal force of the curve (Moherdaui 2021, 7.2.2)."""
 
 
 @dataclass(frozen=True)
-class Balance:
-    """Relative errors of the equilibrium (seed 7.2.2).
+class RelativeResiduals:
+    """Relative errors of the equilibrium (Moherdaui 2021, 7.2.2).
 
     Parameters
     ----------
-    vertical_error
+    vertical_residual
         Residual of the vertical force over the load.
-    lateral_error
+    lateral_residual
         Residual of the lateral force over 28.4 kN.
-    moment_error
-        Residual of the moment about the barycentre over the moment of one side's contact forces.
+    moment_residual
+        Residual of the moment about the centre of gravity over the moment of one side's contact forces.
     free
         Which of lateral and vertical motion and roll are found by balance; the others are prescribed, and their
         residuals are what holds the wheelset.
 
     """
 
-    vertical_error: float
-    lateral_error: float
-    moment_error: float
+    vertical_residual: float
+    lateral_residual: float
+    moment_residual: float
     free: tuple[bool, bool, bool] = (True, True, True)
 
     @property
-    def resulting_error(self) -> float:
+    def equilibrium_residual(self) -> float:
         """Root of the sum of squares of the errors of what is free."""
         return self.error_of(np.array(self.free))
 
     def error_of(self, free: NDArray[np.bool_]) -> float:
         """Root of the sum of squares of some errors, in the order of lateral and vertical motion and roll."""
-        return float(np.linalg.norm(np.array([self.lateral_error, self.vertical_error, self.moment_error])[free]))
+        return float(
+            np.linalg.norm(np.array([self.lateral_residual, self.vertical_residual, self.moment_residual])[free])
+        )
 
 
 def wheel_forces(model: WheelsetModel, response: BodyResponse, state: ContactState) -> Floats:
@@ -54,33 +56,36 @@ def wheel_forces(model: WheelsetModel, response: BodyResponse, state: ContactSta
     return np.where(moves[:, None], state.nodal_forces, 0.0)
 
 
-def balance_of(
+def residuals_of(
     model: WheelsetModel, response: BodyResponse, motion: WheelsetMotion, state: ContactState
-) -> tuple[Floats, Balance]:
+) -> tuple[Floats, RelativeResiduals]:
     """Residual of the wheelset's equilibrium and its relative errors, in the current configuration.
 
     Returns
     -------
     tuple
-        Lateral force, vertical force and moment about the barycentre in the track's axes (N, N, N mm), and the errors.
-        With a prescribed motion, the moment is that about the axle's middle, where the wheelset is held.
+        Lateral force, vertical force and moment about the centre of gravity in the track's axes (N, N, N mm), and the
+        errors. With a prescribed motion, the moment is that about the axle's middle, where the wheelset is held.
 
     """
     problem = model.problem
     along, onto = problem.load.in_track
     forces = wheel_forces(model, response, state)
-    axle, barycentre = np.array(motion.axle(problem.wheelset)), np.array(motion.barycentre(problem.wheelset))
-    arms = state.positions - barycentre
+    axle, centre_of_gravity = (
+        np.array(motion.axle(problem.wheelset)),
+        np.array(motion.centre_of_gravity(problem.wheelset)),
+    )
+    arms = state.positions - centre_of_gravity
     moments = arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]
     right = np.array([side == "right" for side in model.sides])[response.body_of_node]
     lateral, vertical = forces.sum(axis=0) + np.array([along, -onto])
     reference = float(np.abs(moments[right].sum())) or 1.0
     moment = moments.sum()
     if _is_held(model):
-        x, y = barycentre - axle
+        x, y = centre_of_gravity - axle
         moment += x * vertical - y * lateral
     free = [value is None for value in problem.prescribed.components]
-    balance = Balance(
+    balance = RelativeResiduals(
         float(vertical / problem.load.vertical_N),
         float(lateral / LATERAL_REFERENCE_N),
         float(moment / reference),
@@ -96,13 +101,13 @@ def _is_held(model: WheelsetModel) -> bool:
 def jacobian_of(model: WheelsetModel, response: BodyResponse, motion: WheelsetMotion, state: ContactState) -> Floats:
     """Exact derivatives of the residual by lateral and vertical motion and roll, shape (3, 3)."""
     wheelset = model.problem.wheelset
-    axle, barycentre = np.array(motion.axle(wheelset)), np.array(motion.barycentre(wheelset))
+    axle, centre_of_gravity = np.array(motion.axle(wheelset)), np.array(motion.centre_of_gravity(wheelset))
     derivatives = motion_derivatives(response, state, model.moving, axle)
     nodes = state.linearisation.nodes
     on_wheel = model.moving[response.body_of_node[nodes]]
     force = state.nodal_forces[nodes[on_wheel]]
-    arm = state.positions[nodes[on_wheel]] - barycentre
-    carried = np.column_stack((np.eye(2), QUARTER_TURN @ (barycentre - axle)))
+    arm = state.positions[nodes[on_wheel]] - centre_of_gravity
+    carried = np.column_stack((np.eye(2), QUARTER_TURN @ (centre_of_gravity - axle)))
     arm_change = derivatives.positions[on_wheel] - carried
     force_change = derivatives.nodal_forces[on_wheel]
     moment = np.einsum("nq,n->q", arm_change[:, 0], force[:, 1])
@@ -111,8 +116,8 @@ def jacobian_of(model: WheelsetModel, response: BodyResponse, motion: WheelsetMo
     moment -= np.einsum("n,nq->q", arm[:, 1], force_change[:, 0])
     total = force_change.sum(axis=0)
     if _is_held(model):
-        residual = balance_of(model, response, motion, state)[0]
-        x, y = barycentre - axle
+        residual = residuals_of(model, response, motion, state)[0]
+        x, y = centre_of_gravity - axle
         moment += x * total[1] - y * total[0]
         moment[2] += -y * residual[1] - x * residual[0]
     return np.vstack((total, moment))
@@ -132,7 +137,7 @@ def is_stable(model: WheelsetModel, motion: WheelsetMotion, jacobian: Floats) ->
 
     """
     wheelset = model.problem.wheelset
-    x, y = np.array(motion.barycentre(wheelset)) - np.array(motion.axle(wheelset))
+    x, y = np.array(motion.centre_of_gravity(wheelset)) - np.array(motion.axle(wheelset))
     about_axle = jacobian.copy()
     about_axle[2] += x * jacobian[1] - y * jacobian[0]
     # in units of one length, so that the roll weighs as much as the motions

@@ -20,7 +20,7 @@ DEPTH = 4.0
 """Default depth of a line over the half width of the contact."""
 
 SEARCHED = 0.5
-"""Part of such a line on which the largest stress is sought: two half widths. A wide contact's line ends in the web."""
+"""Part of such a line on which the maximum stress is sought: two half widths. A wide contact's line ends in the web."""
 
 FEWEST = 8
 """Points within that distance below which nothing is smoothed."""
@@ -31,7 +31,7 @@ SMOOTHED = 0.5
 
 @dataclass(frozen=True)
 class SubsurfaceExtreme:
-    """Largest stress below a contact.
+    """Maximum stress below a contact.
 
     Parameters
     ----------
@@ -113,8 +113,8 @@ def hertz_below(hertz: LineContact, depths_mm: Floats, poisson: float) -> Stress
     return Stresses(np.stack((along, across, shear, poisson * (along + across)), axis=1))
 
 
-def largest_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> SubsurfaceExtreme:
-    """Largest in-plane shear stress, half the difference of the principal stresses in the plane, and its depth.
+def maximum_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> SubsurfaceExtreme:
+    """Maximum in-plane shear stress, half the difference of the principal stresses in the plane, and its depth.
 
     It is the largest on the line of `stresses_below`, smoothed over the cells about it. Half planes in Hertz's line
     contact have ``0.3003 p0`` at ``0.786 a`` (Johnson, 1985, 4.2); a rail's head and a wheel's rim have more, since
@@ -127,15 +127,15 @@ def largest_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> 
 
     """
     line = stresses_below(result, patch, body)
-    return largest_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+    return maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
 
 
-def largest_on(depths: Floats, values: Floats, share: float = 1.0) -> SubsurfaceExtreme:
-    """Return the largest of values (n,) over depths (n,), and where; see `largest_of_lines`."""
-    return largest_of_lines(depths[None], values[None], share)[0]
+def maximum_on(depths: Floats, values: Floats, share: float = 1.0) -> SubsurfaceExtreme:
+    """Return the largest of values (n,) over depths (n,), and where; see `maximum_of_lines`."""
+    return maximum_of_lines(depths[None], values[None], share)[0]
 
 
-def largest_of_lines(depths: Floats, values: Floats, share: float = 1.0) -> list[SubsurfaceExtreme]:
+def maximum_of_lines(depths: Floats, values: Floats, share: float = 1.0) -> list[SubsurfaceExtreme]:
     """Return the largest value of each line, and where; smoothed by a cubic if that has a top.
 
     Parameters

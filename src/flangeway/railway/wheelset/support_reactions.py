@@ -34,7 +34,7 @@ class SupportReaction:
     eccentricity_mm
         Place of the resultant along a rail's base from its middle, away from the track; nan for a wheel and without
         a force across the base.
-    force_error, moment_error
+    force_error, moment_residual
         What is left of force and moment, over the contact force and over the sum of its nodes' forces times arms.
 
     """
@@ -47,7 +47,7 @@ class SupportReaction:
     contact_force_N: Floats  # noqa: N815
     eccentricity_mm: float
     force_error: float
-    moment_error: float
+    moment_residual: float
 
 
 def support_reactions(result: WheelsetResult) -> tuple[SupportReaction, ...]:
@@ -121,10 +121,10 @@ def holding_force(result: WheelsetResult) -> HoldingForce | None:
     if all(value is None for value in problem.prescribed.components):
         return None
     along, onto = problem.load.in_track
-    axle, barycentre = (np.array(place(problem.wheelset)) for place in (motion.axle, motion.barycentre))
+    axle, centre_of_gravity = (np.array(place(problem.wheelset)) for place in (motion.axle, motion.centre_of_gravity))
     of_node = np.repeat(result.model.moving, [len(surface.nodes) for surface in result.model.system.surface_nodes])
     state = result.equilibrium.state
-    arms = np.vstack((state.positions[of_node], barycentre)) - axle
+    arms = np.vstack((state.positions[of_node], centre_of_gravity)) - axle
     forces = np.vstack((state.nodal_forces[of_node], (along, -onto)))
     lateral, vertical = -forces.sum(axis=0)
     return HoldingForce(float(lateral), float(vertical), -float(_moments(arms, forces).sum()))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from flangeway.post import cell_stresses, contact_doubts
+from flangeway.post import cell_stresses, check_contact
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from flangeway.railway.wheelset.wheelset_result import WheelRailPatch
 
 
-LARGEST_RESIDUAL = 1e-6
+MAX_RESIDUAL = 1e-6
 """Difference of contact forces and load over the vertical load; the search stops below 1e-10."""
 
 YIELD_MPa = 510.0
@@ -33,7 +33,7 @@ STEEL_MPa = (190e3, 220e3)
 """Young's moduli that are taken for those of steel, whose yield strength is assumed where none is given."""
 
 
-def judged(
+def checked(
     model: WheelsetModel,
     equilibrium: Equilibrium,
     patches: Sequence["WheelRailPatch"],
@@ -66,14 +66,14 @@ def judged(
     stiffer = "raise penalty_factor" if settings.nodal_penalty_N_per_mm is None else "raise nodal_penalty_N_per_mm"
     if settings.enforcement == "augmented-lagrange":
         stiffer = "lower penetration_mm"
-    doubts = contact_doubts(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
-    errors = [*_unbalanced(model, patches), *doubts.errors, *_outside(patches, missed)]
+    checks = check_contact(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
+    errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, missed)]
     if not all(np.isfinite(each).all() for each in displacements.values()):
         errors.append("displacements are not finite numbers")
     status = equilibrium.status
     if status.converged and errors:
         status = Status(False, "; ".join(errors), status.iterations)
-    warnings = list(doubts.warnings)
+    warnings = list(checks.warnings)
     if equilibrium.stable is False:
         warnings.append("the balance is unstable: a small push carries the wheelset away from it")
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
@@ -97,7 +97,7 @@ def _unbalanced(model: WheelsetModel, patches: Iterable["WheelRailPatch"]) -> li
     return [
         f"{name} contact forces and load differ by {abs(rest):.3g} N; raise this with the case file as a fault"
         for name, held, rest in rows
-        if held is None and not abs(rest) <= LARGEST_RESIDUAL * math.hypot(along, onto)
+        if held is None and not abs(rest) <= MAX_RESIDUAL * math.hypot(along, onto)
     ]
 
 
@@ -117,7 +117,7 @@ def _outside(patches: Iterable["WheelRailPatch"], missed: Sequence[Side]) -> lis
 
 
 def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) -> list[str]:
-    """Compare the largest displacement of each rail with its height."""
+    """Compare the maximum displacement of each rail with its height."""
     warnings = []
     for side in SIDES:
         points = model.parts[f"rail-{side}"].body.mesh.points
@@ -134,20 +134,20 @@ def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) ->
 def _beyond_yield(
     model: WheelsetModel, patches: Sequence["WheelRailPatch"], displacements: Mapping[str, Floats]
 ) -> list[str]:
-    """Compare the cells' largest von Mises stress below the contacts with the yield strength; see `validity`."""
+    """Compare the cells' maximum von Mises stress below the contacts with the yield strength; see `validity`."""
     given = model.problem.yield_MPa
     strength = YIELD_MPa if given is None else given
     beyond = []
     for role in ROLES:
         if given is None and not STEEL_MPa[0] <= model.problem.material_of(role).young <= STEEL_MPa[1]:
             continue
-        largest = 0.0
+        maximum = 0.0
         for name, displacement in displacements.items():
             if name.startswith(role):
                 mises = cell_stresses(model.parts[name].body.elasticity, displacement).von_mises
-                largest = max(largest, float(mises[below_contacts(model, patches, name)].max(initial=0.0)))
-        if largest > strength:
-            beyond.append(f"{largest / strength:.1f} times in the {role}")
+                maximum = max(maximum, float(mises[below_contacts(model, patches, name)].max(initial=0.0)))
+        if maximum > strength:
+            beyond.append(f"{maximum / strength:.1f} times in the {role}")
     if not beyond:
         return []
     assumed = "the least yield strength of standard rail steel (AREMA Manual, chapter 4)"

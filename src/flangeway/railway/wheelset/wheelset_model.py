@@ -15,8 +15,8 @@ from flangeway.geometry import Contour, Outline, Placement
 from flangeway.mesh import Refinement
 from flangeway.problems import Body, Part
 from flangeway.railway.profiles.curvature import conforming, relative_curvature
-from flangeway.railway.rigid.cached_start import known_rest
-from flangeway.railway.rigid.elastic_start import RigidRest
+from flangeway.railway.rigid.cached_start import cached_rigid_start
+from flangeway.railway.rigid.elastic_start import RigidStart
 from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
 from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
@@ -59,7 +59,7 @@ class WheelsetModel:
     """
 
     problem: WheelsetProblem
-    rest: RigidRest
+    rest: RigidStart
     hertz: LineContact
     system: ContactSystem
     parts: dict[str, Part]
@@ -151,7 +151,7 @@ def build_model(
 
     """
     settings = problem.discretisation
-    known = known_rest(problem, cache)
+    known = cached_rigid_start(problem, cache)
     hertz = LineContact(
         problem.load.vertical_N / 2.0 / problem.thickness_mm,
         max(known.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),

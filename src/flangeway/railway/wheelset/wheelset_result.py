@@ -12,10 +12,10 @@ from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, pressure_patches
 from flangeway.railway.track.placements import Side, WheelsetMotion
-from flangeway.railway.wheelset.cached_equilibria import KnownEquilibria
+from flangeway.railway.wheelset.cached_equilibria import CachedEquilibria
 from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibrium
 from flangeway.railway.wheelset.missed_overlap import missed_contact
-from flangeway.railway.wheelset.wheelset_checks import judged
+from flangeway.railway.wheelset.wheelset_checks import checked
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, WheelsetProblem, build_model
 from flangeway.solve import CondensedBodies, Status
 from flangeway.system.disk_cache import Cache
@@ -157,7 +157,7 @@ def solve_wheelset(
             response = CondensedBodies(model.system.surface_nodes, cache)
         with _timed(timings, "contact"):
             starts = model.rest.starts if whole else (model.start_motion,)
-            known = KnownEquilibria(cache, model, response, starts)
+            known = CachedEquilibria(cache, model, response, starts)
             equilibrium, *others = known.get(partial(_equilibria, model, response, progress, starts))
             state = equilibrium.state
             patches = tuple(wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
@@ -173,7 +173,7 @@ def solve_wheelset(
         fields = known.fields(state, partial(response.fields, turned, state.nodal_forces))
     names = [part.name for part in model.system.parts]
     displacements = dict(zip(names, fields, strict=True))
-    status, warnings = judged(model, equilibrium, patches, missed, displacements)
+    status, warnings = checked(model, equilibrium, patches, missed, displacements)
     return WheelsetResult(
         status,
         model,

@@ -17,7 +17,7 @@ from flangeway.types import Floats
 
 BRIGHTEST_SHARE = 0.999
 """Share of the corners that the colours resolve: stresses at sharp corners grow without limit."""
-LARGEST_SIDE_IN, SMALLEST_SIDE_IN = 9.0, 3.0
+MAX_SIDE_IN, SMALLEST_SIDE_IN = 9.0, 3.0
 MARGIN = 0.04
 
 
@@ -25,8 +25,8 @@ def stress_figure(run: BodiesRun) -> Figure:
     """Draw von Mises stress on the deformed bodies; where they touch, once more near the contact."""
     drawn = {name: _drawn(body) for name, body in run.bodies.items()}
     values = np.concatenate([stress for _, _, stress in drawn.values()])
-    largest = float(np.quantile(values, BRIGHTEST_SHARE)) or float(values.max()) or 1.0
-    norm = Normalize(0.0, largest)
+    maximum = float(np.quantile(values, BRIGHTEST_SHARE)) or float(values.max()) or 1.0
+    norm = Normalize(0.0, maximum)
     points = np.vstack([place for place, _, _ in drawn.values()])
     windows = [_window(points)]
     if run.patches:
@@ -36,7 +36,7 @@ def stress_figure(run: BodiesRun) -> Figure:
         if width < 0.7 * float(np.ptp(points, axis=0).max()):
             windows.append(np.array([middle - width / 2.0, middle + width / 2.0]))
     extent = np.ptp(windows[0], axis=0)
-    height = float(np.clip(LARGEST_SIDE_IN * extent[1] / extent[0], SMALLEST_SIDE_IN, LARGEST_SIDE_IN))
+    height = float(np.clip(MAX_SIDE_IN * extent[1] / extent[0], SMALLEST_SIDE_IN, MAX_SIDE_IN))
     figure = new_figure(7.0 * len(windows), min(height, 7.0))
     both = figure.subplots(1, len(windows), squeeze=False)[0]
     for axes, window in zip(both, windows, strict=True):
@@ -48,7 +48,7 @@ def stress_figure(run: BodiesRun) -> Figure:
         axes.set_xlabel("x in mm")
         axes.set_ylabel("y in mm")
     colours = both[0].collections[0]
-    extend = "max" if float(values.max()) > largest else "neither"
+    extend = "max" if float(values.max()) > maximum else "neither"
     figure.colorbar(colours, ax=list(both), label="von Mises stress in MPa", extend=extend, shrink=0.9)
     word = "" if run.status.converged else ", not converged"
     figure.suptitle(f"{run.case.title}: as deformed{word}", fontsize=10)

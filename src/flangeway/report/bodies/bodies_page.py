@@ -104,17 +104,17 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         facts += [
             (
                 marked(f"{each['max_pressure_MPa']:.5g} MPa", each["max_pressure_remark"]),
-                f"largest pressure, {each['secondary']} on {each['primary']}",
+                f"maximum pressure, {each['secondary']} on {each['primary']}",
             )
             for each in summary["contacts"]
         ]
     bodies = summary["bodies"]
-    largest = max(bodies, key=lambda body: float(body["max_von_mises_MPa"]))
-    place = f", {largest['name']}" if len(bodies) > 1 else ""
+    maximum = max(bodies, key=lambda body: float(body["max_von_mises_MPa"]))
+    place = f", {maximum['name']}" if len(bodies) > 1 else ""
     return [
         *facts[:MOST_FACTS],
-        (f"{max(body['max_displacement_mm'] for body in bodies):.4g} mm", "largest displacement"),
-        (f"{largest['max_von_mises_MPa']:.4g} MPa", f"largest von Mises stress{place}"),
+        (f"{max(body['max_displacement_mm'] for body in bodies):.4g} mm", "maximum displacement"),
+        (f"{maximum['max_von_mises_MPa']:.4g} MPa", f"maximum von Mises stress{place}"),
     ]
 
 

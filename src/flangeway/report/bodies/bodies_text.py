@@ -16,11 +16,11 @@ def case_rows(summary: Row) -> list[tuple[str, str]]:
     for each in summary["contacts"]:
         name = f"{each['secondary']} on {each['primary']}"
         rows.append((f"{name}: force on {each['secondary']} (x, y), N", value_text(each["force_on_secondary_N"])))
-        rows.append((f"{name}: largest pressure, MPa", _pressure(each)))
+        rows.append((f"{name}: maximum pressure, MPa", _pressure(each)))
         rows.append((f"{name}: half width of contact, mm", _half_widths(each)))
     for body in summary["bodies"]:
-        rows.append((f"{body['name']}: largest displacement, mm", value_text(body["max_displacement_mm"])))
-        rows.append((f"{body['name']}: largest von Mises stress, MPa", value_text(body["max_von_mises_MPa"])))
+        rows.append((f"{body['name']}: maximum displacement, mm", value_text(body["max_displacement_mm"])))
+        rows.append((f"{body['name']}: maximum von Mises stress, MPa", value_text(body["max_von_mises_MPa"])))
         rows.append((f"{body['name']}: cells, unknowns", f"{body['cells']}, {body['unknowns']}"))
     return rows
 
@@ -46,7 +46,7 @@ def contacts_of_bodies(summary: Row) -> Table:
     contacts = summary["contacts"]
     quantities: list[tuple[str, Callable[[Row], str]]] = [
         ("force on the first (x, y), N", lambda c: value_text(c["force_on_secondary_N"])),
-        ("largest pressure, MPa", _pressure),
+        ("maximum pressure, MPa", _pressure),
         ("half width of contact, mm", _half_widths),
         ("centre of pressure (x, y), mm", lambda c: _of_patches(c, "centre_mm")),
         ("reaches an end of the surface", lambda c: _of_patches(c, "reaches_an_end")),
@@ -73,12 +73,12 @@ def supports_table(summary: Row) -> Table:
 def sizes_table(summary: Row) -> Table:
     """Sizes of the bodies' meshes, and their extreme values."""
     keys = ("max_displacement_mm", "max_von_mises_MPa", "min_principal_MPa", "max_in_plane_shear_MPa")
-    header = ("", "cells", "unknowns", "largest displacement, mm", "largest von Mises, MPa", "least principal, MPa")
+    header = ("", "cells", "unknowns", "maximum displacement, mm", "maximum von Mises, MPa", "least principal, MPa")
     rows = [
         (body["name"], f"{body['cells']:,}", f"{body['unknowns']:,}", *(value_text(body[key]) for key in keys))
         for body in summary["bodies"]
     ]
-    return Table("Bodies", (*header, "largest in-plane shear, MPa"), tuple(rows))
+    return Table("Bodies", (*header, "maximum in-plane shear, MPa"), tuple(rows))
 
 
 def words_of(key: str) -> tuple[str, ...]:

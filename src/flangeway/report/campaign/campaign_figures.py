@@ -1,4 +1,4 @@
-"""Pictures of a campaign of a wheelset over what varies: contact locus, largest pressure, L/V, forces."""
+"""Pictures of a campaign of a wheelset over what varies: contact locus, maximum pressure, L/V, forces."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
 COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 MOST_LABELLED = 8
 ROUGH = "not to be relied on, see its remark"
-SMALLEST_POINT, LARGEST_POINT = 3.0, 40.0
+SMALLEST_POINT, MAX_POINT = 3.0, 40.0
 
 
 def numeric_keys(table: CampaignTable) -> list[str]:
@@ -53,7 +53,7 @@ def campaign_figures(table: CampaignTable) -> dict[str, Callable[[], Figure]]:
         return {}
     figures: dict[str, Callable[[], Figure]] = {
         LOCUS: lambda: locus_figure(table, keys[0]),
-        PRESSURE: lambda: curves_figure(table, keys[0], "max_pressure_MPa", "largest pressure in MPa"),
+        PRESSURE: lambda: curves_figure(table, keys[0], "max_pressure_MPa", "maximum pressure in MPa"),
         RATIO: lambda: ratio_figure(table, "lateral_mm" if "lateral_mm" in table.rows else keys[0]),
         FORCES: lambda: forces_figure(table, keys[0]),
     }
@@ -78,7 +78,7 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
     patches = {name: np.array(values) for name, values in table.patches.items()}
     x = np.array([of_row[row] for row in table.patches["row"]])
     force = patches["normal_force_N"].astype(float)
-    size = SMALLEST_POINT + (LARGEST_POINT - SMALLEST_POINT) * force / max(force.max(initial=0.0), 1e-300)
+    size = SMALLEST_POINT + (MAX_POINT - SMALLEST_POINT) * force / max(force.max(initial=0.0), 1e-300)
     for column, side in enumerate(SIDES):
         mine = patches["side"] == side
         for line, (body, where) in enumerate((("wheel", "from the tape line"), ("rail", "from its middle"))):
@@ -93,13 +93,13 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
 
 
 def pressure_map(table: CampaignTable, first: str, second: str) -> Figure:
-    """Draw the largest pressure over two inputs; where others vary as well, the largest over these."""
+    """Draw the maximum pressure over two inputs; where others vary as well, the largest over these."""
     figure = new_figure(9.4, 4.2)
     panels = figure.subplots(1, 2, sharey=True)
     places, groups = np.unique(
         np.column_stack((table.numbers(first), table.numbers(second))), axis=0, return_inverse=True
     )
-    pressures = {side: _largest(table.numbers(f"{side}_max_pressure_MPa"), groups.ravel()) for side in SIDES}
+    pressures = {side: _maximum(table.numbers(f"{side}_max_pressure_MPa"), groups.ravel()) for side in SIDES}
     every = np.concatenate(list(pressures.values()))
     limits = float(np.nanmin(every)), float(np.nanmax(every))
     for panel, side in zip(panels, SIDES, strict=True):
@@ -114,15 +114,15 @@ def pressure_map(table: CampaignTable, first: str, second: str) -> Figure:
         panel.set_title(f"{side} side", fontsize=9)
         panel.set_xlabel(first)
     panels[0].set_ylabel(second)
-    figure.colorbar(drawn, ax=list(panels), label="largest pressure in MPa")
-    figure.suptitle(f"Largest pressure: {table.name}", fontsize=10)
+    figure.colorbar(drawn, ax=list(panels), label="maximum pressure in MPa")
+    figure.suptitle(f"Maximum pressure: {table.name}", fontsize=10)
     return figure
 
 
-def _largest(values: Floats, groups: NDArray[np.intp]) -> Floats:
-    largest = np.full(groups.max() + 1, -np.inf)
-    np.maximum.at(largest, groups, np.where(np.isfinite(values), values, -np.inf))
-    return np.where(np.isfinite(largest), largest, np.nan)
+def _maximum(values: Floats, groups: NDArray[np.intp]) -> Floats:
+    maximum = np.full(groups.max() + 1, -np.inf)
+    np.maximum.at(maximum, groups, np.where(np.isfinite(values), values, -np.inf))
+    return np.where(np.isfinite(maximum), maximum, np.nan)
 
 
 def _draw_map(axes: Axes, places: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:

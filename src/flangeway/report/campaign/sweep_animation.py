@@ -25,7 +25,7 @@ FRAMES_A_SECOND = 8
 DPI = 80
 WIDTH_MM, BELOW_MM, ABOVE_MM = 55.0, 22.0, 38.0
 HIGHEST_MM = 18.0
-"""Height at which the largest pressure of all frames is drawn."""
+"""Height at which the maximum pressure of all frames is drawn."""
 
 
 @dataclass(frozen=True)
@@ -95,7 +95,7 @@ def sweep_gif(frames: list[SweepFrame], title: str) -> bytes:
     """Draw an animation as the contents of a GIF file.
 
     Each frame shows both sides in the track's axes: the outlines of wheel and rail, undeformed, and on the rail the
-    pressure as an ellipse with the largest pressure and the width of each region of contact. Below are L/V and the
+    pressure as an ellipse with the maximum pressure and the width of each region of contact. Below are L/V and the
     vertical forces of all frames, with a line where the frame is.
 
     Parameters

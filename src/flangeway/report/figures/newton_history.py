@@ -11,7 +11,7 @@ from flangeway.solve import ContactState
 
 SMALLEST = 1e-17
 """Errors of exactly zero are drawn here: the axis is logarithmic."""
-ERRORS = {"residual": "imbalance over the total force", "change": "change over the largest displacement"}
+ERRORS = {"residual": "imbalance over the total force", "change": "change over the maximum displacement"}
 MOST_NAMED = 12
 """Number of steps up to which each has its name in the picture."""
 

@@ -246,7 +246,7 @@ def stress_quantity(stresses: Stresses, quantity: Quantity) -> Floats:
 def _stress_name(quantity: Quantity) -> str:
     if quantity.startswith("principal"):
         return f"principal stress {quantity[-1]}"
-    names = {"von_mises": "von Mises stress", "in_plane_shear": "largest shear stress in the plane"}
+    names = {"von_mises": "von Mises stress", "in_plane_shear": "maximum shear stress in the plane"}
     return names.get(quantity, f"stress {quantity}")
 
 
@@ -335,10 +335,10 @@ def _factor(solution: ElasticField, factor: Factor) -> float:
         if not np.isfinite(factor):
             raise InputError(f"factor = {factor}", "a finite number or 'auto'", "leave it out")
         return float(factor)
-    largest = float(np.hypot(*solution.displacements[: solution.problem.space.n_nodes].T).max())
-    if not largest > 0.0:
+    maximum = float(np.hypot(*solution.displacements[: solution.problem.space.n_nodes].T).max())
+    if not maximum > 0.0:
         return 1.0
-    wanted = DEFORMATION_SHARE * solution.problem.size / largest
+    wanted = DEFORMATION_SHARE * solution.problem.size / maximum
     power = 10.0 ** np.floor(np.log10(wanted))
     return float(power * max(digit for digit in (1, 2, 5) if digit * power <= wanted * (1.0 + 1e-9)))
 

@@ -40,9 +40,9 @@ def contacts_table(summary: Row) -> Table:
         ("contact angle, degrees", lambda c: number(c["contact_angle_deg"], 2)),
         ("place on the rail (x, y), mm", lambda c: _place(c["rail_position_mm"])),
         ("place on the wheel (x, y), mm", lambda c: _place(c["wheel_position_mm"])),
-        ("largest pressure, MPa", lambda c: marked(number(c["max_pressure_MPa"], 1), c["max_pressure_remark"])),
+        ("maximum pressure, MPa", lambda c: marked(number(c["max_pressure_MPa"], 1), c["max_pressure_remark"])),
         ("  Hertz, MPa", lambda c: _hertz(c["hertz_pressure_MPa"], 1)),
-        ("  scatter of the nodes, %", lambda c: number(100.0 * c["pressure_scatter"], 2)),
+        ("  scatter of the nodes, %", lambda c: number(100.0 * c["pressure_oscillation"], 2)),
         ("half width, mm", lambda c: number(c["half_width_mm"], 3)),
         ("  Hertz, mm", lambda c: _hertz(c["hertz_half_width_mm"], 3)),
         ("in-plane shear in the rail, MPa (at mm)", lambda c: _at_depth(c["in_rail"], "max_in_plane_shear")),
@@ -82,10 +82,10 @@ def motion_table(summary: Row) -> Table:
         ]
     if any(side["lateral_over_vertical"] is not None for side in summary["sides"]):
         rows += [(f"L/V of the {s['side']} wheel", number(s["lateral_over_vertical"], 4)) for s in summary["sides"]]
-    rows.append(("resulting error of the balance", _small(balance["resulting_error"])))
+    rows.append(("resulting error of the balance", _small(balance["equilibrium_residual"])))
     free = {"vertical": "vertical_mm", "lateral": "lateral_mm", "moment": "roll_rad"}
     rows += [
-        (f"  {name}", _small(balance[f"{name}_error"]))
+        (f"  {name}", _small(balance[f"{name}_residual"]))
         for name, motion_key in free.items()
         if summary["case"][motion_key] is None
     ]
@@ -185,7 +185,7 @@ def support_table(summary: Row) -> Table:
             number(row["moment_kN_mm"], 1),
             number(row.get("eccentricity_mm"), 2),
             _small(row["force_error"]),
-            _small(row["moment_error"]),
+            _small(row["moment_residual"]),
         )
         for row in summary["support"]["reactions"]
     ]
@@ -198,7 +198,7 @@ def stresses_table(summary: Row) -> Table:
     keys = ("max_von_mises_below_contacts_MPa", "max_von_mises_MPa", "min_principal_MPa", "max_in_plane_shear_MPa")
     header = (
         *("", "von Mises below contacts, MPa", "anywhere in the slice, MPa"),
-        *("least principal, MPa", "largest in-plane shear, MPa"),
+        *("least principal, MPa", "maximum in-plane shear, MPa"),
     )
     rows = [(r["part"], *(number(r[key], 1) for key in keys)) for r in summary["stresses"]]
     caption = "Extreme stresses, means of cells (anywhere: also in web, fillets and foot of the slice, see limits)"

@@ -17,7 +17,7 @@ TITLE_LETTERS = 70
 DRAWN_DEVIATION_MM = 0.01
 MOST_CURVATURE_PER_MM = 0.2
 SHOWN_DEVIATION_MM = 4.0
-"""Height at which the largest deviation is drawn beside the shape."""
+"""Height at which the maximum deviation is drawn beside the shape."""
 
 
 def shape_figure(run: ProfileRun) -> Figure:
@@ -106,14 +106,14 @@ def join_figure(joined: Joined) -> Figure:
 def _draw_deviations(axes: Axes, run: ProfileRun) -> None:
     """Draw the deviations across the curve, enlarged so that the largest is visible."""
     smoothing = run.profile.smoothing
-    if smoothing is None or smoothing.largest_um * 1e-3 < 1e-6:
+    if smoothing is None or smoothing.maximum_um * 1e-3 < 1e-6:
         return
-    factor = SHOWN_DEVIATION_MM / (1e-3 * smoothing.largest_um)
+    factor = SHOWN_DEVIATION_MM / (1e-3 * smoothing.maximum_um)
     points = smoothing.points
     along = np.gradient(points, axis=0)
     normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
     moved = points + normals * (1e-3 * factor * smoothing.deviations_um)[:, None]
-    label = f"deviations, {factor:.0f} times as large (largest {smoothing.largest_um:.1f} μm)"
+    label = f"deviations, {factor:.0f} times as large (largest {smoothing.maximum_um:.1f} μm)"
     axes.plot(*moved.T, color=ORANGE, lw=0.7, label=label, zorder=2)
 
 
@@ -128,7 +128,7 @@ def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
             axes.axhline(sign * smoothing.limit_um, color=ORANGE, lw=0.8, ls="--")
         text = (
             f"smoothed by {smoothing.wavelength_mm:g} mm; root mean square {smoothing.rms_um:.2f} μm, "
-            f"largest {smoothing.largest_um:.2f} μm, limit {smoothing.limit_um:.3g} μm"
+            f"largest {smoothing.maximum_um:.2f} μm, limit {smoothing.limit_um:.3g} μm"
         )
     else:
         text = "curve through all points"

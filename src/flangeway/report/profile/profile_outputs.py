@@ -124,7 +124,7 @@ def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         ("  deviation, root mean square, μm", f"{smoothing['rms_deviation_um']:.2f}", ""),
         (
             "  deviation, largest, μm",
-            f"{smoothing['largest_deviation_um']:.2f}",
+            f"{smoothing['maximum_deviation_um']:.2f}",
             f"limit {smoothing['limit_um']:.3g}" + (f", {n_held} points held to it" if n_held else ""),
         ),
     ]

@@ -1,11 +1,11 @@
-"""Pictures of the contact geometry: contact locus, rolling radius difference, conicity, effect of the throat."""
+"""Pictures of the contact geometry: contact locus, rolling radius difference, conicity, effect of the flange root."""
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.rigid.conicities import ConicityRun
-from flangeway.cases.rigid.rigid_run import GeometryRun, ThroatEffect
+from flangeway.cases.rigid.rigid_run import FlangeRootEffect, GeometryRun
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.railway.track.placements import SIDES, Side
@@ -14,7 +14,7 @@ from flangeway.types import Floats
 
 COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 STYLES: dict[Side, str] = {"left": "--", "right": "-"}
-LARGEST_RATIO = 0.9
+MAX_RATIO = 0.9
 LIFT_MM = 12.0
 """How far the wheels are drawn above the rails, so that lines join the points of contact."""
 
@@ -136,24 +136,24 @@ def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
     return figure
 
 
-def throat_figure(effect: ThroatEffect) -> Figure:
-    """Draw the lateral motion in balance over the radii of the throat, and over the lateral force for each of them."""
+def flange_root_figure(effect: FlangeRootEffect) -> Figure:
+    """Draw the lateral displacement in equilibrium over the radii of the flange root, and over the lateral force."""
     figure = new_figure(9.0, 4.2)
     left, right = figure.subplots(1, 2)
     left.plot(effect.narrow_mm, effect.lateral_narrow_mm, "s--", color=GREY, label="narrow arc, beside the flange")
     left.plot(effect.wide_mm, effect.lateral_wide_mm, "o-", color=INK, label="wide arc, beside the tread")
-    left.set_xlabel("radius of the throat's arc in mm")
+    left.set_xlabel("radius of the flange root's arc in mm")
     left.set_ylabel("lateral motion in balance, in mm")
     left.legend(frameon=False, fontsize=8)
     shades = np.linspace(0.0, 0.75, len(effect.narrow_mm))
     for radius, ratio, lateral, shade in zip(effect.narrow_mm, effect.ratios, effect.laterals_mm, shades, strict=True):
         # as far as the flange holds
-        shown = np.arange(len(ratio)) < int(np.argmax(~(ratio <= LARGEST_RATIO)))
+        shown = np.arange(len(ratio)) < int(np.argmax(~(ratio <= MAX_RATIO)))
         right.plot(ratio[shown], lateral[shown], color=str(shade), lw=1.2, label=f"narrow arc {radius:g} mm")
     right.set_xlabel("lateral force over weight, along and onto the track; overturning apart")
     right.set_ylabel("lateral motion in balance, in mm")
     right.legend(frameon=False, fontsize=8)
     for axes in (left, right):
         axes.grid(color="#dddddd", lw=0.5)
-    figure.suptitle("Rigid wheelset of AAR-1B (approximate) wheels: effect of the throat", fontsize=10)
+    figure.suptitle("Rigid wheelset of AAR-1B (approximate) wheels: effect of the flange root", fontsize=10)
     return figure

@@ -17,7 +17,7 @@ from flangeway.cases.rigid.rigid_run import GeometryRun
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.picture_files import picture_writers
 from flangeway.report.page.console import plain_table, print_files, print_notices
-from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure, rolling_figure, throat_figure
+from flangeway.report.rigid.rigid_figures import conicity_figure, flange_root_figure, locus_figure, rolling_figure
 from flangeway.system.output_folder import write_together
 
 CONICITY_PICTURE = "conicity.png"
@@ -26,8 +26,8 @@ PICTURES: dict[str, Callable[[GeometryRun], Figure]] = {
     "rolling_radius_difference.png": rolling_figure,
     CONICITY_PICTURE: conicity_figure,
 }
-THROAT, TABLE, CONICITY, SUMMARY = "throat_radius.png", "table.csv", "conicity.csv", "geometry.json"
-NAMES = (*PICTURES, THROAT, TABLE, CONICITY, SUMMARY)
+FLANGE_ROOT, TABLE, CONICITY, SUMMARY = "flange_root_radius.png", "table.csv", "conicity.csv", "geometry.json"
+NAMES = (*PICTURES, FLANGE_ROOT, TABLE, CONICITY, SUMMARY)
 CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, SUMMARY)
 
 
@@ -51,8 +51,8 @@ def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], Non
     """
     progress("drawing the pictures and writing the files")
     figures: dict[str, Figure] = {name: draw(run) for name, draw in PICTURES.items()}
-    if run.throat is not None:
-        figures[THROAT] = throat_figure(run.throat)
+    if run.flange_root is not None:
+        figures[FLANGE_ROOT] = flange_root_figure(run.flange_root)
     writers = picture_writers(figures)
     writers[TABLE] = lambda path: _write_rows(path, *locus_table(run))
     return write_together(folder, writers | _conicity_writers(run))

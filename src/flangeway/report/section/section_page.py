@@ -72,7 +72,7 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         (f"area_{unit}2", f"{unit}²", "area"),
         (f"torsion_constant_{unit}4", f"{unit}⁴", "torsion constant J"),
         (f"warping_constant_{unit}6", f"{unit}⁶", "warping constant"),
-        (f"max_shear_stress_per_torque_per_{unit}3", f"{unit}⁻³", "largest shear stress per torque"),
+        (f"max_shear_stress_per_torque_per_{unit}3", f"{unit}⁻³", "maximum shear stress per torque"),
     ]
     return [(f"{summary[key]:.5g} {power}", name) for key, power, name in rows if summary[key] is not None]
 

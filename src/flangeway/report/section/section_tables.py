@@ -44,9 +44,9 @@ def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         rows[-1] = (f"shear centre for ν = {summary['poisson']:g} (x, y), {unit}", point(f"shear_centre_{unit}"))
         rows.append((f"shear centre by Trefftz (x, y), {unit}", point(f"shear_centre_trefftz_{unit}")))
     rows.append((f"warping constant, {unit}⁶", f"{summary[f'warping_constant_{unit}6']:.7g}"))
-    largest = summary[f"max_shear_stress_per_torque_per_{unit}3"]
-    if largest is not None:
-        rows.append((f"largest shear stress per torque, {unit}⁻³", f"{largest:.5g}"))
+    maximum = summary[f"max_shear_stress_per_torque_per_{unit}3"]
+    if maximum is not None:
+        rows.append((f"maximum shear stress per torque, {unit}⁻³", f"{maximum:.5g}"))
     rows.append(
         (
             f"{mesh['cells']} {'triangles' if mesh['method'] == 'fem' else 'polygons'} of order {mesh['order']}, "

@@ -25,10 +25,10 @@ from flangeway.report.figures.fields import PartFields
 from flangeway.report.wheelset.wheelset_figure import FACTORS
 
 DEFORMATION_SHARE = 0.06
-"""Largest motion that is drawn, over the height of the rail."""
+"""Maximum motion that is drawn, over the height of the rail."""
 
 ORDINATE_MM = 18.0
-"""Length of the largest stress: less than the radius of the fillets, so that ordinates do not cross."""
+"""Length of the maximum stress: less than the radius of the fillets, so that ordinates do not cross."""
 
 TENSION, COMPRESSION, STEEL = "#c77700", "#7fa8d1", "#e4e7eb"
 MARGIN_MM = 8.0
@@ -45,8 +45,8 @@ def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
     figure, panels = figure_with_room(13.0, 7.2, ROOM, n_columns=2)
     rails = [rail_bending(run.result, side) for side in SIDES]
     fields = {part.name: part for part in parts}
-    largest = max(float(np.abs(face.stresses_MPa).max(initial=0.0)) for rail in rails for face in rail.faces)
-    scale = ORDINATE_MM / largest if largest > 0.0 else 0.0
+    maximum = max(float(np.abs(face.stresses_MPa).max(initial=0.0)) for rail in rails for face in rail.faces)
+    scale = ORDINATE_MM / maximum if maximum > 0.0 else 0.0
     factor = _factor([fields[f"rail-{side}"] for side in SIDES])
     for axes, rail in zip(panels[0], rails, strict=True):
         part = fields[f"rail-{rail.side}"]
@@ -56,7 +56,7 @@ def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
             axes.plot(*part.points(factor)[loop].T, color=GREY, lw=1.1, ls=(0, (4, 2)), zorder=3)
         equal_axes(axes, box([points], MARGIN_MM))
         for face in rail.faces:
-            _draw_face(axes, run, rail, face, scale, largest)
+            _draw_face(axes, run, rail, face, scale, maximum)
         draw_title(axes, _title(rail))
     figure.legend(
         handles=[
@@ -70,12 +70,12 @@ def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
 
 
 def _factor(parts: list[PartFields]) -> int:
-    largest = max(float(np.abs(part.displacement).max()) for part in parts)
+    maximum = max(float(np.abs(part.displacement).max()) for part in parts)
     height = min(float(np.ptp(part.mesh.points[:, 1])) for part in parts)
-    return max((f for f in FACTORS if f * largest <= DEFORMATION_SHARE * height), default=1)
+    return max((f for f in FACTORS if f * maximum <= DEFORMATION_SHARE * height), default=1)
 
 
-def _draw_face(axes: Axes, run: CaseRun, rail: RailBending, face: FaceStresses, scale: float, largest: float) -> None:
+def _draw_face(axes: Axes, run: CaseRun, rail: RailBending, face: FaceStresses, scale: float, maximum: float) -> None:
     """Draw the stresses of a face as ordinates out of the rail, and numbers at extremes and at the web."""
     placement = run.result.placements[f"rail-{rail.side}"]
     feet, outwards = placement.points(face.points_mm), placement.vectors(face.outwards)
@@ -84,7 +84,7 @@ def _draw_face(axes: Axes, run: CaseRun, rail: RailBending, face: FaceStresses, 
         axes.add_artist(
             Polygon(np.vstack((feet, heads[::-1])), closed=True, facecolor=colour, edgecolor=INK, lw=0.4, hatch=hatch)
         )
-    shown = [*_fillet_extremes(face, rail.web_height_mm, LEAST_LABEL * largest)]
+    shown = [*_fillet_extremes(face, rail.web_height_mm, LEAST_LABEL * maximum)]
     if np.isfinite(face.web_MPa):
         shown.append((int(np.argmin(np.abs(face.points_mm[:, 1] - rail.web_height_mm))), face.web_MPa))
     middle = float(placement.points([(0.0, rail.web_height_mm)])[0, 0])
@@ -113,10 +113,10 @@ def _fillet_extremes(face: FaceStresses, web_height_mm: float, least: float) -> 
 
 def _title(rail: RailBending) -> str:
     motion = rail.head_motion
-    aside = "right" if motion.lateral_mm > 0.0 else "left"
+    lateral_offset = "right" if motion.lateral_mm > 0.0 else "left"
     upright = "up" if motion.vertical_mm > 0.0 else "down"
     turn = "counter-clockwise" if motion.roll_rad > 0.0 else "clockwise"
     return (
-        f"{rail.side} rail: top of the head moves {abs(motion.lateral_mm):.2f} mm to the {aside} and "
+        f"{rail.side} rail: top of the head moves {abs(motion.lateral_mm):.2f} mm to the {lateral_offset} and "
         f"{abs(motion.vertical_mm):.2f} mm {upright},\nand rolls {1e3 * abs(motion.roll_rad):.1f} mrad {turn}"
     ).capitalize()

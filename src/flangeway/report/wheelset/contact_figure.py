@@ -39,7 +39,7 @@ BAR_IN = (0.45, 0.1)
 COLUMNS: tuple[tuple[str, Callable[[Stresses], Floats]], ...] = (
     ("von Mises stress in MPa", lambda stresses: stresses.von_mises),
     ("minimum principal stress in MPa", lambda stresses: stresses.principal[:, 2].clip(max=0.0)),
-    ("largest in-plane shear stress in MPa", lambda stresses: stresses.in_plane_shear),
+    ("maximum in-plane shear stress in MPa", lambda stresses: stresses.in_plane_shear),
 )
 """What is shown, from left to right."""
 
@@ -121,10 +121,10 @@ def _stride(patches: Sequence[WheelRailPatch]) -> int:
 
 def _draw_forces(axes: Axes, patch: WheelRailPatch, stride: int) -> None:
     points, forces = patch.pressure.points, _on_wheel(patch) / 1e3
-    largest = float(np.linalg.norm(forces, axis=1).max())
-    scale = largest / (ARROW * patch.pressure.half_width)
+    maximum = float(np.linalg.norm(forces, axis=1).max())
+    scale = maximum / (ARROW * patch.pressure.half_width)
     _arrows(axes, points[::stride], forces[::stride], scale)
-    shown = float(f"{0.5 * largest:.1g}")
+    shown = float(f"{0.5 * maximum:.1g}")
     (low, high), bottom = axes.get_xlim(), axes.get_ylim()[0]
     place = np.array([[low + 0.06 * (high - low), bottom + 0.06 * (high - low)]])
     _arrows(axes, place, np.array([[0.0, shown]]), scale)

@@ -13,11 +13,11 @@ SMALLEST = 1e-16
 
 
 def convergence_figure(run: CaseRun) -> Figure:
-    """Draw the errors of what is free to move (seed 7.2.2) at each position that was tried, and the accepted one."""
+    """Draw the residuals (Moherdaui 2021, 7.2.2) at each position that was tried, and the accepted one."""
     history = run.result.equilibrium.history
     figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(top=0.15))
     steps = np.arange(len(history))
-    resulting = np.maximum([balance.resulting_error for balance in history], SMALLEST)
+    resulting = np.maximum([balance.equilibrium_residual for balance in history], SMALLEST)
     axes.semilogy(steps, resulting, color=INK, lw=1.6, marker="o", ms=4.5, mfc="white", label="resulting error")
     free = history[-1].free if history else ()
     if not any(free):
@@ -25,7 +25,7 @@ def convergence_figure(run: CaseRun) -> Figure:
     for name, line, is_free in zip(("lateral", "vertical", "moment"), ("-.", "--", ":"), free, strict=False):
         if not is_free:
             continue
-        errors = np.maximum([abs(getattr(balance, f"{name}_error")) for balance in history], SMALLEST)
+        errors = np.maximum([abs(getattr(balance, f"{name}_residual")) for balance in history], SMALLEST)
         axes.semilogy(steps, errors, color=GREY, lw=1.1, ls=line, label=name)
     axes.axhline(ACCEPTED, color=GREY, lw=0.8)
     axes.annotate("accepted below", (0.0, ACCEPTED), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)

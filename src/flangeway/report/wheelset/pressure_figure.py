@@ -12,7 +12,7 @@ from flangeway.report.page.page_tables import marked
 
 
 def pressure_figure(run: CaseRun) -> Figure:
-    """Draw the nodes' pressures (seed Figure 63) against the length along the surface, side by side."""
+    """Draw the nodes' pressures (Moherdaui 2021, Figure 63) against the length along the surface, side by side."""
     figure, ((*both,),) = figure_with_room(13.0, 4.6, Room(across=0.3), n_columns=2, sharey=True)
     for axes, side in zip(both, SIDES, strict=True):
         mine = [patch for patch in run.result.patches if patch.side == side]

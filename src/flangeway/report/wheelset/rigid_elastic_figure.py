@@ -1,4 +1,4 @@
-"""Picture of the elastic wheelset over the rigid one: outlines, points and forces of contact (seed Figure 101)."""
+"""Picture of the elastic wheelset over the rigid one: outlines, contact points, forces (Moherdaui 2021, Figure 101)."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class _Forces:
 def rigid_elastic_figure(run: CaseRun, parts: Sequence[PartFields]) -> Figure:
     """Draw both sides in true shape, the rigid outlines dashed, and below them the zones of contact enlarged."""
     figure, rows = figure_with_room(12.0, 11.0, ROOM, 2, 2)
-    largest = max((row["force_kN"] or 0.0 for row in _all_rows(run)), default=0.0)
+    maximum = max((row["force_kN"] or 0.0 for row in _all_rows(run)), default=0.0)
     for column, side in enumerate(SIDES):
         elastic, rigid = _Forces.of(run.summary["contacts"], side), _Forces.of(run.summary["rigid"]["contacts"], side)
         points = np.vstack((elastic.points, rigid.points))
@@ -63,8 +63,8 @@ def rigid_elastic_figure(run: CaseRun, parts: Sequence[PartFields]) -> Figure:
             equal_axes(axes, middle + window)
             _draw_bodies(axes, mine, outlines)
             length = ARROW * float(np.ptp(window[:, 1]))
-            _draw_forces(axes, rigid, RIGID, length, largest, marker="D")
-            _draw_forces(axes, elastic, ELASTIC, length, largest, marker="o")
+            _draw_forces(axes, rigid, RIGID, length, maximum, marker="D")
+            _draw_forces(axes, elastic, ELASTIC, length, maximum, marker="o")
         draw_title(rows[0, column], _title(side, elastic, rigid))
         draw_title(rows[1, column], f"{side} zone of contact, enlarged".capitalize())
     figure.legend(handles=_legend(), loc="lower center", ncols=4, fontsize=9, frameon=False)
@@ -101,12 +101,12 @@ def _draw_bodies(axes: Axes, parts: Sequence[PartFields], outlines: list[Floats]
         axes.add_artist(Polygon(outline, closed=True, facecolor="none", edgecolor=RIGID, lw=1.1, ls=(0, (5, 2.5))))
 
 
-def _draw_forces(axes: Axes, forces: _Forces, colour: str, length: float, largest: float, marker: str) -> None:
+def _draw_forces(axes: Axes, forces: _Forces, colour: str, length: float, maximum: float, marker: str) -> None:
     """Draw points of contact, and forces on the wheel as arrows, the largest of both computations `length` long."""
     for point, force in zip(forces.points, forces.forces, strict=True):
         if force.any():
             arrow = {"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}
-            axes.annotate("", point + force * (length / largest), point, arrowprops=arrow, zorder=5)
+            axes.annotate("", point + force * (length / maximum), point, arrowprops=arrow, zorder=5)
         axes.plot(*point, marker=marker, ms=6, mfc="white", mec=colour, mew=1.4, zorder=6)
 
 

@@ -44,7 +44,7 @@ def draw_sketch(axes: Axes, result: WheelsetResult) -> None:
     beside, tip = inner - 110, axle - wheelset.radius_mm
     axes.plot([beside - 30, inner], [tip, tip], color=INK, lw=0.5)
     _dimension(axes, (beside, axle), (beside, tip), f"radius {wheelset.radius_mm:g}")
-    top = axle + wheelset.barycentre_height_mm
+    top = axle + wheelset.centre_of_gravity_height_mm
     axes.set_xlim(-half_gauge - 160, half_gauge + 160)
     axes.set_ylim(-320, max(top + 340, axle + wheelset.radius_mm) + 20)
     axes.set_aspect("equal", anchor="S")
@@ -64,7 +64,7 @@ def _draw_wheel(axes: Axes, sign: float, inner: float, axle: float, radius: floa
 def _draw_load(axes: Axes, result: WheelsetResult, axle: float) -> None:
     problem = result.model.problem
     wheelset, load = problem.wheelset, problem.load
-    x, y = WheelsetMotion().barycentre(wheelset)
+    x, y = WheelsetMotion().centre_of_gravity(wheelset)
     axes.plot([x], [y], marker="o", color=INK, ms=4)
     axes.annotate("", (x, y), (x, y + 330), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.4})
     along = load.in_track[0]
@@ -80,8 +80,8 @@ def _draw_load(axes: Axes, result: WheelsetResult, axle: float) -> None:
             va="top",
         )
     axes.text(x + 45, y + 250, f"{load.in_track[1] / 1e3:.4g} kN", fontsize=8, va="center")
-    axes.text(x + 45, y, "barycentre of the car", fontsize=7, va="center")
-    _dimension(axes, (x - 90, axle), (x - 90, y), f"{wheelset.barycentre_height_mm:g} above the axle")
+    axes.text(x + 45, y, "centre of gravity of the car", fontsize=7, va="center")
+    _dimension(axes, (x - 90, axle), (x - 90, y), f"{wheelset.centre_of_gravity_height_mm:g} above the axle")
 
 
 def _dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float], text: str, at: float = 0.5) -> None:

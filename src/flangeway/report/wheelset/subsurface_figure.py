@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 from flangeway.post import Stresses
 from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.wheelset.subsurface import SEARCHED, by_normal, hertz_below, largest_on, stresses_below
+from flangeway.railway.wheelset.subsurface import SEARCHED, by_normal, hertz_below, maximum_on, stresses_below
 from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
 from flangeway.report.figures.drawing import INK, Room, draw_title, figure_with_room
 from flangeway.types import Floats
@@ -21,7 +21,7 @@ CURVES = (
     ("across the surface", "#0b5394"),
     ("along the surface", "#9a6a00"),
     ("von Mises", "#8b1a8b"),
-    ("largest in-plane shear", INK),
+    ("maximum in-plane shear", INK),
 )
 ROOM = Room(bottom=0.85, between=0.45)
 COLUMNS = (
@@ -96,9 +96,9 @@ def _draw(axes: Axes, line: SubsurfaceLine) -> None:
         for (_, colour), values in zip(CURVES, _curves(line.hertz), strict=True):
             axes.plot(values, depths, color=colour, lw=1.0, ls=(0, (4, 2)))
         axes.plot([], [], color=INK, lw=1.0, ls=(0, (4, 2)), label="Hertz, half plane, same force")
-    top = largest_on(depths, line.found.in_plane_shear, SEARCHED)
+    top = maximum_on(depths, line.found.in_plane_shear, SEARCHED)
     axes.plot([top.value_MPa], [top.depth_mm], marker="o", color=INK, mfc="white", ms=5, zorder=4)
-    said = f"largest in-plane shear\n{top.value_MPa:.0f} MPa at {top.depth_mm:.1f} mm"
+    said = f"maximum in-plane shear\n{top.value_MPa:.0f} MPa at {top.depth_mm:.1f} mm"
     if theory is not None:
         said += f"\nHertz: {theory.max_shear:.0f} MPa at {DEPTH_OF_MAX_SHEAR * theory.half_width:.1f} mm"
     axes.text(0.02, 0.04, said, transform=axes.transAxes, fontsize=9, va="bottom")

@@ -78,7 +78,7 @@ def _convergence_table(convergence: Convergence) -> Table:
             for body, key in (("rail", "rail_position_mm"), ("wheel", "wheel_position_mm"))
         ),
         (
-            "largest pressure, MPa",
+            "maximum pressure, MPa",
             *(
                 " / ".join(marked(number(c["max_pressure_MPa"], 1), c["max_pressure_remark"]) for c in s["contacts"])
                 for s in (coarse, fine)
@@ -93,7 +93,7 @@ def _convergence_table(convergence: Convergence) -> Table:
         ("unknowns", *(f"{sum(b['unknowns'] for b in s['bodies']):,}" for s in (coarse, fine)), ""),
     ]
     scales = [f"size scale {s['case']['size_scale']:g}" for s in (coarse, fine)]
-    return Table("The mesh halved (left / right)", ("", *scales, "largest change"), tuple(rows))
+    return Table("The mesh halved (left / right)", ("", *scales, "maximum change"), tuple(rows))
 
 
 def _print_table(console: Console, table: Table) -> None:

@@ -49,12 +49,12 @@ def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
 
 
 def deformation_factor(parts: list[PartFields]) -> int:
-    """Round factor by which the largest motion becomes a fortieth of a part or less."""
-    largest = max(float(np.abs(part.points() - part.touch_points).max()) for part in parts)
+    """Round factor by which the maximum motion becomes a fortieth of a part or less."""
+    maximum = max(float(np.abs(part.points() - part.touch_points).max()) for part in parts)
     size = max(float(np.ptp(part.touch_points, axis=0).max()) for part in parts)
-    if not largest > 0.0:
+    if not maximum > 0.0:
         return 1
-    wanted = DEFORMATION_SHARE * size / largest
+    wanted = DEFORMATION_SHARE * size / maximum
     return max((f for f in FACTORS if f <= wanted), default=1)
 
 

@@ -98,9 +98,9 @@ def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
             (number(contact["force_kN"], 2) + " kN", f"force on the {side} wheel" + place.removeprefix(side)),
             (
                 marked(number(contact["max_pressure_MPa"], 0) + " MPa", contact["max_pressure_remark"]),
-                f"largest pressure, {place}",
+                f"maximum pressure, {place}",
             ),
         ]
-    error = summary["balance"]["resulting_error"]
+    error = summary["balance"]["equilibrium_residual"]
     facts.append(("–" if error is None else f"{error:.0e}", "resulting error of the balance"))
     return facts

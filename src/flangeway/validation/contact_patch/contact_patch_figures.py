@@ -1,4 +1,4 @@
-"""Pictures of the contact patch test: contact forces, pressures, and vertical stresses (seed Figures 70 to 75)."""
+"""Pictures of the contact patch test: forces, pressures, and vertical stresses (Moherdaui 2021, Figures 70 to 75)."""
 
 from collections.abc import Sequence
 from typing import Literal

@@ -91,15 +91,15 @@ def print_summary(console: Console, found: ContactPatchReproduction, files: list
 
 def _published_table(found: ContactPatchReproduction) -> Table:
     shown = plain_table("node-to-segment")
-    for name in ("mean", "least", "largest", "largest deviation", "root mean square", "pressure of nodes"):
+    for name in ("mean", "least", "maximum", "maximum deviation", "root mean square", "pressure of nodes"):
         shown.add_column(name, justify="right")
     for run in found.published:
-        least, largest = (100.0 * (value - 1.0) for value in run.pressure_range)
+        least, maximum = (100.0 * (value - 1.0) for value in run.pressure_range)
         shown.add_row(
             run.code,
             *(f"{value:.1f}" for value in (run.mean_stress, *run.stress_range)),
             f"{100.0 * run.stress_error:.1f} %",
-            f"{100.0 * run.stress_scatter:.2f} %",
-            f"{least:+.0f} to {largest:+.0f} %",
+            f"{100.0 * run.stress_oscillation:.2f} %",
+            f"{least:+.0f} to {maximum:+.0f} %",
         )
     return shown

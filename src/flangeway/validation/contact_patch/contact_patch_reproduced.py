@@ -1,4 +1,4 @@
-"""The contact patch test (seed 6.2.1, Figures 64 and 70 to 75): a uniform pressure between two boxes.
+"""The contact patch test (Moherdaui 2021, 6.2.1, Figures 64 and 70 to 75): a uniform pressure between two boxes.
 
 The text gives one number, the uniform stress of (6.1); how far its node-to-segment results are from it, it shows in
 pictures and says in words: in no case exact, larger for triangles than for polygons, smaller on finer meshes.
@@ -47,7 +47,7 @@ PASSED = 1e-8
 """Largest relative deviation from the converged uniform pressure that passes the test."""
 OFF = 1e-3
 """Relative deviation of the stress that node-to-segment must exceed to count as failing the test, as published."""
-LARGEST_OFF = 0.5
+MAX_OFF = 0.5
 """Relative deviation of the stress beyond which node-to-segment is not of the published order of magnitude."""
 SAME_STRESS = 0.01
 """Relative difference of the mean stress from the published one that counts as within, for node-to-segment."""
@@ -109,7 +109,7 @@ class PatchRun:
 
     @cached_property
     def patch(self) -> PressurePatch:
-        """The region of contact, with the pressures of its nodes by influence width (seed Figure 63)."""
+        """The region of contact, with the pressures of its nodes by influence width (Moherdaui 2021, Figure 63)."""
         patches = pressure_patches(self.solution.system, self.solution.state)
         return max(patches, key=lambda patch: len(patch.pressures))
 
@@ -121,7 +121,7 @@ class PatchRun:
 
     @property
     def pressure_range(self) -> tuple[float, float]:
-        """Least and largest pressure of a node, relative to the expected one."""
+        """Least and maximum pressure of a node, relative to the expected one."""
         pressures = self.patch.pressures / self.expected
         return float(pressures.min()), float(pressures.max())
 
@@ -141,13 +141,13 @@ class PatchRun:
 
     @cached_property
     def stress_error(self) -> float:
-        """Largest deviation of a stress component in the plane from the uniform state, over the expected pressure."""
+        """Maximum deviation of a stress component in the plane from the uniform state, over the expected pressure."""
         exact = np.array([0.0, -self.expected, 0.0])
         deviations = [np.abs(each.components[:, :3] - exact).max() for each in self.stresses]
         return float(max(deviations)) / self.expected
 
     @cached_property
-    def stress_scatter(self) -> float:
+    def stress_oscillation(self) -> float:
         """Root mean square of the cells' vertical stress less the uniform one, over both boxes, relative to it."""
         fields = [self.solution.field(self.case.part(name)) for name in ("upper", "lower")]
         values = [cell_stresses(field.problem, field.displacements).components[:, 1] for field in fields]
@@ -321,11 +321,11 @@ def _run(
 
 def _numbers(run: PatchRun) -> Iterator[ReproducedNumber]:
     low, high = run.stress_range
-    least, largest = (100.0 * (value - 1.0) for value in run.pressure_range)
+    least, maximum = (100.0 * (value - 1.0) for value in run.pressure_range)
     error = run.stress_error
     order = (
         f"not exact, as published: stresses up to {100.0 * error:.2g} % and pressures of nodes {least:+.2g} to "
-        f"{largest:+.2g} % off; the published pictures give no numbers"
+        f"{maximum:+.2g} % off; the published pictures give no numbers"
     )
     failed = "" if run.converged else f"{run.solution.status.message}; "
     for quantity, value, note in (
@@ -335,8 +335,8 @@ def _numbers(run: PatchRun) -> Iterator[ReproducedNumber]:
     ):
         difference = value / PUBLISHED - 1.0
         mean = quantity.startswith("mean")
-        within = abs(difference) <= SAME_STRESS if mean else OFF < error < LARGEST_OFF
-        limit = percent(SAME_STRESS) if mean else f"off by {percent(OFF)} to {percent(LARGEST_OFF)}"
+        within = abs(difference) <= SAME_STRESS if mean else OFF < error < MAX_OFF
+        limit = percent(SAME_STRESS) if mean else f"off by {percent(OFF)} to {percent(MAX_OFF)}"
         yield ReproducedNumber(
             "Equation 6.1", run.code, quantity, "kN/cm^2", PUBLISHED, value, difference, limit,
             run.converged and within, failed + note,

@@ -109,7 +109,7 @@ def pressed_boxes(
     approach: float = 0.1,
     rotation_rad: float = 0.0,
 ) -> ContactCase:
-    """Two equal boxes of which the upper is pressed upon the lower (contact patch test, seed Figure 64).
+    """Two equal boxes of which the upper is pressed upon the lower (contact patch test, Moherdaui (2021) Figure 64).
 
     The far sides are held upright to themselves and slide along; one point of each, the left corner, is held both ways.
     So the boxes spread freely and the exact solution is a uniform pressure, whatever the meshes.

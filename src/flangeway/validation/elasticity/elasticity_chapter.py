@@ -46,8 +46,8 @@ def _tables(found: ElasticityReproduction) -> list[PageTable]:
 
 CHAPTER = Chapter(
     "Plane elasticity",
-    """A body under uniform tension (the seed's Figure 56, page 149), which every element must bear without error.
-    Cook's membrane of the seed's section 5.3.2, for which it prints pictures: energy and displacements are those of
+    """A body under uniform tension (Moherdaui's Figure 56, page 149), which every element must bear without error.
+    Cook's membrane of Moherdaui's section 5.3.2, for which it prints pictures: energy and displacements are those of
     Artioli, Beirão da Veiga, Lovadina and Sacco (2017), whose problem it takes; order 2 on the finest mesh must meet
     them, and each mesh must be nearer than the one before. The plate with a hole (Kirsch 1898) and the thick cylinder
     under pressure (Lamé 1852) in closed form. Codes such as VCM3O2: F, V or H, finite elements, virtual ones, or

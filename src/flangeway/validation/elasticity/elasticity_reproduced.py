@@ -1,4 +1,4 @@
-"""Plane elasticity (seed chapter 5) computed again: what ``flangeway reproduce elasticity`` computes."""
+"""Plane elasticity (Moherdaui 2021, chapter 5) computed again: what ``flangeway reproduce elasticity`` computes."""
 
 import math
 import time

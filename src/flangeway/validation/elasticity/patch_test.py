@@ -1,4 +1,4 @@
-"""A square under uniform tension (seed 5.2.1), which every method must reproduce."""
+"""A square under uniform tension (Moherdaui 2021, 5.2.1), which every method must reproduce."""
 
 from dataclasses import dataclass
 
@@ -24,7 +24,7 @@ METHODS = ("FD", "VD", "VV", "HE")
 
 @dataclass(frozen=True)
 class PatchCode:
-    """One configuration, such as ``VVPTO1`` (seed Figure 52).
+    """One configuration, such as ``VVPTO1`` (Moherdaui 2021, Figure 52).
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ class PatchCode:
 
     @property
     def published(self) -> bool:
-        """Whether the seed shows or names it."""
+        """Whether Moherdaui (2021) shows or names it."""
         return self.method in ("FD", "VV") and self.order <= 2
 
 
@@ -65,7 +65,7 @@ class PatchRow:
     stresses
         Of all corners of all cells the value farthest from the exact one over the tension: xx, xy, yy.
     displacement_error
-        Largest error of a node's displacement over the largest displacement.
+        Maximum error of a node's displacement over the maximum displacement.
     solution
         The solution.
 
@@ -79,7 +79,7 @@ class PatchRow:
 
     @property
     def stress_error(self) -> float:
-        """Largest error of a stress over the tension."""
+        """Maximum error of a stress over the tension."""
         xx, xy, yy = self.stresses
         return max(abs(xx - 1.0), abs(xy), abs(yy))
 

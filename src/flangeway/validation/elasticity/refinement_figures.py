@@ -46,8 +46,8 @@ def estimate_figure(found: ElasticityReproduction) -> Figure:
     uniform = _about(case.uniform, CELLS_SHOWN)
     adaptive = _about(case.adaptive, uniform.mesh.n_cells)
     errors = [recovered_stresses(row.solution).cell_errors for row in (uniform, adaptive)]
-    largest = max(float(each.max()) for each in errors)
-    norm = LogNorm(1e-4 * largest, largest)
+    maximum = max(float(each.max()) for each in errors)
+    norm = LogNorm(1e-4 * maximum, maximum)
     figure = new_figure(11.0, 5.2)
     every = figure.subplots(1, 2, sharex=True, sharey=True)
     for axes, row, values in zip(every, (uniform, adaptive), errors, strict=True):

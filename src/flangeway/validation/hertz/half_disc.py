@@ -1,4 +1,4 @@
-"""A half disc that is fine along an arc about its apex (seed Figure 66)."""
+"""A half disc that is fine along an arc about its apex (Moherdaui 2021, Figure 66)."""
 
 import itertools
 from collections.abc import Mapping
@@ -35,7 +35,7 @@ class HalfDisc:
         Edge length of the triangles along the arc; the dual polygons' edges have half of it.
     cells
         ``"triangles"``; their dual ``"polygons"``; or ``"edge-refined"``: triangles whose edges on the arc are halved,
-        so that they are quadrilaterals with two aligned edges (seed Figure 68).
+        so that they are quadrilaterals with two aligned edges (Moherdaui 2021, Figure 68).
     method
         Elements of the triangles, ``"fem"`` or ``"vem"``. Polygons and quadrilaterals are virtual elements always.
     order

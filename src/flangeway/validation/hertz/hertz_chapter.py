@@ -30,15 +30,15 @@ def _tables(found: HertzReproduction) -> list[PageTable]:
         if row.level == finest
     )
     caption = (
-        f"Pressures on M{finest} against Hertz's of the same force, over its largest pressure: oscillation (root of "
-        "the mean square) and largest difference without the element at each end of the contact"
+        f"Pressures on M{finest} against Hertz's of the same force, over its maximum pressure: oscillation (root of "
+        "the mean square) and maximum difference without the element at each end of the contact"
     )
     return [PageTable(caption, ("contact", "code", "unknowns", "force (kN)", "oscillation", "difference"), rows)]
 
 
 CHAPTER = Chapter(
     "Hertz's problem",
-    f"""Two half discs pressed together: the seed's section 6.2.2 with Tables 9 to 14 (pages 162 to 179). Its reference
+    f"""Two half discs pressed together: Moherdaui's section 6.2.2 with Tables 9 to 14 (pages 162 to 179). Its reference
     force of {REFERENCE_FORCE} kN (Table 11) must be met to {percent(FORCE_LIMITS[1])}, by order 2 from M{FINE} on to
     {percent(FORCE_LIMITS[2])}, with the penalty as Table 10 prints it. Extreme stresses of Tables 12 to 14 come out
     with that penalty halved at each refinement: those of polygons, VVO1 and VVO2, must be met to

@@ -1,4 +1,4 @@
-"""Two half discs pressed together: Hertz's contact of parallel cylinders (seed 6.2.2)."""
+"""Two half discs pressed together: Hertz's contact of parallel cylinders (Moherdaui 2021, 6.2.2)."""
 
 import time
 from collections.abc import Callable, Iterator
@@ -119,8 +119,8 @@ class SurfacePressure:
     forces: Floats
     values: Floats
 
-    def largest_difference(self, theory: LineContact, margin: float = 0.0) -> float:
-        """Largest difference from Hertz's curve over p0 at nodes farther than `margin` from the contact's ends."""
+    def maximum_difference(self, theory: LineContact, margin: float = 0.0) -> float:
+        """Maximum difference from Hertz's curve over p0 at nodes farther than `margin` from the contact's ends."""
         inside = np.abs(np.abs(self.x) - theory.half_width) > margin
         return float(np.abs(self.values - theory.pressure(self.x))[inside].max()) / theory.max_pressure
 
@@ -319,7 +319,7 @@ def solve_hertz(
         contact = press(
             [model.contact],
             model.motion,
-            steps=StepSettings(first=step, largest=step, smallest=step / 1024.0),
+            steps=StepSettings(first=step, maximum=step, smallest=step / 1024.0),
             path=path,
             response=response,
             progress=progress,
@@ -330,7 +330,7 @@ def solve_hertz(
 
 
 def _influence_widths(x: Floats) -> Floats:
-    """Widths that belong to nodes, half of the way to either neighbour (seed Figures 24 and 63)."""
+    """Widths that belong to nodes, half of the way to either neighbour (Moherdaui 2021, Figures 24 and 63)."""
     ends = np.concatenate((x[:1], (x[:-1] + x[1:]) / 2.0, x[-1:]))
     return np.diff(ends)
 

@@ -53,7 +53,7 @@ ZOOM = 1.35  # in half widths
 STRESSES = {
     "principal_3": "least principal stress",
     "von_mises": "von Mises stress",
-    "in_plane_shear": "largest shear stress in the plane",
+    "in_plane_shear": "maximum shear stress in the plane",
 }
 
 
@@ -62,19 +62,19 @@ def forces_figure(found: HertzReproduction) -> Figure:
     figure = new_figure(13.0, 6.0)
     for axes, row in zip(figure.subplots(2, 3).ravel(), _finest(found, "halved"), strict=True):
         points, forces = row.points, row.nodal_forces
-        largest = float(np.linalg.norm(forces, axis=1).max())
+        maximum = float(np.linalg.norm(forces, axis=1).max())
         reach = ZOOM * row.theory.half_width
         few = len(points) < 60
         axes.quiver(
             points[:, 0], points[:, 1], forces[:, 0], forces[:, 1],
-            angles="xy", scale_units="xy", scale=largest / reach, color=INK, width=0.003 if few else 0.0015,
+            angles="xy", scale_units="xy", scale=maximum / reach, color=INK, width=0.003 if few else 0.0015,
             headwidth=3.0 if few else 1.0, headlength=4.0 if few else 0.0, headaxislength=4.0 if few else 0.0,
         )  # fmt: skip
         axes.plot(*points[np.argsort(points[:, 0])].T, color="#d55e00", linewidth=1.2)
         axes.set_xlim(-reach, reach)
         axes.set_ylim(points[:, 1].min() - 0.1 * reach, points[:, 1].max() + 1.1 * reach)
         axes.set_aspect("equal", adjustable="box")
-        axes.set_title(f"{row.name}: largest {largest:.3g} kN, sum {row.force:.2f} kN", fontsize=9)
+        axes.set_title(f"{row.name}: largest {maximum:.3g} kN, sum {row.force:.2f} kN", fontsize=9)
         axes.set_xlabel("x in cm")
         axes.set_ylabel("y in cm")
     figure.suptitle(f"Contact forces on the nodes of the secondary disc: {VARIANTS['halved']}", fontsize=11)
@@ -125,7 +125,7 @@ def symmetry_figure(found: HertzReproduction) -> Figure:
     shown: tuple[tuple[str, Callable[[Stresses], Floats], Callable[[Floats], Floats]], ...] = (
         ("normal stress in y", lambda s: s.components[:, 1], lambda t: t[:, 1]),
         ("normal stress in x", lambda s: s.components[:, 0], lambda t: t[:, 0]),
-        ("largest shear stress in the plane", lambda s: s.in_plane_shear, lambda t: np.abs(t[:, 0] - t[:, 1]) / 2.0),
+        ("maximum shear stress in the plane", lambda s: s.in_plane_shear, lambda t: np.abs(t[:, 0] - t[:, 1]) / 2.0),
     )
     smooth = [row for row in _finest(found, "segments") if row.code == "VVO2"]
     rows = [*_finest(found, "halved"), *smooth]

@@ -131,8 +131,8 @@ class HertzRow:
 
     @property
     def pressure_difference(self) -> float:
-        """Largest difference of the pressure from Hertz's over p0, without the element at each end of the contact."""
-        return self.pressure.largest_difference(self.theory, self.size)
+        """Maximum difference of the pressure from Hertz's over p0, without the element at each end of the contact."""
+        return self.pressure.maximum_difference(self.theory, self.size)
 
 
 @dataclass(frozen=True, eq=False)
@@ -376,7 +376,7 @@ def _exact_numbers(row: HertzRow) -> Iterator[ReproducedNumber]:
         ("force", "kN", REFERENCE_FORCE, row.force, "force"),
         ("min minimum principal stress", "kN/cm^2", -exact.max_pressure, row.extremes["principal_3"], "sigma_3"),
         ("half width", "cm", exact.half_width, row.half_width, "half width"),
-        ("largest difference from Hertz's pressure", "over p0", 0.0, row.pressure_difference, "pressure"),
+        ("maximum difference from Hertz's pressure", "over p0", 0.0, row.pressure_difference, "pressure"),
         ("oscillation of the pressure", "over p0", 0.0, row.pressure.oscillation, "oscillation"),
     ):
         limit = EXACT_LIMITS[key]

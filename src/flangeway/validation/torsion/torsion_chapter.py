@@ -3,9 +3,9 @@
 from flangeway.validation.published_numbers import percent
 from flangeway.validation.torsion.torsion_figures import convergence_figure
 from flangeway.validation.torsion.torsion_reproduced import (
-    LARGEST_RATE_DIFFERENCE,
     LEAST_WITHIN,
     LIMITS,
+    MAX_RATE_DIFFERENCE,
     TorsionReproduction,
 )
 from flangeway.validation.validation_page import Chapter, PagePicture
@@ -27,14 +27,14 @@ def _tables(found: TorsionReproduction) -> list[PageTable]:
     )
     caption = (
         "Rates of convergence over the root of the number of unknowns, twice the order in theory; within are those "
-        f"that differ from the published ones by {LARGEST_RATE_DIFFERENCE:g} at most"
+        f"that differ from the published ones by {MAX_RATE_DIFFERENCE:g} at most"
     )
     return [PageTable(caption, ("table", "code", "theory", "published", "computed", "within"), rows)] if rows else []
 
 
 CHAPTER = Chapter(
     "Torsion of a square and a triangle",
-    f"""Torsion constants of a square and of an equilateral triangle of area one, on the meshes of the seed's Table 3:
+    f"""Torsion constants of a square and of an equilateral triangle of area one, on the meshes of Moherdaui's Table 3:
     Tables 4 and 5 by the warping function (pages 136 and 137), Tables 6 and 7 by Prandtl's function (pages 138 and
     139). What counts is the relative error of the constant, against the exact one: it must be the published one to
     {percent(LIMITS["relative_error"])}, in {100.0 * LEAST_WITHIN:.0f} % of the rows at least, because the published

@@ -1,4 +1,4 @@
-"""The published torsion constants on the meshes of seed Table 3, computed again (seed chapter 4, Tables 4 to 7)."""
+"""The published torsion constants on the meshes of Table 3, computed again (Moherdaui 2021, Tables 3 to 7)."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -78,7 +78,7 @@ class TorsionRow:
     code
         Mesh and element.
     size
-        Largest diameter of the cells.
+        Maximum diameter of the cells.
     n_dofs
         Unknowns of the space, all counted.
     n_free

@@ -29,8 +29,8 @@ LIMITS = {"h": 0.15, "n_dof": 0.05, "torsion_constant": 1e-3, "relative_error": 
 LEAST_WITHIN = 90 / 96
 """Part of the published errors that must be within their limit."""
 
-LARGEST_RATE_DIFFERENCE = 0.15
-"""Largest difference of a rate of convergence over unknowns from that of the published errors."""
+MAX_RATE_DIFFERENCE = 0.15
+"""Maximum difference of a rate of convergence over unknowns from that of the published errors."""
 
 _NEIGHBOURS = np.linspace(0.96, 1.04, 9)
 _OTHER_READING = "load and constant by the projection (3.81), more accurate than the means of vertices published"
@@ -58,7 +58,7 @@ class ReproducedRate:
     published_over_h, computed_over_h
         Rates over h.
     within
-        Whether those over unknowns differ by `LARGEST_RATE_DIFFERENCE` at most.
+        Whether those over unknowns differ by `MAX_RATE_DIFFERENCE` at most.
 
     """
 
@@ -202,7 +202,7 @@ def _rates(computed: Sequence[TorsionRow], published: Sequence[dict[str, float]]
         unknowns = [_rate([x["n_dof"] ** -0.5 for x in each], each) for each in (theirs, ours)]
         over_h = [_rate([x["h"] for x in each], each) for each in (theirs, ours)]
         expected = 2 * computed[members[0]].code.order
-        within = abs(unknowns[1] - unknowns[0]) <= LARGEST_RATE_DIFFERENCE
+        within = abs(unknowns[1] - unknowns[0]) <= MAX_RATE_DIFFERENCE
         yield ReproducedRate(table, name, expected, unknowns[0], unknowns[1], over_h[0], over_h[1], within)
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from flangeway.cases.wheelset.runner import run_case
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.railway.wheelset.subsurface import largest_shear
+from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
 
 DIVISORS = (1, 2, 4)
@@ -43,14 +43,14 @@ class RefinedContact:
 
     @property
     def quantities(self) -> dict[tuple[str, str], float]:
-        """Force in N, largest pressure and largest shear stresses below in MPa, by patch and quantity."""
+        """Force in N, maximum pressure and maximum shear stresses below in MPa, by patch and quantity."""
         found = {}
         for patch in self.result.patches:
             name = contact_name(self.result, patch)
             found[name, "force"] = float(np.hypot(*patch.force_on_wheel_N))
-            found[name, "largest pressure"] = float(patch.pressure.pressures.max())
-            found[name, "largest shear in the rail"] = largest_shear(self.result, patch, "rail").value_MPa
-            found[name, "largest shear in the wheel"] = largest_shear(self.result, patch, "wheel").value_MPa
+            found[name, "maximum pressure"] = float(patch.pressure.pressures.max())
+            found[name, "maximum shear in the rail"] = maximum_shear(self.result, patch, "rail").value_MPa
+            found[name, "maximum shear in the wheel"] = maximum_shear(self.result, patch, "wheel").value_MPa
         return found
 
 

@@ -42,7 +42,7 @@ class OneArcContact:
     result
         Solution of the wheelset.
     pressure_MPa, half_width_mm
-        Largest pressure and half width of the ellipse that fits the pressures of the nodes best.
+        Maximum pressure and half width of the ellipse that fits the pressures of the nodes best.
     approach_mm
         How far the wheelset sinks.
     theory
@@ -103,7 +103,7 @@ def one_arc_contacts(discretisation: Discretisation, material: Elastic) -> tuple
     """
     track = Track(one_arc_rail(), gauge_mm=1500.0, cant=0.0)
     # the wheels stand over the middles of their rails
-    wheelset = Wheelset(one_arc_wheel(), back_to_back_mm=1500.0, radius_mm=500.0, barycentre_height_mm=0.0)
+    wheelset = Wheelset(one_arc_wheel(), back_to_back_mm=1500.0, radius_mm=500.0, centre_of_gravity_height_mm=0.0)
     # round on round a wheelset is not stable sideways
     upright = Prescribed(lateral_mm=0.0, roll_rad=0.0)
     problem = WheelsetProblem(

@@ -115,7 +115,7 @@ def _rows_table(found: WheelRailReproduction) -> Table:
             f"{motion.vertical_mm:.4f}",
             f"{motion.lateral_mm:.4f}",
             f"{1e3 * motion.roll_rad:.4f}",
-            f"{row.result.equilibrium.balance.resulting_error:.0e}",
+            f"{row.result.equilibrium.balance.equilibrium_residual:.0e}",
             f"{row.seconds:.1f}",
         )
         if not row.result.status.converged:

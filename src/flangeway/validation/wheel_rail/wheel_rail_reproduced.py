@@ -19,7 +19,7 @@ from flangeway.cases.wheelset.wheelset_curve import WheelsetCurveCase
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.flange_root import IDENTIFIED
 from flangeway.railway.track.discretisation import Discretisation
-from flangeway.railway.wheelset.subsurface import largest_shear
+from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.validation.published_numbers import ReproducedNumber, percent
 from flangeway.validation.wheel_rail.contact_refinement import DIVISORS, RefinedContact, contact_name, refine_contact
@@ -49,7 +49,7 @@ AGREEMENT = {"VO2": (0.01, 0.05), "FO1": (0.04, 0.5), "VO1": (0.04, 0.5)}
 REGIONS = ("left tread", "right flange root", "right tread")
 """Contacts of the curve: one on the inner rail, tread and flange root on the outer one."""
 RIGID_MM, RIGID_POINT_MM = 0.01, 0.5
-"""Largest distance of the position, extrapolated to rigid bodies, and of the contact points from the rigid ones."""
+"""Maximum distance of the position, extrapolated to rigid bodies, and of the contact points from the rigid ones."""
 REQUIRED_FACTOR = 100.0
 """Factor on Young's modulus from which the contact points must be the rigid ones."""
 ONE_ARC = 0.01
@@ -57,9 +57,9 @@ ONE_ARC = 0.01
 ONE_ARC_MESH = Discretisation(order=2, contact_size_mm=0.1, body_size_mm=4.0, enforcement="multiplier")
 REFINED = {
     "force": 0.005,
-    "largest pressure": 0.03,
-    "largest shear in the rail": 0.03,
-    "largest shear in the wheel": 0.03,
+    "maximum pressure": 0.03,
+    "maximum shear in the rail": 0.03,
+    "maximum shear in the wheel": 0.03,
 }
 """Largest relative change by one more halving of the elements in contact."""
 
@@ -176,7 +176,7 @@ def _agreement(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
             continue
         reference = next(each.result for each in rows if each.situation == row.situation and each.code == "FO2")
         expected, forces = patch_forces(reference), patch_forces(row.result)
-        limit, aside = AGREEMENT[row.code]
+        limit, lateral_offset = AGREEMENT[row.code]
         code = f"{row.situation} {row.code}"
         for name in sorted(expected.keys() | forces.keys()):
             one, other = expected.get(name, 0.0) / 1e3, forces.get(name, 0.0) / 1e3
@@ -188,7 +188,7 @@ def _agreement(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
         if row.situation == "tangent":
             continue  # zero, as is compared with the published
         lateral, moved = reference.motion_in_space.lateral_mm, row.motion.lateral_mm
-        within, words = bool(abs(moved - lateral) <= aside), f"{aside:g} mm"
+        within, words = bool(abs(moved - lateral) <= lateral_offset), f"{lateral_offset:g} mm"
         difference = moved / lateral - 1.0
         yield ReproducedNumber(
             "agreement", code, "lateral motion", "mm", lateral, moved, difference, words, within, FO2_NOTE
@@ -203,7 +203,7 @@ def _limit(limit: tuple[StiffenedWheelset, ...]) -> Iterator[ReproducedNumber]:
             note = "elastic less rigid, of which the elastic motion is left, which falls as 1/E"
             within = abs(value) <= RIGID_MM
             yield ReproducedNumber("rigid limit", code, name, "mm", 0.0, value, value, "", within, note)
-        value, note = float(each.point_distances_mm.max()), "largest distance on the rail"
+        value, note = float(each.point_distances_mm.max()), "maximum distance on the rail"
         words = f"{RIGID_POINT_MM:g} mm" if each.factor >= REQUIRED_FACTOR else ""
         within = value <= RIGID_POINT_MM
         yield ReproducedNumber("rigid limit", code, "contact points", "mm", 0.0, value, value, words, within, note)
@@ -242,7 +242,7 @@ def _one_arc(contacts: tuple[OneArcContact, ...]) -> Iterator[ReproducedNumber]:
     last = contacts[-1]
     bend, exact = approach_curvature(contacts)
     quantities = (
-        ("largest pressure", "MPa", last.theory.max_pressure, last.pressure_MPa),
+        ("maximum pressure", "MPa", last.theory.max_pressure, last.pressure_MPa),
         ("half width", "mm", last.theory.half_width, last.half_width_mm),
         ("approach under twice the load less twice the approach", "mm", exact, bend),
     )
@@ -267,11 +267,11 @@ class WheelRailPatchRow:
     angle_deg
         Angle of the force from the track's vertical, in degrees.
     force_kN, max_pressure_MPa, half_width_mm
-        Its force, largest pressure and half width.
+        Its force, maximum pressure and half width.
     rail_x_mm, rail_y_mm, wheel_x_mm, wheel_y_mm
         Centre of pressure in the frames of the profiles.
     max_shear_rail_MPa, shear_depth_mm
-        Largest in-plane shear stress in the rail below it, and its depth.
+        Maximum in-plane shear stress in the rail below it, and its depth.
 
     """
 
@@ -296,7 +296,7 @@ def patch_rows(rows: tuple[WheelRailRow, ...]) -> list[WheelRailPatchRow]:
     found = []
     for row in rows:
         for patch in row.result.patches:
-            shear = largest_shear(row.result, patch, "rail")
+            shear = maximum_shear(row.result, patch, "rail")
             lateral, vertical = patch.force_on_wheel_N.tolist()
             (rail_x, rail_y), (wheel_x, wheel_y) = patch.rail_point_mm.tolist(), patch.wheel_point_mm.tolist()
             found.append(

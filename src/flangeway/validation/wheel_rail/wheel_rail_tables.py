@@ -15,7 +15,12 @@ from flangeway.cases.wheelset.wheelset_tangent import WheelsetTangentCase
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
-from flangeway.railway.profiles.flange_root import IDENTIFIED, IDENTIFIED_RADIUS_MM, with_flange_root, with_wide_throat
+from flangeway.railway.profiles.flange_root import (
+    IDENTIFIED,
+    IDENTIFIED_RADIUS_MM,
+    with_flange_root,
+    with_wide_flange_root,
+)
 from flangeway.railway.track.placements import WheelsetMotion
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
@@ -29,9 +34,9 @@ CODES = ("FO1", "VO1", "FO2", "VO2")
 FITTED_CODE = "VO2"
 """Row of Table 16 whose lateral translation identifies the flange root."""
 NODAL_PENALTY_N_PER_MM = {"F": 1e7, "V": 5e6}
-"""Penalty of triangles and polygons (seed Table 10, mesh 1: 1e5 and 5e4 kN/cm)."""
+"""Penalty of triangles and polygons (Moherdaui 2021, Table 10, mesh 1: 1e5 and 5e4 kN/cm)."""
 RAIL_MM, WHEEL_MM, BODY_MM = 0.6, 0.5, 5.0
-"""Sizes of triangles where rail and wheel can touch, and elsewhere (seed 6.3, Table 9, mesh 1; none in chapter 7)."""
+"""Sizes of triangles where rail and wheel touch, and elsewhere (Moherdaui 2021, Table 9, mesh 1; none in chapter 7)."""
 
 BALANCED = 1e-9
 """Largest resulting error of the balance."""
@@ -40,14 +45,14 @@ FIT = 1e-3
 PREDICTED = 0.05
 """Largest relative difference of what is predicted: one part in twenty."""
 SYMMETRIC_CM, SYMMETRIC_RAD = 1e-4, 1e-6
-"""Largest lateral translation and rotation on tangent track, where they vanish by symmetry."""
+"""Maximum lateral translation and rotation on tangent track, where they vanish by symmetry."""
 ALIKE_CM = 3e-4
-"""Largest error of a difference of two vertical translations on tangent track: they are published to 1e-4, and the size
+"""Maximum error of a difference of two vertical translations on tangent track: they are published to 1e-4, and the size
 of elements away from contact, which is not given, changes it by another 2e-4."""
 FOUND_MM = 0.05
-"""Largest difference of the radius found again from the bundled one."""
+"""Maximum difference of the radius found again from the bundled one."""
 
-FAMILIES = {"arcs moved": with_flange_root, "narrow arc in place": with_wide_throat}
+FAMILIES = {"arcs moved": with_flange_root, "narrow arc in place": with_wide_flange_root}
 MEMBERS_MM = {"arcs moved": (54.0, 44.0), "narrow arc in place": (68.0, 80.0, 56.0)}
 """Radii of the wide arc that are computed beside the identified one, the last of each only without ``quick``."""
 MEMBER_CODE = "FO1"
@@ -132,7 +137,7 @@ def published_case(situation: str, code: str, body_mm: float = BODY_MM) -> Wheel
 
 
 def published_problem(case: WheelsetCase) -> WheelsetProblem:
-    """Return the problem of such a case with the published stabilisation of polygons (seed 3.96)."""
+    """Return the problem of such a case with the published stabilisation of polygons (Moherdaui 2021, 3.96)."""
     problem = case.problem()
     return replace(problem, discretisation=replace(problem.discretisation, stabilisation=TraceStabilisation()))
 
@@ -359,10 +364,10 @@ def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Prin
 def _balance(row: WheelRailRow, printed: dict[str, str]) -> Iterator[ReproducedNumber]:
     balance = row.result.equilibrium.balance
     for column, value in (
-        ("vertical_force_error", balance.vertical_error),
-        ("horizontal_force_error", balance.lateral_error),
-        ("moment_error", balance.moment_error),
-        ("resulting_error", balance.resulting_error),
+        ("vertical_force_error", balance.vertical_residual),
+        ("horizontal_force_error", balance.lateral_residual),
+        ("moment_residual", balance.moment_residual),
+        ("equilibrium_residual", balance.equilibrium_residual),
     ):
         yield _number(
             row.situation, row.code, column.replace("_", " "), "", (float(printed[column]), value),

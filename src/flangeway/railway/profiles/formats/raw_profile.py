@@ -20,7 +20,7 @@ WHEEL_ORIGINS: tuple[Origin, ...] = ("tape", "flange-back")
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
 LEADING_NUMBER = re.compile(rf"\s*({_NUMBER})(?=[\s,;]|$)")
-LARGEST_COORDINATE = 1e6
+MAX_COORDINATE = 1e6
 """In the file's unit: beyond it no profile was meant."""
 
 
@@ -83,10 +83,10 @@ def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArra
     if not rows:
         raise InputError("a file without points", "one point a line: two numbers", "check that the file is whole")
     for line, *values in rows:
-        if not all(abs(value) <= LARGEST_COORDINATE for value in values):
+        if not all(abs(value) <= MAX_COORDINATE for value in values):
             raise InputError(
                 f"line {line}: the point ({values[0]:g}, {values[1]:g})",
-                f"finite coordinates up to {LARGEST_COORDINATE:g}",
+                f"finite coordinates up to {MAX_COORDINATE:g}",
                 "repair or remove this line",
             )
     table = np.array(rows, dtype=np.float64)

@@ -21,7 +21,7 @@ from flangeway.railway.profiles.orientation import UNITS_MM
 
 _N_SAMPLES = 800
 GAP_MM = 0.01
-"""Largest gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
+"""Maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
 
 _ROUNDING = 1e-3  # of that, below which nothing is said
 _FARTHEST = 1e9  # centres of flat arcs lie far away
@@ -69,7 +69,7 @@ def read_dxf_profile(content: bytes) -> RawProfile:
 
     """
     drawing = outline_dxf.open_drawing(content)
-    with outline_dxf.damage_told():
+    with outline_dxf.damage_reported():
         pieces, ignored = _dxf_pieces(drawing)
     if not pieces:
         raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
@@ -127,8 +127,8 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) 
     )
 
 
-def _closed_gaps(drawn: Sequence[DrawnSegment], largest: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
-    """Close gaps up to `largest` between neighbours, as of rounded tables, and say where.
+def _closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
+    """Close gaps up to `maximum` between neighbours, as of rounded tables, and say where.
 
     Both ends move to the middle of the gap, and centres across the chord to where they are equally far from both ends.
     """
@@ -138,27 +138,27 @@ def _closed_gaps(drawn: Sequence[DrawnSegment], largest: float) -> tuple[list[Dr
         j = (i + 1) % len(drawn)
         (x0, y0), (x1, y1) = drawn[i].end, drawn[j].start
         gap = math.hypot(x1 - x0, y1 - y0)
-        if gap <= largest:
+        if gap <= maximum:
             ends[i][1] = ends[j][0] = (0.5 * (x0 + x1), 0.5 * (y0 + y1))
             gaps.append((gap, i))
         elif j:
             raise InputError(
                 f"segment {j} starts at {drawn[j].start}, {gap:.6g} from the end {drawn[i].end} of segment {i}",
-                f"a chain with gaps up to {largest:.3g}, which are closed",
+                f"a chain with gaps up to {maximum:.3g}, which are closed",
                 "close the gap or reorder the segments",
             )
-    closed = [_moved(segment, start, end, largest) for segment, (start, end) in zip(drawn, ends, strict=True)]
-    said = [each for each in gaps if each[0] > _ROUNDING * largest]
+    closed = [_moved(segment, start, end, maximum) for segment, (start, end) in zip(drawn, ends, strict=True)]
+    said = [each for each in gaps if each[0] > _ROUNDING * maximum]
     if not said:
         return closed, ()
     gap, i = max(said)
     return closed, (
-        f"{len(said)} gaps between lines and arcs are closed, up to {largest:.3g}, the widest of {gap:.3g} behind "
+        f"{len(said)} gaps between lines and arcs are closed, up to {maximum:.3g}, the widest of {gap:.3g} behind "
         f"segment {i}, {drawn[i].name}.",
     )
 
 
-def _moved(segment: DrawnSegment, start: Point, end: Point, largest: float) -> DrawnSegment:
+def _moved(segment: DrawnSegment, start: Point, end: Point, maximum: float) -> DrawnSegment:
     """Return a segment with other ends; a centre whose distances from them differ by rounding is moved as well."""
     moved = replace(segment, start=start, end=end)
     length = math.dist(start, end)
@@ -167,7 +167,7 @@ def _moved(segment: DrawnSegment, start: Point, end: Point, largest: float) -> D
     ray = (segment.centre[0] - start[0], segment.centre[1] - start[1])
     along = ((end[0] - start[0]) / length, (end[1] - start[1]) / length)
     off = ray[0] * along[0] + ray[1] * along[1] - 0.5 * length
-    if abs(math.hypot(*ray) - math.dist(segment.centre, end)) > 2.0 * largest:
+    if abs(math.hypot(*ray) - math.dist(segment.centre, end)) > 2.0 * maximum:
         return segment  # which is refused
     return replace(moved, centre=(segment.centre[0] - off * along[0], segment.centre[1] - off * along[1]))
 
