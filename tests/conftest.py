@@ -25,11 +25,13 @@ from flangeway.problems import Body, Part
 
 # A commit is judged by the same examples everywhere: 50 of each test, or 1,000 with HYPOTHESIS_PROFILE=ci.
 # HYPOTHESIS_PROFILE=search draws 1,000 new ones at every run.
+# Tests with @settings.get_profile("costly"), whose examples take 0.03 s or more, have a fifth of these numbers.
 checked = settings(settings.get_profile("default"), deadline=None, derandomize=True)
 settings.register_profile("default", checked, max_examples=50)
 settings.register_profile("ci", checked, max_examples=1000)
 settings.register_profile("search", checked, max_examples=1000, derandomize=False)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))
+settings.register_profile("costly", max_examples=settings.default.max_examples // 5)
 
 RADIUS = 50.0
 STEEL = Elastic(210e3, 0.3)

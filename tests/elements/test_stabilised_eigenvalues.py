@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flangeway.elements import NoStabilisation, Virtual
@@ -36,6 +36,7 @@ def eigenvalues(points, element, poisson):
 
 
 @pytest.mark.parametrize("order", [1, 2, 3])
+@settings.get_profile("costly")
 @given(points=stars(), poisson=st.sampled_from([0.0, 0.3, 0.4999]))
 def test_no_eigenvalue_leaves_the_range_of_the_elements_own(order, points, poisson):
     """But for three rigid motions, eigenvalues are within the stated factors of those of the strains that it has."""

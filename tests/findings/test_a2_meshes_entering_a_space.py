@@ -4,7 +4,7 @@ from contextlib import suppress
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.spatial import Delaunay
 
@@ -182,6 +182,7 @@ def random_mesh(seed):
     return mesh.placed(Placement(rng.uniform(0.0, 6.0), tuple(rng.uniform(-1e3, 1e3, 2)), bool(rng.integers(2))))
 
 
+@settings.get_profile("costly")
 @given(st.integers(0, 2**32 - 1))
 def test_a2_random_meshes_are_accepted_and_their_corruptions_refused(seed):
     """Random sound meshes enter a space; with a cell reversed, doubled or cut off or a point moved, they do not."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
+from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from flangeway.errors import InputError
@@ -49,6 +49,7 @@ def drawn(segments):
     return None
 
 
+@settings.get_profile("costly")
 @given(segments=outlines(), fineness=st.sampled_from([2.0, 5.0, 12.0]))
 def test_meshes_of_random_outlines_keep_the_area(segments, fineness):
     """Triangles and their dual fill the polygon of the boundary points; these are on the outline, names and all.

@@ -203,6 +203,7 @@ def test_hanging_nodes_of_other_programs_make_polygons(tmp_path):
     assert set(conforming(drawn).edge_sets) == {"low"}  # the other one lies inside the body now
 
 
+@settings.get_profile("costly")
 @given(seed=st.integers(0, 2**31))
 def test_conforming_finds_the_points_that_refinement_added(seed):
     """Polygons of a refined grid robbed of their hanging points get them back; sets keep the boundary's edges."""

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flangeway.elements import Virtual
@@ -57,6 +57,7 @@ def rim_length(mesh: PolyMesh) -> float:
     return float(np.hypot(*(ends[:, 1] - ends[:, 0]).T).sum())
 
 
+@settings.get_profile("costly")
 @given(
     kind=st.sampled_from(sorted(BASES)),
     seed=st.integers(0, 2**31),
@@ -82,6 +83,7 @@ def test_random_refinements_keep_area_orientation_and_sets(kind, seed, share, mo
         assert hanging(mesh) <= most_hanging
 
 
+@settings.get_profile("costly")
 @given(kind=st.sampled_from(sorted(BASES)), seed=st.integers(0, 2**31), order=st.integers(1, 4))
 def test_patch_test_of_each_order_on_refined_meshes(kind, seed, order):
     """A displacement of degree k, with its body force, is reproduced by order k to 1e-9 despite hanging points."""

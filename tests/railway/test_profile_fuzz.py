@@ -26,6 +26,7 @@ POINT = st.tuples(NUMBER, st.sampled_from([" ", "\t", ",", ";"]), NUMBER).map(""
 LINE = st.sampled_from(WORDS) | POINT | st.text(string.printable, max_size=12)
 TEXT = st.lists(LINE, max_size=40).map("\n".join)
 NOT_SLOW = settings(suppress_health_check=list(HealthCheck))
+COSTLY = settings(settings.get_profile("costly"), suppress_health_check=list(HealthCheck))
 
 
 def refuse_empty_parts(error):
@@ -62,7 +63,13 @@ def test_random_lines(ending, text, kind, tmp_path):
     read(tmp_path, ending, text.encode(), ReadOptions(unit="mm", kind=kind))
 
 
-@NOT_SLOW
+@functools.cache
+def s1002(spacing):
+    profile = wheel("S1002")
+    return profile.outline.part(profile.running_names).sampled(spacing=spacing)
+
+
+@COSTLY
 @given(
     damage=st.lists(st.tuples(st.integers(0, 299), st.sampled_from("dxsn"), st.floats(-20.0, 20.0)), max_size=6),
     smooth=st.sampled_from([None, 0.0, 3.0, 20.0]),
@@ -70,8 +77,7 @@ def test_random_lines(ending, text, kind, tmp_path):
 )
 def test_damaged_wheels(damage, smooth, scale, tmp_path):
     """A wheel with points deleted, moved, swapped or repeated is read or refused, whatever the smoothing."""
-    profile = wheel("S1002")
-    points = profile.outline.part(profile.running_names).sampled(spacing=0.6)
+    points = s1002(0.6).copy()
     for place, what, size in damage:
         i = min(place, len(points) - 2)
         if what == "d":
@@ -100,7 +106,7 @@ ANY_OPTIONS = st.one_of(
 )
 
 
-@NOT_SLOW
+@COSTLY
 @given(options=ANY_OPTIONS)
 def test_random_options(options, tmp_path):
     """Options of any value, for a sound file, give a profile or a message."""
@@ -109,12 +115,10 @@ def test_random_options(options, tmp_path):
 
 @functools.cache
 def sound_points():
-    profile = wheel("S1002")
-    points = profile.outline.part(profile.running_names).sampled(spacing=2.0)
-    return "\n".join(f"{x:.5f} {y:.5f}" for x, y in points).encode()
+    return "\n".join(f"{x:.5f} {y:.5f}" for x, y in s1002(2.0)).encode()
 
 
-@NOT_SLOW
+@COSTLY
 @given(
     ending=st.sampled_from([".csv", ".dxf", ".prw", ".whl", ".txt"]),
     changes=st.lists(

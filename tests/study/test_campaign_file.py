@@ -164,7 +164,7 @@ def tables(draw):
     return found
 
 
-@settings(suppress_health_check=list(HealthCheck))
+@settings(settings.get_profile("costly"), suppress_health_check=list(HealthCheck))
 @given(case=CASE_NAMES, content=tables(), cells=st.sampled_from(TABLES) | CELLS)
 def test_any_campaign_is_read_or_refused(tmp_path, case, content, cells):
     """Whatever a campaign names, fixes and varies: rows that are cases, or an error that names a file."""
