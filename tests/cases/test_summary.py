@@ -1,0 +1,214 @@
+"""The summary of a run, for programs."""
+
+import json
+
+import numpy as np
+import pytest
+
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, run_case, summarise, write_summary
+from flangeway.cases.wheelset.summary import published_position
+from flangeway.report.page.page_tables import motion_table
+
+IN_SPACE = {"horizontal_in_space_mm", "vertical_in_space_mm"}
+SHAPE = {
+    "status": {"converged", "message"},
+    "motion": {"vertical_mm", "lateral_mm", "roll_rad", "approach_mm", "stable", "reference"} | IN_SPACE,
+    "load": {"vertical_kN", "lateral_kN", "tilt_rad", "lateral_in_track_kN", "onto_track_kN"},
+    "balance": {"vertical_residual", "lateral_residual", "moment_residual", "equilibrium_residual"},
+    "timings_s": {"meshing", "condensation", "contact", "post_processing", "total"},
+    "versions": {"flangeway", "python", "numpy", "scipy", "gmsh"},
+}
+CONTACT = {
+    "side", "region", "force_kN", "lateral_force_kN", "vertical_force_kN", "rail_position_mm", "wheel_position_mm",
+    "space_position_mm", "contact_angle_deg", "half_width_mm", "max_pressure_MPa", "max_pressure_remark",
+    "pressure_oscillation",
+    "hertz_half_width_mm", "hertz_pressure_MPa", "hertz_in_plane_shear_MPa", "hertz_in_plane_shear_depth_mm", "n_nodes",
+    "in_rail", "in_wheel",
+}  # fmt: skip
+RIGID_CONTACT = {
+    "side", "force_kN", "lateral_force_kN", "vertical_force_kN", "contact_angle_deg", "rail_position_mm",
+    "wheel_position_mm", "space_position_mm", "rolling_radius_mm", "hertz_half_width_mm", "hertz_pressure_MPa",
+}  # fmt: skip
+BELOW = {
+    "max_in_plane_shear_MPa", "max_in_plane_shear_depth_mm", "max_von_mises_MPa", "max_von_mises_depth_mm",
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def runs():
+    """Solved cases by method."""
+    return {
+        method: run_case(WheelsetTangentCase.from_values({"method": method, "size_scale": 2.0}))
+        for method in ("fem", "vem")
+    }
+
+
+@pytest.fixture(params=["fem", "vem"])
+def run(runs, request):
+    return runs[request.param]
+
+
+def leaves(value):
+    if isinstance(value, dict | list):
+        for entry in value.values() if isinstance(value, dict) else value:
+            yield from leaves(entry)
+    else:
+        yield value
+
+
+def test_keys_are_those_that_programs_rely_on(run):
+    """The summary has its keys, and its values are Python's own, so that any program can read them."""
+    for key, names in SHAPE.items():
+        assert set(run.summary[key]) == names
+    assert all(set(contact) == CONTACT for contact in run.summary["contacts"])
+    for contact in run.summary["contacts"]:
+        assert set(contact["in_rail"]) == set(contact["in_wheel"]) == BELOW
+    assert all(set(contact) == RIGID_CONTACT for contact in run.summary["rigid"]["contacts"])
+    kinds = {type(value) for value in leaves({**run.summary, "case": {}})}
+    assert kinds <= {str, bool, int, float, type(None)}  # no remark is null
+    inputs = {type(value) for value in run.summary["case"].values()}
+    assert inputs <= {str, bool, int, float, type(None)}  # an input that was left out is null
+
+
+def test_the_file_holds_the_summary(run, tmp_path):
+    """What is read from the file is what was written, to the last digit."""
+    write_summary(tmp_path / "summary.json", run.summary)
+    text = (tmp_path / "summary.json").read_text(encoding="utf-8")
+    assert json.loads(text) == run.summary
+    assert "NaN" not in text
+
+
+def test_forces_balance_the_load(run):
+    """Vertical forces sum to 300 kN, both sides are equal to 0.1 %, and lateral forces cancel."""
+    left, right = run.summary["contacts"]
+    assert (left["side"], right["side"]) == ("left", "right")
+    assert left["vertical_force_kN"] + right["vertical_force_kN"] == pytest.approx(300.0, rel=1e-9)
+    assert left["force_kN"] == pytest.approx(right["force_kN"], rel=1e-3)
+    assert left["lateral_force_kN"] + right["lateral_force_kN"] == pytest.approx(0.0, abs=1e-6)
+    assert left["lateral_force_kN"] > 0.0
+    assert run.summary["balance"]["equilibrium_residual"] < 1e-10
+    assert run.summary["status"]["converged"] is True
+
+
+def test_sides_mirror_each_other(run):
+    """The axle neither slides nor tilts, and the contacts are at mirrored places, equal on the profiles."""
+    motion = run.summary["motion"]
+    assert 0.1 < motion["approach_mm"] < 2.0
+    assert abs(motion["lateral_mm"]) < 1e-3 * motion["approach_mm"]
+    assert abs(motion["roll_rad"]) * 1000.0 < 1e-3 * motion["approach_mm"]
+    left, right = run.summary["contacts"]
+    for key in ("rail_position_mm", "wheel_position_mm"):
+        assert np.allclose(left[key], right[key], atol=1e-6)
+    assert np.allclose(left["space_position_mm"], np.array(right["space_position_mm"]) * (-1, 1), atol=1e-6)
+    assert right["space_position_mm"][0] > 0.0
+
+
+def test_pressure_is_near_that_of_hertz(run):
+    """The maximum pressure is within 10 % of Hertz's and the half width within a node's spacing of his."""
+    for contact in run.summary["contacts"]:
+        assert contact["max_pressure_MPa"] == pytest.approx(contact["hertz_pressure_MPa"], rel=0.1)
+        assert contact["half_width_mm"] == pytest.approx(contact["hertz_half_width_mm"], abs=0.75)
+        assert contact["n_nodes"] >= 8
+
+
+def test_sizes_and_stresses_are_those_of_the_bodies(run):
+    """Bodies have the counts of their meshes, stresses the extremes of all parts, left as right."""
+    model = run.result.model
+    for row, body in zip(run.summary["bodies"], (model.wheel, model.rail), strict=True):
+        assert (row["name"], row["cells"], row["points"]) == (body.name, body.mesh.n_cells, body.mesh.n_points)
+        assert row["unknowns"] == int(body.free.sum())
+        assert row["parts"] == [f"{body.name}-left", f"{body.name}-right"]
+    extremes = {row["part"]: row for row in run.summary["stresses"]}
+    assert set(extremes) == set(model.parts)
+    for body in ("wheel", "rail"):
+        left, right = (extremes[f"{body}-{side}"] for side in ("left", "right"))
+        assert left["min_principal_MPa"] == pytest.approx(right["min_principal_MPa"], rel=1e-6)
+        assert left["min_principal_MPa"] < -1000.0
+
+
+def test_inputs_and_assumptions_are_told(run):
+    """All inputs are in the summary, and so are the assumptions with the wheel's uncertain origin."""
+    inputs = dict(run.summary["case"])
+    assert inputs.pop("name") == "wheelset-tangent"
+    assert WheelsetTangentCase.from_values(inputs) == run.case
+    text = " ".join(run.summary["assumptions"])
+    for word in ("Plane strain", "10 mm", "AAR-1B (approximate)", "without friction", "base"):
+        assert word in text
+
+
+def test_numbers_that_are_not_finite_become_null(runs):
+    """A number that is not finite is written as null, since JSON has no other word for it."""
+    run = runs["fem"]
+    assert summarise(run.case, run.result, float("inf"))["timings_s"]["total"] is None
+
+
+def test_rigid_wheels_stand_beside_the_elastic_ones(run):
+    """The rigid wheelset bears the same load, at contact angles and with Hertz's pressures near the elastic ones."""
+    rigid, contacts = run.summary["rigid"], run.summary["contacts"]
+    assert sum(c["vertical_force_kN"] for c in rigid["contacts"]) == pytest.approx(300.0, rel=1e-6)
+    for one, other in zip(rigid["contacts"], contacts, strict=True):
+        assert one["side"] == other["side"]
+        assert one["contact_angle_deg"] == pytest.approx(other["contact_angle_deg"], abs=0.2)
+        assert one["hertz_pressure_MPa"] == pytest.approx(other["hertz_pressure_MPa"], rel=0.02)
+    fall = rigid["vertical_mm"] - run.summary["motion"]["vertical_mm"]
+    assert fall == pytest.approx(run.summary["motion"]["approach_mm"], abs=1e-3)
+
+
+def test_stresses_below_the_contacts_are_told(run):
+    """In-plane shear is above that of Hertz's half planes by less than a half, at about his depth."""
+    for contact in run.summary["contacts"]:
+        for body in ("in_rail", "in_wheel"):
+            ratio = contact[body]["max_in_plane_shear_MPa"] / contact["hertz_in_plane_shear_MPa"]
+            assert 1.0 < ratio < 1.5
+            depth = contact[body]["max_in_plane_shear_depth_mm"] / contact["hertz_in_plane_shear_depth_mm"]
+            assert 0.6 < depth < 1.3
+            assert contact[body]["max_von_mises_MPa"] > contact[body]["max_in_plane_shear_MPa"] * 1.5
+
+
+def test_supports_and_bending_are_told(run):
+    """Bases bear the load, errors are small, nothing is held, and webs are pressed by the wheels' forces."""
+    support = run.summary["support"]
+    bases = [row for row in support["reactions"] if row["part"].startswith("rail")]
+    assert sum(row["vertical_force_kN"] for row in bases) == pytest.approx(300.0, rel=1e-8)
+    assert all(row["force_error"] < 1e-9 and row["moment_residual"] < 1e-9 for row in support["reactions"])
+    assert support["holding"] == {}
+    for rail in run.summary["bending"]:
+        assert rail["web_normal_force_kN"] == pytest.approx(-150.0, rel=0.05)
+        assert rail["head_vertical_mm"] < -0.1
+        assert [f["towards"] for f in rail["fillets"]] == ["head", "foot", "head", "foot"]
+        assert all(f["max_compression_MPa"] <= 0.0 <= f["max_tension_MPa"] for f in rail["fillets"])
+
+
+def test_a_prescribed_motion_tells_what_holds_it():
+    """Where motion is prescribed the error is that of what is free, and the force that holds the rest is told."""
+    case = WheelsetTangentCase.from_values({"lateral_mm": 2.0, "size_scale": 4.0})
+    summary = run_case(case).summary
+    assert summary["balance"]["equilibrium_residual"] < 1e-9
+    assert abs(summary["support"]["holding"]["lateral_N"]) > 10.0
+    assert summary["motion"]["stable"] is None
+    assert all(contact["force_kN"] is None for contact in summary["rigid"]["contacts"])
+    assert summary["rigid"]["lateral_mm"] == pytest.approx(2.0)
+    said = [row[0] for row in motion_table(summary).rows]
+    assert "held at the axle: lateral force, N" in said
+    assert "held at the axle: vertical force, N" not in said
+    assert "  lateral" not in said
+
+
+@pytest.mark.parametrize(
+    ("values", "shown"),
+    [
+        ({}, True),
+        ({"method": "vem", "order": 2}, True),
+        ({"axle_load_kN": 301.0}, False),
+        ({"size_scale": 0.9}, False),
+        ({"rail": "60E1"}, False),
+    ],
+)
+def test_the_published_position_is_shown_for_its_own_inputs_only(values, shown):
+    """The published position of the curve stands only beside default inputs, method and order excepted."""
+    assert bool(published_position(WheelsetCurveCase.from_values(values))) == shown
+
+
+def test_straight_track_has_no_published_position():
+    """Moherdaui (2021) gives no position on straight track."""
+    assert published_position(WheelsetTangentCase.from_values({})) == {}

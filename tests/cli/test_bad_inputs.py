@@ -1,0 +1,191 @@
+"""What users get wrong, through the command line, in one table: ``bad_inputs.toml`` beside this file.
+
+Each row is a claim: what is run, the files that it reads, and the words by which the message says what was given, what
+is allowed, and what to do. What the machine does, such as full disks, lack of memory and interruption, is in
+``test_faults.py``; what libraries refuse is beside the tests of what they accept.
+"""
+
+import functools
+import shlex
+import tomllib
+from collections import Counter
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from flangeway.railway.profiles.bundled import rail, wheel
+
+TABLE = tomllib.loads((Path(__file__).parent / "bad_inputs.toml").read_text(encoding="utf-8"))["row"]
+KEYS = {"name", "about", "command", "files", "given", "allowed", "advice"}
+ABOUT = {
+    *("command line", "case files", "versions", "campaigns", "profiles", "sections", "meshes"),
+    *("wheelsets", "physics", "machine"),
+}
+
+
+def head():
+    """Points of a new 136RE's head from its top."""
+    profile = rail()
+    return profile.running_surface.sampled(spacing=0.3) - [0.0, profile.outline.bounds()[1, 1]]
+
+
+@functools.cache
+def tread():
+    """Points of a new AAR-1B's running surface."""
+    return wheel().running_surface.sampled(spacing=0.3)
+
+
+def lines(points):
+    return "".join(f"{x:.5f} {y:.5f}\n" for x, y in points)
+
+
+def looped():
+    """A tread with a loop of 12 mm drawn into it."""
+    points = tread()
+    middle = len(points) // 2
+    angle = np.linspace(0.0, 2.0 * np.pi, 60)
+    loop = points[middle] + 6.0 * np.column_stack((np.sin(angle), 1.0 - np.cos(angle)))
+    return np.vstack((points[:middle], loop, points[middle:]))
+
+
+def with_line(number, text):
+    """A tread with another text in one of its lines."""
+    rows = lines(tread()).splitlines()
+    rows[number - 1] = text
+    return "\n".join(rows)
+
+
+def without(first, last):
+    """A tread without what is between two places."""
+    points = tread()
+    return lines(points[(points[:, 0] < first) | (points[:, 0] > last)])
+
+
+# files that are too long for the table
+MADE = {
+    "head.txt": lambda: lines(head()),
+    "inch-head.csv": lambda: "\n".join(f"{x:.7f},{y:.7f}" for x, y in head() / 25.4),
+    "tread.txt": lambda: lines(tread()),
+    "s1002.txt": lambda: lines(wheel("S1002").running_surface.sampled(spacing=0.3)),
+    "mirrored.txt": lambda: lines(tread() * [-1.0, 1.0]),
+    "inches.txt": lambda: lines(tread() / 25.4),
+    "looped.txt": lambda: lines(looped()),
+    "gap.txt": lambda: without(-45.0, -15.0),
+    "flange.txt": lambda: "# kind: wheel\n# origin: tape\n" + lines(tread()[tread()[:, 0] < -41.0]),
+    "doubled.txt": lambda: lines(np.repeat(tread(), 2, axis=0)),
+    "nan.txt": lambda: with_line(51, "-40.0 nan"),
+    "words.txt": lambda: with_line(61, "-20.5 abc"),
+    "binary.txt": lambda: bytes(range(256)) * 20,
+    "one.txt": lambda: "".join(f"{x:.4f}\n" for x in tread()[:, 0]),
+    "few.txt": lambda: lines(tread()[::120]),
+    "novel.csv": lambda: "name,type,x0_mm,y0_mm,x1_mm,y1_mm\n" + "a,line," + "9" * 150_001 + "\n",
+    "latin.toml": lambda: 'case = "h\xe9rtz"'.encode("latin-1"),
+    "zero.toml": lambda: "\0",
+    "deep.toml": lambda: "a = " + "[" * 5000,
+    "digits.toml": lambda: 'case = "hertz"\nradius_mm = ' + "9" * 5000,
+    "large.toml": lambda: "# a comment\n" * 500_000,
+}
+
+
+@pytest.fixture
+def with_files(call, tmp_path):
+    """Run a command with the files that its row has, or that it names and `MADE` knows; return those as well."""
+
+    def run(command, files):
+        words = shlex.split(command)
+        wanted = {word.partition("=")[2] or word for word in words} & set(MADE)
+        for name, content in {**{name: MADE[name]() for name in wanted}, **files}.items():
+            (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+            (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+        before = sorted(tmp_path.rglob("*"))
+        return *call(*words), before
+
+    return run
+
+
+@pytest.mark.parametrize("row", TABLE, ids=[f"{row['about']}: {row['name']}" for row in TABLE])
+def test_what_is_wrong_is_told(row, with_files, tmp_path):
+    """Status 2; what was given, what is allowed and what to do on stderr; nothing on stdout, no file left behind.
+
+    Places that cannot be written are told before any work.
+    """
+    status, out, err, before = with_files(row["command"], row.get("files", {}))
+    assert status == 2, err
+    assert "Traceback" not in err
+    assert err.count("flangeway: ") == 1
+    if row["about"] == "machine":
+        assert err.startswith("flangeway: ")
+    parts = err[err.index("flangeway: ") :].removeprefix("flangeway: ").rstrip("\n").split("\n  ")
+    assert len(parts) == 3, err
+    assert parts[1].startswith("allowed: ")
+    assert parts[2].startswith("what to do: ")
+    for part, key in zip(parts, ("given", "allowed", "advice"), strict=True):
+        for words in row[key]:
+            assert words in part
+    assert len(err) < 4000
+    assert out == ""
+    assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_the_table_is_wide_and_says_nothing_twice():
+    """At least sixty rows, of each kind some; no name and no input twice; each says all three parts."""
+    assert len(TABLE) >= 60
+    assert {row["about"] for row in TABLE} == ABOUT
+    assert max(Counter(row["name"] for row in TABLE).values()) == 1
+    assert max(Counter((row["command"], str(row.get("files"))) for row in TABLE).values()) == 1
+    for row in TABLE:
+        assert set(row) <= KEYS
+        assert all(row[key] and all(row[key]) for key in ("given", "allowed", "advice")), row["name"]
+
+
+PUNCH = """case = "two-bodies"
+[[bodies]]
+name = "punch"
+rectangle = { width_mm = 10.0, height_mm = 10.0, centre_mm = [0.0, 5.0] }
+[[bodies]]
+name = "block"
+rectangle = { width_mm = 40.0, height_mm = 20.0, centre_mm = [0.0, -10.0] }
+[[supports]]
+body = "block"
+edges = "bottom"
+[[supports]]
+body = "punch"
+edges = "top"
+[[contacts]]
+secondary = "punch"
+primary = "block"
+[[motions]]
+body = "punch"
+"""
+NO_CONTACT = {
+    "a push away from the other body": ("push_N = [0.0, 100.0]", 1, "no contact bears the force within 89.4"),
+    "a push past the other body": ("push_N = [100.0, 0.0]", 1, "check its direction and its size"),
+    "a push that drives one body through the other": ("push_N = [0.0, -1e12]", 1, "check its direction and its size"),
+    "a shift that leaves a gap": ("shift_mm = [0.0, 5.0]", 0, "nothing touches"),
+}
+
+
+@pytest.mark.parametrize(("motion", "wanted", "told"), NO_CONTACT.values(), ids=NO_CONTACT)
+def test_contact_that_cannot_happen_is_a_result_that_says_so(motion, wanted, told, with_files):
+    """Bodies that cannot bear a push: status 1 and the reason in the first line; no touch without a push: status 0."""
+    status, out, err, _ = with_files("run case.toml", {"case.toml": PUNCH + motion + "\n"})
+    assert status == wanted, err
+    assert told in out.splitlines()[0]
+    assert ("NOT converged" in out) == (wanted == 1)
+    assert "Traceback" not in err
+
+
+ASSUMED = [
+    ("a mirrored wheel is turned round", "mirrored.txt", "left-hand wheel; it is mirrored"),
+    ("a unit is assumed", "tread.txt", "The unit mm is assumed; --unit says another one."),
+    ("doubled points are left out", "doubled.txt", "points nearer than 0.01 mm to the one before are left out"),
+]
+
+
+@pytest.mark.parametrize(("file", "notice"), [row[1:] for row in ASSUMED], ids=[row[0] for row in ASSUMED])
+def test_what_was_assumed_is_said(file, notice, with_files):
+    """A file that can be read with an assumption is read, and the assumption is printed as a note."""
+    status, out, err, _ = with_files(f"profile {file}", {})
+    assert status == 0, err
+    assert notice in " ".join(line for line in out.splitlines() if line.startswith("Note: "))
