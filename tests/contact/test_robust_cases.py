@@ -11,11 +11,11 @@ from flangeway.contact import (
     ContactSolution,
     Multiplier,
     NodeToSegment,
+    Pairing,
     Penalty,
     SegmentToSegment,
     Surface,
 )
-from flangeway.contact.contact_pair import Pairing
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Outline, Placement, circle, polygon, rectangle
 from flangeway.solve import NewtonSettings, StepSettings

@@ -8,8 +8,16 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
-from flangeway.contact.contact_pair import Pairing
+from flangeway.contact import (
+    Contact,
+    ContactSolution,
+    Multiplier,
+    NodeToSegment,
+    Pairing,
+    Penalty,
+    SegmentToSegment,
+    press,
+)
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
 from flangeway.solve import solve_contact

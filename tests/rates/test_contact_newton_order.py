@@ -5,8 +5,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
-from flangeway.contact.contact_pair import Pairing
+from flangeway.contact import (
+    Contact,
+    ContactSolution,
+    Multiplier,
+    NodeToSegment,
+    Pairing,
+    Penalty,
+    SegmentToSegment,
+    press,
+)
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Placement, rectangle
 from flangeway.validation.contact_patch.pressed_boxes import Discretisation, Method, surface_of

@@ -1,8 +1,9 @@
 """Contact surfaces, search, pairing, gap kinematics and enforcement."""
 
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.enforcement import AugmentedLagrange, Multiplier, Penalty
+from flangeway.contact.enforcement import AugmentedLagrange, Enforcement, Multiplier, Penalty
 from flangeway.contact.node_to_segment import NodeToSegment
+from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.press import ContactSolution, LoadStep, press
 from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
@@ -14,9 +15,12 @@ __all__ = [
     "ContactLinearisation",
     "ContactSolution",
     "ContactSystem",
+    "Enforcement",
     "LoadStep",
     "Multiplier",
     "NodeToSegment",
+    "Pairing",
+    "Pairs",
     "Penalty",
     "SegmentToSegment",
     "Surface",

@@ -2,20 +2,19 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import get_args
 
 import numpy as np
 
 from flangeway.checks import is_finite, refused
-from flangeway.contact.enforcement import Enforcement, Multiplier
-from flangeway.contact.node_to_segment import NodeToSegment
-from flangeway.contact.segment_to_segment import SegmentToSegment
+from flangeway.contact.enforcement import Enforcement
+from flangeway.contact.pairs import Pairing
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.materials import Material
 from flangeway.types import Floats
 
-Pairing = NodeToSegment | SegmentToSegment
+PAIRINGS = "NodeToSegment(...) or SegmentToSegment(...)"
+ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...)"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +37,7 @@ class Contact:
     Raises
     ------
     InputError
-        If the surfaces belong to one part or to parts of unlike thickness or hypothesis, if the pairing and the
+        If the surfaces belong to one part or to parts of different thickness or hypothesis, if the pairing and the
         enforcement do not go together, if a penalty has no value (the message suggests one for these bodies), or for
         friction.
 
@@ -51,9 +50,9 @@ class Contact:
     friction: float = 0.0
 
     def __post_init__(self) -> None:
-        for name, kinds in (("pairing", Pairing), ("enforcement", Enforcement)):
-            if not isinstance(value := getattr(self, name), kinds):
-                allowed = " or ".join(f"{kind.__name__}(...)" for kind in get_args(kinds))
+        kinds = {"pairing": (Pairing, PAIRINGS), "enforcement": (Enforcement, ENFORCEMENTS)}
+        for name, (kind, allowed) in kinds.items():
+            if not isinstance(value := getattr(self, name), kind):
                 raise refused("Contact", name, value, allowed, "make one, with its parentheses")
         if self.secondary.part is self.primary.part:
             raise InputError(
@@ -81,7 +80,8 @@ class Contact:
                 "0: contact is frictionless",
                 "leave friction out; tangential forces are not modelled",
             )
-        self._refuse_nonsense()
+        mean_area = float(np.mean(self.node_areas))
+        self.enforcement.check(self.pairing, self.suggested_penalty, mean_area, self._names)
 
     @property
     def node_areas(self) -> Floats:
@@ -101,27 +101,6 @@ class Contact:
     @property
     def _names(self) -> str:
         return f"{self.secondary.part.name!r} on {self.primary.part.name!r}"
-
-    def _refuse_nonsense(self) -> None:
-        if isinstance(self.enforcement, Multiplier):
-            return
-        name = type(self.enforcement).__name__
-        if self.enforcement.per == "node" and isinstance(self.pairing, SegmentToSegment):
-            raise InputError(
-                f"SegmentToSegment with {name}(per='node') of {self._names}",
-                "per='length': the gap is averaged over the surface, not taken at nodes",
-                "take per='length', or NodeToSegment",
-            )
-        if self.enforcement.value is None:
-            value = self.suggested_penalty
-            if self.enforcement.per == "node":
-                value *= float(np.mean(self.node_areas))
-            raise InputError(
-                f"{name} without a value for {self._names}",
-                "a number > 0",
-                f"for these bodies and meshes start with {name}({value:.2g}, per={self.enforcement.per!r}); "
-                "a larger one penetrates less",
-            )
 
 
 def _materials(surface: Surface) -> tuple[Material, ...]:

@@ -1,18 +1,94 @@
-"""How the condition of no penetration is enforced."""
+"""How the condition of no penetration is enforced; a new way is a subclass of `Enforcement`."""
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 
 from flangeway.checks import check_positive
-from flangeway.contact.pairs import Pairs
+from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.errors import InputError, short
 from flangeway.types import Floats
 
 
+class Enforcement(ABC):
+    """Relation of the force of a constraint to its penetration.
+
+    The force of a closed constraint is its penetration over its compliance. Where the compliance depends on the gap,
+    it is taken anew at each iteration (a secant).
+    """
+
+    @abstractmethod
+    def compliances(self, pairs: Pairs) -> Floats:
+        """Penetration per force of each constraint, shape (m,); 0 where none is allowed."""
+
+    def tolerance(self) -> float:
+        """Maximum penetration up to which forces are corrected (Uzawa's method); infinite: they are not corrected."""
+        return np.inf
+
+    def check(self, pairing: Pairing, penalty: float, node_area: float, bodies: str) -> None:  # noqa: B027 (optional)
+        """Refuse what does not fit to a contact.
+
+        Parameters
+        ----------
+        pairing
+            Pairing of the contact.
+        penalty
+            Penalty that suits its bodies and meshes, pressure per length.
+        node_area
+            Mean area of its secondary nodes.
+        bodies
+            Names of its bodies, for the message.
+
+        Raises
+        ------
+        InputError
+            If the two do not go together.
+
+        """
+
+
 @dataclass(frozen=True)
-class Penalty:
+class _WithPenalty(Enforcement):
+    """What a penalty and its augmentation share; `Penalty` has the parameters."""
+
+    value: float | None
+    per: Literal["node", "length"]
+
+    def __post_init__(self) -> None:
+        if self.value is not None:
+            advice = "start with ten times E / (1 - nu^2) over the size of the elements, per='length'"
+            check_positive(type(self).__name__, "value", self.value, advice=advice)
+        if self.per not in ("node", "length"):
+            raise InputError(
+                f"{type(self).__name__}(per={short(self.per)})", "'node' or 'length'", "choose one of these"
+            )
+
+    def check(self, pairing: Pairing, penalty: float, node_area: float, bodies: str) -> None:
+        """See `Enforcement.check`."""
+        name = type(self).__name__
+        if self.per == "node" and pairing.averages:
+            raise InputError(
+                f"{type(pairing).__name__} with {name}(per='node') of {bodies}",
+                "per='length': the gap is averaged over the surface, not taken at nodes",
+                "take per='length', or NodeToSegment",
+            )
+        if self.value is None:
+            first = penalty * (node_area if self.per == "node" else 1.0)
+            raise InputError(
+                f"{name} without a value for {bodies}",
+                "a number > 0",
+                f"for these bodies and meshes start with {name}({first:.2g}, per={self.per!r}); "
+                "a larger one penetrates less",
+            )
+
+    def _compliances(self, areas: Floats) -> Floats:
+        assert self.value is not None  # a contact refuses a penalty without a value
+        return np.full(len(areas), 1.0 / self.value) if self.per == "node" else 1.0 / (self.value * areas)
+
+
+class Penalty(_WithPenalty):
     """Contact pressure in proportion to the penetration (Moherdaui 2021, 2.66, signs of the errata).
 
     Parameters
@@ -27,24 +103,13 @@ class Penalty:
 
     """
 
-    value: float | None
-    per: Literal["node", "length"]
-
-    def __post_init__(self) -> None:
-        _refuse_bad_penalty(type(self).__name__, self.value, self.per)
-
     def compliances(self, pairs: Pairs) -> Floats:
         """Penetration per force of each constraint, shape (m,)."""
-        return _compliances(self.value, self.per, pairs.areas)
-
-    @property
-    def penetration(self) -> float:
-        """Maximum penetration that is tolerated: any."""
-        return np.inf
+        return self._compliances(pairs.areas)
 
 
 @dataclass(frozen=True)
-class AugmentedLagrange:
+class AugmentedLagrange(_WithPenalty):
     """A penalty about forces that are corrected until the penetration is within a tolerance (Uzawa's method).
 
     Parameters
@@ -56,12 +121,10 @@ class AugmentedLagrange:
 
     """
 
-    value: float | None
-    per: Literal["node", "length"]
     penetration: float
 
     def __post_init__(self) -> None:
-        _refuse_bad_penalty(type(self).__name__, self.value, self.per)
+        super().__post_init__()
         advice = "a thousandth of the expected approach is a usual choice"
         check_positive("AugmentedLagrange", "penetration", self.penetration, "a positive length", advice)
 
@@ -71,34 +134,17 @@ class AugmentedLagrange:
         Constraints that the primary faces in part are as stiff as whole ones, since the answer does not depend on it
         and corrections of softer ones would take long.
         """
-        return _compliances(self.value, self.per, pairs.whole_areas)
+        return self._compliances(pairs.whole_areas)
+
+    def tolerance(self) -> float:
+        """See `Enforcement.tolerance`."""
+        return self.penetration
 
 
 @dataclass(frozen=True)
-class Multiplier:
+class Multiplier(Enforcement):
     """Forces as unknowns that leave no penetration (Lagrange multipliers with an active set)."""
 
     def compliances(self, pairs: Pairs) -> Floats:
-        """Nothing gives, shape (m,)."""
+        """No penetration, shape (m,)."""
         return np.zeros(len(pairs.keys))
-
-    @property
-    def penetration(self) -> float:
-        """Maximum penetration that is tolerated; the solver's own tolerance decides."""
-        return np.inf
-
-
-Enforcement = Penalty | AugmentedLagrange | Multiplier
-
-
-def _refuse_bad_penalty(name: str, value: float | None, per: str) -> None:
-    if value is not None:
-        advice = "start with ten times E / (1 - nu^2) over the size of the elements, per='length'"
-        check_positive(name, "value", value, advice=advice)
-    if per not in ("node", "length"):
-        raise InputError(f"{name}(per={short(per)})", "'node' or 'length'", "choose one of these")
-
-
-def _compliances(value: float | None, per: str, areas: Floats) -> Floats:
-    assert value is not None  # a contact refuses a penalty without a value
-    return np.full(len(areas), 1.0 / value) if per == "node" else 1.0 / (value * areas)

@@ -1,6 +1,7 @@
 """Node-to-segment contact: each secondary node against one primary edge (Moherdaui 2021, 3.5)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 from flangeway.checks import are_finite, check_positive
 from flangeway.contact.edge_shapes import shape_functions
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
+from flangeway.contact.pairs import Pairing
 from flangeway.contact.search import has_node, leads_out, nearest_edges
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.errors import InputError, short
@@ -89,7 +91,7 @@ class NodePairs:
 
 
 @dataclass(frozen=True)
-class NodeToSegment:
+class NodeToSegment(Pairing):
     """Pair every secondary node with the primary edge it faces.
 
     Parameters
@@ -106,6 +108,7 @@ class NodeToSegment:
 
     """
 
+    averages: ClassVar[bool] = False
     reach: float | None = None
     slack: float = 1e-3
     overhang: float = 0.1
@@ -122,40 +125,24 @@ class NodeToSegment:
             )
 
     def node_areas(self, secondary: Surface) -> Floats:
-        """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
+        """See `Pairing.node_areas`."""
         return secondary.tributary_lengths * secondary.part.body.thickness
 
     def key_nodes(self, secondary: Surface) -> Ints:
-        """Places in a surface of the nodes of all constraints that it can have, by key."""
+        """See `Pairing.key_nodes`."""
         return np.arange(len(secondary.nodes))
 
     def pair(
         self,
         secondary: Surface,
-        primary: Surface,  # noqa: ARG002 (pairings have one signature)
+        primary: Surface,  # noqa: ARG002 (its edges are enough)
         positions: Floats,
         primary_edges: Floats,
         kept: Ints,
         *,
         settle: bool = False,
     ) -> NodePairs:
-        """Find the constraints within reach.
-
-        Parameters
-        ----------
-        secondary, primary
-            The surfaces.
-        positions
-            Current positions of the secondary nodes and, after them, of its edges' middles that stand for a curve, see
-            `Surface.contact_places`, shape (n_points, 2).
-        primary_edges
-            Current positions of the primary edges' points, shape (n_edges, order + 1, 2).
-        kept
-            Partner that each constraint had before, -1 for none, shape (n_keys,).
-        settle
-            Whether pairs are kept within ``overhang`` of their edge, not within ``slack``.
-
-        """
+        """See `Pairing.pair`; ``settle``: pairs are kept within ``overhang`` of their edge, not within ``slack``."""
         positions = positions[: len(secondary.nodes)]
         nodes, edges, kinematics = self.find(positions, secondary.edge_places, primary_edges, kept, settle=settle)
         return NodePairs(nodes, edges, self.node_areas(secondary)[nodes], kinematics)

@@ -1,10 +1,12 @@
-"""What a pairing finds: gaps of some constraints, as sums of terms on a secondary and a primary edge or node."""
+"""Pairing of two surfaces, and the constraints that it finds; a new pairing is a subclass of `Pairing`."""
 
-from typing import Protocol
+from abc import ABC, abstractmethod
+from typing import ClassVar, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.contact.surface import Surface
 from flangeway.types import Floats, Ints
 
 
@@ -63,3 +65,47 @@ class Pairs(Protocol):
 
     def opposite_points(self, edges: Floats) -> Floats:
         """Points that the constraints touch on primary edges with points ``edges`` (n_edges, order + 1, 2): (m, 2)."""
+
+
+class Pairing(ABC):
+    """How two surfaces are compared: which constraints they have, and what the gap of each is."""
+
+    averages: ClassVar[bool]
+    """Whether the gap of a constraint is an average over its area; False: it is that of a node or point."""
+
+    @abstractmethod
+    def node_areas(self, secondary: Surface) -> Floats:
+        """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
+
+    @abstractmethod
+    def key_nodes(self, secondary: Surface) -> Ints:
+        """Places in a surface of the nodes of all constraints that it can have, by key, shape (n_keys,)."""
+
+    @abstractmethod
+    def pair(
+        self,
+        secondary: Surface,
+        primary: Surface,
+        positions: Floats,
+        primary_edges: Floats,
+        kept: Ints,
+        *,
+        settle: bool = False,
+    ) -> Pairs:
+        """Find the constraints within reach.
+
+        Parameters
+        ----------
+        secondary, primary
+            The surfaces.
+        positions
+            Current positions of the secondary nodes and, after them, of its edges' middles that stand for a curve, see
+            `Surface.contact_places`, shape (n_points, 2).
+        primary_edges
+            Current positions of the primary edges' points, shape (n_edges, order + 1, 2).
+        kept
+            Partner that each constraint had before, -1 for none, shape (n_keys,).
+        settle
+            Whether the iteration went round in circles, so that constraints should keep their partners if they can.
+
+        """

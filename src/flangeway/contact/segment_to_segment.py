@@ -9,13 +9,14 @@ biorthogonal function of the same edge (Wohlmuth, 2000, SIAM J. Numer. Anal. 38)
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Literal
+from typing import ClassVar, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.contact.edge_pieces import PieceIntegrals, Pieces, find_pieces, integrate
+from flangeway.contact.pairs import Pairing
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
@@ -97,7 +98,7 @@ class SegmentPairs:
 
 
 @dataclass(frozen=True)
-class SegmentToSegment:
+class SegmentToSegment(Pairing):
     """Average the gap over the pieces between the nodes of both surfaces.
 
     A uniform pressure passes from one surface to the other exactly, whatever their meshes, where both are straight.
@@ -113,10 +114,11 @@ class SegmentToSegment:
         surface deeper than this into the other would lose the contact.
     weighting
         ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions, on edges
-        that the primary faces as a whole; these show less scatter.
+        that the primary faces as a whole; these oscillate less.
 
     """
 
+    averages: ClassVar[bool] = True
     reach: float | None = None
     depth: float | None = None
     weighting: Literal["standard", "dual"] = "standard"
@@ -131,27 +133,27 @@ class SegmentToSegment:
             )
 
     def node_areas(self, secondary: Surface) -> Floats:
-        """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
+        """See `Pairing.node_areas`."""
         hats = secondary.hats
         areas = np.zeros(len(secondary.nodes))
         np.add.at(areas, hats.nodes, hats.areas)
         return areas
 
     def key_nodes(self, secondary: Surface) -> Ints:
-        """Places in a surface of the nodes of all constraints that it can have, by key."""
+        """See `Pairing.key_nodes`."""
         return secondary.hats.nodes
 
     def pair(
         self,
         secondary: Surface,
-        primary: Surface,  # noqa: ARG002 (pairings have one signature)
+        primary: Surface,  # noqa: ARG002 (its edges are enough)
         positions: Floats,
         primary_edges: Floats,
-        kept: Ints,  # noqa: ARG002 (gaps and their derivatives are continuous: nothing hops)
+        kept: Ints,  # noqa: ARG002 (gaps are continuous: no constraint hops)
         *,
-        settle: bool = False,  # noqa: ARG002 (likewise)
+        settle: bool = False,  # noqa: ARG002 (the same)
     ) -> SegmentPairs:
-        """Find the pieces within reach; see `NodeToSegment.pair` for the parameters."""
+        """Find the pieces within reach; see `Pairing.pair`."""
         hats = secondary.hats
         chords = primary_edges[:, -1] - primary_edges[:, 0]
         reach = self.reach or 2.0 * float(np.linalg.norm(chords, axis=1).mean())

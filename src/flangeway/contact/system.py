@@ -158,7 +158,7 @@ class ContactSystem:
         """
         mine = slice(lin.starts[number], lin.starts[number + 1])
         law = self.contacts[number].enforcement
-        tolerated = law.penetration if np.isfinite(law.penetration) else 0.0
+        tolerated = law.tolerance() if np.isfinite(law.tolerance()) else 0.0
         given = float((lin.compliances[mine] * forces[mine]).max(initial=0.0)) if tolerated == 0.0 else tolerated
         sizes = [
             surface.part.body.elasticity.size
@@ -260,7 +260,7 @@ class ContactSystem:
             np.concatenate([pairs.gaps for pairs in all_pairs]),
             jacobian,
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
-            np.concatenate([np.full(len(p.keys), law.penetration) for law, p in zip(laws, all_pairs, strict=True)]),
+            np.concatenate([np.full(len(p.keys), law.tolerance()) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
             armed,
             spread,

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from flangeway.contact import AugmentedLagrange, Contact, ContactSystem, Multiplier, SegmentToSegment, Surface
+from flangeway.contact import Contact, ContactSystem, Multiplier, Penalty, SegmentToSegment, Surface
 from flangeway.contact.edge_pieces import Pieces, find_pieces, integrate
 from flangeway.contact.hats import Hats
 from flangeway.contact.segment_to_segment import DUAL, LEAST_COVERED
@@ -183,7 +183,7 @@ class RunningPair:
 
         """
         law, pairing = contact.enforcement, contact.pairing
-        if not isinstance(pairing, SegmentToSegment) or isinstance(law, AugmentedLagrange):
+        if not (isinstance(pairing, SegmentToSegment) and isinstance(law, Penalty | Multiplier)):
             raise InputError(
                 f"many positions with {type(pairing).__name__} and {type(law).__name__}",
                 "segment-to-segment contact with a penalty or multipliers",
@@ -209,7 +209,7 @@ class RunningPair:
             surfaces[0].hats,
             surfaces[0].edge_lengths,
             contact.secondary.part.body.thickness,
-            0.0 if isinstance(law, Multiplier) else 1.0 / float(law.value or np.inf),
+            1.0 / float(law.value or np.inf) if isinstance(law, Penalty) else 0.0,
             pairing.weighting == "dual",
             pairing.reach or 2.0 * float(chords.mean()),
             pairing.depth or min(extents) / 2.0,

@@ -23,10 +23,10 @@ from flangeway.contact import (
     ContactSolution,
     Multiplier,
     NodeToSegment,
+    Pairing,
     Penalty,
     SegmentToSegment,
 )
-from flangeway.contact.contact_pair import Pairing
 from flangeway.contact.enforcement import Enforcement
 from flangeway.post import Stresses, cell_stresses, corner_stresses
 from flangeway.post.pressure import PressurePatch, pressure_patches
@@ -315,7 +315,7 @@ def _run(
     case = pressed_boxes(
         upper, lower, pairing, enforcement, width=WIDTH, height=HEIGHT, approach=APPROACH, rotation_rad=rotation
     )
-    name = "node-to-segment" if isinstance(pairing, NodeToSegment) else f"segment-to-segment, {pairing.weighting}"
+    name = f"segment-to-segment, {pairing.weighting}" if isinstance(pairing, SegmentToSegment) else "node-to-segment"
     return PatchRun(code, name, law, upper, lower, matching, rotation, case, case.solve())
 
 

@@ -6,8 +6,7 @@ from typing import Any, Literal, get_args
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Surface, press
-from flangeway.contact.contact_pair import Pairing
+from flangeway.contact import Contact, ContactSolution, Pairing, Surface, press
 from flangeway.contact.enforcement import Enforcement
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
