@@ -1,4 +1,4 @@
-"""Small gaps between arcs are closed, comments are read or said not to be, the frame is true."""
+"""Row B5: small gaps between arcs are closed, comments are read or said not to be, the frame is true."""
 
 import math
 
@@ -26,7 +26,7 @@ def rounded_csv(digits, unit="mm", gap=0.0):
 
 
 @pytest.mark.parametrize(("unit", "gap"), [("mm", 5e-4), ("mm", 9e-3), ("in", 5e-4)])
-def test_small_gaps_are_closed_with_a_notice(unit, gap, tmp_path):
+def test_b5_small_gaps_are_closed_with_a_notice(unit, gap, tmp_path):
     """A gap of 0.0005 mm in a table of arcs is closed, which moves the surface by less than that, and is said."""
     path = tmp_path / "wheel.csv"
     path.write_text(rounded_csv(9, unit, gap), encoding="utf-8")
@@ -40,7 +40,7 @@ def test_small_gaps_are_closed_with_a_notice(unit, gap, tmp_path):
             assert radii[0] == pytest.approx(radii[1], rel=1e-12)
 
 
-def test_wide_gaps_are_refused_with_their_limit(tmp_path):
+def test_b5_wide_gaps_are_refused_with_their_limit(tmp_path):
     """A gap above the tolerance is no rounding and is refused."""
     path = tmp_path / "wheel.csv"
     path.write_text(rounded_csv(9, gap=0.05), encoding="utf-8")
@@ -49,7 +49,7 @@ def test_wide_gaps_are_refused_with_their_limit(tmp_path):
     assert "0.01" in reason.value.allowed
 
 
-def test_comments_are_read_without_a_colon_and_in_capitals(tmp_path):
+def test_b5_comments_are_read_without_a_colon_and_in_capitals(tmp_path):
     """``# unit in``, ``# Kind: Rail``, ``# MIRROR yes`` mean what they say; a wrong value is refused with its line."""
     points = rail("60E1").running_surface.sampled(spacing=0.5) - [0.0, 172.0]
     rows = "\n".join(f"{-x / 25.4:.6f} {y / 25.4:.6f}" for x, y in points)
@@ -68,7 +68,7 @@ def test_comments_are_read_without_a_colon_and_in_capitals(tmp_path):
 
 
 @pytest.mark.parametrize(("head", "words"), [("", "top of the rail"), ("# origin: gauge\n", "gauge face")])
-def test_the_frame_is_said_as_it_is(head, words, tmp_path):
+def test_b5_the_frame_is_said_as_it_is(head, words, tmp_path):
     """A rail whose top lies at -6 mm is not said to have y = 0 at its top."""
     points = rail("60E1").running_surface.sampled(spacing=0.5) - [0.0, 172.0]
     for height in (0.0, -6.0):
@@ -81,7 +81,7 @@ def test_the_frame_is_said_as_it_is(head, words, tmp_path):
         assert words in frame or height
 
 
-def test_written_tables_are_closed_again(tmp_path):
+def test_b5_written_tables_are_closed_again(tmp_path):
     """A table with three decimals, as standards print them, is read, and is the profile to these decimals."""
     text = write_segment_csv(wheel("AAR-1B").running_surface, "wheel", "as printed", "tape")
     rows = []

@@ -1,4 +1,4 @@
-"""A number is a number wherever Python gives one, and what is out of range says why and what to do."""
+"""Part C: a number is a number wherever Python gives one, and what is out of range says why and what to do."""
 
 from fractions import Fraction
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""A left rail that is read as a right one is noticed, and every profile takes mirror, unit and tape_mm."""
+"""Row B2: a left rail that is read as a right one is noticed, and every profile takes mirror, unit and tape_mm."""
 
 import json
 
@@ -33,7 +33,7 @@ def saved(folder, points, name="rail.ban"):
 
 
 @pytest.mark.parametrize("wear", [{"corner_mm": 2.0}, {"face_mm": 4.0}, {"corner_mm": 1.5, "lean": 0.025}])
-def test_wear_at_the_field_side_is_noticed(wear, tmp_path):
+def test_b2_wear_at_the_field_side_is_noticed(wear, tmp_path):
     """A left rail's worn side lands on the field side and a notice says so; mirrored it does not."""
     right = read_profile(saved(tmp_path, head(**wear)))
     left = saved(tmp_path, head(**wear) * [-1.0, 1.0], "left.ban")
@@ -44,14 +44,14 @@ def test_wear_at_the_field_side_is_noticed(wear, tmp_path):
     np.testing.assert_allclose(mirrored.points, right.points, atol=1e-8)
 
 
-def test_new_heads_and_bundled_rails_have_no_worn_side(tmp_path):
+def test_b2_new_heads_and_bundled_rails_have_no_worn_side(tmp_path):
     """A head without wear is worn at neither side, upright or inclined towards the track's middle."""
     for lean in (0.0, 0.05):
         notices = read_profile(saved(tmp_path, head(lean=lean))).notices
         assert not any("worn more" in notice for notice in notices)
 
 
-def test_the_profiles_summary_reports_the_side(tmp_path):
+def test_b2_the_profiles_summary_reports_the_side(tmp_path):
     """`flangeway profile` prints and writes which side is worn more, and by how much."""
     path = saved(tmp_path, head(corner_mm=2.0) * [-1.0, 1.0])
     done = CliRunner().invoke(app, ["profile", str(path), "--out", str(tmp_path / "out")])
@@ -63,7 +63,7 @@ def test_the_profiles_summary_reports_the_side(tmp_path):
 
 
 @pytest.mark.parametrize("case", [WheelsetTangentCase, WheelsetCurveCase, GeometryCase])
-def test_mirror_unit_and_tape_are_keys_of_cases(case, tmp_path):
+def test_b2_mirror_unit_and_tape_are_keys_of_cases(case, tmp_path):
     """Every case takes ``rail_mirror``, ``rail_unit``, ``wheel_tape_mm`` and those of the left side."""
     right = head(corner_mm=2.0)
     left = saved(tmp_path, right * [-1.0, 1.0], "left.ban")
@@ -86,7 +86,7 @@ def test_mirror_unit_and_tape_are_keys_of_cases(case, tmp_path):
     assert any("left_rail_mirror" in each for each in wrong.rail_of("left").notices)
 
 
-def test_a_key_for_no_file_is_refused():
+def test_b2_a_key_for_no_file_is_refused():
     """What is said of the file of a bundled or missing profile is refused, with the key."""
     for values in ({"rail_mirror": True}, {"wheel_tape_mm": 70.0}, {"left_rail_unit": "in"}):
         with pytest.raises(InputError, match=next(iter(values))):

@@ -1,4 +1,4 @@
-"""Parameters of Abaqus decks that change the answer were ignored."""
+"""Row A10 of the second look: parameters of Abaqus decks that change the answer were ignored."""
 
 import numpy as np
 import pytest
@@ -88,7 +88,7 @@ def deck(**changes):
 
 
 @pytest.mark.parametrize("change", CHANGING)
-def test_no_answer_comes_from_a_deck_that_is_not_read_whole(change, call, tmp_path):
+def test_a10_no_answer_comes_from_a_deck_that_is_not_read_whole(change, call, tmp_path):
     """A deck is no case, and a case that takes its mesh names the keywords that are not read."""
     (tmp_path / "deck.inp").write_text(deck(**CHANGING[change]), encoding="utf-8")
     status, out, err = call("run", "deck.inp")
@@ -112,14 +112,14 @@ def test_no_answer_comes_from_a_deck_that_is_not_read_whole(change, call, tmp_pa
         ("*SURFACE, NAME=BOTH, COMBINE=UNION", r"\*SURFACE in line 1 with the parameter 'COMBINE'"),
     ],
 )
-def test_what_would_change_the_mesh_is_refused(line, told, tmp_path):
+def test_a10_what_would_change_the_mesh_is_refused(line, told, tmp_path):
     """Keywords and parameters that change nodes, elements or surfaces and are not read are refused with their line."""
     (tmp_path / "deck.inp").write_text(f"{line}\n{MESH}", encoding="utf-8")
     with pytest.raises(InputError, match=told):
         read_mesh(tmp_path / "deck.inp")
 
 
-def test_sets_and_surfaces_of_a_deck_are_read(tmp_path):
+def test_a10_sets_and_surfaces_of_a_deck_are_read(tmp_path):
     """Element sets are cell sets; node sets, also those of elements, and surfaces are edge sets, in instances too."""
     (tmp_path / "flat.inp").write_text(MESH + "*NSET, NSET=ALL_LOW, ELSET=LOWER\n", encoding="utf-8")
     mesh = read_mesh(tmp_path / "flat.inp", merge_points=False).mesh

@@ -28,7 +28,7 @@ WHEEL_I = {0.0: 0.0, 1.7: 0.0, 1.8: 2.353, 2.4: 2.729, 2.8: 2.996, 4.0: 3.875, 5
         ("# unit = in\n", 1 / 25.4, "\t"),
     ],
 )
-def test_conicity_from_a_file(header, scale, separator, tmp_path, call):
+def test_b10_conicity_from_a_file(header, scale, separator, tmp_path, call):
     """A file of lateral motion and rolling radius difference gives the standard's conicity, in any unit."""
     both = [(-y, -dr) for y, dr in reversed(WHEEL_I.items()) if y] + list(WHEEL_I.items())
     file = tmp_path / "wheel-i.csv"
@@ -52,7 +52,7 @@ def test_conicity_from_a_file(header, scale, separator, tmp_path, call):
         ("# unit: mm\n1 0\nx y\n", "line 3"),
     ],
 )
-def test_files_that_are_none(text, message, tmp_path, call):
+def test_b10_files_that_are_none(text, message, tmp_path, call):
     """What is no rolling radius difference ends in a sentence with the file's name; one that does not steer is said."""
     file = tmp_path / "difference.txt"
     file.write_text(text, encoding="utf-8")
@@ -66,14 +66,14 @@ def test_files_that_are_none(text, message, tmp_path, call):
         assert "difference.txt" in errors
 
 
-def test_rows_in_falling_order(tmp_path):
+def test_b10_rows_in_falling_order(tmp_path):
     """Rows from right to left hold the same difference."""
     file = tmp_path / "falling.txt"
     file.write_text("# unit: mm\n5 1\n0 0\n-5 -1\n", encoding="utf-8")
     assert read_rolling_radius_difference(file).lateral_mm.tolist() == [-5.0, 0.0, 5.0]
 
 
-def test_case_files(tmp_path, call):
+def test_b10_case_files(tmp_path, call):
     """A wheelset's case file is taken by the geometry; what it does not need is named, what is wrong has its line."""
     file = tmp_path / "mine.toml"
     lines = ['case = "wheelset-curve"', "order = 2", "size_scale = 3.0", 'rail = "60E1"', 'wheel = "S1002"']
@@ -124,7 +124,7 @@ def smallest_gap(curves, profile, rail_curve, sign, locus, yaw):
 @pytest.mark.parametrize(
     ("yaw", "lateral"), [(0.005, 3.0), (0.02, 6.5), (-0.02, 6.5), (0.05, -6.5), (0.1, 5.0), (0.2, 3.0)]
 )
-def test_yaw_against_brute_force(yaw, lateral):
+def test_b10_yaw_against_brute_force(yaw, lateral):
     """Wheels of revolution, yawed, touch prismatic rails where brute force over their surfaces finds the least gap."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
     plain, curves = (RigidWheelset.of(track, wheelset, each) for each in (0.0, yaw))
@@ -135,7 +135,7 @@ def test_yaw_against_brute_force(yaw, lateral):
         assert locus.side(side).ahead_mm[0, 0] == pytest.approx(ahead, abs=0.7)
 
 
-def test_contact_ahead_of_the_axle():
+def test_b10_contact_ahead_of_the_axle():
     """An outer wheel that is behind, so that it runs against its rail, touches ahead of the axle at the flange."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
     attack = contact_locus(RigidWheelset.of(track, wheelset, -0.02), [6.5])
@@ -149,7 +149,7 @@ def test_contact_ahead_of_the_axle():
     assert abs(attack.left.ahead_mm[0, 0]) < 0.5
 
 
-def test_a_cone_across_the_track():
+def test_b10_a_cone_across_the_track():
     """The outline of a yawed cone is a line whose angle has the sine of the cone's over the cosine of the yaw."""
     cone, yaw = math.atan(1.0 / 20.0), 0.15
     ends = RigidCurve.from_graph([700.0, 800.0], [-460.0, -455.0], [math.tan(cone)] * 2)
@@ -158,7 +158,7 @@ def test_a_cone_across_the_track():
     assert np.abs(outline.curvatures).max() < 1e-8
 
 
-def test_yaw_that_is_too_large(call):
+def test_b10_yaw_that_is_too_large(call):
     """A yaw of more than 200 mrad is refused with the range."""
     code, _, errors = call("geometry", "--set", "yaw_mrad=300")
     assert code == 2

@@ -13,7 +13,7 @@ def scan(**values):
 
 
 @pytest.mark.parametrize("maximum", [8.0, 60.0])
-def test_scan(maximum):
+def test_b6_scan(maximum):
     """A scan beyond what the flange allows ends at the flange with a notice; inside of it nothing is said."""
     run = scan(maximum_lateral_mm=maximum)
     reached = float(run.locus.lateral_mm[-1])
@@ -26,7 +26,7 @@ def test_scan(maximum):
 
 
 @pytest.mark.parametrize("roll", ["free", "none"])
-def test_inside_of_the_flange(roll):
+def test_b6_inside_of_the_flange(roll):
     """A scan that the flange allows reaches what was asked for, and nothing is said."""
     run = scan(maximum_lateral_mm=3.0, roll=roll)
     assert not any("stops at" in notice for notice in run.summary["notices"])

@@ -1,4 +1,4 @@
-"""The default stabilisation is as soft as what it stands for."""
+"""D: the default stabilisation is as soft as what it stands for."""
 
 import pytest
 

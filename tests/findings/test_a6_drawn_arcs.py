@@ -66,31 +66,31 @@ def mean_error(case: TwoBodiesCase) -> tuple[float, float]:
 @pytest.mark.parametrize("method", ["fem", "vem"])
 @pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])
 @pytest.mark.parametrize("enforcement", ["multiplier", "augmented-lagrange", "penalty"])
-def test_shrink_fit_has_the_pressure_of_lame(order: int, method: str, pairing: str, enforcement: str) -> None:
+def test_a6_shrink_fit_has_the_pressure_of_lame(order: int, method: str, pairing: str, enforcement: str) -> None:
     """The mean pressure of a shrink fit is that of Lame within 0.5 %, with what a newcomer leaves out left out."""
     case = shrink_fit(order=order, method=method, pairing=pairing, enforcement=enforcement)
     assert abs(mean_error(case)[0]) < 0.005
 
 
-def test_single_nodes_of_a_shrink_fit_are_near_lame() -> None:
+def test_a6_single_nodes_of_a_shrink_fit_are_near_lame() -> None:
     """At order 1 no node is farther than 13 % from Lame's pressure, for both pairings (old: 90 % and 500 %)."""
     for pairing in ("segment-to-segment", "node-to-segment"):
         assert mean_error(shrink_fit(pairing=pairing))[1] < 0.13
 
 
-def test_curves_are_used_where_edges_are_found_by_a_box() -> None:
+def test_a6_curves_are_used_where_edges_are_found_by_a_box() -> None:
     """A surface that no names but a box choose is curved as well."""
     assert abs(mean_error(shrink_fit(named=False))[0]) < 0.005
 
 
-def test_straight_edges_that_matter_are_named() -> None:
+def test_a6_straight_edges_that_matter_are_named() -> None:
     """Straight edges in a shrink fit are warned about with their distance h^2 / 8 R from the arcs; curved ones not."""
     straight = shrink_fit(curved=False).run().summary["notices"]
     assert any("straight edges in the contact of shaft on hub are up to" in notice for notice in straight)
     assert not any("straight edges" in notice for notice in shrink_fit().run().summary["notices"])
 
 
-def test_edges_know_their_distance_from_the_curve_they_stand_for() -> None:
+def test_a6_edges_know_their_distance_from_the_curve_they_stand_for() -> None:
     """Edges of a circle without its curve are R (1 - cos(t / 2)) off it; long straight sides are no curve."""
     sides = Line((-10.0, -2.0), (10.0, -2.0)), Line((10.0, 2.0), (-10.0, 2.0))
     ends = [Arc(a.end, b.start, (a.end[0], 0.0), counter_clockwise=True) for a, b in (sides, sides[::-1])]
@@ -115,7 +115,9 @@ def element(method: str, order: int) -> Element:
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("pairing", [SegmentToSegment(), SegmentToSegment(weighting="dual"), NodeToSegment()])
 @pytest.mark.parametrize(("method", "order"), [("fem", 1), ("fem", 2), ("vem", 1), ("vem", 2)])
-def test_the_clearance_of_a_pin_is_the_same_all_around(method: str, order: int, pairing: Any, mirrored: bool) -> None:
+def test_a6_the_clearance_of_a_pin_is_the_same_all_around(
+    method: str, order: int, pairing: Any, mirrored: bool
+) -> None:
     """A pin in a hole with 0.01 mm clearance has gaps of 0.01 mm within 3 % on edges whose chords take 0.06 mm."""
     clearance, radius = 0.01, 5.0
     place = Placement(0.3, (1.0, 2.0), mirrored)

@@ -1,4 +1,4 @@
-"""A primary that is narrower than the distance of the secondary's nodes."""
+"""Row A4: a primary that is narrower than the distance of the secondary's nodes."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ def force(pairing: NodeToSegment | SegmentToSegment) -> float:
     return float(solution.forces[0, 1])
 
 
-def test_narrow_punch() -> None:
+def test_a4_narrow_punch() -> None:
     """A punch between two secondary nodes bears by nodes what it bears by segments."""
     by_nodes = force(NodeToSegment())
     assert np.isfinite(by_nodes)

@@ -1,4 +1,4 @@
-"""One tape distance for each wheel file, whatever body is joined to it."""
+"""Row B1: one tape distance for each wheel file, whatever body is joined to it."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def bodies(file):
     return [on_plain_body(measured), *(joined(measured, name).profile for name in ("S1002", "AAR-1B", "heavy-haul"))]
 
 
-def test_the_joined_body_does_not_move_the_wheel(file):
+def test_b1_the_joined_body_does_not_move_the_wheel(file):
     """On any body a measured wheel stands its file's tape distance from the inner face, and reaches the same shift."""
     wheels = bodies(file)
     assert [each.flange_back_mm for each in wheels] == [TAPE_MM] * 4
@@ -46,7 +46,7 @@ def test_the_joined_body_does_not_move_the_wheel(file):
     assert all(f"{TAPE_MM:g} mm from the flange's back (from the file)" in each.certainty for each in wheels)
 
 
-def test_tape_mm_is_a_key_of_cases(file):
+def test_b1_tape_mm_is_a_key_of_cases(file):
     """``wheel_tape_mm`` moves the wheel on its axle, and the distance stands with its origin in the summary's words."""
     inputs = {"wheel": str(file), "wheel_body": "plain", "rail": "60E1", "gauge_mm": 1435.0}
     places = {}
@@ -60,7 +60,7 @@ def test_tape_mm_is_a_key_of_cases(file):
     assert places[74.0] - places[70.0] == 4.0
 
 
-def test_a_back_that_is_not_measured_is_assumed_and_said(tmp_path):
+def test_b1_a_back_that_is_not_measured_is_assumed_and_said(tmp_path):
     """A file that counts from the tape line and does not show the flange's back gets 70 mm, with a notice."""
     points = wheel("AAR-1B").running_surface.sampled(spacing=0.5)
     path = tmp_path / "half.txt"

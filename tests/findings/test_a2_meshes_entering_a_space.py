@@ -42,7 +42,7 @@ def refused(mesh, words):
         Space(mesh, Virtual(1))
 
 
-def test_an_edge_set_in_any_order_knows_its_body():
+def test_a2_an_edge_set_in_any_order_knows_its_body():
     """Pressure pushes into the body whichever way the edges of its set are given, each of them."""
     right = pressed(GRID)
     top = GRID.edge_sets["top"]
@@ -54,7 +54,7 @@ def test_an_edge_set_in_any_order_knows_its_body():
         assert np.array_equal(pressed(turned), right)
 
 
-def test_interior_edges_are_no_edge_set():
+def test_a2_interior_edges_are_no_edge_set():
     """A set with an edge inside the body, given in either direction, or with a diagonal of a cell, is refused."""
     inner = next(pair for pair in GRID.edges.tolist() if pair not in np.sort(GRID.boundary_edges).tolist())
     for wrong in ([inner], [inner[::-1]], [[0, GRID.n_points - 1]]):
@@ -69,13 +69,13 @@ BLOCK = np.array([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
     "offset", [(0.0, 0.0), (0.4, 0.3), (0.2, 0.0), (0.0, 0.7)], ids=["same place", "corner", "sideways", "upwards"]
 )
 @pytest.mark.parametrize("scale", [1.0, 0.25], ids=["equal", "smaller"])
-def test_overlapping_cells_are_refused(offset, scale):
+def test_a2_overlapping_cells_are_refused(offset, scale):
     """Cells that lie on each other, partly or inside one another, without common points, are refused."""
     points = np.vstack([BLOCK, scale * BLOCK + offset])
     refused(mesh_of(points, [[0, 1, 2, 3], [4, 5, 6, 7]]), "cross|same place|hangs|inside another")
 
 
-def test_cells_that_overlap_around_common_points_are_refused():
+def test_a2_cells_that_overlap_around_common_points_are_refused():
     """A cell given twice, a fan around its point twice, and a cell inside one that it touches, are refused."""
     refused(mesh_of(BLOCK, [[0, 1, 2, 3], [0, 1, 2, 3]]), "same side")
     angles = np.arange(10) * 0.4 * np.pi
@@ -101,7 +101,7 @@ def test_cells_that_overlap_around_common_points_are_refused():
     ],
     ids=["knot", "pentagram", "loop", "touching", "fold"],
 )
-def test_polygons_that_meet_themselves_are_refused(corners):
+def test_a2_polygons_that_meet_themselves_are_refused(corners):
     """A cell that crosses, overlaps or touches itself is refused though its area is positive."""
     mesh = mesh_of(corners, [range(len(corners))])
     assert mesh.cell_areas[0] > 0.0
@@ -109,7 +109,7 @@ def test_polygons_that_meet_themselves_are_refused(corners):
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-9, -1e-9])
-def test_t_junctions_are_told_from_hanging_points_of_polygons(off):
+def test_a2_t_junctions_are_told_from_hanging_points_of_polygons(off):
     """A point inside a neighbour's edge is refused; as a point of that neighbour it is accepted."""
     points = [(0, 0), (2, 0), (2, 1), (0, 1), (2, 2), (0, 2), (1, 1 + off)]
     halves = [[3, 6, 4, 5], [6, 2, 4]]
@@ -125,7 +125,7 @@ def apart(off=0.0):
 
 
 @pytest.mark.parametrize("off", [0.0, 1e-12, 1e-8])
-def test_points_that_were_not_merged_are_refused(off):
+def test_a2_points_that_were_not_merged_are_refused(off):
     """Points that are there twice are refused, to rounding, also where a set holds the whole boundary."""
     mesh, _, _ = apart(off)
     refused(mesh, "at the same place")
@@ -136,7 +136,7 @@ def test_points_that_were_not_merged_are_refused(off):
     refused(mesh_of([*GRID.points, GRID.points[6]], split), "at the same place")
 
 
-def test_a_crack_with_named_faces_and_bodies_that_share_a_point_are_meant():
+def test_a2_a_crack_with_named_faces_and_bodies_that_share_a_point_are_meant():
     """Two faces at one place are a crack where both are named so; what touches in a common point is a hinge."""
     mesh, one, other = apart()
     mesh = mesh.with_edge_set("one", one).with_edge_set("other", other)
@@ -149,7 +149,7 @@ def test_a_crack_with_named_faces_and_bodies_that_share_a_point_are_meant():
 
 
 @pytest.mark.parametrize("cells", ["triangles", "quadrilaterals"])
-def test_clockwise_flat_and_unused_are_refused(cells):
+def test_a2_clockwise_flat_and_unused_are_refused(cells):
     """Clockwise and flat cells and points of no cell are refused, with the cell or point in the message."""
     grid = rectangle_grid(4.0, 2.0, 4, 2, cells=cells)
     rows = cells_of(grid)
@@ -184,7 +184,7 @@ def random_mesh(seed):
 
 @settings.get_profile("costly")
 @given(st.integers(0, 2**32 - 1))
-def test_random_meshes_are_accepted_and_their_corruptions_refused(seed):
+def test_a2_random_meshes_are_accepted_and_their_corruptions_refused(seed):
     """Random sound meshes enter a space; with a cell reversed, doubled or cut off or a point moved, they do not."""
     mesh = random_mesh(seed)
     Space(mesh, Virtual(1))

@@ -1,4 +1,4 @@
-"""A coarse secondary surface in node-to-segment contact."""
+"""Row A9: a coarse secondary surface in node-to-segment contact."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def pressed(pairing: NodeToSegment | SegmentToSegment) -> ContactSolution:
     return press([Contact(*surfaces, pairing, Multiplier())], {upper: Placement(0.0, (0.0, -0.01))})
 
 
-def test_coarse_secondary() -> None:
+def test_a9_coarse_secondary() -> None:
     """A coarse secondary bears by nodes what it bears by segments; no node of the block stays inside of it."""
     solution = pressed(NodeToSegment())
     assert solution.status.converged

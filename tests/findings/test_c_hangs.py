@@ -1,4 +1,4 @@
-"""Inputs with which the program hung, and ends of which it said nothing."""
+"""Part C of the second look: inputs with which the program hung, and ends of which it said nothing."""
 
 import os
 import signal

@@ -1,4 +1,4 @@
-"""Advice that could not be followed."""
+"""Part C of the second look: advice that could not be followed."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""The lateral force in the track's plane is called so, in picture and summary."""
+"""Row B7: the lateral force in the track's plane is called so, in picture and summary."""
 
 import math
 
@@ -10,7 +10,7 @@ from flangeway.report.page.page_tables import rigid_table
 from flangeway.report.wheelset.sketch import draw_sketch
 
 
-def test_the_lateral_force_is_not_said_to_be_along_the_track():
+def test_b7_the_lateral_force_is_not_said_to_be_along_the_track():
     """Summary and sketch have 22.77 kN as a lateral force in the track's plane, and no table has x along the track."""
     run = run_case(WheelsetCurveCase.from_values({"size_scale": 8.0}))
     load = run.summary["load"]

@@ -1,4 +1,4 @@
-"""Static condensation loses no digits near nu = 1/2 and at high order, on convex and other cells."""
+"""A1: static condensation loses no digits near nu = 1/2 and at high order, on convex and other cells."""
 
 import math
 
@@ -108,7 +108,7 @@ def uncondensed(problem: Elasticity, values: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("poisson", [0.4999, 0.499999, 0.4999999, 0.499999999])
 @pytest.mark.parametrize("order", [3, 4])
-def test_cook_does_not_depend_on_how_near_a_half_is(order: int, poisson: float) -> None:
+def test_a1_cook_does_not_depend_on_how_near_a_half_is(order: int, poisson: float) -> None:
     """From nu = 0.4999 on, the energy of Cook's membrane hardly changes; it grew threefold."""
     energy = solve_cook(Space(cook_grid(8), Virtual(order)), poisson).energy
     limit = solve_cook(Space(cook_grid(8), Virtual(order)), 0.4999).energy
@@ -119,7 +119,7 @@ def test_cook_does_not_depend_on_how_near_a_half_is(order: int, poisson: float) 
 @pytest.mark.parametrize("poisson", [0.3, 0.4999, 0.4999999, 0.499999999])
 @pytest.mark.parametrize("order", [3, 4, 6])
 @pytest.mark.parametrize("name", MESHES)
-def test_condensed_and_full_solution_agree(name: str, order: int, poisson: float) -> None:
+def test_a1_condensed_and_full_solution_agree(name: str, order: int, poisson: float) -> None:
     """Both reproduce a polynomial with the same digits: 1e-9 at nu = 0.3, and one less for each decade to 1/2."""
     problem, exact = patch(MESHES[name](), order, poisson)
     condensed = solve_elasticity(problem).displacements
@@ -132,7 +132,7 @@ def test_condensed_and_full_solution_agree(name: str, order: int, poisson: float
 
 @pytest.mark.parametrize(("order", "allowed"), [(8, 1e-6), (10, 2e-3)])
 @pytest.mark.parametrize("name", MESHES)
-def test_high_orders_pass_the_patch_test(name: str, order: int, allowed: float) -> None:
+def test_a1_high_orders_pass_the_patch_test(name: str, order: int, allowed: float) -> None:
     """What the docstring of `Virtual` states for high orders holds on convex and other cells."""
     problem, exact = patch(MESHES[name](), order, 0.3)
     found = solve_elasticity(problem).displacements[: len(exact)]

@@ -1,4 +1,4 @@
-"""A sharp corner exactly on a sharp corner."""
+"""Row A8: a sharp corner exactly on a sharp corner."""
 
 import numpy as np
 import pytest
@@ -39,7 +39,7 @@ def pressed(
 
 
 @pytest.mark.parametrize("pairing", [NodeToSegment(), SegmentToSegment()], ids=["nodes", "segments"])
-def test_corner_on_corner(pairing: NodeToSegment | SegmentToSegment) -> None:
+def test_a8_corner_on_corner(pairing: NodeToSegment | SegmentToSegment) -> None:
     """A corner pressed on a corner along the diagonal is said to be arbitrary; beside it nothing is said."""
     for lateral_offset, said in ((0.0, True), (-0.5, False)):
         solution = pressed(pairing, lateral_offset, (-0.01, -0.01))

@@ -7,7 +7,7 @@ from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 
 
-def test_worn_pair(tmp_path):
+def test_b3_worn_pair(tmp_path):
     """A worn, conforming pair is solved with one model of at most 2.4 times the bundled pair's surface nodes."""
     unknowns, said = [], []
     for values in ({}, worn_pair(tmp_path)):
@@ -18,7 +18,7 @@ def test_worn_pair(tmp_path):
     assert unknowns[1] < 2.4 * unknowns[0]
 
 
-def test_rigid_geometry_is_computed_once(tmp_path, monkeypatch):
+def test_b3_rigid_geometry_is_computed_once(tmp_path, monkeypatch):
     """The geometry of a worn pair looks for touches at fewer than 40,000 positions of a wheel."""
     counts = []
     touches = RigidSide.touches

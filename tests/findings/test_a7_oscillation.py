@@ -43,7 +43,7 @@ def punch(**changes: Any) -> TwoBodiesCase:
 
 
 @pytest.mark.parametrize("peak", [1.0, 5.0, 20.0, 100.0])
-def test_a_peak_does_not_hide_an_alternating_pressure(peak: float) -> None:
+def test_a7_a_peak_does_not_hide_an_alternating_pressure(peak: float) -> None:
     """Nodes of 0.77 and 1.23 in turn scatter by 46 % whatever peaks are at the ends; smooth ones by less than 2 %."""
     for n in (8, 15, 40):
         pressures = 1.0 + 0.23 * (-1.0) ** np.arange(n)
@@ -55,7 +55,7 @@ def test_a_peak_does_not_hide_an_alternating_pressure(peak: float) -> None:
             assert oscillation_of(1.0 / np.sqrt(1.0 - places**2)) < 0.02
 
 
-def test_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> None:
+def test_a7_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> None:
     """Pressures of nodes and multipliers under a flat punch are warned about, and marked wherever they are printed."""
     run = punch(pairing="node-to-segment", enforcement="multiplier").run()
     assert run.status.converged
@@ -73,7 +73,7 @@ def test_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> Non
     assert page.count(f"({remark})") >= 2
 
 
-def test_a_smooth_pressure_has_no_mark() -> None:
+def test_a7_a_smooth_pressure_has_no_mark() -> None:
     """With the finer block as secondary surface the same punch has smooth pressures, which are printed as they are."""
     roles = {"secondary": "block", "secondary_edges": "top", "primary": "punch", "primary_edges": "bottom"}
     run = punch(**roles, pairing="node-to-segment", enforcement="multiplier").run()
@@ -83,7 +83,7 @@ def test_a_smooth_pressure_has_no_mark() -> None:
     assert shown == f"{contact['max_pressure_MPa']:.6g}"
 
 
-def test_too_few_segments_are_a_mark() -> None:
+def test_a7_too_few_segments_are_a_mark() -> None:
     """A contact of a few segments has its number beside the pressure, in the results of the Hertz case too."""
     run = HertzCase.from_values({"size_mm": 1.0}).run()
     (contact,) = run.summary["contacts"]

@@ -1,4 +1,4 @@
-"""A number is a number, not a text and not a truth value."""
+"""Part C of the second look: a number is a number, not a text and not a truth value."""
 
 import sqlite3
 

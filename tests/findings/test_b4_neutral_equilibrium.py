@@ -64,7 +64,7 @@ def run(request, tmp_path):
     return run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values))
 
 
-def test_neutral_equilibrium(run):
+def test_b4_neutral_equilibrium(run):
     """A cylinder without lateral force is in neutral equilibrium, which is said with its range; nothing overturns."""
     status = run.equilibrium.status
     assert status.converged
@@ -76,7 +76,7 @@ def test_neutral_equilibrium(run):
     assert len(run.equilibrium.positions) == 1
 
 
-def test_conicity_below_the_jump(run):
+def test_b4_conicity_below_the_jump(run):
     """Below the jump the conicity is zero, beyond it the standard's within the 0.05 that it allows."""
     assert np.isfinite(run.conicity).all()
     found = np.interp(list(PUBLISHED), run.amplitudes_mm, run.conicity)
@@ -85,7 +85,7 @@ def test_conicity_below_the_jump(run):
 
 
 @pytest.mark.parametrize("noise", [0.0, 2e-5, -2e-5])
-def test_noise_between_cylinders(noise):
+def test_b4_noise_between_cylinders(noise):
     """A difference below 0.1 micrometres, of either sign, is none: the motion is not pushed away by rounding."""
     lateral = np.linspace(-6.0, 6.0, 241)
     difference = np.where(np.abs(lateral) < 2.0, noise * lateral, np.sign(lateral) * (np.abs(lateral) - 1.5))
@@ -94,7 +94,7 @@ def test_noise_between_cylinders(noise):
     assert found[2] > 0.05
 
 
-def test_a_hump_has_no_conicity_and_says_so():
+def test_b4_a_hump_has_no_conicity_and_says_so():
     """A difference of 0.1 mm that pushes the wheelset aside has no conicity there."""
     lateral = np.linspace(-6.0, 6.0, 241)
     hump = np.where(np.abs(lateral) < 2.0, -0.05 * lateral, np.sign(lateral) * (np.abs(lateral) - 2.1))

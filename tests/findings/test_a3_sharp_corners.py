@@ -1,4 +1,4 @@
-"""Sharp corners in segment-to-segment contact."""
+"""Row A3: sharp corners in segment-to-segment contact."""
 
 import numpy as np
 import pytest
@@ -27,7 +27,7 @@ def pressed(pairing: NodeToSegment | SegmentToSegment) -> ContactSolution:
     return press([Contact(*surfaces, pairing, Multiplier())], {die: Placement(0.0, (0.0, -0.2))})
 
 
-def test_sharp_corners() -> None:
+def test_a3_sharp_corners() -> None:
     """A square pressed into a block by its corner bears what it bears node by node, and does not overlap it."""
     by_segments, by_nodes = pressed(SegmentToSegment()), pressed(NodeToSegment())
     assert by_segments.status.converged

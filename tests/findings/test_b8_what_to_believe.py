@@ -1,4 +1,4 @@
-"""Warnings and the first picture are about stresses below contacts; Hertz stands beside contacts of his."""
+"""Row B8: warnings and the first picture are about stresses below contacts; Hertz stands beside contacts of his."""
 
 import numpy as np
 import pytest
@@ -33,7 +33,7 @@ def conformed():
     return run_case(WheelsetTangentCase.from_values(values))
 
 
-def test_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
+def test_b8_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
     """The factor of the warning is that of cells within two half widths of a contact, not that of the web."""
     strength = 510.0
     (warning,) = [each for each in pushed.summary["warnings"] if "exceed" in each]
@@ -48,7 +48,7 @@ def test_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
     assert below == pytest.approx(0.56 * pressure, rel=0.25)
 
 
-def test_a_web_beyond_yield_alone_is_no_warning(pushed):
+def test_b8_a_web_beyond_yield_alone_is_no_warning(pushed):
     """Where only web and fillets pass the strength that is given, nothing is said of yielding below contacts."""
     rails = [row for row in pushed.summary["stresses"] if row["part"].startswith("rail")]
     between = 0.5 * (
@@ -59,7 +59,7 @@ def test_a_web_beyond_yield_alone_is_no_warning(pushed):
     assert not any("yield" in each for each in run.summary["warnings"])
 
 
-def test_the_first_picture_shows_what_may_be_believed(pushed):
+def test_b8_the_first_picture_shows_what_may_be_believed(pushed):
     """Its scale ends at the stresses above the web, and the web is hatched, which its words say."""
     fields = list(part_fields(pushed.result))
     shown = max(part.stresses.von_mises[part.above_web].max() for part in fields)
@@ -73,14 +73,14 @@ def test_the_first_picture_shows_what_may_be_believed(pushed):
     assert "not to be believed" in _pictures(pushed, fields, subsurface_lines(pushed.result))[0].caption
 
 
-def test_the_report_says_what_the_limits_say(usual):
+def test_b8_the_report_says_what_the_limits_say(usual):
     """Summary and tables mark the stresses of web, fillets and foot as those of a slice."""
     assert any("web, fillets and foot" in each for each in usual.summary["assumptions"])
     assert "of the slice" in bending_table(usual.summary).caption
     assert "web, fillets and foot of the slice" in stresses_table(usual.summary).caption
 
 
-def test_hertz_is_left_out_where_profiles_conform(usual, conformed):
+def test_b8_hertz_is_left_out_where_profiles_conform(usual, conformed):
     """Hertz's pressure stands beside a contact of constant curvature, and is marked beside one that conforms."""
     assert all(contact["hertz_pressure_MPa"] for contact in usual.summary["contacts"])
     assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary["contacts"])
@@ -90,7 +90,7 @@ def test_hertz_is_left_out_where_profiles_conform(usual, conformed):
     assert not any("Hertz" in each for each in usual.summary["assumptions"])
 
 
-def test_the_criterion_follows_load_and_curvature(usual):
+def test_b8_the_criterion_follows_load_and_curvature(usual):
     """A small contact on constant curvatures is one of Hertz's; a wide one, or one at a change, is not."""
     patch, model = usual.result.patches[1], usual.result.model
     wheel, rail = model.problem.wheelset.wheel_of("right"), model.problem.track.rail_of("right")
@@ -102,7 +102,7 @@ def test_the_criterion_follows_load_and_curvature(usual):
     assert conforming(wheel, places[0], rail, end, 6.0)
 
 
-def test_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
+def test_b8_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
     """The maximum shear and von Mises stresses below a contact are sought within two half widths."""
     for contact in conformed.summary["contacts"]:
         for body in ("in_rail", "in_wheel"):
@@ -110,7 +110,7 @@ def test_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conforme
                 assert contact[body][f"{name}_depth_mm"] <= 2.0 * contact["half_width_mm"] * (1.0 + 1e-9)
 
 
-def test_the_rigid_geometry_leaves_hertz_out_too():
+def test_b8_the_rigid_geometry_leaves_hertz_out_too():
     """`flangeway geometry` has no estimate of Hertz for contacts that conform, and one for others."""
     coarse = {"step_mm": 1.0, "maximum_lateral_mm": 2.0, "maximum_amplitude_mm": 1.0}
     for values, conforms in (({"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0}, True), ({}, False)):

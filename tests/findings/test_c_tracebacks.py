@@ -1,4 +1,4 @@
-"""Tracebacks that reached a user."""
+"""Part C of the second look: tracebacks that reached a user."""
 
 import os
 import subprocess

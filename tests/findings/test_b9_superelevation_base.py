@@ -1,4 +1,4 @@
-"""Over which width superelevation is measured is said, and can be set."""
+"""Row B9: over which width superelevation is measured is said, and can be set."""
 
 import math
 
@@ -13,7 +13,7 @@ from flangeway.cases.rigid.rigid_run import run_geometry
     ("inputs", "base", "word"),
     [({}, 1600.0, "the gauge"), ({"superelevation_base_mm": 1665.0}, 1665.0, "superelevation_base_mm")],
 )
-def test_the_base_of_the_superelevation_is_said(inputs, base, word):
+def test_b9_the_base_of_the_superelevation_is_said(inputs, base, word):
     """The words of a curve name height, base and where the base is from, as the load has them."""
     case = WheelsetCurveCase.from_values({"superelevation_mm": 30.0, **inputs})
     (said,) = [each for each in case.derived() if each.startswith("Superelevation")]
@@ -22,7 +22,7 @@ def test_the_base_of_the_superelevation_is_said(inputs, base, word):
     assert "1500" in (type(case).model_fields["superelevation_base_mm"].description or "")
 
 
-def test_the_geometry_says_it_too():
+def test_b9_the_geometry_says_it_too():
     """`flangeway geometry` lists the base among its notices."""
     case = GeometryCase.from_values(
         {

@@ -1,4 +1,4 @@
-"""Bodies that overlap where no contact was looked for."""
+"""Row A5: bodies that overlap where no contact was looked for."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def pressed(depth: float) -> ContactSolution:
     return press([contact], {upper: Placement(0.0, (0.0, -depth))})
 
 
-def test_wrong_surfaces() -> None:
+def test_a5_wrong_surfaces() -> None:
     """Bodies that overlap off the listed surfaces have not converged: the message has the place and the depth."""
     solution = pressed(1.9)
     assert not solution.status.converged
