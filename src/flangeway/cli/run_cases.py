@@ -170,7 +170,7 @@ def init(name: NewName, to: To = None) -> None:
 
 @app.command()
 def check(file: CaseFile, set_: Set = None) -> None:
-    """Check a case file without computing: keys, values, ranges, files, shapes; what is wrong is told with its line."""
+    """Check a case file without computing: keys, values, ranges, files, shapes; mistakes are named with their line."""
     with errors_as_exit_status():
         inputs = _case(str(file), set_)
         given = len(inputs.model_fields_set)
