@@ -101,7 +101,7 @@ class Case:
         The shapes, the second one is moved.
     direction
         Angle of the line along which it comes.
-    aside
+    lateral_offset
         How far beside the first one's middle it comes, in (-1, 1).
     depth
         How far they overlap along the direction before they give way.
@@ -179,13 +179,6 @@ def outline(solution: ContactSolution, part: Part, n: int) -> tuple[Floats, floa
     away = at[nodes[:, 1]] - at[nodes[:, 0]]
     bulge = np.abs(away[:, 0] * edges[1][:, 1] - away[:, 1] * edges[1][:, 0]) / np.linalg.norm(edges[1], axis=1)
     points = np.einsum("ta,eai->eti", shapes, at[nodes])[order_of_loop].reshape(-1, 2)
-    drawn = turns[0][order_of_loop]
-    drawn = drawn[np.abs(drawn) > 1e-9]
-    small = np.abs(drawn) < np.deg2rad(15.0)
-    arc = np.where(small & np.roll(small, 1), np.maximum(drawn, np.roll(drawn, 1)), 0.0).max()
-    away = at[nodes[:, 1]] - at[nodes[:, 0]]
-    bulge = np.abs(away[:, 0] * edges[1][:, 1] - away[:, 1] * edges[1][:, 0]) / np.linalg.norm(edges[1], axis=1)
-    points = np.einsum("ta,eai->eti", shapes, at[nodes])[order_of_loop].reshape(-1, 2)
     small = np.abs(turns[0]) < np.deg2rad(15.0)
     arc = np.where(small & small[np.argsort(follows)], turns[0], 0.0).max() if len(ends) > 2 else 0.0
     turned = longest * float(2.0 * np.abs(turns[1] - turns[0]).max() + 4.0 * arc) / 8.0
@@ -241,37 +234,17 @@ cases = st.builds(
 
 
 @pytest.mark.hypothesis
-@given(cases)
-def test_what_converged_does_not_overlap(imbalance: Callable[[ContactSolution], float], case: Case) -> None:
-    """Whenever a result says converged, bodies do not overlap beyond the allowance, forces balance, nothing pulls."""
-    solution = case.solve()
-    if solution.status.converged:
-        assert not wrong_with(solution, imbalance)
+def test_what_converged_does_not_overlap(imbalance: Callable[[ContactSolution], float]) -> None:
+    """All but 2 % converge; then bodies do not overlap beyond the allowance, forces balance, and nothing pulls."""
+    solved: list[Case] = []
+    failed: list[Case] = []
 
+    @given(cases)
+    def check(case: Case) -> None:
+        solution = case.solve()
+        (solved if solution.status.converged else failed).append(case)
+        if solution.status.converged:
+            assert not wrong_with(solution, imbalance)
 
-def random_case(seed: int) -> Case:
-    """Return a case of the same kind from a seed."""
-    draw = np.random.default_rng(seed)
-    pair = [
-        Shape(
-            int(draw.integers(3, 8)),
-            float(draw.choice([1.0, 1.0, 2.0, 8.0])),
-            float(draw.choice([0.0, np.pi / 4.0, draw.uniform(0.0, 6.2), draw.uniform(0.0, 6.2)])),
-            (0.5,) if draw.random() < 0.3 else tuple(draw.random(7).tolist()),
-            int(draw.integers(1, 4)),
-            int(draw.choice([1, 1, 2])),
-        )
-        for _ in range(2)
-    ]
-    direction = float(draw.choice([0.0, np.pi / 2.0, draw.uniform(0.0, 6.2), draw.uniform(0.0, 6.2)]))
-    lateral_offset = float(draw.choice([0.0, draw.uniform(-1.0, 1.0), draw.uniform(-1.0, 1.0)]))
-    depth = float(draw.uniform(1e-4, 0.02))
-    return Case(
-        (pair[0], pair[1]), direction, lateral_offset, depth, int(draw.integers(0, 3)), int(draw.integers(0, 3))
-    )
-
-
-def test_few_random_cases_fail() -> None:
-    """Of 200 random cases fewer than 2 % do not converge."""
-    failed = [seed for seed in range(200) if not random_case(seed).solve().status.converged]
-    assert len(failed) < 4, failed
+    check()
+    assert len(failed) < 0.02 * (len(solved) + len(failed)), failed

@@ -10,27 +10,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.contact.boundary import SHARP, Boundary, turns_of
+from flangeway.contact.boundary import SHARP, turns_of
 from flangeway.contact.edge_shapes import shape_functions
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
-from flangeway.contact.node_to_segment import NodePairs, NodeToSegment
+from flangeway.contact.node_to_segment import HOLLOW, SLACK, NodePairs, NodeToSegment, facing_pairs, margins_of
 from flangeway.contact.pairs import Pairs
-from flangeway.contact.search import has_node, leads_out, nearest_edges
 from flangeway.contact.surface import Surface
 from flangeway.types import Bools, Floats, Ints
 
-SLACK = 1e-3
-"""Parts of an edge beyond its ends within which a guarded node stays with it, as in `NodeToSegment`."""
 OVERHANG = 0.1
-"""The same, for an iteration that goes round in circles."""
+"""Parts of an edge beyond its ends within which a guarded node stays with it when an iteration goes round in circles;
+`SLACK` before."""
 EARLY = 0.9
 """Depth over that which chords of curves explain from which a node is guarded: between nodes it may be larger."""
 ALIKE = 0.02
 """Difference of two depths, over the larger one, below which it is chance which of them is the smaller one."""
-HARDLY = 1e-6
-"""Turn of a joint that is straight but for round-off."""
-HOLLOW = 0.5
-"""The same at a joint that is hollow, behind which points are beyond the ends of both edges."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -275,40 +269,18 @@ def _paired(
 
     At a hollow joint the other body's outside is what is outside of both edges: a node has a constraint against each.
     """
-    nodes = np.flatnonzero(armed)
-    points = positions[nodes]
-    partners = nearest_edges(points, directions(positions, edge_places)[nodes], edges)
-    margins = _margins(edges, OVERHANG if settle else SLACK)
-    before = np.flatnonzero(kept[nodes] >= 0)
-    old = kept[nodes[before]]
-    stays = _within(closest_parameters(points[before], edges[old]), margins[old])
-    partners[before[stays]] = old[stays]
-    found = np.flatnonzero(partners >= 0)
-    found = found[_within(closest_parameters(points[found], edges[partners[found]]), margins[partners[found]])]
-    nodes, partners = nodes[found], partners[found]
-    gaps = node_edge_gaps(positions[nodes], edges[partners])
-    ways = -np.minimum(gaps.gaps, 0.0)[:, None] * gaps.normals
-    inside = ~leads_out(positions[nodes], ways, positions[edge_places], has_node(edge_places, nodes))
-    nodes, partners = nodes[inside], partners[inside]
-    after, ahead = np.flatnonzero(margins[partners, 1] == HOLLOW), np.flatnonzero(margins[partners, 0] == HOLLOW)
-    beside = (partners[after] + 1) % len(edges), (partners[ahead] - 1) % len(edges)
-    nodes = np.concatenate((nodes, nodes[after], nodes[ahead]))
-    partners = np.concatenate((partners, *beside))
+    given = positions, edge_places, edges, np.flatnonzero(armed), directions(positions, edge_places), kept
+    nodes, partners, gaps = facing_pairs(*given, OVERHANG if settle else SLACK, SLACK)
+    found, margins = [(nodes, partners)], margins_of(edges, SLACK)
+    for end, step in ((1, 1), (0, -1)):
+        hollow = margins[partners, end] == HOLLOW
+        both, beside = nodes[hollow], (partners[hollow] + step) % len(edges)
+        # a node that is off this joint on one edge is in front of the other one
+        near = np.abs(gaps.parameters[hollow] - 0.5) > 0.5
+        near |= np.abs(closest_parameters(positions[both], edges[beside]) - 0.5) < 0.5 + SLACK
+        found.append((both[near], beside[near]))
+    nodes, partners = (np.concatenate(each) for each in zip(*found, strict=True))
     return nodes, partners, node_edge_gaps(positions[nodes], edges[partners])
-
-
-def _margins(edges: Floats, slack: float) -> Floats:
-    """How far beyond the start and the end of each edge of a chain a foot may lie, in parts of it, shape (n, 2)."""
-    following = np.roll(edges, -1, axis=0)
-    into, out = edges[:, -1] - edges[:, 0], following[:, -1] - following[:, 0]
-    hollow = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)) < -HARDLY
-    hollow &= (edges[:, -1] == following[:, 0]).all(axis=1)
-    at_end = np.where(hollow, HOLLOW, slack)
-    return np.stack((np.roll(at_end, 1), at_end), axis=1)
-
-
-def _within(parameters: Floats, margins: Floats) -> Bools:
-    return (parameters >= -margins[:, 0]) & (parameters <= 1.0 + margins[:, 1])
 
 
 def directions(positions: Floats, edge_places: Ints) -> Floats:
@@ -358,18 +330,14 @@ def penetrating(
         return found[0], found[1]
     sagittas = [surface.sagittas(each) for surface, each in zip(surfaces, edges, strict=True)]
     for side, other in ((0, 1), (1, 0)):
-        nodes = np.flatnonzero(near[side])
-        points, ends = positions[side][nodes], edges[other][:, [0, -1]]
-        partners = Boundary(ends, sagittas[other]).nearest(points)[1]
-        gaps = node_edge_gaps(points, edges[other][partners])
+        at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
+        given = at, places, edges[other], np.flatnonzero(near[side]), directions(at, places), none
+        nodes, partners, gaps = facing_pairs(*given, SLACK, SLACK)
         own = np.full(counts[side], np.inf)
-        for column in surfaces[side].edge_places.T:
+        for column in places.T:
             np.minimum.at(own, column, sagittas[side])
         allowed = EARLY * (own[nodes] + sagittas[other][partners]) + explained
-        behind = (gaps.gaps < -allowed) & (gaps.gaps > -depth)
-        facing = directions(positions[side], surfaces[side].edge_places)[nodes]
-        behind &= np.einsum("ni,ni->n", facing, gaps.normals) < 0.0
-        found[side][nodes[behind & _within(gaps.parameters, _margins(ends, SLACK)[partners])]] = True
+        found[side][nodes[(gaps.gaps < -allowed) & (gaps.gaps > -depth)]] = True
     found = [each & ~before for each, before in zip(found, armed, strict=True)]
     sharp = found[0] & _sharp(positions[0], surfaces[0]), found[1] & _sharp(positions[1], surfaces[1])
     return sharp if sharp[0].any() or sharp[1].any() else (found[0], found[1])

@@ -108,47 +108,55 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
     return best.edges
 
 
-def leads_out(points: Floats, ways: Floats, edges: Floats, own: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Whether ways inwards from points of a surface lead out again through another edge of it, or nearly so.
+def leads_out(
+    points: Floats,
+    ways: Floats,
+    sizes: Floats,
+    own: tuple[Floats, NDArray[np.bool_]],
+    other: tuple[Floats, NDArray[np.bool_]],
+) -> NDArray[np.bool_]:
+    """Whether ways inwards from points of a surface to edges of another one are none to where the body came in.
 
-    The far sides of two slender bodies side by side face each other as well, through both bodies. What is deep behind
+    The far sides of two slender bodies side by side face each other as well, through both bodies: such a way leads out
+    again through another edge of its own surface, or nearly so, or passes through the other body. What is deep behind
     an edge, beside its length, and far nearer to another one came in through that one.
 
     Parameters
     ----------
     points, ways
         Points of the surface, and vectors from them, each (n, 2).
-    edges
-        Positions of the surface's edges' nodes, shape (n_edges, order + 1, 2).
-    own
-        Edges that each point is on, shape (n, n_edges).
+    sizes
+        Length of the surface at each point, shape (n,).
+    own, other
+        Positions of the edges' nodes of the point's and of the other surface, shape (n_edges, order + 1, 2), and which
+        of them each point is on or faces, shape (n, n_edges).
 
     """
-    starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
+    depths = np.linalg.norm(ways, axis=1)
     result = np.zeros(len(points), dtype=np.bool_)
-    far = np.flatnonzero(np.linalg.norm(ways, axis=1) > HARDLY * float(np.linalg.norm(chords, axis=1).max()))
+    far = np.flatnonzero(depths > HARDLY * float(np.linalg.norm(own[0][:, -1] - own[0][:, 0], axis=1).max()))
     if len(far) == 0:
         return result
-    points, ways, own = points[far], ways[far], own[far]
+    points, ways, depths = points[far], ways[far], depths[far]
+    crossed, apart = _crossed(points, ways, own[0], own[1][far])
+    nearer = (np.where(own[1][far], SLENDER, FARTHER) * apart).min(axis=1) < depths
+    through = crossed.any(axis=1) | _crossed(points, ways, other[0], other[1][far])[0].any(axis=1)
+    result[far] = through | (nearer & (depths > DEEP * sizes[far]))
+    return result
+
+
+def _crossed(points: Floats, ways: Floats, edges: Floats, but: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Floats]:
+    """Which other edges ways from points, each (n, 2), cross before they end, and how far their ends are from edges."""
+    starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
     apart, way = starts - points[:, None], ways[:, None]
     area = way[..., 0] * chords[:, 1] - way[..., 1] * chords[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
         on_way = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
         on_edge = (apart[..., 0] * way[..., 1] - apart[..., 1] * way[..., 0]) / area
-    crossed = (on_way > 0.0) & (on_way < 1.0 - HARDLY) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~own
-    ends, lengths = points + ways, np.hypot(chords[:, 0], chords[:, 1])
-    share = np.einsum("nei,ei->ne", ends[:, None] - starts, chords) / lengths**2
-    apart = np.linalg.norm(ends[:, None] - starts - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
-    depths = np.linalg.norm(ways, axis=1)
-    nearer = (np.where(own, SLENDER, FARTHER) * apart).min(axis=1) < depths
-    result[far] = crossed.any(axis=1) | (nearer & (depths > DEEP * np.where(own, lengths, 0.0).max(axis=1)))
-    return result
-
-
-def has_node(edge_places: Ints, nodes: Ints) -> NDArray[np.bool_]:
-    """Which edges of a surface have each of some nodes, shape (n, n_edges)."""
-    result: NDArray[np.bool_] = (edge_places == nodes[:, None, None]).any(axis=2)
-    return result
+    crossed = (on_way > 0.0) & (on_way < 1.0 - HARDLY) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~but
+    beyond = way - apart
+    share = np.einsum("nei,ei->ne", beyond, chords) / (chords**2).sum(axis=1)
+    return crossed, np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
 
 
 class _Chords:

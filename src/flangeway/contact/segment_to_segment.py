@@ -214,6 +214,8 @@ def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> NDA
     way = other + share[:, None] * chord - at
     result = np.zeros(len(pieces), dtype=np.bool_)
     behind = np.flatnonzero(along[:, 0] * way[:, 1] - along[:, 1] * way[:, 0] > 0.0)
-    own = pieces.edges[behind, None] == np.arange(len(edges))
-    result[behind] = leads_out(at[behind], way[behind], edges, own)
+    sizes = (pieces.ends - pieces.starts) * np.linalg.norm(along, axis=1)
+    own = edges, pieces.edges[behind, None] == np.arange(len(edges))
+    its = primary_edges, pieces.partners[behind, None] == np.arange(len(primary_edges))
+    result[behind] = leads_out(at[behind], way[behind], sizes[behind], own, its)
     return result
