@@ -16,10 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.measurement import ITSELF, Measurement, timed
-from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.rigid.rigid_run import GeometryRun, run_geometry
-from flangeway.cases.wheelset.runner import CaseRun
+from flangeway.cases.wheelset.wheelset_case import CaseRun
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
@@ -86,7 +86,7 @@ def quick() -> Iterator[Measurement]:
 
 
 def _equilibrium(values: dict[str, Any]) -> CaseRun:
-    return run_case(WheelsetTangentCase.from_values(values))
+    return WheelsetTangentCase.from_values(values).run()
 
 
 def _geometry(values: dict[str, Any]) -> GeometryRun:

@@ -17,8 +17,8 @@ import math
 import tempfile
 from pathlib import Path
 
-from flangeway.cases import WheelsetTangentCase, run_case
-from flangeway.report import write_outputs
+from flangeway.cases import WheelsetTangentCase
+from flangeway.report import write_case
 
 
 def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
@@ -35,7 +35,7 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
     found = {}
     for method in ("fem", "vem"):
         case = WheelsetTangentCase.from_values({"method": method, "size_scale": size_scale})
-        run = run_case(case)
+        run = case.run()
         found[method] = run
 
         # the iteration has ended well, and the contact forces bear the load of 300 kN
@@ -62,7 +62,7 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
     assert math.hypot(*apart) < 0.5
 
     with tempfile.TemporaryDirectory() as temporary:
-        files = write_outputs(found["vem"], folder or Path(temporary))
+        files = write_case(found["vem"], folder or Path(temporary))
         assert all(file.stat().st_size > 0 for file in files)
         print("written:", ", ".join(file.name for file in files))
 

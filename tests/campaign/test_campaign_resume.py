@@ -26,7 +26,7 @@ from typing import Any, ClassVar
 from pydantic import Field
 from flangeway.solve import Status
 from flangeway.cases.case import RunnableCase
-from flangeway.cases.case_names import CASES
+from flangeway.cases.case_file import CASES
 
 @dataclass
 class SumRun:

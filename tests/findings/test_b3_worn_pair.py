@@ -1,7 +1,7 @@
 """A worn, conforming pair costs no second model: its wide contact is foreseen from the rigid wheelset."""
 
 from benchmarks.worn import worn_pair
-from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.railway.rigid.rigid_side import RigidSide
@@ -11,7 +11,7 @@ def test_b3_worn_pair(tmp_path):
     """A worn, conforming pair is solved with one model of at most 2.4 times the bundled pair's surface nodes."""
     unknowns, said = [], []
     for values in ({}, worn_pair(tmp_path)):
-        run = run_case(WheelsetTangentCase.from_values({**values, "size_scale": 3.0}), said.append)
+        run = WheelsetTangentCase.from_values({**values, "size_scale": 3.0}).run(said.append)
         assert run.result.status.converged
         unknowns.append(sum(len(nodes.points) for nodes in run.result.model.system.surface_nodes))
     assert not any(sentence.startswith("once more") for sentence in said)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.campaign import Campaign
-from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
 from flangeway.railway.rigid.rigid_contact import contact_locus
@@ -30,9 +30,9 @@ def test_b6_standard_gauge_works_at_the_first_try(profiles):
 
 def test_b6_standard_gauge_is_computed_and_reported():
     """The elastic case on standard gauge converges, and its summary says which distance of the wheels was taken."""
-    run = run_case(WheelsetTangentCase.from_values({"gauge_mm": 1435, "size_scale": 6.0}))
-    assert run.summary["status"]["converged"]
-    assert any("Back to back 1360 mm" in each for each in run.summary["assumptions"])
+    run = WheelsetTangentCase.from_values({"gauge_mm": 1435, "size_scale": 6.0}).run()
+    assert run.summary.status.converged
+    assert any("Back to back 1360 mm" in each for each in run.summary.assumptions)
 
 
 @pytest.mark.parametrize(

@@ -5,15 +5,15 @@ import math
 import pytest
 from matplotlib.figure import Figure
 
-from flangeway.cases import WheelsetCurveCase, run_case
+from flangeway.cases import WheelsetCurveCase
 from flangeway.report.page.page_tables import rigid_table
 from flangeway.report.wheelset.sketch import draw_sketch
 
 
 def test_b7_the_lateral_force_is_not_said_to_be_along_the_track():
     """Summary and sketch have 22.77 kN as a lateral force in the track's plane, and no table has x along the track."""
-    run = run_case(WheelsetCurveCase.from_values({"size_scale": 8.0}))
-    load = run.summary["load"]
+    run = WheelsetCurveCase.from_values({"size_scale": 8.0}).run()
+    load = run.summary.to_dict()["load"]
     tilt = math.asin(30.0 / 1600.0)
     assert load["lateral_in_track_kN"] == pytest.approx(28.4 * math.cos(tilt) - 300.0 * math.sin(tilt), abs=0.02)
     assert not any("along" in key for key in load)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.railway.profiles.curvature import conforming
@@ -17,46 +17,46 @@ from flangeway.report.wheelset.wheelset_outputs import _pictures
 @pytest.fixture(scope="module")
 def usual():
     """Contacts of Hertz: 136RE and AAR-1B."""
-    return run_case(WheelsetTangentCase.from_values({"size_scale": 5.0}))
+    return WheelsetTangentCase.from_values({"size_scale": 5.0}).run()
 
 
 @pytest.fixture(scope="module")
 def pushed():
     """A wheel that runs at the gauge side of an upright head: the web is bent, and stressed more than the contact."""
-    return run_case(WheelsetTangentCase.from_values({"size_scale": 5.0, "cant": -0.05}))
+    return WheelsetTangentCase.from_values({"size_scale": 5.0, "cant": -0.05}).run()
 
 
 @pytest.fixture(scope="module")
 def conformed():
     """S1002 on 60E1 at 1:40, which touch where the tread's curvature changes."""
     values = {"size_scale": 5.0, "rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
-    return run_case(WheelsetTangentCase.from_values(values))
+    return WheelsetTangentCase.from_values(values).run()
 
 
 def test_b8_yield_is_warned_of_by_the_stress_below_the_contact(pushed):
     """The factor of the warning is that of cells within two half widths of a contact, not that of the web."""
     strength = 510.0
-    (warning,) = [each for each in pushed.summary["warnings"] if "exceed" in each]
+    (warning,) = [each for each in pushed.summary.warnings if "exceed" in each]
     assert "below the contacts" in warning
-    rails = [row for row in pushed.summary["stresses"] if row["part"].startswith("rail")]
+    rails = [row for row in pushed.summary.to_dict()["stresses"] if row["part"].startswith("rail")]
     below = max(row["max_von_mises_below_contacts_MPa"] for row in rails)
     anywhere = max(row["max_von_mises_MPa"] for row in rails)
     assert f"{below / strength:.1f} times in the rail" in warning
     assert anywhere > 1.2 * below
     # below a contact of Hertz von Mises reaches 0.56 of the maximum pressure
-    pressure = max(each["max_pressure_MPa"] for each in pushed.summary["contacts"])
+    pressure = max(each["max_pressure_MPa"] for each in pushed.summary.to_dict()["contacts"])
     assert below == pytest.approx(0.56 * pressure, rel=0.25)
 
 
 def test_b8_a_web_beyond_yield_alone_is_no_warning(pushed):
     """Where only web and fillets pass the strength that is given, nothing is said of yielding below contacts."""
-    rails = [row for row in pushed.summary["stresses"] if row["part"].startswith("rail")]
+    rails = [row for row in pushed.summary.to_dict()["stresses"] if row["part"].startswith("rail")]
     between = 0.5 * (
-        max(row["max_von_mises_below_contacts_MPa"] for row in pushed.summary["stresses"])
+        max(row["max_von_mises_below_contacts_MPa"] for row in pushed.summary.to_dict()["stresses"])
         + max(row["max_von_mises_MPa"] for row in rails)
     )
-    run = run_case(pushed.case.model_copy(update={"yield_MPa": between}))
-    assert not any("yield" in each for each in run.summary["warnings"])
+    run = pushed.case.model_copy(update={"yield_MPa": between}).run()
+    assert not any("yield" in each for each in run.summary.warnings)
 
 
 def test_b8_the_first_picture_shows_what_may_be_believed(pushed):
@@ -75,19 +75,19 @@ def test_b8_the_first_picture_shows_what_may_be_believed(pushed):
 
 def test_b8_the_report_says_what_the_limits_say(usual):
     """Summary and tables mark the stresses of web, fillets and foot as those of a slice."""
-    assert any("web, fillets and foot" in each for each in usual.summary["assumptions"])
+    assert any("web, fillets and foot" in each for each in usual.summary.assumptions)
     assert "of the slice" in bending_table(usual.summary).caption
     assert "web, fillets and foot of the slice" in stresses_table(usual.summary).caption
 
 
 def test_b8_hertz_is_left_out_where_profiles_conform(usual, conformed):
     """Hertz's pressure stands beside a contact of constant curvature, and is marked beside one that conforms."""
-    assert all(contact["hertz_pressure_MPa"] for contact in usual.summary["contacts"])
-    assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary["contacts"])
+    assert all(contact["hertz_pressure_MPa"] for contact in usual.summary.to_dict()["contacts"])
+    assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary.to_dict()["contacts"])
     rows = {row[0].strip(): row[1:] for row in contacts_table(conformed.summary).rows}
     assert set(rows["Hertz, MPa"]) == set(rows["Hertz, mm"]) == {"conforming"}
-    assert any("Hertz's theory is left out" in each for each in conformed.summary["assumptions"])
-    assert not any("Hertz" in each for each in usual.summary["assumptions"])
+    assert any("Hertz's theory is left out" in each for each in conformed.summary.assumptions)
+    assert not any("Hertz" in each for each in usual.summary.assumptions)
 
 
 def test_b8_the_criterion_follows_load_and_curvature(usual):
@@ -104,7 +104,7 @@ def test_b8_the_criterion_follows_load_and_curvature(usual):
 
 def test_b8_the_maximum_stress_below_a_wide_contact_is_not_that_of_the_web(conformed):
     """The maximum shear and von Mises stresses below a contact are sought within two half widths."""
-    for contact in conformed.summary["contacts"]:
+    for contact in conformed.summary.to_dict()["contacts"]:
         for body in ("in_rail", "in_wheel"):
             for name in ("max_in_plane_shear", "max_von_mises"):
                 assert contact[body][f"{name}_depth_mm"] <= 2.0 * contact["half_width_mm"] * (1.0 + 1e-9)

@@ -26,7 +26,7 @@ def defect(*_, **__):
 def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call, monkeypatch):
     """Each command ends with status 2 and one line; ``--debug``, before or behind the command, shows the traceback."""
     for place in (
-        "flangeway.cases.bodies.cook_case.CookCase.run",
+        "flangeway.cases.bodies.cook.CookCase.run",
         "flangeway.cases.rigid.rigid_run.run_geometry",
         "flangeway.cases.section.section_run.run_section",
         "flangeway.cases.profile.profile_run.run_profile",
@@ -58,7 +58,7 @@ def test_c_what_nobody_foresaw_is_one_sentence_with_the_place_to_report_it(call,
 
 def test_c_processes_that_work_for_others_tell_one_sentence(monkeypatch):
     """A row of a campaign and a process of the mesher store or raise the same sentence, with the traceback if asked."""
-    monkeypatch.setattr("flangeway.cases.bodies.cook_case.CookCase.run", defect)
+    monkeypatch.setattr("flangeway.cases.bodies.cook.CookCase.run", defect)
     case = find_case("cook").from_values({})
     (result,) = compute(Chunk((Row(1, {}, case),))).results
     assert result.status == "failed"

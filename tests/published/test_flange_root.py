@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from flangeway import InputError
+from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_profiles import wheel_named
-from flangeway.cases.wheelset.wheelset_tangent import WheelsetTangentCase
 from flangeway.geometry import Arc
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel, with_flange_root

@@ -2,13 +2,13 @@
 
 import pytest
 
-from flangeway.cases import WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetTangentCase
 
 
 @pytest.fixture(scope="session")
 def runs():
     """Solved cases by method."""
     return {
-        method: run_case(WheelsetTangentCase.from_values({"method": method, "size_scale": 3.0}))
+        method: WheelsetTangentCase.from_values({"method": method, "size_scale": 3.0}).run()
         for method in ("fem", "vem")
     }

@@ -50,13 +50,13 @@ def headings(text):
 
 def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     """Sections come in order, one without contents is left out, and notices, results and versions are told."""
-    wanted = [each for each in HEADINGS if each != "Warnings" or hertz.summary["notices"]]
+    wanted = [each for each in HEADINGS if each != "Warnings" or hertz.summary.notices]
     assert headings(hertz_text) == wanted
     words = unescape(hertz_text)
-    for text in (*hertz.summary["notices"], "Plane strain", "without friction", "upper on lower", "load"):
+    for text in (*hertz.summary.notices, "Plane strain", "without friction", "upper on lower", "load"):
         assert text in words
-    assert f"{hertz.summary['results']['hertz_max_pressure_MPa']:.5g} MPa" in words
-    assert f"numpy {hertz.summary['versions']['numpy']}" in words
+    assert f"{hertz.summary.results['hertz_max_pressure_MPa']:.5g} MPa" in words
+    assert f"numpy {hertz.summary.versions['numpy']}" in words
     assert "$" not in hertz_text.split("<script")[0]
 
 

@@ -12,7 +12,7 @@ import pytest
 from flangeway.cases import CASES, WheelsetTangentCase
 from flangeway.cases.case import GivenText
 from flangeway.errors import InputError
-from flangeway.report import command_line, write_outputs
+from flangeway.report import command_line, write_case
 from flangeway.report.case_outputs import case_files
 from flangeway.report.page.html_page import report_page
 from flangeway.report.wheelset import wheelset_outputs as outputs
@@ -50,7 +50,7 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def folder(runs, tmp_path_factory):
     out = tmp_path_factory.mktemp("out") / "vem"
-    write_outputs(runs["vem"], out)
+    write_case(runs["vem"], out)
     return out
 
 
@@ -181,7 +181,7 @@ def test_a_failure_while_writing_leaves_nothing(runs, tmp_path, monkeypatch):
 
     monkeypatch.setattr(outputs, "write_part", broken)
     with pytest.raises(RuntimeError, match="stopped"):
-        write_outputs(runs["fem"], tmp_path / "out")
+        write_case(runs["fem"], tmp_path / "out")
     assert written
     assert list(tmp_path.iterdir()) == []
 

@@ -103,5 +103,4 @@ def _computed(case: RunnableCase, start: float, shear: bool) -> RowResult:
     if isinstance(case, WheelsetCase):
         result = solve_wheelset(case.problem())
         return wheelset_row(result, time.perf_counter() - start, shear=shear)
-    run = case.run()
-    return summary_row(run.status.converged, run.status.message, run.summary, time.perf_counter() - start)
+    return summary_row(case.run().summary, time.perf_counter() - start)

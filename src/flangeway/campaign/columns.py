@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
+from flangeway.cases.summary import Summary
 from flangeway.exact import LineContact
 from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.track.discretisation import ROLES
@@ -165,12 +166,13 @@ def _patch(patch: PositionPatch, hertz: LineContact | None, number: int) -> dict
     return {name: _plain(value) for name, value in values.items()}
 
 
-def summary_row(converged: bool, message: str, summary: Mapping[str, Any], seconds: float) -> RowResult:
+def summary_row(summary: Summary, seconds: float) -> RowResult:
     """Return all single numbers of a summary, and remarks on them, named by their paths with underscores."""
-    warnings = tuple(str(text) for key in ("warnings", "notices") for text in summary.get(key, ()))
-    if not converged:
+    content = summary.to_dict()
+    message, warnings = summary.status.message, tuple(content.get("warnings", ()) or content.get("notices", ()))
+    if not summary.status.converged:
         return RowResult("not converged", message, warnings, seconds=seconds)
-    values = {name: _plain(value) for name, value in _numbers(summary, "") if value is not None}
+    values = {name: _plain(value) for name, value in _numbers(content, "") if value is not None}
     return RowResult("converged", message, warnings, values, seconds=seconds)
 
 

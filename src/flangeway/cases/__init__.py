@@ -3,15 +3,12 @@
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.cases.bodies.cook import CookCode, CookRow, cook_row, solve_cook
 from flangeway.cases.case import Case, Run, RunnableCase
-from flangeway.cases.case_file import load_case
-from flangeway.cases.case_names import CASES, find_case
+from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
 from flangeway.cases.convergence import Convergence, run_halved
-from flangeway.cases.wheelset.runner import CaseRun, run_case
-from flangeway.cases.wheelset.summary import summarise, write_summary
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.cases.wheelset.wheelset_curve import WheelsetCurveCase
-from flangeway.cases.wheelset.wheelset_tangent import WheelsetTangentCase
+from flangeway.cases.summary import Summary, write_summary
+from flangeway.cases.wheelset.summarise import summarise
+from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
 
 __all__ = [
     "CASES",
@@ -24,13 +21,13 @@ __all__ = [
     "CookRow",
     "Run",
     "RunnableCase",
+    "Summary",
     "WheelsetCase",
     "WheelsetCurveCase",
     "WheelsetTangentCase",
     "cook_row",
     "find_case",
     "load_case",
-    "run_case",
     "run_halved",
     "schema",
     "solve_cook",

@@ -11,6 +11,7 @@ import annotated_types as at
 from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
+from flangeway.cases.summary import Summary
 from flangeway.checks import is_number
 from flangeway.errors import InputError, short
 from flangeway.solve import Status
@@ -48,8 +49,8 @@ class Run(Protocol):
         """How it ended."""
 
     @property
-    def summary(self) -> dict[str, Any]:
-        """Plain numbers with their units in the keys."""
+    def summary(self) -> Summary:
+        """Plain numbers with their units in the names."""
 
 
 class Table(BaseModel):

@@ -1,17 +1,30 @@
-"""Cases in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys."""
+"""The cases by name, and in TOML files: ``case = "wheelset-curve"`` and the inputs of that case as keys."""
 
 import re
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from flangeway.cases.case import RunnableCase, key_text
-from flangeway.cases.case_names import find_case
+from flangeway.cases.bodies.cook import CookCase
+from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
+from flangeway.cases.bodies.two_bodies import TwoBodiesCase
+from flangeway.cases.case import RunnableCase, closest, key_text
+from flangeway.cases.section.torsion_case import TorsionCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
 from flangeway.types import Key
+
+CASES: dict[str, type[RunnableCase]] = {
+    case.name: case
+    for case in (
+        *(WheelsetTangentCase, WheelsetCurveCase),
+        *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
+    )
+}
+"""Types of the cases by name."""
 
 FORMAT = 1
 """Number of the format that this version writes; files of lower numbers are read, higher ones refused."""
@@ -22,6 +35,20 @@ FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file")
 PROFILE_ENDINGS = (".ban", ".whl", ".prr", ".prw", ".csv", ".dxf", ".mpt")
 MESH_ENDINGS = (".msh", ".inp", ".vtu", ".vtk", ".xdmf", ".med", ".bdf", ".nas")
 FILE_ENDINGS = (ENDING, ".txt", ".dat", *PROFILE_ENDINGS, *MESH_ENDINGS)
+
+
+def find_case(name: str) -> type[RunnableCase]:
+    """Return the type of the case with a name.
+
+    Raises
+    ------
+    InputError
+        If there is none; the message lists those there are and names the nearest.
+
+    """
+    if name not in CASES:
+        raise InputError(f"a case called {name!r}", f"one of: {', '.join(CASES)}", closest(name, list(CASES)))
+    return CASES[name]
 
 
 def is_case_file(name: str | Path) -> bool:

@@ -9,8 +9,7 @@ from typing import Any
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.case import RunnableCase, Table, allowed, table_in
-from flangeway.cases.case_file import FILE_KEYS, FORMAT
-from flangeway.cases.case_names import CASES
+from flangeway.cases.case_file import CASES, FILE_KEYS, FORMAT
 
 WIDTH = 110
 

@@ -4,8 +4,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from flangeway.cases.case import Progress
-from flangeway.cases.wheelset.runner import run_case
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_summary import ContactSummary, WheelsetSummary
+from flangeway.railway.track.placements import SIDES
 
 MAX_APPROACH_CHANGE = 0.02
 MAX_POSITION_CHANGE_MM = 0.2
@@ -22,12 +23,12 @@ class Convergence:
 
     """
 
-    summaries: tuple[dict[str, Any], dict[str, Any]]
+    summaries: tuple[WheelsetSummary, WheelsetSummary]
 
     @property
     def converged(self) -> bool:
         """Whether both runs converged to contact on both sides."""
-        return all(s["status"]["converged"] and len(s["contacts"]) > 0 for s in self.summaries)
+        return all(each.status.converged and len(each.contacts) > 0 for each in self.summaries)
 
     @property
     def within(self) -> bool:
@@ -46,15 +47,15 @@ class Convergence:
         pairs = _pairs(coarse, fine)
 
         def relative(key: str) -> float:
-            return max((abs(b[key] / a[key] - 1.0) for a, b in pairs), default=float("nan"))
+            return max((abs(getattr(b, key) / getattr(a, key) - 1.0) for a, b in pairs), default=float("nan"))
 
         shifts = [
-            abs(a[key][axis] - b[key][axis])
+            abs(getattr(a, key)[axis] - getattr(b, key)[axis])
             for a, b in pairs
             for key in ("rail_position_mm", "wheel_position_mm")
             for axis in (0, 1)
         ]
-        before, after = coarse["motion"]["approach_mm"], fine["motion"]["approach_mm"]
+        before, after = coarse.position.approach_mm, fine.position.approach_mm
         return {
             "approach_change": abs(after / before - 1.0),
             "position_change_mm": max(shifts, default=float("nan")),
@@ -64,8 +65,9 @@ class Convergence:
 
     def to_json(self) -> dict[str, Any]:
         """What ``converge.json`` holds."""
-        keys = ("status", "motion", "balance", "contacts", "bodies", "timings_s")
-        runs = [{"size_scale": s["case"]["size_scale"]} | {key: s[key] for key in keys} for s in self.summaries]
+        keys = ("status", "position", "residual", "contacts", "bodies", "timings_s")
+        summaries = [each.to_dict() for each in self.summaries]
+        runs = [{"size_scale": s["case"]["size_scale"]} | {key: s[key] for key in keys} for s in summaries]
         return {
             "within": self.within,
             "changes": self.changes() if self.converged else None,
@@ -74,8 +76,8 @@ class Convergence:
                 "position_change_mm": MAX_POSITION_CHANGE_MM,
             },
             "runs": runs,
-            "case": self.summaries[0]["case"],
-            "versions": self.summaries[0]["versions"],
+            "case": summaries[0]["case"],
+            "versions": summaries[0]["versions"],
         }
 
 
@@ -96,16 +98,15 @@ def run_halved(case: WheelsetCase, progress: Progress = lambda _: None) -> Conve
         def labelled(sentence: str, scale: float = run.size_scale) -> None:
             progress(f"size scale {scale:g}: {sentence}")
 
-        summaries.append(run_case(run, labelled).summary)
+        summaries.append(run.run(labelled).summary)
     return Convergence((summaries[0], summaries[1]))
 
 
-def _pairs(coarse: dict[str, Any], fine: dict[str, Any]) -> list[tuple[dict[str, Any], dict[str, Any]]]:
-    """Contacts of both runs, side by side: the strongest of each side."""
-
-    def strongest(summary: dict[str, Any], side: str) -> dict[str, Any] | None:
-        mine = [c for c in summary["contacts"] if c["side"] == side]
-        return max(mine, key=lambda c: float(c["force_kN"]), default=None)
-
-    found = [(strongest(coarse, side), strongest(fine, side)) for side in ("left", "right")]
-    return [(a, b) for a, b in found if a is not None and b is not None]
+def _pairs(coarse: WheelsetSummary, fine: WheelsetSummary) -> list[tuple[ContactSummary, ContactSummary]]:
+    """Contacts of both runs, side by side: that with the maximum force of each side."""
+    pairs = []
+    for side in SIDES:
+        one, other = ([c for c in each.contacts if c.side == side] for each in (coarse, fine))
+        if one and other:
+            pairs.append((max(one, key=lambda c: c.force_kN), max(other, key=lambda c: c.force_kN)))
+    return pairs

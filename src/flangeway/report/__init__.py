@@ -1,10 +1,10 @@
 """What people look at: pictures, the HTML report, and files for ParaView."""
 
+from flangeway.report.case_outputs import write_case
 from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.figures.plots import plot_deformed, plot_displacement, plot_function, plot_mesh, plot_stress
 from flangeway.report.figures.series import Frame, solution_frame, write_frame, write_series
 from flangeway.report.page.command import command_line
-from flangeway.report.wheelset.wheelset_outputs import write_outputs
 
 __all__ = [
     "Frame",
@@ -17,7 +17,7 @@ __all__ = [
     "plot_mesh",
     "plot_stress",
     "solution_frame",
+    "write_case",
     "write_frame",
-    "write_outputs",
     "write_series",
 ]

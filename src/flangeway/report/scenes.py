@@ -1,12 +1,12 @@
 """What the interactive pictures of the pages show: parts of wheelsets, bodies, sections."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
 from flangeway.cases.bodies.bodies_run import BodiesRun
 from flangeway.cases.section.section_run import SectionRun
+from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.post import shear_stresses
 from flangeway.report.bodies.body_fields import BodyFields, body_fields
 from flangeway.report.bodies.body_steps import BodySteps, body_steps
@@ -35,14 +35,14 @@ _STRESSES: tuple[tuple[str, str, Formula], ...] = (
 )
 
 
-def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[dict[str, Any]]) -> Scene:
-    """Parts of a wheelset with means of cells, and a view of each contact of its summary."""
+def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[ContactSummary]) -> Scene:
+    """Parts of a wheelset with element averages, and a view of each contact of its summary."""
     views = []
     for contact in contacts:
-        x, y = contact["space_position_mm"]
-        alone = contact_name(contact, contacts) == contact["side"]
-        name = f"{contact['side']} {'contact' if alone else contact['region']}"
-        views.append(View(name, (x, y), VIEW_WIDTHS * contact["half_width_mm"]))
+        x, y = contact.space_position_mm
+        alone = contact_name(contact, contacts) == contact.side
+        name = f"{contact.side} {'contact' if alone else contact.region}"
+        views.append(View(name, (x, y), VIEW_WIDTHS * contact.half_width_mm))
     shown = [
         ShownPart(
             part.name,

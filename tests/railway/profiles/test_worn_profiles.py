@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, run_case
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.formats.simpack import write_simpack
@@ -78,7 +78,7 @@ def files(tmp_path_factory):
 
 def solved(case, files, name, wheel_ending, rail_ending):
     values = {"wheel": str(files[name, wheel_ending]), "rail": str(files[name, rail_ending]), "size_scale": 3.0}
-    return run_case(case.from_values(values))
+    return case.from_values(values).run()
 
 
 @pytest.fixture(scope="module")
@@ -144,7 +144,7 @@ def test_noise_is_no_wear(runs):
 
 def test_the_run_says_how_the_noise_was_smoothed(runs):
     """What was done to the files stands among the assumptions of the run, with wheel and rail named."""
-    said = [line for line in runs["noisy"].summary["assumptions"] if "The noise is" in line]
+    said = [line for line in runs["noisy"].summary.assumptions if "The noise is" in line]
     assert len(said) == 2
     noise = [float(line.split("The noise is ")[1].split(" micrometres")[0]) for line in said]
     assert noise == pytest.approx([1e3 * NOISE_MM] * 2, rel=0.2)

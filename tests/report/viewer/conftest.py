@@ -10,7 +10,7 @@ import pytest
 from matplotlib.image import imread
 from playwright.sync_api import sync_playwright
 
-from flangeway.report import part_fields, write_outputs
+from flangeway.report import part_fields, write_case
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.viewer import field_viewer
 from flangeway.report.wheelset.paraview import write_part
@@ -112,7 +112,7 @@ def open_page(browser):
 def folder(runs, tmp_path_factory):
     """All files of the run with virtual elements, the report among them."""
     out = tmp_path_factory.mktemp("viewer") / "vem"
-    write_outputs(runs["vem"], out)
+    write_case(runs["vem"], out)
     return out
 
 
@@ -126,7 +126,7 @@ def viewer_pages(runs, tmp_path_factory):
         parts = list(part_fields(run.result))
         for part in parts:
             write_part(folder / f"{part.name}.vtu", part)
-        return write_page(folder / "page.html", wheelset_scene(parts, run.summary["contacts"]))
+        return write_page(folder / "page.html", wheelset_scene(parts, run.summary.to_dict()["contacts"]))
 
     return page_by
 

@@ -2,15 +2,23 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_floating import free_axis, resting_point
-from flangeway.cases.bodies.bodies_places import edges_at, free_edges, keys_of_place, point_at
+from flangeway.cases.bodies.bodies_places import (
+    Where,
+    edges_at,
+    fixed_point,
+    free_axis,
+    free_edges,
+    keys_of_place,
+    point_at,
+)
 from flangeway.cases.bodies.bodies_shape import BodyShape, body_shape
 from flangeway.cases.bodies.bodies_tables import (
+    BodiesInputs,
     BodyTable,
     ContactTable,
     LoadTable,
@@ -42,9 +50,6 @@ from flangeway.problems.body import Components
 from flangeway.problems.loads import Load
 from flangeway.space import Space
 from flangeway.types import Floats
-
-if TYPE_CHECKING:
-    from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 
 Ints = NDArray[np.int32]
 
@@ -114,7 +119,7 @@ class BodiesModel:
     notices: tuple[str, ...]
 
 
-def build_bodies(case: "TwoBodiesCase") -> BodiesModel:
+def build_bodies(case: BodiesInputs) -> BodiesModel:
     """Mesh the bodies and find supports, loads and contact surfaces on them.
 
     Raises
@@ -129,7 +134,7 @@ def build_bodies(case: "TwoBodiesCase") -> BodiesModel:
 class _Builder:
     """One call of `build_bodies`."""
 
-    def __init__(self, case: "TwoBodiesCase") -> None:
+    def __init__(self, case: BodiesInputs) -> None:
         self.case = case
         self.notices: list[str] = []
         self.tables = {body.name: body for body in case.bodies}
@@ -179,9 +184,9 @@ class _Builder:
                 known = list(self.tables)
                 raise InputError(f"{key} = {name!r}", f"the bodies {', '.join(known)}", closest(name, known))
 
-    def _held(self, name: str) -> list[tuple[SupportTable, str | tuple[float, float]]]:
+    def _held(self, name: str) -> list[tuple[SupportTable, Where]]:
         """Supports of a body with their edge sets or points."""
-        found: list[tuple[SupportTable, str | tuple[float, float]]] = []
+        found: list[tuple[SupportTable, Where]] = []
         for number, table in enumerate(self.case.supports, 1):
             if table.body != name:
                 continue
@@ -235,7 +240,7 @@ class _Builder:
         x, y = table.force_N or (0.0, 0.0)
         return Traction(where, (x / area, y / area))
 
-    def _place(self, table: PlaceTable, point: tuple[float, float] | None, key: str) -> str | tuple[float, float]:
+    def _place(self, table: PlaceTable, point: tuple[float, float] | None, key: str) -> Where:
         """Name of an edge set made for a place, or a point."""
         given = keys_of_place(table)
         if point is not None:
@@ -250,9 +255,7 @@ class _Builder:
         self.meshes[table.body] = mesh.with_edge_set(key, pairs)
         return key
 
-    def _body(
-        self, name: str, held: list[tuple[SupportTable, str | tuple[float, float]]], loads: list[Load]
-    ) -> BodyModel:
+    def _body(self, name: str, held: list[tuple[SupportTable, Where]], loads: list[Load]) -> BodyModel:
         table, mesh = self.tables[name], self.meshes[name]
         material = self._material(table, mesh)
         supports = [
@@ -272,12 +275,12 @@ class _Builder:
                 "supports that fix both translations and the rotation, contact left out",
                 "add [[supports]]; to press it by a force, hold it and add [[motions]] with push_N",
             )
-        components: dict[str | tuple[float, float], Components] = {}
+        components: dict[Where, Components] = {}
         for support, where in held:
             components[where] = "xy" if where in components and components[where] != support.hold else support.hold
         slides = free_axis(name, mesh, components)
         if slides is not None:
-            hold = resting_point(name, mesh, self._touching(name))
+            hold = fixed_point(name, mesh, self._touching(name))
             components[hold] = slides
             supports.append(PrescribedDisplacement(hold, **{slides: 0.0}))
         body = Body(name, mesh, element_of(table.method, table.order), material, components, thickness)

@@ -1,24 +1,96 @@
 """What came out of a case of bodies that are pressed, pulled and held: one kind of result for all of them."""
 
 import dataclasses
-from collections.abc import Mapping
+from abc import abstractmethod
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
-from flangeway.cases.case import Case
-from flangeway.cases.wheelset.summary import plain_numbers
+from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel
+from flangeway.cases.bodies.bodies_tables import BodiesInputs
+from flangeway.cases.case import Case, Progress, RunnableCase
+from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
 from flangeway.contact import ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
-from flangeway.post import PressurePatch, cell_stresses, corner_stresses, pressure_patches
-from flangeway.problems import ElasticField
+from flangeway.post import PressurePatch, cell_stresses, corner_stresses, nodal_residual, pressure_patches
+from flangeway.problems import ElasticField, PrescribedDisplacement
 from flangeway.solve import Status
-from flangeway.system.memory_limits import peak_memory_bytes
-from flangeway.system.versions import versions
 from flangeway.types import Floats
+
+# ruff: noqa: N815 (units in names)
+
+
+@dataclass(frozen=True)
+class PatchSummary(SummaryPart):
+    """A region of contact."""
+
+    centre_mm: Sequence[float]
+    half_width_mm: float
+    max_pressure_MPa: float
+    max_pressure_remark: str | None
+    force_N: Sequence[float]
+    reaches_an_end: bool
+
+
+@dataclass(frozen=True, kw_only=True)
+class PairSummary(SummaryPart):
+    """A contact of two bodies."""
+
+    secondary: str
+    primary: str
+    force_on_secondary_N: Sequence[float]
+    initial_penetration_mm: float
+    max_pressure_MPa: float
+    max_pressure_remark: str | None
+    patches: Sequence[PatchSummary]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodySummary(SummaryPart):
+    """A body: size of its mesh, and extreme values."""
+
+    name: str
+    elements: int
+    unknowns: int
+    max_displacement_mm: float
+    max_von_mises_MPa: float
+    min_principal_MPa: float
+    max_in_plane_shear_MPa: float
+
+
+@dataclass(frozen=True)
+class ForcesSummary(SummaryPart):
+    """Forces on a body in contact."""
+
+    body: str
+    contact_N: Sequence[float]
+    loads_N: Sequence[float]
+    supports_N: Sequence[float]
+
+
+@dataclass(frozen=True)
+class ReactionRow(SummaryPart):
+    """Force of a support on its body."""
+
+    number: int
+    body: str
+    force_N: Sequence[float]
+
+
+@dataclass(frozen=True, kw_only=True)
+class BodiesSummary(Summary):
+    """What ``summary.json`` holds of such a case; `results` are the numbers that the case is about, by name."""
+
+    results: dict[str, Any]
+    forces: Sequence[ForcesSummary] = ()
+    contacts: Sequence[PairSummary]
+    bodies: Sequence[BodySummary]
+    supports: Sequence[ReactionRow] = ()
+    notices: Sequence[str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +138,7 @@ class BodiesRun:
 
     case: Case
     status: Status
-    summary: dict[str, Any]
+    summary: BodiesSummary
     bodies: Mapping[str, BodyResult]
     contact: ContactSolution | None = None
     theory: LineContact | None = None
@@ -77,7 +149,7 @@ class BodiesRun:
         return [] if self.contact is None else pressure_patches(self.contact.system, self.contact.state)
 
     def at_step(self, step: LoadStep) -> dict[str, BodyResult]:
-        """Displacements of all bodies at one of the load steps of `contact`; those in no contact bear its share."""
+        """Displacements of all bodies at one of the load steps of `contact`; those in no contact carry its share."""
         contact, state = self.contact, step.state
         assert contact is not None
         found = {
@@ -102,16 +174,27 @@ class BodiesRun:
         return response.fields(response.rotations(state.placements), np.zeros_like(state.nodal_forces))
 
 
+class BodiesCase(RunnableCase):
+    """A case of bodies, in contact or not."""
+
+    @abstractmethod
+    def run(self, progress: Progress = lambda _: None) -> BodiesRun:
+        """See `RunnableCase.run`."""
+
+
 def summarise_bodies(
     case: Case,
     status: Status,
     bodies: Mapping[str, BodyResult],
     contact: ContactSolution | None,
-    results: Mapping[str, Any],
     timings_s: Mapping[str, float],
-    notices: list[str],
-) -> dict[str, Any]:
-    """Return what ``summary.json`` holds of such a case: plain numbers with their units in the keys.
+    *,
+    results: Mapping[str, Any],
+    forces: Sequence[ForcesSummary] = (),
+    supports: Sequence[ReactionRow] = (),
+    notices: Sequence[str] = (),
+) -> BodiesSummary:
+    """Return the summary of such a case.
 
     Parameters
     ----------
@@ -123,71 +206,100 @@ def summarise_bodies(
         Displacements by the names of the bodies.
     contact
         The contacts, if there are any.
-    results
-        What this case is about, shown first.
     timings_s
         Seconds by stage.
+    results
+        What this case is about, shown first.
+    forces, supports
+        Forces on the bodies in contact, and of the supports.
     notices
         What the reader should know.
 
     """
-    summary: dict[str, Any] = {
-        "status": {"converged": status.converged, "message": status.message},
-        "results": dict(results),
-        "contacts": [] if contact is None else _contacts(contact),
-        "bodies": [_body(name, body) for name, body in bodies.items()],
-        "notices": notices,
-        "timings_s": dict(timings_s),
-        "peak_memory_MB": peak_memory_bytes() / 1e6,
-        "case": {"name": case.name, **case.model_dump()},
-        "versions": versions(),
-    }
-    plain: dict[str, Any] = plain_numbers(summary)
-    return plain
+    return BodiesSummary(
+        status=StatusSummary(status.converged, status.message),
+        results=dict(results),
+        forces=forces,
+        contacts=[] if contact is None else _contacts(contact),
+        bodies=[_body(name, body) for name, body in bodies.items()],
+        supports=supports,
+        notices=notices,
+        timings_s=dict(timings_s),
+        case={"name": case.name, **case.model_dump()},
+    )
 
 
-def _body(name: str, body: BodyResult) -> dict[str, Any]:
+def _body(name: str, body: BodyResult) -> BodySummary:
     problem, values = body.field.problem, body.field.displacements
     space = problem.space
     of = cell_stresses if space.order == 1 else corner_stresses
     stresses = of(problem, values)
-    motion = body.moved(space.nodes, values[: space.n_nodes])
-    return {
-        "name": name,
-        "cells": space.mesh.n_cells,
-        "unknowns": 2 * space.n_nodes,
-        "max_displacement_mm": np.hypot(*motion.T).max(),
-        "max_von_mises_MPa": stresses.von_mises.max(),
-        "min_principal_MPa": stresses.principal[:, 2].min(),
-        "max_in_plane_shear_MPa": stresses.in_plane_shear.max(),
-    }
+    return BodySummary(
+        name=name,
+        elements=space.mesh.n_cells,
+        unknowns=2 * space.n_nodes,
+        max_displacement_mm=np.hypot(*body.moved(space.nodes, values[: space.n_nodes]).T).max(),
+        max_von_mises_MPa=stresses.von_mises.max(),
+        min_principal_MPa=stresses.principal[:, 2].min(),
+        max_in_plane_shear_MPa=stresses.in_plane_shear.max(),
+    )
 
 
-def _contacts(contact: ContactSolution) -> list[dict[str, Any]]:
+def _contacts(contact: ContactSolution) -> list[PairSummary]:
     patches = pressure_patches(contact.system, contact.state)
     rows = []
     for number, each in enumerate(contact.system.contacts):
-        mine = [patch for patch in patches if patch.contact == number]
-        most = max(mine, key=lambda patch: float(patch.pressures.max()), default=None)
+        mine = [
+            PatchSummary(
+                *(patch.centre.tolist(), patch.half_width, patch.pressures.max(), patch.remark),
+                *(patch.force.tolist(), patch.at_edge),
+            )
+            for patch in patches
+            if patch.contact == number
+        ]
+        most = max(mine, key=lambda patch: patch.max_pressure_MPa, default=None)
         rows.append(
-            {
-                "secondary": each.secondary.part.name,
-                "primary": each.primary.part.name,
-                "force_on_secondary_N": contact.forces[number],
-                "initial_penetration_mm": contact.initial_penetration[number],
-                "max_pressure_MPa": 0.0 if most is None else most.pressures.max(),
-                "max_pressure_remark": None if most is None else most.remark,
-                "patches": [
-                    {
-                        "centre_mm": patch.centre,
-                        "half_width_mm": patch.half_width,
-                        "max_pressure_MPa": patch.pressures.max(),
-                        "max_pressure_remark": patch.remark,
-                        "force_N": patch.force,
-                        "reaches_an_end": patch.at_edge,
-                    }
-                    for patch in mine
-                ],
-            }
+            PairSummary(
+                secondary=each.secondary.part.name,
+                primary=each.primary.part.name,
+                force_on_secondary_N=contact.forces[number].tolist(),
+                initial_penetration_mm=contact.initial_penetration[number],
+                max_pressure_MPa=0.0 if most is None else most.max_pressure_MPa,
+                max_pressure_remark=None if most is None else most.max_pressure_remark,
+                patches=mine,
+            )
         )
     return rows
+
+
+def support_reactions_of(
+    case: BodiesInputs, model: BodiesModel, results: Mapping[str, BodyResult], contact: ContactSolution | None
+) -> list[ReactionRow]:
+    """Force of each support on its body in space, in the order of the case's tables.
+
+    Supports that fix the same component of a node share its reaction.
+    """
+    reactions = {name: iter(_reactions(body, results[name], contact)) for name, body in model.bodies.items()}
+    return [ReactionRow(n, table.body, next(reactions[table.body])) for n, table in enumerate(case.supports, 1)]
+
+
+def _reactions(body: BodyModel, result: BodyResult, contact: ContactSolution | None) -> list[list[float]]:
+    """Force of each support of a body, x and y."""
+    problem = body.problem
+    if not problem.prescribed:
+        return []
+    forces = np.zeros((problem.space.n_nodes, 2))
+    if body.part is not None and contact is not None:
+        forces = result.placement.inverse().vectors(contact.nodal_forces(body.part))
+    residual = nodal_residual(ElasticField(problem, result.field.displacements), forces)[: problem.space.n_nodes]
+    fixed = np.array([_fixed_by(body, support) for support in problem.prescribed])
+    forces_of = fixed * (residual / np.maximum(fixed.sum(axis=0), 1))
+    rows: list[list[float]] = result.placement.vectors(forces_of.sum(axis=1)).tolist()
+    return rows
+
+
+def _fixed_by(body: BodyModel, support: PrescribedDisplacement) -> Floats:
+    """Which components of which nodes a support fixes: 1 or 0, shape (n_nodes, 2)."""
+    fixed = np.zeros((body.problem.space.n_nodes, 2))
+    fixed[body.problem.support_nodes(support)] = [support.x is not None, support.y is not None]
+    return fixed

@@ -1,10 +1,10 @@
-"""Tables of the general case file: bodies, supports, loads, motions, contacts, steps."""
+"""Inputs of the general case: tables of bodies, supports, loads, motions, contacts, steps."""
 
 from typing import Any, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import Box, Pair, Table
+from flangeway.cases.case import Box, Case, Pair, Table
 from flangeway.materials import Elastic
 
 HypothesisName = Literal["plane-strain", "plane-stress"]
@@ -30,9 +30,9 @@ class FineTable(Table):
     """Where a mesh is finer."""
 
     size_mm: float = Field(ge=1e-6, description="edge length of the triangles there")
-    edges: str | list[str] | None = Field(None, description="sides of the outline along which they are small")
-    at_mm: list[Pair] | None = Field(None, description="points of a polyline along which they are small")
-    growth: float = Field(0.15, gt=0.0, le=1.0, description="growth of the edges per distance")
+    edges: str | list[str] | None = Field(None, description="sides of the outline along which the mesh is finer")
+    at_mm: list[Pair] | None = Field(None, description="points of a polyline along which the mesh is finer")
+    growth: float = Field(0.15, gt=0.0, le=1.0, description="growth of the edge length per distance")
 
 
 class MaterialTable(Table):
@@ -50,7 +50,7 @@ def elastic(table: "MaterialTable | BodyTable", hypothesis: HypothesisName) -> E
 class BodyTable(Table):
     """An elastic body: its shape, mesh, elements and material."""
 
-    name: str = Field(min_length=1, max_length=60, description="name of the body, by which the other tables know it")
+    name: str = Field(min_length=1, max_length=60, description="name of the body, used by the other tables")
     rectangle: RectangleTable | None = Field(None, description="shape: a rectangle")
     disc: DiscTable | None = Field(None, description="shape: a disc or a half disc")
     outline: dict[str, Any] | None = Field(
@@ -60,10 +60,10 @@ class BodyTable(Table):
         None, description="shape from a file: outline .toml, .csv, .dxf; or mesh .msh, .inp, .vtu and others"
     )
     unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
-        None, description="unit of the file's coordinates; that in the file, or mm, if left out"
+        None, description="unit of the file's coordinates (default: that in the file, or mm)"
     )
     cells: str | list[str] | None = Field(
-        None, description="cell sets of a mesh that are this body; all cells if left out"
+        None, description="cell sets of a mesh that form this body (default: all cells)"
     )
     shift_mm: Pair = Field((0.0, 0.0), description="shift of the shape, after its rotation")
     rotation_deg: float = Field(0.0, description="rotation of the shape about its origin, counter-clockwise")
@@ -72,9 +72,9 @@ class BodyTable(Table):
     )
     order: int = Field(1, ge=1, le=2, description="order of the elements")
     size_mm: float | None = Field(
-        None, ge=1e-6, description="edge length of the triangles; a twentieth of the shape's diagonal if left out"
+        None, ge=1e-6, description="edge length of the triangles (default: a twentieth of the shape's diagonal)"
     )
-    fine: list[FineTable] = Field([], description="places with smaller triangles")
+    fine: list[FineTable] = Field([], description="regions with smaller triangles")
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")  # noqa: N815
     poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
     materials: dict[str, MaterialTable] = Field({}, description="materials by the cell sets of a mesh, for several")
@@ -91,19 +91,19 @@ class PlaceTable(Table):
 
 
 class SupportTable(PlaceTable):
-    """What is held, or moved by a given displacement."""
+    """A support, with or without a prescribed displacement."""
 
     point_mm: Pair | None = Field(None, description="a point of the mesh instead of edges")
-    hold: Literal["x", "y", "xy"] = Field("xy", description="components that are held")
-    x_mm: float = Field(0.0, description="displacement of a held x component")
-    y_mm: float = Field(0.0, description="displacement of a held y component")
+    hold: Literal["x", "y", "xy"] = Field("xy", description="fixed components")
+    x_mm: float = Field(0.0, description="prescribed displacement of a fixed x component")
+    y_mm: float = Field(0.0, description="prescribed displacement of a fixed y component")
 
 
 class LoadTable(PlaceTable):
     """A load: one of the last five keys."""
 
     point_mm: Pair | None = Field(None, description="a point of the mesh, for force_N")
-    cells: str | None = Field(None, description="cell set for body_force_N_mm3; the whole body if left out")
+    cells: str | None = Field(None, description="cell set for body_force_N_mm3 (default: the whole body)")
     pressure_MPa: float | None = Field(None, description="pressure on edges, positive into the body")  # noqa: N815
     traction_MPa: Pair | None = Field(None, description="force per area of edges, x and y")  # noqa: N815
     force_N: Pair | None = Field(None, description="force at a point, or spread evenly over edges")  # noqa: N815
@@ -111,44 +111,63 @@ class LoadTable(PlaceTable):
 
 
 class MotionTable(Table):
-    """Rigid motion of all supports of a body, or a force behind them."""
+    """Rigid motion of all supports of a body, or a force on them."""
 
     body: str = Field(description="name of the body")
     shift_mm: Pair = Field((0.0, 0.0), description="shift of the body's supports")
     rotation_deg: float = Field(0.0, ge=-90.0, le=90.0, description="rotation of the supports, counter-clockwise")
     centre_mm: Pair = Field((0.0, 0.0), description="centre of this rotation")
     push_N: Pair | None = Field(  # noqa: N815 (the unit newton)
-        None, description="force behind the supports: they move along it until the contact bears it"
+        None, description="force on the supports: they move along it until the contact carries it"
     )
 
 
 class ContactTable(Table):
-    """A pair of surfaces that may touch; the secondary one, better the finer, is kept off the primary one."""
+    """A pair of surfaces that may touch; the secondary surface is better the finer one."""
 
-    secondary: str = Field(description="name of the body whose nodes, or averages over whose edges, are kept off")
-    secondary_edges: str | list[str] | None = Field(None, description="its edge sets; all that is free if left out")
-    secondary_box_mm: Box | None = Field(None, description="its edges inside x_min, y_min, x_max, y_max only")
-    primary: str = Field(description="name of the other body")
-    primary_edges: str | list[str] | None = Field(None, description="its edge sets; all that is free if left out")
-    primary_box_mm: Box | None = Field(None, description="its edges inside x_min, y_min, x_max, y_max only")
+    secondary: str = Field(description="body with the secondary surface, whose nodes or edges carry the constraints")
+    secondary_edges: str | list[str] | None = Field(
+        None, description="its edge sets (default: all free edges)"
+    )
+    secondary_box_mm: Box | None = Field(None, description="only its edges inside x_min, y_min, x_max, y_max")
+    primary: str = Field(description="body with the primary surface")
+    primary_edges: str | list[str] | None = Field(None, description="its edge sets (default: all free edges)")
+    primary_box_mm: Box | None = Field(None, description="only its edges inside x_min, y_min, x_max, y_max")
     curved: bool | None = Field(
         None,
-        description="whether gaps are measured between the drawn arcs, not between the meshes' straight edges; if "
-        "left out, yes for bodies whose outlines are given",
+        description="whether gaps are measured between the drawn arcs, not between straight edges of the mesh "
+        "(default: yes for bodies with an outline)",
     )
     pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
-        "segment-to-segment", description="how the surfaces are compared"
+        "segment-to-segment", description="contact discretisation"
     )
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
-        "augmented-lagrange", description="how penetration is kept off"
+        "augmented-lagrange", description="constraint enforcement"
     )
     penalty_MPa_mm: float | None = Field(  # noqa: N815 (the unit)
-        None, gt=0.0, description="pressure per penetration; from stiffness and edges of the bodies if left out"
+        None, gt=0.0, description="pressure per penetration (default: from stiffness and edges of the bodies)"
     )
-    penetration_mm: float = Field(1e-5, gt=0.0, description="penetration that augmented-lagrange tolerates")
+    penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
 
 
 class StepsTable(Table):
     """How loads and motions are applied."""
 
-    number: int = Field(1, ge=1, le=1000, description="equal steps; halved where one does not converge")
+    number: int = Field(1, ge=1, le=1000, description="number of equal steps; a step that does not converge is halved")
+
+
+class BodiesInputs(Case):
+    """Bodies in the plane with supports, loads, motions and contacts; common axes, x to the right and y up."""
+
+    thickness_mm: float = Field(1.0, gt=0.0, description="length of all bodies out of the plane")
+    hypothesis: HypothesisName = Field("plane-strain", description="no strain, or no stress, out of the plane")
+    bodies: list[BodyTable] = Field(description="the bodies: shape, mesh, elements and material of each")
+    supports: list[SupportTable] = Field([], description="supports, with or without a prescribed displacement")
+    loads: list[LoadTable] = Field([], description="pressures, tractions, point forces and forces per volume")
+    motions: list[MotionTable] = Field(
+        [], description="rigid motions of bodies in contact, or forces on supports"
+    )
+    contacts: list[ContactTable] = Field([], description="pairs of surfaces that may touch, without friction")
+    steps: StepsTable = Field(
+        default_factory=lambda: StepsTable(number=1), description="how loads and motions are applied"
+    )

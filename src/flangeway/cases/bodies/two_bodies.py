@@ -4,32 +4,37 @@ import time
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
-from pydantic import Field
+import numpy as np
 
-from flangeway.cases.bodies.bodies_checks import checked_bodies
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel, build_bodies
-from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult, summarise_bodies
-from flangeway.cases.bodies.bodies_supports import support_rows
-from flangeway.cases.bodies.bodies_tables import (
-    BodyTable,
-    ContactTable,
-    HypothesisName,
-    LoadTable,
-    MotionTable,
-    StepsTable,
-    SupportTable,
+from flangeway.cases.bodies.bodies_run import (
+    BodiesCase,
+    BodiesRun,
+    BodyResult,
+    ForcesSummary,
+    summarise_bodies,
+    support_reactions_of,
 )
-from flangeway.cases.bodies.pressing import Pressed, press_loaded
-from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.bodies.bodies_tables import BodiesInputs
+from flangeway.cases.bodies.pressing import Pressed, moved_part, press_loaded
+from flangeway.cases.case import Progress
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError
-from flangeway.problems import Part
+from flangeway.post import check_contact, cut_zones, deepest_overlap, nodal_imbalance, pressure_patches
+from flangeway.problems import ElasticField, Part
 from flangeway.solve import ElasticitySolution, Status, solve_elasticity
 from flangeway.types import Floats
 
+MAX_IMBALANCE = 1e-6
+"""See `nodal_imbalance`; a correct solution has round-off, below 1e-9."""
 
-class TwoBodiesCase(RunnableCase):
-    """Bodies, one, two or more, in the plane; all places are in common axes, x to the right and y up."""
+SHARE_OF_BODY = 0.25
+"""Motion between two checks for an overlap, over the smaller side of the smaller body."""
+MOST_STOPS = 200
+
+
+class TwoBodiesCase(BodiesInputs, BodiesCase):
+    """Bodies, one, two or more, in the plane; all positions are in common axes, x to the right and y up."""
 
     name: ClassVar[str] = "two-bodies"
     title: ClassVar[str] = "Bodies of any shape with supports, loads, motions and contacts"
@@ -69,17 +74,6 @@ class TwoBodiesCase(RunnableCase):
         ],
     }
 
-    thickness_mm: float = Field(1.0, gt=0.0, description="length of all bodies out of the plane")
-    hypothesis: HypothesisName = Field("plane-strain", description="no strain, or no stress, out of the plane")
-    bodies: list[BodyTable] = Field(description="the bodies: shape, mesh, elements and material of each")
-    supports: list[SupportTable] = Field([], description="what is held, or moved by a given displacement")
-    loads: list[LoadTable] = Field([], description="pressures, tractions, point forces and forces per volume")
-    motions: list[MotionTable] = Field([], description="rigid motions of bodies in contact, or forces behind them")
-    contacts: list[ContactTable] = Field([], description="pairs of surfaces that may touch, without friction")
-    steps: StepsTable = Field(
-        default_factory=lambda: StepsTable(number=1), description="how loads and motions are applied"
-    )
-
     def check(self) -> None:
         """See `RunnableCase.check`; the bodies are meshed."""
         build_bodies(self)
@@ -104,11 +98,17 @@ class TwoBodiesCase(RunnableCase):
                     results[name] = BodyResult(pressed.contact.field(body.part), pressed.placement(body.part))
         in_order = {name: results[name] for name in model.bodies}
         contact = None if pressed is None else pressed.contact
-        timings = {"meshing": meshed - start, "total": time.perf_counter() - start}
-        notices = [*model.notices, *_notices(contact), *checks]
-        found = {} if pressed is None else _found(pressed, model)
-        summary = summarise_bodies(self, status, in_order, contact, found, timings, notices)
-        summary["supports"] = support_rows(self, model, in_order, contact) if status.converged else []
+        summary = summarise_bodies(
+            self,
+            status,
+            in_order,
+            contact,
+            {"meshing": meshed - start, "total": time.perf_counter() - start},
+            results={} if pressed is None else _push_results(pressed, model),
+            forces=[] if pressed is None else _forces(pressed, model),
+            supports=support_reactions_of(self, model, in_order, contact) if status.converged else [],
+            notices=[*model.notices, *_notices(contact), *checks],
+        )
         return BodiesRun(self, status, summary, in_order, contact)
 
     def _pressed(self, model: BodiesModel, progress: Progress) -> Pressed:
@@ -117,7 +117,7 @@ class TwoBodiesCase(RunnableCase):
         for body in model.bodies.values():
             if body.part is not None and body.moved_before_contact:
                 progress(f"solving for {body.name} under its loads")
-                # how well it balances is judged on the way out, together with the contact forces
+                # its residual is checked at the end, together with the contact forces
                 fields[body.part] = solve_elasticity(body.problem).displacements
                 loads[body.part] = body.load_N
         progress("condensing the bodies to their surfaces")
@@ -133,17 +133,17 @@ class TwoBodiesCase(RunnableCase):
 
 
 def _worst(statuses: Sequence[Status]) -> Status:
-    """The first that is of a failure; otherwise the first."""
+    """The first failure; otherwise the first."""
     failed = [status for status in statuses if not status.converged]
-    return [*failed, *statuses, Status(True, "the forces balance", 0)][0]
+    return [*failed, *statuses, Status(True, "the forces are in equilibrium", 0)][0]
 
 
 def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
     """A body without contact."""
     if not body.problem.loads and not any(support.x or support.y for support in body.problem.prescribed):
         raise InputError(
-            f"body {body.name!r}, which bears no load, no given displacement and no contact",
-            "something that acts on each body",
+            f"body {body.name!r}, which has no load, no prescribed displacement and no contact",
+            "a load, a prescribed displacement or a contact for each body",
             "add [[loads]], a displacement in [[supports]], or a contact",
         )
     progress(f"solving for {body.name}")
@@ -155,29 +155,105 @@ def _notices(contact: ContactSolution | None) -> list[str]:
         return []
     return [
         f"{each.secondary.part.name} on {each.primary.part.name}: the surfaces overlapped by {depth:.3g} mm before any "
-        "motion; this is pressed out as if they had been brought there."
+        "motion; the overlap is removed as an interference fit."
         for each, depth in zip(contact.system.contacts, contact.initial_penetration, strict=True)
         if depth > 1e-9 * contact.system.parts[0].body.elasticity.size
     ]
 
 
-def _found(pressed: Pressed, model: BodiesModel) -> dict[str, Any]:
-    rows: dict[str, Any] = {}
-    if model.push is not None and model.push.force == 0.0:
-        rows["sliding_body"] = model.push.part.name
-        rows["slid_mm"] = [pressed.pushed * component for component in model.push.direction]
-    elif model.push is not None:
-        rows["pushed_body"] = model.push.part.name
-        rows["push_N"] = [model.push.force * component for component in model.push.direction]
-        rows["pushed_mm"] = pressed.pushed
-    rows["forces"] = [
-        {
-            "body": body.name,
-            "contact_N": pressed.force_on(body.part),
-            "loads_N": body.load_N,
-            "supports_N": -pressed.force_on(body.part) - body.load_N,
-        }
-        for body in model.bodies.values()
-        if body.part is not None
-    ]
+def _push_results(pressed: Pressed, model: BodiesModel) -> dict[str, Any]:
+    push = model.push
+    if push is None:
+        return {}
+    if push.force == 0.0:
+        return {"sliding_body": push.part.name, "slid_mm": [pressed.pushed * each for each in push.direction]}
+    force = [push.force * each for each in push.direction]
+    return {"pushed_body": push.part.name, "push_N": force, "pushed_mm": pressed.pushed}
+
+
+def _forces(pressed: Pressed, model: BodiesModel) -> list[ForcesSummary]:
+    rows = []
+    for body in model.bodies.values():
+        if body.part is not None:
+            contact, loads = pressed.force_on(body.part), body.load_N
+            rows.append(ForcesSummary(body.name, contact.tolist(), loads.tolist(), (-contact - loads).tolist()))
     return rows
+
+
+def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[str, ...]]:
+    """Return the final status, and warnings about what makes the result less exact.
+
+    Errors, which make the status that of a failure besides an overlap (see `ContactSolution.overlaps`): those of
+    `check_contact`, nodes that are not in equilibrium, and a body that moved through another one. The message also
+    says if nothing touches.
+
+    Parameters
+    ----------
+    pressed
+        The solution.
+    model
+        The bodies and their loads.
+
+    """
+    status, contact = pressed.status, pressed.contact
+    if not (status.converged or contact.overlapped):
+        return status, ()
+    if status.converged and not contact.forces.any() and model.push is None:
+        overlaps = _carried_through(model)
+        message = "; ".join(overlaps) or f"{status.message}; nothing touches"
+        return Status(not overlaps, message, status.iterations), ()
+    patches = pressure_patches(contact.system, contact.state)
+    names = [
+        f"the contact of {each.secondary.part.name} on {each.primary.part.name}" for each in contact.system.contacts
+    ]
+    checks = check_contact(contact.system, contact.state, patches, names)
+    errors = [*checks.errors, *_residual_errors(pressed, model)]
+    if errors and status.converged:
+        status = Status(False, "; ".join(errors), status.iterations)
+    missing = (
+        f"{surface.part.name}: there is contact at the end of the given edges, and the boundary continues: contact "
+        "beyond is missing; give more edges, unless they were left out on purpose"
+        for surface in cut_zones(contact.system, contact.state)
+    )
+    return status, (*checks.warnings, *missing)
+
+
+def _carried_through(model: BodiesModel) -> list[str]:
+    """Pairs that do not touch at the end, and overlap during the motion."""
+    errors = []
+    for one, other in {(each.secondary.part, each.primary.part) for each in model.contacts}:
+        pair = (one, other)
+        ends = [moved_part(part, model.motion, 1.0).points(part.body.mesh.points) for part in pair]
+        starts = [part.placement.points(part.body.mesh.points) for part in pair]
+        travel = sum(float(np.hypot(*(end - start).T).max()) for start, end in zip(starts, ends, strict=True))
+        smallest = min(float(np.ptp(start, axis=0).min()) for start in starts)
+        n_stops = min(int(np.ceil(travel / (SHARE_OF_BODY * smallest))), MOST_STOPS)
+        for stop in range(1, n_stops):
+            share = stop / n_stops
+            meshes = [part.body.mesh.placed(moved_part(part, model.motion, share)) for part in pair]
+            if deepest_overlap(*meshes) is not None:
+                errors.append(
+                    f"{one.name} and {other.name} overlap after {100.0 * share:.3g} % of the motion and do not "
+                    "touch at its end: one moved through the other; move it less, or in smaller steps "
+                    "(steps.number)"
+                )
+                break
+    return sorted(errors)
+
+
+def _residual_errors(pressed: Pressed, model: BodiesModel) -> list[str]:
+    """Bodies in contact whose nodes are not in equilibrium."""
+    errors = []
+    for body in model.bodies.values():
+        if body.part is not None:
+            back = pressed.placement(body.part).inverse()
+            forces = back.vectors(pressed.contact.nodal_forces(body.part))
+            field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
+            left = nodal_imbalance(field, forces, ~body.part.body.free.reshape(-1, 2))
+            if not left <= MAX_IMBALANCE:
+                errors.append(
+                    f"{body.name}: the nodal residual is {left:.1e} of the maximum nodal force; report this with the "
+                    "case file as a defect, unless its elements have very different sizes or its materials very "
+                    "different moduli"
+                )
+    return errors

@@ -1,17 +1,60 @@
-"""Inputs of a wheelset on two rails: what every situation shares."""
+"""The cases of an elastic wheelset on two rails: standing on tangent track, and in a curve."""
 
-from typing import TYPE_CHECKING, ClassVar, Literal
+import time
+from dataclasses import dataclass
+from typing import ClassVar, Literal
 
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.wheelset.summarise import summarise
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
+from flangeway.cases.wheelset.wheelset_summary import PublishedPosition, WheelsetSummary
 from flangeway.materials import Elastic
 from flangeway.railway.track.discretisation import Choice, Discretisation, EnforcementName, Method, PairingName
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
+from flangeway.solve import Status
 
-if TYPE_CHECKING:
-    from flangeway.cases.wheelset.runner import CaseRun
+PUBLISHED_CM = {
+    ("fem", 1): (-3.122e-1, 7.025e-1, 3.273e-4),
+    ("fem", 2): (-3.126e-1, 7.330e-1, 3.404e-4),
+    ("vem", 1): (-3.122e-1, 7.073e-1, 3.291e-4),
+    ("vem", 2): (-3.125e-1, 7.309e-1, 3.395e-4),
+}
+"""Vertical and horizontal translation in cm and rotation in rad by method and order (Moherdaui 2021, Table 16)."""
+PUBLISHED_REASON = (
+    "Published position of the curve (Moherdaui 2021, Table 16, along horizontal and vertical): its vertical "
+    "displacement is relative to an unknown reference, with a gap of about 2.6 mm; its lateral displacement is "
+    "decided by where the wheel's flange root meets the rail. The root of the AAR-1B is assumed here, which makes the "
+    "lateral displacement 1 to 3 mm larger. `flangeway reproduce wheel-rail` compares with a root that one of the "
+    "published numbers identifies."
+)
+
+
+@dataclass(frozen=True, eq=False)
+class CaseRun:
+    """A case of a wheelset and what came out of it.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    result
+        The solution.
+    summary
+        What ``summary.json`` holds.
+
+    """
+
+    case: "WheelsetCase"
+    result: WheelsetResult
+    summary: WheelsetSummary
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return self.result.status
 
 
 class WheelsetCase(WheelsetInputs, RunnableCase):
@@ -23,65 +66,79 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     )
 
     lateral_mm: float | None = Field(
-        None, description="prescribed lateral motion of the axle's middle in the track's axes; found if left out"
+        None, description="prescribed lateral position of the axle's middle in the track's axes (default: computed)"
     )
-    vertical_mm: float | None = Field(None, description="prescribed vertical motion; found if left out")
-    roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise; found if left out")
-    wheel_young_MPa: float | None = Field(None, gt=0.0, description="young_MPa of the wheels, if unlike")  # noqa: N815
-    wheel_poisson: float | None = Field(None, gt=-1.0, lt=0.5, description="poisson of the wheels, if unlike")
-    rail_young_MPa: float | None = Field(None, gt=0.0, description="young_MPa of the rails, if unlike")  # noqa: N815
-    rail_poisson: float | None = Field(None, gt=-1.0, lt=0.5, description="poisson of the rails, if unlike")
+    vertical_mm: float | None = Field(None, description="prescribed vertical position (default: computed)")
+    roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise (default: computed)")
+    wheel_young_MPa: float | None = Field(
+        None, gt=0.0, description="Young's modulus of the wheels (default: young_MPa)"
+    )  # noqa: N815
+    wheel_poisson: float | None = Field(
+        None, gt=-1.0, lt=0.5, description="Poisson's ratio of the wheels (default: poisson)"
+    )
+    rail_young_MPa: float | None = Field(None, gt=0.0, description="Young's modulus of the rails (default: young_MPa)")  # noqa: N815
+    rail_poisson: float | None = Field(
+        None, gt=-1.0, lt=0.5, description="Poisson's ratio of the rails (default: poisson)"
+    )
     yield_MPa: float | None = Field(  # noqa: N815
-        None, gt=0.0, description="yield strength, for a warning; 510 MPa, that of rail steel, if left out"
+        None, gt=0.0, description="yield strength, for a warning (default: 510 MPa, rail steel)"
     )
     method: Method = Field(Discretisation.method, description="fem is triangles, vem is polygons with virtual elements")
     order: int = Field(Discretisation.order, ge=1, le=2, description="order of the elements: FO2 is fem of order 2")
-    wheel_method: Method | None = Field(None, description="method of the wheels, if unlike")
-    rail_method: Method | None = Field(None, description="method of the rails, if unlike")
-    wheel_order: int | None = Field(None, ge=1, le=2, description="order in the wheels, if unlike")
-    rail_order: int | None = Field(None, ge=1, le=2, description="order in the rails, if unlike")
+    wheel_method: Method | None = Field(None, description="method of the wheels (default: method)")
+    rail_method: Method | None = Field(None, description="method of the rails (default: method)")
+    wheel_order: int | None = Field(
+        None, ge=1, le=2, description="order of the elements of the wheels (default: order)"
+    )
+    rail_order: int | None = Field(None, ge=1, le=2, description="order of the elements of the rails (default: order)")
     size_scale: float = Field(Discretisation.size_scale, ge=0.05, le=20.0, description="factor on all element sizes")
     contact_size_mm: float = Field(
         Discretisation.contact_size_mm,
         gt=0.0,
         description="element size in contact, doubled for order 2",
     )
-    wheel_contact_size_mm: float | None = Field(None, gt=0.0, description="contact_size_mm of the wheels, if unlike")
-    rail_contact_size_mm: float | None = Field(None, gt=0.0, description="contact_size_mm of the rails, if unlike")
-    body_size_mm: float = Field(Discretisation.body_size_mm, gt=0.0, description="element size elsewhere, likewise")
-    growth: float = Field(Discretisation.growth, gt=0.0, le=1.0, description="growth of the size per distance")
-    pairing: PairingName = Field(Discretisation.pairing, description="how the surfaces are compared")
-    enforcement: EnforcementName = Field(Discretisation.enforcement, description="how penetration is kept off")
+    wheel_contact_size_mm: float | None = Field(
+        None, gt=0.0, description="element size of the wheels in contact (default: contact_size_mm)"
+    )
+    rail_contact_size_mm: float | None = Field(
+        None, gt=0.0, description="element size of the rails in contact (default: contact_size_mm)"
+    )
+    body_size_mm: float = Field(
+        Discretisation.body_size_mm, gt=0.0, description="element size elsewhere, doubled for order 2"
+    )
+    growth: float = Field(Discretisation.growth, gt=0.0, le=1.0, description="growth of the element size per distance")
+    pairing: PairingName = Field(Discretisation.pairing, description="contact discretisation")
+    enforcement: EnforcementName = Field(Discretisation.enforcement, description="constraint enforcement")
     penalty_factor: float = Field(
         Discretisation.penalty_factor,
         gt=0.0,
-        description="penalty as pressure per penetration, over the contact modulus per mm",
+        description="penalty (pressure per penetration) over the contact modulus per mm",
     )
     nodal_penalty_N_per_mm: float | None = Field(  # noqa: N815
         None,
         gt=0.0,
-        description="penalty of node-to-segment as force per penetration at a node; penalty_factor counts if left out",
+        description="penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)",
     )
     penetration_mm: float = Field(
-        Discretisation.penetration_mm, gt=0.0, description="penetration that augmented-lagrange tolerates"
+        Discretisation.penetration_mm, gt=0.0, description="tolerated penetration of augmented-lagrange"
     )
     primary: Choice = Field(
-        Discretisation.primary, description="body that gives the segments of contact; auto: chosen with a reason"
+        Discretisation.primary, description="primary surface; auto: chosen, and the reason is reported"
     )
 
     equilibria: Literal["reached", "all"] = Field(
-        "reached", description="balances that are looked for: the one reached from the middle, or all"
+        "reached", description="equilibria to find: the one reached from the middle of the track, or all"
     )
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
         self.problem()
 
-    def run(self, progress: Progress = lambda _: None) -> "CaseRun":
-        """See `RunnableCase.run`."""
-        from flangeway.cases.wheelset.runner import run_case  # noqa: PLC0415 (it imports this module)
-
-        return run_case(self, progress)
+    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> CaseRun:
+        """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
+        start = time.perf_counter()
+        result = solve_wheelset(self.problem(), progress, cold=cold)
+        return CaseRun(self, result, summarise(self, result, time.perf_counter() - start))
 
     def problem(self) -> WheelsetProblem:
         """Return the problem to solve.
@@ -114,3 +171,36 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     def _discretisation(self) -> Discretisation:
         shared = Discretisation.__dataclass_fields__.keys() & type(self).model_fields.keys()
         return Discretisation(**{name: getattr(self, name) for name in shared})
+
+
+class WheelsetTangentCase(WheelsetCase):
+    """A wheelset on two rails under the weight of the car (Moherdaui 2021, 7.2.1, Figure 90a)."""
+
+    name: ClassVar[str] = "wheelset-tangent"
+    title: ClassVar[str] = "A wheelset on two rails of straight, level track"
+
+
+class WheelsetCurveCase(WheelsetCase):
+    """A wheelset in a curve to the left, radius 400 m at 70 km/h, superelevation 3 cm (Moherdaui 2021, Figure 90b)."""
+
+    name: ClassVar[str] = "wheelset-curve"
+    title: ClassVar[str] = "A wheelset in a curve, pressed against the outer rail"
+
+    lateral_force_kN: float = Field(  # noqa: N815
+        28.4,
+        description="horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h",
+    )
+    superelevation_mm: float | Literal["from-speed"] = Field(
+        30.0,
+        description="height of the right rail over the left one (default: that of the outer rail); "
+        "from-speed: equilibrium superelevation of speed and radius",
+    )
+
+    def published_position(self) -> PublishedPosition | None:
+        """Return the published position if all inputs but method and order are those of Moherdaui (2021)."""
+        for key, field in type(self).model_fields.items():
+            default = field.get_default(call_default_factory=True)
+            if key not in ("method", "order") and getattr(self, key) != default:
+                return None
+        vertical, horizontal, roll = PUBLISHED_CM[self.method, self.order]
+        return PublishedPosition(10.0 * vertical, 10.0 * horizontal, roll, PUBLISHED_REASON)

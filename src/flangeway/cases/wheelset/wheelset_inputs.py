@@ -7,6 +7,7 @@ from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.cases.wheelset.wheelset_profiles import rail_named, wheel_named
+from flangeway.cases.wheelset.wheelset_summary import PublishedPosition
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile
 from flangeway.railway.profiles.flange_root import with_wide_flange_root
@@ -126,6 +127,10 @@ class WheelsetInputs(Case):
         210e3, gt=0.0, description="Young's modulus of wheels and rails"
     )
     poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
+
+    def published_position(self) -> PublishedPosition | None:
+        """Return the published position for these inputs, if there is one."""
+        return None
 
     def load(self) -> Load:
         """Return weight, lateral force and tilt of the track.

@@ -1,9 +1,8 @@
 """The report of a case of bodies that are pressed, pulled and held."""
 
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
-from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.bodies.bodies_run import BodiesRun, BodiesSummary
 from flangeway.cases.case import RunnableCase
 from flangeway.elements import Element, Lagrange
 from flangeway.materials import Elastic, Material
@@ -56,7 +55,7 @@ def bodies_page(run: BodiesRun, pictures: Sequence[Picture], steps: BodySteps) -
     case, summary = run.case, run.summary
     assert isinstance(case, RunnableCase)
     axes = dict(AXES)
-    if not summary["contacts"]:
+    if not summary.contacts:
         del axes["pressure"], axes["forces"]
     return Page(
         title=case.title,
@@ -65,8 +64,8 @@ def bodies_page(run: BodiesRun, pictures: Sequence[Picture], steps: BodySteps) -
         message=run.status.message,
         facts=_facts(summary),
         again=_again(case, run),
-        versions=summary["versions"],
-        warnings=summary["notices"],
+        versions=summary.versions,
+        warnings=summary.notices,
         assumptions=_assumptions(run),
         scene=bodies_scene(run, steps),
         pictures=pictures,
@@ -81,40 +80,40 @@ def _tables(run: BodiesRun) -> list[Table]:
     rows = result_rows(summary)
     if rows:
         found.append(Table("Results", ("", "value"), tuple(rows)))
-    if summary["contacts"]:
+    if summary.contacts:
         found.append(contacts_of_bodies(summary))
-    if summary["results"].get("forces"):
+    if summary.forces:
         found.append(forces_table(summary))
-    if summary.get("supports"):
+    if summary.supports:
         found.append(supports_table(summary))
     found.append(sizes_table(summary))
     if run.contact is not None:
         found.append(steps_table(run.contact))
-    return [*found, timings_table(summary)]
+    return [*found, timings_table(summary.timings_s)]
 
 
-def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
+def _facts(summary: BodiesSummary) -> list[tuple[str, str]]:
     """Numbers that the case is about, or what there is of every case."""
     facts = [
-        (marked(" ".join((f"{value:.5g}", *words_of(key)[1:])), remark_of(summary["results"], key)), words_of(key)[0])
-        for key, value in summary["results"].items()
+        (marked(" ".join((f"{value:.5g}", *words_of(key)[1:])), remark_of(summary.results, key)), words_of(key)[0])
+        for key, value in summary.results.items()
         if isinstance(value, float)
     ]
     if not any("pressure" in name for _, name in facts):
         facts += [
             (
-                marked(f"{each['max_pressure_MPa']:.5g} MPa", each["max_pressure_remark"]),
-                f"maximum pressure, {each['secondary']} on {each['primary']}",
+                marked(f"{each.max_pressure_MPa:.5g} MPa", each.max_pressure_remark),
+                f"maximum pressure, {each.secondary} on {each.primary}",
             )
-            for each in summary["contacts"]
+            for each in summary.contacts
         ]
-    bodies = summary["bodies"]
-    maximum = max(bodies, key=lambda body: float(body["max_von_mises_MPa"]))
-    place = f", {maximum['name']}" if len(bodies) > 1 else ""
+    bodies = summary.bodies
+    maximum = max(bodies, key=lambda body: body.max_von_mises_MPa)
+    where = f", {maximum.name}" if len(bodies) > 1 else ""
     return [
         *facts[:MOST_FACTS],
-        (f"{max(body['max_displacement_mm'] for body in bodies):.4g} mm", "maximum displacement"),
-        (f"{maximum['max_von_mises_MPa']:.4g} MPa", f"maximum von Mises stress{place}"),
+        (f"{max(body.max_displacement_mm for body in bodies):.4g} mm", "maximum displacement"),
+        (f"{maximum.max_von_mises_MPa:.4g} MPa", f"maximum von Mises stress{where}"),
     ]
 
 
@@ -162,7 +161,7 @@ def _assumptions(run: BodiesRun) -> list[str]:
     if run.contact is None:
         return sentences
     pairs = "; ".join(
-        f"{each.primary.part.name} gives the segments for {each.secondary.part.name}"
+        f"{each.primary.part.name} is the primary surface for {each.secondary.part.name}"
         for each in run.contact.system.contacts
     )
-    return [*sentences, "Contact without friction.", f"Of the bodies in contact, {pairs}."]
+    return [*sentences, "Contact without friction.", f"Contact: {pairs}."]

@@ -52,10 +52,10 @@ def body_steps(run: BodiesRun, last: Sequence[BodyFields]) -> BodySteps:
         return BodySteps(("",), (1,), (last,), "")
     names = [name for name, _ in load_steps(run.contact)]
     earlier, note = run.contact.steps[: len(names) - 1], ""
-    if "sliding_body" in run.summary["results"]:
+    if "sliding_body" in run.summary.results:
         if len(earlier) > 1:
             note = (
-                "Load steps before the balance are not shown: there a hold bears loads that contact bears in the end."
+                "Load steps before equilibrium are not shown: there a support carries loads that contact carries in the end."
             )
         earlier = ()
     elif earlier and _at_rest(run, earlier[0]):

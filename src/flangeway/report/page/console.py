@@ -1,12 +1,14 @@
 """What all commands print alike: tables without a frame, how a run ended, notices, and the files."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
-from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
+
+from flangeway.cases.summary import StatusSummary
+from flangeway.solve import Status
 
 
 def plain_table(*columns: str, title: str | None = None) -> Table:
@@ -24,12 +26,12 @@ def print_rows(console: Console, rows: Iterable[Sequence[str]]) -> None:
     console.print(table)
 
 
-def print_status(console: Console, name: str, status: Mapping[str, Any]) -> None:
-    """Print how the run of a case ended, from the status of its summary."""
-    word, style = ("Converged", "bold green") if status["converged"] else ("NOT converged", "bold red")
+def print_status(console: Console, name: str, status: Status | StatusSummary) -> None:
+    """Print how the run of a case ended."""
+    word, style = ("Converged", "bold green") if status.converged else ("NOT converged", "bold red")
     console.print(f"{name}: ", end="", markup=False)
     console.print(word, style=style, end="")
-    console.print(f", {status['message']}", markup=False, soft_wrap=True)
+    console.print(f", {status.message}", markup=False, soft_wrap=True)
 
 
 def print_notices(console: Console, notices: Iterable[str], word: str = "Note") -> None:

@@ -60,7 +60,10 @@ def section_page(
         assumptions=_assumptions(summary),
         scene=section_scene(run),
         pictures=pictures,
-        tables=[Table("Constants of the section", ("", "value"), tuple(section_rows(summary))), timings_table(summary)],
+        tables=[
+            Table("Constants of the section", ("", "value"), tuple(section_rows(summary))),
+            timings_table(summary["timings_s"]),
+        ],
         axes=AXES,
         inputs=inputs_tables(case),
     )

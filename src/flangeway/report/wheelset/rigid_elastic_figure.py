@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -11,12 +10,11 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Polygon
 
 from flangeway.cases import CaseRun
+from flangeway.cases.wheelset.wheelset_summary import ContactSummary, RigidContactSummary
 from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
 from flangeway.report.figures.drawing import Room, boundary_loops, draw_title, equal_axes, figure_with_room
 from flangeway.report.figures.fields import PartFields
 from flangeway.types import Floats
-
-Row = dict[str, Any]
 
 RIGID, ELASTIC, STEEL = "#c05800", "#0b3d78", "#dfe5ec"
 LEAST_WINDOW_MM = 7.0
@@ -39,19 +37,20 @@ class _Forces:
     forces: Floats
 
     @classmethod
-    def of(cls, rows: list[Row], side: Side) -> "_Forces":
-        mine = sorted((row for row in rows if row["side"] == side), key=lambda row: float(row["space_position_mm"][0]))
-        points = np.array([row["space_position_mm"] for row in mine], dtype=np.float64).reshape(-1, 2)
-        forces = [(row["lateral_force_kN"] or 0.0, row["vertical_force_kN"] or 0.0) for row in mine]
+    def of(cls, rows: Sequence[ContactSummary] | Sequence[RigidContactSummary], side: Side) -> "_Forces":
+        mine = sorted((row for row in rows if row.side == side), key=lambda row: row.space_position_mm[0])
+        points = np.array([row.space_position_mm for row in mine], dtype=np.float64).reshape(-1, 2)
+        forces = [(row.lateral_force_kN or 0.0, row.vertical_force_kN or 0.0) for row in mine]
         return cls(points, np.array(forces, dtype=np.float64).reshape(-1, 2))
 
 
 def rigid_elastic_figure(run: CaseRun, parts: Sequence[PartFields]) -> Figure:
     """Draw both sides in true shape, the rigid outlines dashed, and below them the zones of contact enlarged."""
     figure, rows = figure_with_room(12.0, 11.0, ROOM, 2, 2)
-    maximum = max((row["force_kN"] or 0.0 for row in _all_rows(run)), default=0.0)
+    forces = [row.force_kN for row in run.summary.contacts]
+    maximum = max((*forces, *(row.force_kN or 0.0 for row in run.summary.rigid.contacts)), default=0.0)
     for column, side in enumerate(SIDES):
-        elastic, rigid = _Forces.of(run.summary["contacts"], side), _Forces.of(run.summary["rigid"]["contacts"], side)
+        elastic, rigid = _Forces.of(run.summary.contacts, side), _Forces.of(run.summary.rigid.contacts, side)
         points = np.vstack((elastic.points, rigid.points))
         if len(points) == 0:
             points = _top_of_rail(run, side)
@@ -77,14 +76,10 @@ def _top_of_rail(run: CaseRun, side: Side) -> Floats:
     return rail[np.argmax(rail[:, 1])][None]
 
 
-def _all_rows(run: CaseRun) -> list[Row]:
-    return [*run.summary["contacts"], *run.summary["rigid"]["contacts"]]
-
-
 def _rigid_outlines(run: CaseRun, side: Side) -> list[Floats]:
     """Wheel at the rigid position and undeformed rail, points (n, 2) in the track's axes."""
-    problem, rigid = run.result.model.problem, run.summary["rigid"]
-    motion = WheelsetMotion(rigid["lateral_mm"], rigid["vertical_mm"], rigid["roll_rad"])
+    problem, rigid = run.result.model.problem, run.summary.rigid
+    motion = WheelsetMotion(rigid.lateral_mm, rigid.vertical_mm, rigid.roll_rad)
     bodies = (
         (problem.wheelset.wheel_of(side).outline, motion.placement(problem.wheelset, side)),
         (problem.track.rail_of(side).outline, problem.track.placement(side)),

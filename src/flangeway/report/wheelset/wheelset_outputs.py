@@ -1,10 +1,9 @@
-"""All files that a run leaves, by name."""
+"""All files of a run of a wheelset, except ``summary.json``."""
 
 from collections.abc import Callable
 from functools import partial
-from pathlib import Path
 
-from flangeway.cases import CaseRun, write_summary
+from flangeway.cases import CaseRun
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import png
 from flangeway.report.figures.fields import PartFields, part_fields
@@ -24,50 +23,31 @@ from flangeway.report.wheelset.subsurface_figure import (
 )
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset.wheelset_page import wheelset_page
-from flangeway.system.output_folder import bytes_writer, text_writer, write_together
+from flangeway.system.output_folder import Writer, bytes_writer, text_writer
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-SUMMARY, REPORT, COLLECTION, SUBSURFACE = "summary.json", "report.html", "wheelset.pvd", "subsurface.csv"
+REPORT, COLLECTION, SUBSURFACE = "report.html", "wheelset.pvd", "subsurface.csv"
 PICTURES = (
     "wheelset.png", "rigid-and-elastic.png", "stresses-left.png", "stresses-right.png", "pressure.png",
     "convergence.png", "subsurface.png", "bending.png",
 )  # fmt: skip
-NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, *PICTURES, SUBSURFACE, REPORT, SUMMARY)
+NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, *PICTURES, SUBSURFACE, REPORT)
 
 
-def write_outputs(run: CaseRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
-    """Write all files of a run, ``summary.json`` last, together or not at all.
-
-    Parameters
-    ----------
-    run
-        The run.
-    folder
-        Where the files go; made if needed.
-    progress
-        Called with a sentence at each stage.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written.
-
-    """
+def wheelset_writers(run: CaseRun, progress: Callable[[str], None]) -> dict[str, Writer]:
+    """Return functions that write pictures, fields, stresses below the contacts and report, by the files' names."""
     progress("drawing the pictures")
     fields = list(part_fields(run.result))
     below = subsurface_lines(run.result)
     pictures = _pictures(run, fields, below)
     progress("writing the files")
-    writers: dict[str, Callable[[Path], None]] = {
-        f"{part.name}.vtu": partial(write_part, fields=part) for part in fields
-    }
+    writers: dict[str, Writer] = {f"{part.name}.vtu": partial(write_part, fields=part) for part in fields}
     vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     writers |= {name: bytes_writer(picture.png) for name, picture in zip(PICTURES, pictures, strict=True)}
     writers[SUBSURFACE] = text_writer(subsurface_table(below))
     writers[REPORT] = text_writer(report_page(wheelset_page(run, pictures, fields)))
-    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
-    return write_together(folder, writers)
+    return writers
 
 
 def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine]) -> list[Picture]:

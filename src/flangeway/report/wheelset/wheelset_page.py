@@ -1,9 +1,9 @@
 """The report of a wheelset."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from flangeway.cases import CaseRun
+from flangeway.cases.wheelset.wheelset_summary import WheelsetSummary
 from flangeway.railway.track.discretisation import Role
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.page.case_text import case_text, inputs_tables
@@ -15,8 +15,8 @@ from flangeway.report.page.page_tables import (
     contact_name,
     contacts_table,
     marked,
-    motion_table,
     number,
+    position_table,
     rigid_table,
     stresses_table,
     support_table,
@@ -45,27 +45,27 @@ def wheelset_page(run: CaseRun, pictures: Sequence[Picture], parts: Sequence[Par
     """
     summary = run.summary
     problem = run.result.model.problem
-    contacts = (contacts_table,) if summary["contacts"] else ()
+    contacts = (contacts_table,) if summary.contacts else ()
     tables = (
-        *(*contacts, motion_table, rigid_table, bending_table),
-        *(support_table, stresses_table, bodies_table, timings_table),
+        *(*contacts, position_table, rigid_table, bending_table),
+        *(support_table, stresses_table, bodies_table),
     )
     return Page(
         title=run.case.title,
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; plane strain, "
         f"{problem.thickness_mm:g} mm of length; {_method(run)}",
-        converged=summary["status"]["converged"],
-        message=summary["status"]["message"],
+        converged=summary.status.converged,
+        message=summary.status.message,
         facts=_facts(summary),
         again=Again(command_line(run.case), case_text(run.case), files=FILES),
-        versions=summary["versions"],
+        versions=summary.versions,
         sentences=[_reference(summary)],
-        warnings=summary["warnings"],
-        assumptions=summary["assumptions"],
-        scene=wheelset_scene(parts, summary["contacts"]) if parts else None,
+        warnings=summary.warnings,
+        assumptions=summary.assumptions,
+        scene=wheelset_scene(parts, summary.contacts) if parts else None,
         pictures=pictures,
-        tables=[table(summary) for table in tables],
-        axes=summary["axes"],
+        tables=[*(table(summary) for table in tables), timings_table(summary.timings_s)],
+        axes=summary.axes,
         inputs=inputs_tables(run.case),
     )
 
@@ -78,29 +78,26 @@ def _method(run: CaseRun) -> str:
         kind: Role = "wheel" if role == "wheel" else "rail"
         order = "linear" if settings.order_of(kind) == 1 else "quadratic"
         words.append(f"{order} {'finite' if settings.method_of(kind) == 'fem' else 'virtual'} elements")
-    cells = words[0] if words[0] == words[1] else f"{words[0]} in the wheels, {words[1]} in the rails"
-    return f"{cells}, the {problem.primary[0]}s give the segments of contact"
+    elements = words[0] if words[0] == words[1] else f"{words[0]} in the wheels, {words[1]} in the rails"
+    return f"{elements}, the {problem.primary[0]}s are the primary surface"
 
 
-def _reference(summary: dict[str, Any]) -> str:
-    published = summary["published"]
-    more = f" {published['reason']}" if published else ""
-    return f"{summary['motion']['reference']}{more}"
+def _reference(summary: WheelsetSummary) -> str:
+    published = summary.published
+    return summary.position.reference + (f" {published.reason}" if published else "")
 
 
-def _facts(summary: dict[str, Any]) -> list[tuple[str, str]]:
-    facts = [
-        (number(summary["motion"]["approach_mm"], 3) + " mm", "approach after first touch"),
-    ]
-    for contact in summary["contacts"]:
-        side, place = contact["side"], contact_name(contact, summary["contacts"])
+def _facts(summary: WheelsetSummary) -> list[tuple[str, str]]:
+    facts = [(number(summary.position.approach_mm, 3) + " mm", "approach after first touch")]
+    for contact in summary.contacts:
+        side, name = contact.side, contact_name(contact, summary.contacts)
         facts += [
-            (number(contact["force_kN"], 2) + " kN", f"force on the {side} wheel" + place.removeprefix(side)),
+            (number(contact.force_kN, 2) + " kN", f"force on the {side} wheel" + name.removeprefix(side)),
             (
-                marked(number(contact["max_pressure_MPa"], 0) + " MPa", contact["max_pressure_remark"]),
-                f"maximum pressure, {place}",
+                marked(number(contact.max_pressure_MPa, 0) + " MPa", contact.max_pressure_remark),
+                f"maximum pressure, {name}",
             ),
         ]
-    error = summary["balance"]["equilibrium_residual"]
-    facts.append(("–" if error is None else f"{error:.0e}", "resulting error of the balance"))
+    residual = summary.residual.equilibrium
+    facts.append(("–" if residual is None else f"{residual:.0e}", "equilibrium residual"))
     return facts

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.cases.wheelset.runner import run_case
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
@@ -73,4 +72,4 @@ def refine_contact(
     for divisor in divisors:
         progress(f"element size in contact over {divisor}")
         finer = type(case).from_values({**values, "contact_size_mm": case.contact_size_mm / divisor})
-        yield RefinedContact(divisor, run_case(finer, cold=True).result)
+        yield RefinedContact(divisor, finer.run(cold=True).result)

@@ -6,7 +6,6 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.cases.wheelset.runner import run_case
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.rigid.rigid_equilibrium import RigidPosition
@@ -93,4 +92,4 @@ def rigid_limit(
     for factor in factors:
         progress(f"Young's modulus times {factor:g}")
         raised = type(case).from_values({**values, "young_MPa": factor * case.young_MPa})
-        yield StiffenedWheelset(factor, run_case(raised, cold=True).result)
+        yield StiffenedWheelset(factor, raised.run(cold=True).result)

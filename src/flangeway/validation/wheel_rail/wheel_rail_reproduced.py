@@ -14,8 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.cases.case import Progress
-from flangeway.cases.wheelset.runner import run_case
-from flangeway.cases.wheelset.wheelset_curve import WheelsetCurveCase
+from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.flange_root import IDENTIFIED
 from flangeway.railway.track.discretisation import Discretisation
@@ -150,7 +149,7 @@ def reproduce_wheel_rail(*, quick: bool = False, progress: Progress = lambda _: 
     for crown in () if quick else (8.0, 14.0):
         progress(f"crown radius {crown:g} in")
         case = WheelsetCurveCase.from_values({"crown_radius_in": crown, "order": 2, "wheel": IDENTIFIED})
-        crowns[crown] = run_case(case, cold=True).result
+        crowns[crown] = case.run(cold=True).result
     curve = WheelsetCurveCase.from_values({"wheel": IDENTIFIED})
     limit = tuple(rigid_limit(curve, (10.0, 100.0) if quick else FACTORS, progress))
     refined = tuple(refine_contact(curve, (1, 2) if quick else DIVISORS, progress))

@@ -7,11 +7,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flangeway.cases.case import Progress
-from flangeway.cases.wheelset.runner import CaseRun
-from flangeway.cases.wheelset.summary import summarise
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.cases.wheelset.wheelset_curve import WheelsetCurveCase
-from flangeway.cases.wheelset.wheelset_tangent import WheelsetTangentCase
+from flangeway.cases.wheelset.summarise import summarise
+from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
 from flangeway.elements import TraceStabilisation
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile, wheel

@@ -1,14 +1,16 @@
-"""The case of a cylinder on another one or on a block, with Hertz's solution beside it."""
+"""Published problems as presets of the general case: a cylinder on another one or a block, and the contact patch test."""
 
 import math
+from abc import abstractmethod
 from dataclasses import replace
 from typing import Any, ClassVar, Literal
 
+import numpy as np
 from pydantic import Field
 
-from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.case import Progress
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
@@ -20,56 +22,81 @@ ZONE_OF_HERTZ = 1.6
 ZONE_EDGES = 3.0
 MOST_EDGES = 10_000
 MAX_RADIUS = 1e6
-"""Radius over the elements' size above which a half disc is no shape to be meshed."""
+"""Radius over the elements' size above which a half disc is not meshed."""
 WIDEST_ZONE = 0.75
-"""Half width of the zone over the radius above which the bodies are no half discs any more."""
+"""Maximum half width of the zone over the radius: wider ones do not fit half discs."""
 
 
-class HertzCase(RunnableCase):
-    """A half disc pressed on another one, or on a block, in plane strain (Moherdaui 2021, 6.2.2)."""
+class BodiesPreset(BodiesCase):
+    """A case that fills in the tables of the general case."""
 
-    name: ClassVar[str] = "hertz"
-    title: ClassVar[str] = "A cylinder on another one or on a block, beside Hertz's solution"
-    essential: ClassVar[tuple[str, ...]] = ("radius_mm", "lower", "lower_radius_mm", "indentation_mm", "size_mm")
+    @abstractmethod
+    def bodies(self) -> TwoBodiesCase:
+        """Return the same as a general case."""
 
-    radius_mm: float = Field(40.0, gt=0.0, description="radius of the upper cylinder")
-    lower: Literal["disc", "block"] = Field("disc", description="what is below: a half disc, or a block")
-    lower_radius_mm: float = Field(40.0, gt=0.0, description="radius of the lower disc; a block is four and two of it")
-    indentation_mm: float = Field(0.2, gt=0.0, description="approach of the held sides after first touch")
-    force_N: float | None = Field(None, gt=0.0, description="pressing force, instead of indentation_mm")  # noqa: N815
-    thickness_mm: float = Field(10.0, gt=0.0, description="length of the cylinders")
-    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
-    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
-    lower_young_MPa: float | None = Field(None, gt=0.0, description="young_MPa of the lower body, if unlike")  # noqa: N815
-    lower_poisson: float | None = Field(None, gt=-1.0, lt=0.5, description="poisson of the lower body, if unlike")
-    method: Literal["fem", "vem"] = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
-    order: int = Field(1, ge=1, le=2, description="order of the elements")
-    lower_method: Literal["fem", "vem"] | None = Field(None, description="method of the lower body, if unlike")
-    lower_order: int | None = Field(None, ge=1, le=2, description="order of the lower body, if unlike")
-    size_mm: float = Field(0.1, ge=1e-6, description="edge length of the triangles in contact")
-    body_size_mm: float = Field(5.0, ge=1e-6, description="edge length of the triangles elsewhere")
-    growth: float = Field(0.13, gt=0.0, le=1.0, description="growth of the edges per distance from the contact")
-    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
-        "segment-to-segment", description="how the surfaces are compared"
-    )
-    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
-        "augmented-lagrange", description="how penetration is kept off"
-    )
-    n_steps: int = Field(1, ge=1, le=1000, description="equal load steps of the indentation")
+    @abstractmethod
+    def results(self, run: BodiesRun) -> dict[str, Any]:
+        """Return the numbers that the case is about."""
+
+    def theory_of(self, run: BodiesRun) -> LineContact | None:  # noqa: ARG002 (presets without Hertz's solution)
+        """Return Hertz's solution for the force of a run, where the case has one."""
+        return None
 
     def check(self) -> None:
         """See `RunnableCase.check`."""
-        self.bodies()
+        self.bodies().check()
 
     def run(self, progress: Progress = lambda _: None) -> BodiesRun:
         """See `RunnableCase.run`."""
         run = self.bodies().run(progress)
+        run = replace(run, case=self, theory=self.theory_of(run))
+        case = {"name": self.name, **self.model_dump()}
+        return replace(run, summary=replace(run.summary, case=case, results=self.results(run)))
+
+
+class HertzCase(BodiesPreset):
+    """A half disc pressed on another one, or on a block, in plane strain (Moherdaui 2021, 6.2.2)."""
+
+    name: ClassVar[str] = "hertz"
+    title: ClassVar[str] = "A cylinder on another one or on a block, compared with Hertz's solution"
+    essential: ClassVar[tuple[str, ...]] = ("radius_mm", "lower", "lower_radius_mm", "indentation_mm", "size_mm")
+
+    radius_mm: float = Field(40.0, gt=0.0, description="radius of the upper cylinder")
+    lower: Literal["disc", "block"] = Field("disc", description="lower body: a half disc, or a block")
+    lower_radius_mm: float = Field(
+        40.0, gt=0.0, description="radius of the lower disc; a block is four radii wide and two high"
+    )
+    indentation_mm: float = Field(0.2, gt=0.0, description="approach of the fixed sides after first touch")
+    force_N: float | None = Field(None, gt=0.0, description="pressing force, instead of indentation_mm")  # noqa: N815
+    thickness_mm: float = Field(10.0, gt=0.0, description="length of the cylinders")
+    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
+    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
+    lower_young_MPa: float | None = Field(
+        None, gt=0.0, description="Young's modulus of the lower body (default: young_MPa)"
+    )  # noqa: N815
+    lower_poisson: float | None = Field(
+        None, gt=-1.0, lt=0.5, description="Poisson's ratio of the lower body (default: poisson)"
+    )
+    method: Literal["fem", "vem"] = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
+    order: int = Field(1, ge=1, le=2, description="order of the elements")
+    lower_method: Literal["fem", "vem"] | None = Field(None, description="method of the lower body (default: method)")
+    lower_order: int | None = Field(None, ge=1, le=2, description="order of the lower body (default: order)")
+    size_mm: float = Field(0.1, ge=1e-6, description="edge length of the triangles in contact")
+    body_size_mm: float = Field(5.0, ge=1e-6, description="edge length of the triangles elsewhere")
+    growth: float = Field(0.13, gt=0.0, le=1.0, description="growth of the edge length per distance from the contact")
+    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
+        "segment-to-segment", description="contact discretisation"
+    )
+    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
+        "augmented-lagrange", description="constraint enforcement"
+    )
+    n_steps: int = Field(1, ge=1, le=1000, description="number of equal load steps")
+
+    def theory_of(self, run: BodiesRun) -> LineContact | None:
+        """See `BodiesPreset.theory_of`."""
         assert run.contact is not None
         force = float(run.contact.forces[0, 1])
-        theory = self.theory(force) if run.status.converged and force > 0.0 else None
-        case = {"name": self.name, **self.model_dump()}
-        summary = {**run.summary, "case": case, "results": self._results(run, theory)}
-        return replace(run, case=self, summary=summary, theory=theory)
+        return self.theory(force) if run.status.converged and force > 0.0 else None
 
     def theory(self, force_N: float) -> LineContact:
         """Hertz's solution for a force."""
@@ -181,11 +208,13 @@ class HertzCase(RunnableCase):
             return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + ZONE_EDGES * self.size_mm
         return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + ZONE_EDGES * self.size_mm
 
-    def _results(self, run: BodiesRun, theory: LineContact | None) -> dict[str, Any]:
+    def results(self, run: BodiesRun) -> dict[str, Any]:
+        """See `BodiesPreset.results`."""
         assert run.contact is not None
+        theory = run.theory
         found: dict[str, Any] = {
             "force_N": float(run.contact.forces[0, 1]),
-            "indentation_mm": run.summary["results"].get("pushed_mm", self.indentation_mm),
+            "indentation_mm": run.summary.results.get("pushed_mm", self.indentation_mm),
         }
         if theory is None or not run.patches:
             return found
@@ -202,3 +231,86 @@ class HertzCase(RunnableCase):
             "half_width_difference": patch.half_width / theory.half_width - 1.0,
             "reaches_an_end": patch.at_edge,
         }
+
+
+class ContactPatchCase(BodiesPreset):
+    """Two equal boxes pressed together, free to spread: the exact pressure is uniform (Moherdaui 2021, Figure 64)."""
+
+    name: ClassVar[str] = "contact-patch"
+    title: ClassVar[str] = "Contact patch test: two boxes with different meshes under a uniform pressure"
+    essential: ClassVar[tuple[str, ...]] = ("approach_mm", "upper_size_mm", "lower_size_mm", "pairing")
+
+    width_mm: float = Field(20.0, gt=0.0, description="width of each box")
+    height_mm: float = Field(10.0, gt=0.0, description="height of each box")
+    approach_mm: float = Field(0.1, gt=0.0, description="approach of the far sides")
+    thickness_mm: float = Field(1.0, gt=0.0, description="length out of the plane")
+    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
+    poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
+    upper_method: Literal["fem", "vem"] = Field("fem", description="elements of the upper, secondary box")
+    lower_method: Literal["fem", "vem"] = Field("vem", description="elements of the lower, primary box")
+    upper_order: int = Field(1, ge=1, le=2, description="order of the upper box's elements")
+    lower_order: int = Field(1, ge=1, le=2, description="order of the lower box's elements")
+    upper_size_mm: float = Field(2.3, ge=1e-6, description="edge length of the upper box's triangles")
+    lower_size_mm: float = Field(3.1, ge=1e-6, description="edge length of the lower box's triangles")
+    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
+        "segment-to-segment", description="contact discretisation; node-to-segment does not pass"
+    )
+    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
+        "multiplier", description="constraint enforcement"
+    )
+
+    def results(self, run: BodiesRun) -> dict[str, Any]:
+        """See `BodiesPreset.results`."""
+        exact = self.exact_pressure_MPa
+        pressures = np.concatenate([patch.pressures for patch in run.patches]) if run.patches else np.zeros(1)
+        return {
+            "exact_pressure_MPa": exact,
+            "min_pressure_MPa": float(pressures.min()),
+            "max_pressure_MPa": float(pressures.max()),
+            "maximum_difference": float(np.abs(pressures / exact - 1.0).max()),
+        }
+
+    @property
+    def exact_pressure_MPa(self) -> float:  # noqa: N802 (the unit megapascal)
+        """The uniform pressure, ``E / (1 - nu^2)`` times the approach over the height of both boxes."""
+        return self.young_MPa / (1.0 - self.poisson**2) * self.approach_mm / (2.0 * self.height_mm)
+
+    def bodies(self) -> TwoBodiesCase:
+        """Return the same as a general case."""
+        bodies: list[dict[str, Any]] = []
+        supports: list[dict[str, Any]] = []
+        for name, sign, far in (("upper", 1.0, "top"), ("lower", -1.0, "bottom")):
+            bodies.append(
+                {
+                    "name": name,
+                    "rectangle": {
+                        "width_mm": self.width_mm,
+                        "height_mm": self.height_mm,
+                        "centre_mm": (0.5 * self.width_mm, 0.5 * sign * self.height_mm),
+                    },
+                    "young_MPa": self.young_MPa,
+                    "poisson": self.poisson,
+                    "method": getattr(self, f"{name}_method"),
+                    "order": getattr(self, f"{name}_order"),
+                    "size_mm": getattr(self, f"{name}_size_mm"),
+                }
+            )
+            supports.append({"body": name, "edges": far, "hold": "y"})
+            supports.append({"body": name, "point_mm": (0.0, sign * self.height_mm), "hold": "x"})
+        contact = {
+            "secondary": "upper",
+            "secondary_edges": "bottom",
+            "primary": "lower",
+            "primary_edges": "top",
+            "pairing": self.pairing,
+            "enforcement": self.enforcement,
+        }
+        return TwoBodiesCase.from_values(
+            {
+                "thickness_mm": self.thickness_mm,
+                "bodies": bodies,
+                "supports": supports,
+                "motions": [{"body": "upper", "shift_mm": (0.0, -self.approach_mm)}],
+                "contacts": [contact],
+            }
+        )

@@ -1,0 +1,290 @@
+"""From the result of a wheelset to its summary."""
+
+import math
+
+import numpy as np
+
+from flangeway.cases.summary import StatusSummary
+from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
+from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
+from flangeway.cases.wheelset.wheelset_summary import (
+    BendingSummary,
+    ContactSummary,
+    FilletSummary,
+    HoldingSummary,
+    LoadSummary,
+    MeshSummary,
+    OtherEquilibrium,
+    PositionSummary,
+    ReactionSummary,
+    ResidualSummary,
+    RigidContactSummary,
+    RigidSummary,
+    SideSummary,
+    StressSummary,
+    SubsurfaceSummary,
+    SupportSummary,
+    WheelsetSummary,
+)
+from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
+from flangeway.post import cell_stresses
+from flangeway.railway.rigid.rigid_contact import contact_locus
+from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, RigidPosition
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.bending import FaceStresses, RailBending, rail_bending
+from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on, stresses_below
+from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
+from flangeway.railway.wheelset.validity import SLICE, below_contacts
+from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
+
+CONFORMING = (
+    "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
+    "profile, or the gap of the profiles at an end of it is 1.5 times that of constant curvature, or less than 1 / 1.5."
+)
+
+
+def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> WheelsetSummary:
+    """Return the summary of a solved case.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    result
+        The solution.
+    total_s
+        Wall-clock time of the computation in seconds.
+
+    """
+    equilibrium, load = result.equilibrium, result.model.problem.load
+    motion, in_space, residual = equilibrium.motion, result.motion_in_space, equilibrium.balance
+    along, onto = load.in_track
+    timings = {name.replace("-", "_"): seconds for name, seconds in result.timings_s.items()}
+    return WheelsetSummary(
+        status=StatusSummary(result.status.converged, result.status.message),
+        position=PositionSummary(
+            *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, result.approach_mm),
+            *(in_space.lateral_mm, in_space.vertical_mm, equilibrium.stable),
+        ),
+        other_equilibria=[
+            OtherEquilibrium(
+                *(each.motion.vertical_mm, each.motion.lateral_mm, each.motion.roll_rad, each.stable),
+                each.balance.equilibrium_residual,
+            )
+            for each in result.others
+        ],
+        load=LoadSummary(load.vertical_N / 1e3, load.lateral_N / 1e3, load.tilt_rad, along / 1e3, onto / 1e3),
+        residual=ResidualSummary(
+            *(residual.vertical_residual, residual.lateral_residual, residual.moment_residual),
+            residual.equilibrium_residual,
+        ),
+        sides=[
+            SideSummary(side, lateral / 1e3, vertical / 1e3, result.lateral_over_vertical(side))
+            for side in SIDES
+            for lateral, vertical in [result.force_on_wheel_N(side)]
+        ],
+        contacts=[_contact(result, patch) for patch in result.patches],
+        rigid=_rigid(result),
+        stresses=_stresses(result),
+        bending=[_bending(rail_bending(result, side)) for side in SIDES],
+        support=_support(result),
+        bodies=_bodies(result),
+        timings_s=timings | {"total": total_s},
+        case={"name": case.name, **case.model_dump()},
+        assumptions=_assumptions(case, result),
+        published=case.published_position(),
+        warnings=[*result.warnings, *worn_field_sides(result.model.problem.track)],
+    )
+
+
+def _contact(result: WheelsetResult, patch: WheelRailPatch) -> ContactSummary:
+    lateral, vertical = patch.force_on_wheel_N / 1e3
+    hertz, pressure = patch.hertz, patch.pressure
+    inward = -lateral if patch.side == "right" else lateral
+    return ContactSummary(
+        side=patch.side,
+        region=patch.region,
+        force_kN=math.hypot(lateral, vertical),
+        lateral_force_kN=lateral,
+        vertical_force_kN=vertical,
+        # of the tangent to which the force is normal, positive towards the flange
+        contact_angle_deg=math.degrees(math.atan2(inward, vertical)),
+        rail_position_mm=patch.rail_point_mm.tolist(),
+        wheel_position_mm=patch.wheel_point_mm.tolist(),
+        space_position_mm=pressure.centre.tolist(),
+        half_width_mm=pressure.half_width,
+        max_pressure_MPa=pressure.pressures.max(),
+        max_pressure_remark=pressure.remark,
+        pressure_oscillation=pressure.scatter,
+        hertz_half_width_mm=hertz.half_width if hertz else None,
+        hertz_pressure_MPa=hertz.max_pressure if hertz else None,
+        hertz_in_plane_shear_MPa=hertz.max_shear if hertz else None,
+        hertz_in_plane_shear_depth_mm=DEPTH_OF_MAX_SHEAR * hertz.half_width if hertz else None,
+        n_nodes=len(pressure.normal_forces),
+        in_rail=_below(result, patch, "rail"),
+        in_wheel=_below(result, patch, "wheel"),
+    )
+
+
+def _below(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> SubsurfaceSummary:
+    line = stresses_below(result, patch, body)
+    shear = maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+    mises = maximum_on(line.distances, line.stresses.von_mises, SEARCHED)
+    return SubsurfaceSummary(shear.value_MPa, shear.depth_mm, mises.value_MPa, mises.depth_mm)
+
+
+def _bending(rail: RailBending) -> BendingSummary:
+    head = rail.head_motion
+    web = {f"web_{face.face}_face_MPa": face.web_MPa for face in rail.faces}
+    return BendingSummary(
+        side=rail.side,
+        head_lateral_mm=head.lateral_mm,
+        head_vertical_mm=head.vertical_mm,
+        head_roll_rad=head.roll_rad,
+        head_roll_outward_rad=head.roll_rad if rail.side == "left" else -head.roll_rad,
+        gauge_outward_mm=rail.gauge_outward_mm,
+        web_height_mm=rail.web_height_mm,
+        web_thickness_mm=rail.web_thickness_mm,
+        web_normal_force_kN=rail.web_normal_N / 1e3,
+        web_shear_force_kN=rail.web_shear_N / 1e3,
+        web_moment_kN_mm=rail.web_moment_Nmm / 1e3,
+        web_gauge_face_MPa=web["web_gauge_face_MPa"],
+        web_field_face_MPa=web["web_field_face_MPa"],
+        fillets=[
+            _fillet(face, towards, *limits)
+            for face in rail.faces
+            for towards, limits in (("head", (rail.web_height_mm, np.inf)), ("foot", (-np.inf, rail.web_height_mm)))
+        ],
+    )
+
+
+def _fillet(face: FaceStresses, towards: str, above_mm: float, below_mm: float) -> FilletSummary:
+    (tension, highest), (compression, lowest) = (face.extreme(sign, above_mm, below_mm) for sign in (1.0, -1.0))
+    # the other principal stress in the plane is zero: a surface in compression all along has no tension
+    return FilletSummary(face.face, towards, max(tension, 0.0), highest.tolist(), -max(-compression, 0.0), lowest.tolist())
+
+
+def _support(result: WheelsetResult) -> SupportSummary:
+    reactions = [
+        ReactionSummary(
+            *(each.part, each.force_N[0] / 1e3, each.force_N[1] / 1e3, each.moment_Nmm / 1e3),
+            each.reference_mm.tolist(),
+            each.eccentricity_mm if each.part.startswith("rail") else None,
+            *(each.force_error, each.moment_residual),
+        )
+        for each in support_reactions(result)
+    ]
+    held = holding_force(result)
+    return SupportSummary(
+        reactions, None if held is None else HoldingSummary(held.lateral_N, held.vertical_N, held.moment_Nmm)
+    )
+
+
+def _rigid(result: WheelsetResult) -> RigidSummary:
+    """Rigid wheels on rigid rails; with a prescribed lateral position there is no equilibrium, and no forces."""
+    rest = result.model.rest
+    position = None if rest.equilibrium is None else rest.equilibrium.position
+    motion = rest.motion if position is None else position.motion
+    points = _touching(result) if position is None else position.contacts
+    lateral, vertical = result.model.problem.load.to_space(motion.lateral_mm, motion.vertical_mm)
+    return RigidSummary(
+        *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, lateral, vertical),
+        [_rigid_contact(result, point, position) for point in points],
+    )
+
+
+def _touching(result: WheelsetResult) -> list[RigidContactPoint]:
+    """Points of contact at the prescribed lateral position, without force."""
+    rest = result.model.rest
+    locus = contact_locus(rest.wheelset, [rest.motion.lateral_mm])
+    points = []
+    for side in SIDES:
+        at = locus.side(side)
+        on_wheel, on_rail, in_space = (
+            (float(row[0, 0, 0]), float(row[0, 0, 1])) for row in (at.wheel_points_mm, at.rail_points_mm, at.points_mm)
+        )
+        angle, radius, curvature = (
+            float(row[0, 0]) for row in (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm)
+        )
+        points.append(RigidContactPoint(side, on_wheel, on_rail, in_space, angle, radius, curvature, 0.0))
+    return points
+
+
+def _rigid_contact(
+    result: WheelsetResult, point: RigidContactPoint, position: RigidPosition | None
+) -> RigidContactSummary:
+    hertz = None
+    if point.normal_force_N > 0.0:
+        hertz = result.model.hertz_at(point.side, point.wheel_point_mm, point.rail_point_mm, point.normal_force_N)
+    lateral, vertical = (force / 1e3 for force in point.force_on_wheel_N)
+    return RigidContactSummary(
+        side=point.side,
+        force_kN=point.normal_force_N / 1e3 if position else None,
+        lateral_force_kN=lateral if position else None,
+        vertical_force_kN=vertical if position else None,
+        contact_angle_deg=math.degrees(point.contact_angle_rad),
+        rail_position_mm=point.rail_point_mm,
+        wheel_position_mm=point.wheel_point_mm,
+        space_position_mm=point.point_mm,
+        hertz_half_width_mm=hertz.half_width if hertz else None,
+        hertz_pressure_MPa=hertz.max_pressure if hertz else None,
+        rolling_radius_mm=point.rolling_radius_mm,
+    )
+
+
+def _stresses(result: WheelsetResult) -> list[StressSummary]:
+    rows = []
+    for name, displacement in sorted(result.displacements.items()):
+        stresses = cell_stresses(result.model.parts[name].body.elasticity, displacement)
+        near = stresses.von_mises[below_contacts(result.model, result.patches, name)]
+        rows.append(
+            StressSummary(
+                *(name, near.max() if len(near) else None, stresses.von_mises.max()),
+                *(stresses.principal[:, 2].min(), stresses.in_plane_shear.max()),
+            )
+        )
+    return rows
+
+
+def _bodies(result: WheelsetResult) -> list[MeshSummary]:
+    parts = result.model.parts.items()
+    return [
+        MeshSummary(
+            *(body.name, body.stiffness.n, body.mesh.n_cells, body.space.n_nodes),
+            sorted(name for name, part in parts if part.body is body),
+        )
+        for body in result.model.bodies
+    ]
+
+
+def _assumptions(case: WheelsetInputs, result: WheelsetResult) -> list[str]:
+    problem = result.model.problem
+    wheelset, track = problem.wheelset, problem.track
+    role, reason = problem.primary
+    materials = {"wheels": problem.material_of("wheel"), "rails": problem.material_of("rail")}
+    if materials["wheels"] == materials["rails"]:
+        materials = {"steel": problem.material}
+    return [
+        "Plane strain: the bodies do not stretch in the direction of the track.",
+        SLICE.format(case.thickness_mm),
+        f"Thickness {case.thickness_mm:g} mm: this length of wheel and rail carries the whole load.",
+        *case.derived(),
+        *profile_notes(track, wheelset),
+        *(
+            f"Linear elastic, isotropic {name}: Young's modulus {each.young:g} MPa, Poisson's ratio "
+            f"{each.poisson:g}; no yielding, however high the stress."
+            for name, each in materials.items()
+        ),
+        "Contact without friction.",
+        *([CONFORMING] if any(patch.hertz is None for patch in result.patches) else []),
+        f"The {role}s are the primary surface: {reason}.",
+        "The rails are fixed along their whole base.",
+        "The wheels' cuts and the axle are rigid; the load acts at the car's centre of gravity and stays vertical"
+        + (", its lateral force horizontal." if problem.load.lateral_N else "."),
+        *(
+            ["The left side is the mirror image of the right side, mesh included."]
+            if wheelset.is_symmetric and track.is_symmetric
+            else []
+        ),
+    ]
