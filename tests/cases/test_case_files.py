@@ -66,7 +66,7 @@ def test_every_case_runs_from_its_file(tmp_path, name):
     assert run.status.converged
     assert run.summary.status.converged is True
     assert run.summary.case["name"] == name
-    json.dumps(run.summary, allow_nan=False)
+    json.dumps(run.summary.to_dict(), allow_nan=False)
 
 
 def test_a_file_of_few_lines_is_the_same_as_python(tmp_path):

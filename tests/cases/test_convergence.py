@@ -1,6 +1,6 @@
 """The comparison of a mesh with the mesh halved."""
 
-import copy
+from dataclasses import replace
 
 import pytest
 
@@ -15,27 +15,30 @@ def halved():
 
 def test_halving_a_coarse_mesh_changes_little(halved):
     """Approach changes by less than 2 % and positions by less than 0.2 mm when the mesh is halved."""
-    scales = [summary["case"]["size_scale"] for summary in halved.summaries]
+    scales = [summary.case["size_scale"] for summary in halved.summaries]
     assert scales == [4.0, 2.0]
     assert halved.within
     assert 0.0 < halved.changes()["approach_change"] < 0.02
     assert 0.0 < halved.changes()["position_change_mm"] < 0.2
-    cells = [sum(body["cells"] for body in summary["bodies"]) for summary in halved.summaries]
+    cells = [sum(body.elements for body in summary.bodies) for summary in halved.summaries]
     assert cells[1] > 2 * cells[0]
 
 
 @pytest.mark.parametrize("spoil", ["approach", "position", "status", "contacts"])
 def test_too_large_a_change_is_not_within(halved, spoil):
     """An approach off by 3 %, a place off by 0.3 mm, a run that did not converge or has no contact fails the check."""
-    coarse, fine = copy.deepcopy(halved.summaries)
+    coarse, fine = halved.summaries
     if spoil == "approach":
-        fine["motion"]["approach_mm"] *= 1.03
+        position = replace(fine.position, approach_mm=1.03 * fine.position.approach_mm)
+        fine = replace(fine, position=position)
     elif spoil == "position":
-        fine["contacts"][1]["wheel_position_mm"][0] += 0.3
+        left, right = fine.contacts
+        x, y = right.wheel_position_mm
+        fine = replace(fine, contacts=[left, replace(right, wheel_position_mm=[x + 0.3, y])])
     elif spoil == "status":
-        coarse["status"]["converged"] = False
+        coarse = replace(coarse, status=replace(coarse.status, converged=False))
     else:
-        fine["contacts"] = []
+        fine = replace(fine, contacts=[])
     spoiled = Convergence((coarse, fine))
     assert not spoiled.within
     assert spoiled.to_json()["within"] is False

@@ -565,7 +565,7 @@ def test_the_files_show_the_whole_motion(tmp_path):
         *("stresses.png", "pressure.png", "convergence.png", "1-upper.vtu", "2-lower.vtu", "bodies.pvd"),
         *("report.html", "summary.json"),
     ]
-    assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary
+    assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary.to_dict()
     read = meshio.read(tmp_path / "1-upper.vtu")
     motion = read.point_data["displacement_mm"]
     top = read.points[:, 1] > UPPER + 0.3 - 1e-9

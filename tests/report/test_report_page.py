@@ -61,7 +61,7 @@ def text(folder):
 
 def test_a_run_leaves_its_files_and_no_others(folder):
     """The folder holds exactly the named files, none of them empty."""
-    assert {path.name for path in folder.iterdir()} == set(NAMES)
+    assert {path.name for path in folder.iterdir()} == {*NAMES, "summary.json"}
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
 
 
@@ -95,13 +95,13 @@ def test_the_page_is_well_formed_and_in_order(text):
 def test_the_page_says_what_was_computed(text, runs):
     """The page bears the assumptions, every input, the numbers of the summary and the versions."""
     words = " ".join(Page(text).words)
-    summary = runs["vem"].summary
+    summary = runs["vem"].summary.to_dict()
     for wanted in ("AAR-1B (approximate)", "10 mm", "Plane strain", "Converged:", *summary["case"]):
         if wanted != "name":
             assert wanted in words
     for contact in summary["contacts"]:
         assert f"{contact['max_pressure_MPa']:.1f}" in words
-    assert f"{summary['motion']['approach_mm']:.4f}" in words
+    assert f"{summary['position']['approach_mm']:.4f}" in words
     for rail in summary["bending"]:
         assert f"{rail['head_lateral_mm']:.3f}" in words
     for row in summary["support"]["reactions"]:
@@ -122,7 +122,7 @@ def test_the_table_below_the_contacts_is_complete(folder, runs):
     """The CSV has every contact in rail and wheel from the surface down, and Hertz's stresses beside."""
     with (folder / "subsurface.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    summary = runs["vem"].summary
+    summary = runs["vem"].summary.to_dict()
     for contact in summary["contacts"]:
         for body in ("rail", "wheel"):
             mine = [row for row in rows if (row["side"], row["body"]) == (contact["side"], body)]
@@ -138,8 +138,8 @@ def test_the_table_below_the_contacts_is_complete(folder, runs):
 def test_text_is_escaped_and_warnings_are_shown(runs):
     """Characters of HTML in a message or a warning are shown, not interpreted; a failure is marked."""
     run = runs["fem"]
-    status = {"converged": False, "message": "a <b> & c"}
-    changed = replace(run, summary=run.summary | {"status": status, "warnings": ["x < y"], "contacts": []})
+    status = replace(run.summary.status, converged=False, message="a <b> & c")
+    changed = replace(run, summary=replace(run.summary, status=status, warnings=["x < y"], contacts=[]))
     page = report_page(wheelset_page(changed, []))
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page

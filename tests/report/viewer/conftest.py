@@ -126,7 +126,7 @@ def viewer_pages(runs, tmp_path_factory):
         parts = list(part_fields(run.result))
         for part in parts:
             write_part(folder / f"{part.name}.vtu", part)
-        return write_page(folder / "page.html", wheelset_scene(parts, run.summary.to_dict()["contacts"]))
+        return write_page(folder / "page.html", wheelset_scene(parts, run.summary.contacts))
 
     return page_by
 

@@ -7,6 +7,8 @@ from pydantic import Field
 from flangeway.cases.case import Box, Case, Pair, Table
 from flangeway.materials import Elastic
 
+# ruff: noqa: N815 (units in names)
+
 HypothesisName = Literal["plane-strain", "plane-stress"]
 
 
@@ -38,7 +40,7 @@ class FineTable(Table):
 class MaterialTable(Table):
     """Isotropic linear elastic material."""
 
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
+    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
 
 
@@ -75,7 +77,7 @@ class BodyTable(Table):
         None, ge=1e-6, description="edge length of the triangles (default: a twentieth of the shape's diagonal)"
     )
     fine: list[FineTable] = Field([], description="regions with smaller triangles")
-    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")  # noqa: N815
+    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
     materials: dict[str, MaterialTable] = Field({}, description="materials by the cell sets of a mesh, for several")
 
@@ -104,10 +106,10 @@ class LoadTable(PlaceTable):
 
     point_mm: Pair | None = Field(None, description="a point of the mesh, for force_N")
     cells: str | None = Field(None, description="cell set for body_force_N_mm3 (default: the whole body)")
-    pressure_MPa: float | None = Field(None, description="pressure on edges, positive into the body")  # noqa: N815
-    traction_MPa: Pair | None = Field(None, description="force per area of edges, x and y")  # noqa: N815
-    force_N: Pair | None = Field(None, description="force at a point, or spread evenly over edges")  # noqa: N815
-    body_force_N_mm3: Pair | None = Field(None, description="force per volume")  # noqa: N815
+    pressure_MPa: float | None = Field(None, description="pressure on edges, positive into the body")
+    traction_MPa: Pair | None = Field(None, description="force per area of edges, x and y")
+    force_N: Pair | None = Field(None, description="force at a point, or spread evenly over edges")
+    body_force_N_mm3: Pair | None = Field(None, description="force per volume")
 
 
 class MotionTable(Table):
@@ -117,7 +119,7 @@ class MotionTable(Table):
     shift_mm: Pair = Field((0.0, 0.0), description="shift of the body's supports")
     rotation_deg: float = Field(0.0, ge=-90.0, le=90.0, description="rotation of the supports, counter-clockwise")
     centre_mm: Pair = Field((0.0, 0.0), description="centre of this rotation")
-    push_N: Pair | None = Field(  # noqa: N815 (the unit newton)
+    push_N: Pair | None = Field(
         None, description="force on the supports: they move along it until the contact carries it"
     )
 
@@ -126,9 +128,7 @@ class ContactTable(Table):
     """A pair of surfaces that may touch; the secondary surface is better the finer one."""
 
     secondary: str = Field(description="body with the secondary surface, whose nodes or edges carry the constraints")
-    secondary_edges: str | list[str] | None = Field(
-        None, description="its edge sets (default: all free edges)"
-    )
+    secondary_edges: str | list[str] | None = Field(None, description="its edge sets (default: all free edges)")
     secondary_box_mm: Box | None = Field(None, description="only its edges inside x_min, y_min, x_max, y_max")
     primary: str = Field(description="body with the primary surface")
     primary_edges: str | list[str] | None = Field(None, description="its edge sets (default: all free edges)")
@@ -144,7 +144,7 @@ class ContactTable(Table):
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
         "augmented-lagrange", description="constraint enforcement"
     )
-    penalty_MPa_mm: float | None = Field(  # noqa: N815 (the unit)
+    penalty_MPa_mm: float | None = Field(
         None, gt=0.0, description="pressure per penetration (default: from stiffness and edges of the bodies)"
     )
     penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
@@ -164,9 +164,7 @@ class BodiesInputs(Case):
     bodies: list[BodyTable] = Field(description="the bodies: shape, mesh, elements and material of each")
     supports: list[SupportTable] = Field([], description="supports, with or without a prescribed displacement")
     loads: list[LoadTable] = Field([], description="pressures, tractions, point forces and forces per volume")
-    motions: list[MotionTable] = Field(
-        [], description="rigid motions of bodies in contact, or forces on supports"
-    )
+    motions: list[MotionTable] = Field([], description="rigid motions of bodies in contact, or forces on supports")
     contacts: list[ContactTable] = Field([], description="pairs of surfaces that may touch, without friction")
     steps: StepsTable = Field(
         default_factory=lambda: StepsTable(number=1), description="how loads and motions are applied"

@@ -1,4 +1,4 @@
-"""Published problems as presets of the general case: a cylinder on another one or a block, and the contact patch test."""
+"""Published problems as presets of the general case: Hertz's contact, and the contact patch test."""
 
 import math
 from abc import abstractmethod
@@ -14,6 +14,8 @@ from flangeway.cases.case import Progress
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
+
+# ruff: noqa: N815 (units in names)
 
 ZONE_OF_LENS = 0.85
 """Half width of the candidate zone over that of the overlap of the rigid bodies; elastic contact takes about half."""
@@ -67,13 +69,13 @@ class HertzCase(BodiesPreset):
         40.0, gt=0.0, description="radius of the lower disc; a block is four radii wide and two high"
     )
     indentation_mm: float = Field(0.2, gt=0.0, description="approach of the fixed sides after first touch")
-    force_N: float | None = Field(None, gt=0.0, description="pressing force, instead of indentation_mm")  # noqa: N815
+    force_N: float | None = Field(None, gt=0.0, description="pressing force, instead of indentation_mm")
     thickness_mm: float = Field(10.0, gt=0.0, description="length of the cylinders")
-    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
+    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
     lower_young_MPa: float | None = Field(
         None, gt=0.0, description="Young's modulus of the lower body (default: young_MPa)"
-    )  # noqa: N815
+    )
     lower_poisson: float | None = Field(
         None, gt=-1.0, lt=0.5, description="Poisson's ratio of the lower body (default: poisson)"
     )
@@ -244,7 +246,7 @@ class ContactPatchCase(BodiesPreset):
     height_mm: float = Field(10.0, gt=0.0, description="height of each box")
     approach_mm: float = Field(0.1, gt=0.0, description="approach of the far sides")
     thickness_mm: float = Field(1.0, gt=0.0, description="length out of the plane")
-    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")  # noqa: N815 (the unit megapascal)
+    young_MPa: float = Field(200e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(1.0 / 3.0, gt=-1.0, lt=0.5, description="Poisson's ratio")
     upper_method: Literal["fem", "vem"] = Field("fem", description="elements of the upper, secondary box")
     lower_method: Literal["fem", "vem"] = Field("vem", description="elements of the lower, primary box")

@@ -162,7 +162,9 @@ def _bending(rail: RailBending) -> BendingSummary:
 def _fillet(face: FaceStresses, towards: str, above_mm: float, below_mm: float) -> FilletSummary:
     (tension, highest), (compression, lowest) = (face.extreme(sign, above_mm, below_mm) for sign in (1.0, -1.0))
     # the other principal stress in the plane is zero: a surface in compression all along has no tension
-    return FilletSummary(face.face, towards, max(tension, 0.0), highest.tolist(), -max(-compression, 0.0), lowest.tolist())
+    return FilletSummary(
+        face.face, towards, max(tension, 0.0), highest.tolist(), -max(-compression, 0.0), lowest.tolist()
+    )
 
 
 def _support(result: WheelsetResult) -> SupportSummary:

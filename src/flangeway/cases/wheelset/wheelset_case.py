@@ -16,6 +16,8 @@ from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.solve import Status
 
+# ruff: noqa: N815 (units in names)
+
 PUBLISHED_CM = {
     ("fem", 1): (-3.122e-1, 7.025e-1, 3.273e-4),
     ("fem", 2): (-3.126e-1, 7.330e-1, 3.404e-4),
@@ -72,15 +74,15 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise (default: computed)")
     wheel_young_MPa: float | None = Field(
         None, gt=0.0, description="Young's modulus of the wheels (default: young_MPa)"
-    )  # noqa: N815
+    )
     wheel_poisson: float | None = Field(
         None, gt=-1.0, lt=0.5, description="Poisson's ratio of the wheels (default: poisson)"
     )
-    rail_young_MPa: float | None = Field(None, gt=0.0, description="Young's modulus of the rails (default: young_MPa)")  # noqa: N815
+    rail_young_MPa: float | None = Field(None, gt=0.0, description="Young's modulus of the rails (default: young_MPa)")
     rail_poisson: float | None = Field(
         None, gt=-1.0, lt=0.5, description="Poisson's ratio of the rails (default: poisson)"
     )
-    yield_MPa: float | None = Field(  # noqa: N815
+    yield_MPa: float | None = Field(
         None, gt=0.0, description="yield strength, for a warning (default: 510 MPa, rail steel)"
     )
     method: Method = Field(Discretisation.method, description="fem is triangles, vem is polygons with virtual elements")
@@ -114,7 +116,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         gt=0.0,
         description="penalty (pressure per penetration) over the contact modulus per mm",
     )
-    nodal_penalty_N_per_mm: float | None = Field(  # noqa: N815
+    nodal_penalty_N_per_mm: float | None = Field(
         None,
         gt=0.0,
         description="penalty of node-to-segment as force per penetration at a node (default: from penalty_factor)",
@@ -186,7 +188,7 @@ class WheelsetCurveCase(WheelsetCase):
     name: ClassVar[str] = "wheelset-curve"
     title: ClassVar[str] = "A wheelset in a curve, pressed against the outer rail"
 
-    lateral_force_kN: float = Field(  # noqa: N815
+    lateral_force_kN: float = Field(
         28.4,
         description="horizontal force at the centre of gravity, to the right: centrifugal force of 400 m at 70 km/h",
     )

@@ -23,6 +23,8 @@ from flangeway.railway.track.wheelset_load import (
 )
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 
+# ruff: noqa: N815 (units in names)
+
 LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
 N_AXLES = 4
@@ -91,14 +93,14 @@ class WheelsetInputs(Case):
     centre_of_gravity_height_mm: float = Field(
         Wheelset.centre_of_gravity_height_mm, description="height of the car's centre of gravity above the axle"
     )
-    axle_load_kN: float = Field(  # noqa: N815 (the unit kilonewton)
+    axle_load_kN: float = Field(
         300.0, gt=0.0, le=1e5, description="weight that the wheelset bears; it presses on the rails"
     )
     car_mass_t: float | None = Field(
         None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"
     )
     n_axles: int = Field(N_AXLES, ge=1, description="wheelsets that share car_mass_t")
-    lateral_force_kN: float = Field(  # noqa: N815
+    lateral_force_kN: float = Field(
         0.0,
         description="horizontal force at the centre of gravity, to the right: centrifugal force of a curve to the left",
     )
@@ -123,9 +125,7 @@ class WheelsetInputs(Case):
     thickness_mm: float = Field(
         WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
     )
-    young_MPa: float = Field(  # noqa: N815 (the unit megapascal)
-        210e3, gt=0.0, description="Young's modulus of wheels and rails"
-    )
+    young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus of wheels and rails")
     poisson: float = Field(0.3, gt=-1.0, lt=0.5, description="Poisson's ratio of wheels and rails")
 
     def published_position(self) -> PublishedPosition | None:

@@ -54,9 +54,7 @@ def body_steps(run: BodiesRun, last: Sequence[BodyFields]) -> BodySteps:
     earlier, note = run.contact.steps[: len(names) - 1], ""
     if "sliding_body" in run.summary.results:
         if len(earlier) > 1:
-            note = (
-                "Load steps before equilibrium are not shown: there a support carries loads that contact carries in the end."
-            )
+            note = "Load steps before equilibrium are not shown: there a support carries loads of the contact."
         earlier = ()
     elif earlier and _at_rest(run, earlier[0]):
         earlier = ()  # and so are all the others before the push: loads and motions are proportional
