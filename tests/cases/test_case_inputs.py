@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
-from flangeway.cases.case import GivenText
+from flangeway.campaign import Campaign
+from flangeway.cases.case import RENAMED, GivenText
+from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
 
@@ -156,3 +158,26 @@ def test_a_measured_profile_finds_its_body(tmp_path):
         case = WheelsetTangentCase.from_values(values)
         assert on_rail in case.track().rail_of("left").title
         assert on_wheel in case.wheelset().wheel_of("left").title
+
+
+@pytest.mark.parametrize(("old", "new"), RENAMED.items())
+def test_the_error_for_an_old_key_names_the_new_one(old, new):
+    """A key of an earlier version is refused with its present name, which is that of an input."""
+    kinds = [kind for kind in (*CASES.values(), GeometryCase) if new in kind.model_fields]
+    assert kinds
+    for kind in kinds:
+        assert old not in kind.model_fields
+        with pytest.raises(InputError) as caught:
+            kind.from_values({old: 1.0})
+        assert f"{old} is now {new}" in caught.value.advice
+
+
+def test_old_keys_are_named_in_campaigns_and_on_the_command_line(tmp_path, call):
+    """The present name is also in the error of a campaign file and of an option, with the line of the file."""
+    file = tmp_path / "c.toml"
+    file.write_text('case = "wheelset-tangent"\n[inputs]\nbarycentre_height_mm = 1500.0\n[vary]\ncant = [0.0, 0.1]\n')
+    with pytest.raises(InputError, match=r"line 3.*\n.*\n.*barycentre_height_mm is now centre_of_gravity_height_mm"):
+        Campaign.from_file(file)
+    code, _, err = call("run", "wheelset-tangent", "--set", "throat_radius_mm=14.3")
+    assert code == 2
+    assert "throat_radius_mm is now flange_root_radius_mm" in err

@@ -99,9 +99,9 @@ def test_a_box_that_slides_rests_on_the_contact(gap, turned):
 
 def test_a_weight_that_slides_is_borne_by_the_contact():
     """The force of contact is the weight of the box that slides, and its supports bear none of it."""
-    results = sliding(0.1, False, [{"body_force_N_mm3": [0.0, -2.5]}]).run().summary.results
+    summary = sliding(0.1, False, [{"body_force_N_mm3": [0.0, -2.5]}]).run().summary.to_dict()
     weight = 2.5 * UPPER * WIDTH * 2.0
-    upper = results["forces"][0]
+    upper, results = summary["forces"][0], summary["results"]
     assert results["sliding_body"] == "upper"
     assert results["slid_mm"][1] < -0.1
     assert upper["contact_N"][1] == pytest.approx(weight, rel=1e-6)
@@ -112,7 +112,7 @@ def test_a_weight_that_slides_is_borne_by_the_contact():
     ("supports", "loads", "told"),
     [
         ([{"at_x_mm": -3.0, "hold": "x"}], [], "slide in y, without a load"),
-        ([{"point_mm": [-3.0, 2.0], "hold": "x"}], [], "in several ways"),
+        ([{"point_mm": [-3.0, 2.0], "hold": "x"}], [], "in several directions"),
         ([{"point_mm": [-3.0, 2.0], "hold": "xy"}], [], "with a rotation"),
         ([{"at_x_mm": -3.0, "hold": "x"}], [{"edges": "top", "pressure_MPa": 1.0}], None),
     ],

@@ -63,7 +63,7 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
 def test_a_failure_and_notices_are_marked(hertz, hertz_steps):
     """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
     status = Status(False, "a <b> & c", 3)
-    summary = hertz.summary | {"notices": ["x < y"]}
+    summary = replace(hertz.summary, notices=["x < y"])
     page = report_page(bodies_page(replace(hertz, status=status, summary=summary), [], hertz_steps))
     assert 'class="status failed"' in page
     assert "a &lt;b&gt; &amp; c" in page

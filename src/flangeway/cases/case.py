@@ -20,8 +20,16 @@ from flangeway.types import Key
 
 Progress = Callable[[str], None]
 
-MOST_TOLD = 5
-"""Faults that one message tells; the others are counted."""
+RENAMED = {
+    "throat_radius_mm": "flange_root_radius_mm",
+    "wide_throat_radius_mm": "wide_flange_root_radius_mm",
+    "barycentre_height_mm": "centre_of_gravity_height_mm",
+    "largest_lateral_mm": "maximum_lateral_mm",
+    "largest_amplitude_mm": "maximum_amplitude_mm",
+}
+"""Keys of earlier versions, and what they are called now: the error for an old key names the new one."""
+MAX_REPORTED = 5
+"""Errors in one message; of the others only the number is given."""
 MAX_NUMBER = 1e30
 """No length, force or modulus is larger in its unit."""
 
@@ -292,7 +300,7 @@ def _input_error(
     for error in reason.errors(include_url=False, include_context=False):
         key, table, field = _found(case, error["loc"])
         faults.setdefault(key, (error, table, field))
-    for key, (error, table, field) in [*faults.items()][:MOST_TOLD]:
+    for key, (error, table, field) in [*faults.items()][:MAX_REPORTED]:
         name, text = str(key[-1]) if key else "", key_text(key)
         if error["type"] == "missing" and field is not None:
             given.append(f"{where(key[:-1])}no {text}")
@@ -301,16 +309,17 @@ def _input_error(
         elif field is None:
             known = list(table.model_fields)
             inside = key_text(key[:-1])
-            given.append(f"{where(key)}an input called {short(name)}{f' in {inside}' if inside else ''}")
+            given.append(f"{where(key)}there is no input called {short(name)}{f' in {inside}' if inside else ''}")
             allow.append(f"the inputs of {inside or case.name}: {', '.join(known)}")
-            advice.append(closest(name, known))
+            new = RENAMED.get(name)
+            advice.append(f"{name} is now {new}" if new in known else closest(name, known))
         else:
             last = next(item for item in reversed(key) if isinstance(item, str))
             given.append(f"{where(key)}{text} = {short(_at(values, key, error['input']))}")
             allow.append(f"{last} is {allowed(field)}")
             advice.append(_advice(last, field))
-    if len(faults) > MOST_TOLD:
-        given.append(f"and {len(faults) - MOST_TOLD} more")
+    if len(faults) > MAX_REPORTED:
+        given.append(f"and {len(faults) - MAX_REPORTED} more")
     return InputError("; ".join(given), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advice)))
 
 

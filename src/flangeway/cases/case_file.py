@@ -47,7 +47,7 @@ def find_case(name: str) -> type[RunnableCase]:
 
     """
     if name not in CASES:
-        raise InputError(f"a case called {name!r}", f"one of: {', '.join(CASES)}", closest(name, list(CASES)))
+        raise InputError(f"there is no case called {name!r}", f"one of: {', '.join(CASES)}", closest(name, list(CASES)))
     return CASES[name]
 
 
