@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
 from flangeway.campaign import Campaign
+from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, find_case
 from flangeway.cases.case import RENAMED, GivenText
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError

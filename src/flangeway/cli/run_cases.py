@@ -219,7 +219,9 @@ def _wheelset(case: "RunnableCase") -> "WheelsetCase":
     if isinstance(case, WheelsetCase):
         return case
     names = [name for name, kind in CASES.items() if issubclass(kind, WheelsetCase)]
-    raise InputError(f"the case {case.name!r}, which is not a wheelset", f"one of: {', '.join(names)}", "choose one of these")
+    raise InputError(
+        f"the case {case.name!r}, which is not a wheelset", f"one of: {', '.join(names)}", "choose one of these"
+    )
 
 
 def _refuse_existing(file: Path, advice: str) -> None:
