@@ -26,24 +26,24 @@ PURPOSE = {
 }
 INTRODUCTION = """# Licences
 
-flangeway is under the BSD 3-Clause licence; the text is in the file `LICENSE`. This page lists what it depends on;
-`python .ci/licences.py` makes it from the metadata of the packages themselves.
+flangeway has the BSD 3-Clause licence; the text is in the file `LICENSE`. This page lists its dependencies. The script
+`python .ci/licences.py` makes it from the metadata of the packages.
 
 ## What Gmsh's licence means for you
 
-Gmsh is under the GNU General Public License, version 2 or later. flangeway contains no part of it: `pip` installs Gmsh
-beside flangeway from its own package, and flangeway calls it to triangulate, in the same process or, for long meshes,
-in one of its own.
+Gmsh has the GNU General Public License, version 2 or later. flangeway contains no part of it. `pip` installs Gmsh from a
+separate package, and flangeway calls it to make triangulations, in the same process or, for long meshes, in a second
+one.
 
-- **Using** flangeway, commercially and inside a company too, puts no condition on you: the GPL allows to run a program
-  for any purpose, and your models, meshes, profiles and results are yours.
-- **Passing on flangeway**, changed or not, is under its BSD licence, which the GPL is compatible with.
-- **Passing on a bundle** in which flangeway and Gmsh work together (an installer, a container, a frozen application)
-  means to follow the GPL: offer the source of Gmsh, and give the programs that run with it in one process, your own
-  included, under terms that the GPL allows. If they cannot be given so, do not bundle Gmsh, and ask a lawyer whether
-  that is enough in your case; Gmsh's authors also offer other licences.
+- **Use** of flangeway has no conditions, also for commercial purposes and inside a company. The GPL allows everyone to
+  run a program for any purpose, and your models, meshes, profiles and results are yours.
+- **Distribution of flangeway**, changed or not, is under its BSD licence, which is compatible with the GPL.
+- **Distribution of a bundle** in which flangeway and Gmsh work together (an installer, a container, a frozen application)
+  must follow the GPL: offer the source of Gmsh, and license the programs that run with it in one process, including
+  yours, under terms that the GPL allows. If this is not possible, do not bundle Gmsh, and ask a lawyer whether that is
+  enough in your case. The authors of Gmsh also offer other licences.
 
-This is how we read the licences; it is no legal advice.
+This is our reading of the licences; it is not legal advice.
 """
 
 
