@@ -10,11 +10,9 @@
 //! interior columns of the factor are used for solving; `S` is factorised when first asked to.
 
 use crate::error::FactorError;
-use crate::memory::ask;
+use crate::memory::{ask, scratch, zeros};
 use crate::ordering::{Lower, Permuted, inverted, minimum_degree, postordered};
-use crate::symbolic::{
-    CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values, scratch, zeros,
-};
+use crate::symbolic::{CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values};
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::linalg::cholesky::llt::factor as dense;
 use faer::linalg::matmul::matmul;

@@ -2,16 +2,14 @@
 //!
 //! Pivots are chosen inside of a supernode only (Bunch and Kaufman, 1977), so the ordering sees to
 //! it that an unknown without a diagonal entry (a multiplier) comes after all its neighbours, and
-//! every solution is refined with, and judged by, its residual. The matrix is scaled first, by
+//! every solution is refined with, and checked by, its residual. The matrix is scaled first, by
 //! powers of two and so without rounding, until the largest entry of each row is about one: then
 //! multipliers and displacements in any units compare.
 
 use crate::error::FactorError;
-use crate::memory::ask;
+use crate::memory::{ask, scratch, zeros};
 use crate::ordering::{Lower, inverted, minimum_degree, postordered, zero_diagonals_last};
-use crate::symbolic::{
-    CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values, scratch, zeros,
-};
+use crate::symbolic::{CHUNK, analysed, analysis_bytes, gathered, numeric_bytes, permuted_values};
 use faer::dyn_stack::MemStack;
 use faer::perm::PermRef;
 use faer::sparse::linalg::cholesky::supernodal::{

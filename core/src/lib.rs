@@ -70,7 +70,7 @@ fn described(object: &Bound<PyAny>) -> String {
     }
 }
 
-/// The array as `T` with the dimension `D`; `wanted` is told in the message.
+/// The array as `T` with the dimension `D`; the message contains `wanted`.
 fn typed<'py, T: Element, D: numpy::ndarray::Dimension>(
     object: &Bound<'py, PyAny>,
     name: &str,

@@ -5,6 +5,7 @@
 //! and gives it back. Where that fails, as under a limit of the address space, it is an error.
 
 use crate::error::FactorError;
+use faer::dyn_stack::{MemBuffer, StackReq};
 use std::sync::Mutex;
 
 /// Address space of the products of dense blocks in one thread, little of which becomes resident.
@@ -17,7 +18,7 @@ pub fn ask(needed: u64, most: u64) -> Result<(), FactorError> {
     ask_for_threads(needed, most, 1)
 }
 
-/// Likewise for work on so many threads.
+/// The same for work on so many threads.
 pub fn ask_for_threads(needed: u64, most: u64, n_threads: u64) -> Result<(), FactorError> {
     if needed > most {
         return Err(FactorError::NoMemory { needed });
@@ -46,6 +47,25 @@ pub fn start_threads() -> Result<(), FactorError> {
         *started = true;
     }
     Ok(())
+}
+
+/// Scratch memory, or the error that the problem is too large.
+pub fn scratch(need: StackReq) -> Result<MemBuffer, FactorError> {
+    MemBuffer::try_new(need).map_err(|_| FactorError::NoMemory {
+        needed: need.size_bytes() as u64,
+    })
+}
+
+/// A zero vector, or the error that the problem is too large.
+pub fn zeros(len: usize) -> Result<Vec<f64>, FactorError> {
+    let mut vector = Vec::new();
+    vector
+        .try_reserve_exact(len)
+        .map_err(|_| FactorError::NoMemory {
+            needed: 8 * len as u64,
+        })?;
+    vector.resize(len, 0.0);
+    Ok(vector)
 }
 
 #[cfg(test)]

@@ -227,7 +227,7 @@ pub fn minimum_degree(
         &graph.row_idx,
     );
     let scratch = amd::order_maybe_unsorted_scratch::<u32>(n_nodes, graph.row_idx.len());
-    let mut buffer = crate::symbolic::scratch(scratch)?;
+    let mut buffer = crate::memory::scratch(scratch)?;
     let (mut forward, mut inverse) = (vec![0u32; n_nodes], vec![0u32; n_nodes]);
     amd::order_maybe_unsorted(
         &mut forward,

@@ -1,10 +1,11 @@
 //! What Cholesky and LDLT share: symbolic analysis, storage, permutation of right-hand sides.
 
 use crate::error::FactorError;
+use crate::memory::scratch;
 use crate::ordering::{Lower, Permuted, Triangle, permuted};
 use faer::Mat;
 use faer::MatRef;
-use faer::dyn_stack::{MemBuffer, MemStack, StackReq};
+use faer::dyn_stack::{MemStack, StackReq};
 use faer::sparse::SymbolicSparseColMatRef;
 use faer::sparse::linalg::SymbolicSupernodalParams;
 use faer::sparse::linalg::cholesky::{simplicial, supernodal};
@@ -68,25 +69,6 @@ pub fn numeric_bytes(
     let n_entries = lower.indices.len() as u64;
     let permuted = 16 * n_entries + 4 * lower.n() as u64;
     8 * symbolic.len_val() as u64 + permuted + need.size_bytes() as u64
-}
-
-/// Scratch memory, or the error that the problem is too large.
-pub fn scratch(need: StackReq) -> Result<MemBuffer, FactorError> {
-    MemBuffer::try_new(need).map_err(|_| FactorError::NoMemory {
-        needed: need.size_bytes() as u64,
-    })
-}
-
-/// A zero vector, or the error that the problem is too large.
-pub fn zeros(len: usize) -> Result<Vec<f64>, FactorError> {
-    let mut vector = Vec::new();
-    vector
-        .try_reserve_exact(len)
-        .map_err(|_| FactorError::NoMemory {
-            needed: 8 * len as u64,
-        })?;
-    vector.resize(len, 0.0);
-    Ok(vector)
 }
 
 /// Row `new` of the result is row `order(new)` of `matrix`.

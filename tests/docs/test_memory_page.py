@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from flangeway.mesh import dual, long_meshes, refine, section_mesher
-from flangeway.mesh import expected_size as expected
+from flangeway.mesh import dual, refine, sizing
 from flangeway.solve import condensed
 from flangeway.space.assembly_memory import BYTES_AN_ENTRY
 from flangeway.system import disk_cache as cache
@@ -135,18 +134,18 @@ def test_results_do_not_depend_on_the_number_of_threads(tmp_path):
 def test_the_page_tells_the_programs_numbers():
     """Names and numbers on the page are those of the program."""
     assert f"assembly | {BYTES_AN_ENTRY} bytes" in TEXT
-    of_one = expected.BYTES_A_TRIANGLE
-    of_parts = of_one["delaunay"] + section_mesher.BYTES_TO_COLLECT
+    of_one = sizing.BYTES_A_TRIANGLE
+    of_parts = of_one["delaunay"] + sizing.BYTES_TO_COLLECT
     assert (
         f"{of_one['delaunay']} bytes for each triangle, {of_one['frontal-delaunay']} with `frontal-delaunay`, "
-        f"{of_parts} in sections of several parts; {expected.BYTES_A_BOUNDARY_EDGE} for each edge on the boundary; "
-        f"up to {expected.BYTES_A_SEED:,} for each point along a refinement"
+        f"{of_parts} in sections of several parts; {sizing.BYTES_A_BOUNDARY_EDGE} for each edge on the boundary; "
+        f"up to {sizing.BYTES_A_SEED:,} for each point along a refinement"
     ) in TEXT
     assert f"dual polygons | {sys.modules[dual.__module__].BYTES_A_TRIANGLE} bytes" in TEXT
     assert f"{refine.BYTES_A_TRIANGLE} bytes for each triangle, {refine.BYTES_A_POLYGON} for each polygon" in TEXT
-    for most in (expected.MOST_TRIANGLES, expected.MOST_EDGES, expected.MOST_SEEDS):
+    for most in (sizing.MAX_TRIANGLES, sizing.MAX_EDGES, sizing.MAX_SEEDS):
         assert f"than {most:,}\n" in TEXT or f"than {most:,} " in TEXT
-    assert long_meshes.LONG == 3.0
+    assert sizing.LONG == 3.0
     assert "more than three seconds" in TEXT
     assert memory.LIMIT in TEXT
     assert f"`{8 * condensed.DENSE_COPIES} n^2` bytes" in TEXT

@@ -1,4 +1,4 @@
-"""Large meshes: counted before they are made, refused beyond the memory, announced, and ended by Ctrl-C."""
+"""Large meshes: bounded before they are made, refused beyond the memory, announced, and ended by Ctrl-C."""
 
 import os
 import re
@@ -17,14 +17,14 @@ from flangeway.mesh import (
     Refinement,
     dual,
     gmsh_session,
-    long_meshes,
     long_meshes_reported,
     rectangle_grid,
     refined,
+    sizing,
     triangulate,
     triangulate_section,
 )
-from flangeway.mesh.expected_size import expected_mesh
+from flangeway.mesh.sizing import mesh_bound
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.system.own_process import in_own_process
 
@@ -58,8 +58,7 @@ import os, re
 import gmsh
 from flangeway.geometry import Region, Section, rectangle, square
 from flangeway.mesh import Refinement, triangulate, triangulate_section
-from flangeway.mesh.expected_size import expected_mesh
-from flangeway.mesh.section_mesher import _expected
+from flangeway.mesh.sizing import mesh_bound
 
 def resident(name):
     return 1024 * int(re.search(name + r":\\s+(\\d+)", open("/proc/self/status").read())[1])
@@ -80,9 +79,9 @@ for size, fine, algorithm in [
     (0.014, (), "delaunay"), (0.009, (), "delaunay"), (0.006, (), "delaunay"),
     (0.009, (), "frontal-delaunay"), (0.05, (side,), "delaunay"),
 ]:
-    expected = expected_mesh(Region(whole), size, fine, algorithm)
+    expected = mesh_bound([Region(whole)], size, fine, algorithm)
     compare(expected, lambda: triangulate(whole, size=size, refinements=fine, algorithm=algorithm))
-compare(_expected(two, 0.012, (), "delaunay"), lambda: triangulate_section(two, size=0.012))
+compare(mesh_bound(two.regions, 0.012), lambda: triangulate_section(two, size=0.012))
 """
 NEEDS_LINUX = pytest.mark.skipif(sys.platform != "linux", reason="memory and processes are looked at as in Linux")
 
@@ -100,31 +99,34 @@ def same(first, second):
 
 
 @pytest.mark.parametrize(("outline", "size", "refinements", "holes"), SHAPES.values(), ids=SHAPES)
-def test_the_counts_are_near_the_truth(outline, size, refinements, holes):
-    """Triangles are estimated to 20 % and edges of the boundary to 8 %, for growths up to 0.3."""
-    mesh = triangulate(outline, size=size, refinements=refinements, holes=holes)
-    expected = expected_mesh(Region(outline, holes), size, refinements)
-    assert expected.n_triangles == pytest.approx(mesh.n_cells, rel=0.2)
-    assert expected.n_boundary_edges == pytest.approx(len(mesh.boundary_edges), rel=0.08)
-    assert expected.n_seeds == sum(len(refinement.seeds()) for refinement in refinements)
+def test_the_bound_is_above_the_truth(outline, size, refinements, holes):
+    """No mesh has more triangles than the bound, within 20 %; of one size the bound is the number, to 20 %.
+
+    Refinements raise it up to 4.5 times each; a part of their polyline that is beyond the body does it still more.
+    """
+    n_triangles = triangulate(outline, size=size, refinements=refinements, holes=holes).n_cells
+    bound = mesh_bound([Region(outline, holes)], size, refinements).n_triangles
+    beyond = max((np.abs(refinement.points).max() for refinement in refinements), default=0.0) > 1.0
+    assert 0.8 * n_triangles < bound
+    assert beyond or bound < (4.5 * len(refinements) or 1.2) * n_triangles
 
 
-def test_a_growth_of_one_is_counted_to_a_factor_of_two():
-    """Where the size grows faster than triangles can, fewer are estimated than made, but half of them at least."""
+def test_a_growth_of_one_is_bounded():
+    """Where the size grows faster than triangles can, the bound is above the number still."""
     line = Refinement(BOTTOM, 0.002, 1.0)
     made = triangulate(square(1.0), size=0.1, refinements=[line]).n_cells
-    assert 0.5 < expected_mesh(Region(square(1.0)), 0.1, [line]).n_triangles / made < 1.0
+    assert 0.8 < mesh_bound([Region(square(1.0))], 0.1, [line]).n_triangles / made < 2.0
 
 
 @NEEDS_LINUX
 def test_the_memory_is_near_what_is_measured():
     """Gmsh's memory is estimated to 20 % of the measured peak, at three sizes, by both algorithms and for sections.
 
-    About a refinement along a side up to half more is estimated.
+    With a refinement along a side up to 2.5 times of it.
     """
     done = subprocess.run([sys.executable, "-c", MEASURED], capture_output=True, text=True, check=True, timeout=120)
     ratios = [float(line) for line in done.stdout.splitlines()]
-    assert ratios.pop(4) == pytest.approx(1.25, abs=0.25)
+    assert 1.0 < ratios.pop(4) < 2.5
     assert ratios == pytest.approx([1.0] * 5, abs=0.2)
 
 
@@ -142,8 +144,8 @@ def little_memory(monkeypatch):
 HALVES = Section({"left": Region(rectangle(1.0, 1.0)), "right": Region(rectangle(1.0, 1.0, (1.0, 0.0)))})
 GRID = rectangle_grid(1.0, 1.0, 120, 120)
 WORKS = {
-    "the triangulation into about 26,000 triangles": lambda: triangulate(square(1.0), size=0.01),
-    "the triangulation into about 53,000 triangles": lambda: triangulate_section(HALVES, size=0.01),
+    "the triangulation into up to about 26,000 triangles": lambda: triangulate(square(1.0), size=0.01),
+    "the triangulation into up to about 53,000 triangles": lambda: triangulate_section(HALVES, size=0.01),
     "the dual polygons of 28,800 triangles": lambda: dual(GRID),
     "the refinement of 28,800 cells": lambda: refined(GRID),
     "the refinement of 9,999 cells": lambda: refined(GRID, np.arange(9999)),
@@ -170,7 +172,7 @@ def test_small_meshes_are_made_under_any_limit(monkeypatch):
 FAR_TOO_LARGE = {
     "triangles": (square(1.0), 1e-4, []),
     "edges along one side": (rectangle(1e5, 0.1), 0.1, []),
-    "edges along one side ": (square(1.0), 0.1, [Refinement(BOTTOM, 5e-6, 0.15)]),
+    "edges along one side ": (square(1.0), 0.1, [Refinement(BOTTOM, 8e-6, 0.3)]),
     "points along refinements": (square(1.0), 0.1, [Refinement(BOTTOM, 5e-6, 3.0)] * 9),
     "triangles ": (square(1.0), 0.1, [Refinement(BOTTOM, 1e-5, 0.01)]),
     "triangles  ": (square(1.0), 0.1, [Refinement([(0.0, 0.0), (0.1, 0.1)], 1e-6, 0.05)]),
@@ -190,24 +192,25 @@ def test_what_would_take_hours_is_refused(kind, given, monkeypatch):
 
 def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
     """A long triangulation is told of, and made by another process, the same to the last bit; a short one is not."""
-    told = []
+    reports = []
 
     def both():
-        with long_meshes_reported(told.append):
+        with long_meshes_reported(reports.append):
             hole = square(0.3).transformed(Placement(0.3, (3.0, 2.0)))
             fine = Refinement([(3.0, 3.0)], 0.02, 0.2)
             yield triangulate(circle(1.0, (3.0, 2.0)), size=0.2, refinements=[fine], holes=[hole])
             yield triangulate_section(HALVES, size=0.1, algorithm="frontal-delaunay")
 
     here = list(both())
-    assert told == []
-    monkeypatch.setattr(long_meshes, "LONG", 0.0)
+    assert reports == []
+    monkeypatch.setattr(sizing, "LONG", 0.0)
     monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)  # of this process
     for mine, other in zip(here, both(), strict=True):
         assert same(mine, other)
-    assert len(told) == 2
+    assert len(reports) == 2
     assert all(
-        re.fullmatch(r"triangulating: about [\d,]+ triangles, which take about 0 seconds", line) for line in told
+        re.fullmatch(r"triangulating: up to about [\d,]+ triangles, which can take about 0 seconds", line)
+        for line in reports
     )
 
 

@@ -13,7 +13,6 @@ import pytest
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.geometry import Arc, Line, Outline, Placement, circle, polygon, rectangle, square
 from flangeway.mesh import Refinement, check, gmsh_session, triangulate
-from flangeway.mesh.sizing import local_sizes
 
 HALF_DISC = Outline.from_segments(
     [Line((-2.0, 0.0), (2.0, 0.0)), Arc((2.0, 0.0), (-2.0, 0.0), (0.0, 0.0), True)],
@@ -99,7 +98,8 @@ def test_triangles_follow_the_target_size():
     mesh = triangulate(square(4.0), size=0.3, refinements=[spot])
     edges = mesh.points[mesh.edges]
     lengths = np.hypot(*(edges[:, 1] - edges[:, 0]).T)
-    ratio = lengths / local_sizes(edges.mean(axis=1), 0.3, [spot])
+    distances = np.hypot(*(edges.mean(axis=1) - spot.points).T)
+    ratio = lengths / np.minimum(0.3, spot.size + spot.growth * distances)
     assert np.median(ratio) == pytest.approx(1.0, abs=0.15)
     assert np.mean((ratio > 1 / 1.5) & (ratio < 1.5)) > 0.95
 

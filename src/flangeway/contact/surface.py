@@ -13,7 +13,7 @@ from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
 from flangeway.geometry.arrays import point_text
-from flangeway.mesh.chains import chain_starts, ordered_pairs
+from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.problems import Part
 from flangeway.types import Complex, Floats
 

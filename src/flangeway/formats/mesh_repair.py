@@ -10,13 +10,13 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.geometry.arrays import IntArray
 from flangeway.mesh.conforming import conforming
-from flangeway.mesh.meeting import TOUCHING
+from flangeway.mesh.connectivity import next_in_row, offsets_of
+from flangeway.mesh.meeting import touching_distance
 from flangeway.mesh.mesh_checks import check, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import next_in_row, offsets_of
-from flangeway.types import Ints
+from flangeway.types import Floats, Ints
 
 FLAT = 1e-9
 """Range of the third coordinate, over the size of the mesh, up to which a mesh is plane."""
@@ -52,7 +52,7 @@ class DrawnMesh:
 
     """
 
-    points: FloatArray
+    points: Floats
     cells: list[Ints]
     cell_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
     edge_sets: Mapping[str, NDArray[np.integer]] = field(default_factory=dict)
@@ -88,7 +88,7 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     drawn
         What was read.
     merge_points
-        Whether points at the same place become one: nearer than `TOUCHING` times the longest side at either.
+        Whether points at the same place become one: nearer than `touching_distance` of the longest side at either.
 
     Raises
     ------
@@ -153,7 +153,7 @@ def _many(count: int, what: str) -> str:
     return f"1 {what}" if count == 1 else f"{count} {what}s"
 
 
-def _plane(points: FloatArray, notices: list[str]) -> FloatArray:
+def _plane(points: Floats, notices: list[str]) -> Floats:
     if points.ndim != 2 or points.shape[1] not in (2, 3) or not len(points):
         raise InputError(f"points of shape {points.shape}", "(n, 2) or (n, 3), one or more", "export the points")
     if not np.isfinite(points).all():
@@ -172,14 +172,14 @@ def _plane(points: FloatArray, notices: list[str]) -> FloatArray:
     return np.ascontiguousarray(points[:, :2])
 
 
-def _first_of_equal(points: FloatArray, cells: list[Ints], notices: list[str]) -> Ints:
+def _first_of_equal(points: Floats, cells: list[Ints], notices: list[str]) -> Ints:
     """For each point the first one at its place, as `check` sees it; only points of cells count."""
     flat = np.concatenate(cells)
     following = flat[next_in_row(offsets_of(np.array([len(cell) for cell in cells])))]
     lengths = np.hypot(*(points[following] - points[flat]).T)
     reach = np.zeros(len(points))
     for ends in (flat, following):
-        np.maximum.at(reach, ends, TOUCHING * lengths)
+        np.maximum.at(reach, ends, touching_distance(lengths, points[flat]))
     used = np.unique(flat)
     near = used[cKDTree(points[used]).query(points[used], k=2)[0][:, 1] <= reach[used]]
     pairs = np.zeros((0, 2), dtype=np.int64)
@@ -201,7 +201,7 @@ def _first_of_equal(points: FloatArray, cells: list[Ints], notices: list[str]) -
     return first[group]
 
 
-def _sound_cells(points: FloatArray, cells: list[Ints], notices: list[str]) -> tuple[list[Ints], Ints]:
+def _sound_cells(points: Floats, cells: list[Ints], notices: list[str]) -> tuple[list[Ints], Ints]:
     """Counter-clockwise cells without repeated points, each once; and the new number of each cell."""
     counts = dict.fromkeys(_FAULTS, 0)
     sound: list[tuple[Ints, bytes] | None] = [None] * len(cells)
@@ -238,7 +238,7 @@ def _sound_cells(points: FloatArray, cells: list[Ints], notices: list[str]) -> t
     return result, numbers
 
 
-def _turned(points: FloatArray, rows: Ints) -> tuple[Ints, Ints, int]:
+def _turned(points: Floats, rows: Ints) -> tuple[Ints, Ints, int]:
     """Cells (n, size) counter-clockwise, also each from its lowest point number on, and how many were clockwise."""
     corners = points[rows] - points[rows[:, :1]]
     after = np.roll(corners, -1, axis=1)

@@ -1,6 +1,6 @@
 """Outlines made of straight lines and circular arcs, and the regions and sections inside them."""
 
-from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray, Point, as_point, as_points
+from flangeway.geometry.arrays import FloatArray, IntArray, Point, as_point, as_points
 from flangeway.geometry.contour import Contour
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
@@ -10,7 +10,6 @@ from flangeway.geometry.shapes import circle, polygon, rectangle, square
 
 __all__ = [
     "Arc",
-    "BoolArray",
     "Contour",
     "FloatArray",
     "IntArray",

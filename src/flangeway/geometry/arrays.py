@@ -8,14 +8,14 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
+from flangeway.types import Floats
 
-FloatArray: TypeAlias = NDArray[np.float64]
+FloatArray: TypeAlias = Floats
 IntArray: TypeAlias = NDArray[np.int32]
-BoolArray: TypeAlias = NDArray[np.bool_]
 Point: TypeAlias = tuple[float, float]
 
 
-def as_points(values: ArrayLike, name: str = "points") -> FloatArray:
+def as_points(values: ArrayLike, name: str = "points") -> Floats:
     """Return `values` as an array of finite points.
 
     Parameters
@@ -27,7 +27,7 @@ def as_points(values: ArrayLike, name: str = "points") -> FloatArray:
 
     Returns
     -------
-    FloatArray
+    Floats
         Points (n, 2), float64.
 
     Raises
@@ -66,6 +66,6 @@ def as_point(value: ArrayLike, name: str = "point") -> Point:
     return float(points[0, 0]), float(points[0, 1])
 
 
-def point_text(point: Point | FloatArray) -> str:
+def point_text(point: Point | Floats) -> str:
     """Write a point (2,) for a message, with nine digits."""
     return f"({point[0]:.9g}, {point[1]:.9g})"

@@ -11,10 +11,11 @@ from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray, as_points, point_text
+from flangeway.geometry.arrays import IntArray, as_points, point_text
 from flangeway.geometry.crossings import first_crossing
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment
+from flangeway.types import Floats
 
 JOINT_TOLERANCE = 1e-6
 """Maximum gap between neighbours that `from_segments` closes, relative to the size of the whole."""
@@ -147,7 +148,7 @@ class Contour:
             )
         return [i for i, name in enumerate(self.names) if name in wanted]
 
-    def bounds(self, names: Iterable[str] | None = None) -> FloatArray:
+    def bounds(self, names: Iterable[str] | None = None) -> Floats:
         """Return the lower-left and upper-right corner (2, 2) of all or of the named segments."""
         boxes = np.array([self.segments[i].bounds for i in self._named(names)])
         return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])
@@ -185,7 +186,7 @@ class Contour:
         moved = tuple(segment.transformed(placement) for segment in self.segments)
         return self._trusted(_joined(moved, closed=self._closed), self.names)
 
-    def sampled(self, *, spacing: float | None = None, max_deviation: float | None = None) -> FloatArray:
+    def sampled(self, *, spacing: float | None = None, max_deviation: float | None = None) -> Floats:
         """Return points (n, 2) along the chain; all joints are among them.
 
         Parameters
@@ -218,7 +219,7 @@ class Contour:
             rows.append(np.array([self.segments[-1].end]))
         return np.vstack(rows)
 
-    def closest(self, points: ArrayLike) -> tuple[IntArray, FloatArray, FloatArray]:
+    def closest(self, points: ArrayLike) -> tuple[IntArray, Floats, Floats]:
         """Return segment numbers (n,), parameters (n,) and distances (n,) of the closest points."""
         given = as_points(points)
         best = np.zeros(len(given), dtype=np.int32)
@@ -239,6 +240,6 @@ class Contour:
         return best, parameters, distances
 
     @cached_property
-    def _reach(self) -> tuple[FloatArray, FloatArray]:
+    def _reach(self) -> tuple[Floats, Floats]:
         """Starts (n, 2) and lengths (n,) of the segments."""
         return np.array([each.start for each in self.segments]), np.array([each.length for each in self.segments])

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from flangeway.geometry.arrays import FloatArray
 from flangeway.geometry.segments import Arc, Line, Segment
+from flangeway.types import Floats
 
 
-def _line_line(a: Line, b: Line) -> list[FloatArray]:
+def _line_line(a: Line, b: Line) -> list[Floats]:
     p, r = np.array(a.start), np.array(a.end) - np.array(a.start)
     q, s = np.array(b.start), np.array(b.end) - np.array(b.start)
     cross = r[0] * s[1] - r[1] * s[0]
@@ -19,7 +19,7 @@ def _line_line(a: Line, b: Line) -> list[FloatArray]:
     return [p + t * r]
 
 
-def _line_arc(a: Line, b: Arc) -> list[FloatArray]:
+def _line_arc(a: Line, b: Arc) -> list[Floats]:
     p = np.array(a.start)
     unit = (np.array(a.end) - p) / a.length
     foot = p + unit * ((np.array(b.centre) - p) @ unit)
@@ -30,7 +30,7 @@ def _line_arc(a: Line, b: Arc) -> list[FloatArray]:
     return [foot - half * unit, foot + half * unit]
 
 
-def _arc_arc(a: Arc, b: Arc) -> list[FloatArray]:
+def _arc_arc(a: Arc, b: Arc) -> list[Floats]:
     c = np.array(a.centre)
     d = np.array(b.centre) - c
     distance = float(np.hypot(*d))
@@ -45,7 +45,7 @@ def _arc_arc(a: Arc, b: Arc) -> list[FloatArray]:
     return [c + along * unit - across, c + along * unit + across]
 
 
-def meetings(a: Segment, b: Segment, tolerance: float) -> FloatArray:
+def meetings(a: Segment, b: Segment, tolerance: float) -> Floats:
     """Return the points (n, 2) that two segments have in common, to a distance `tolerance`.
 
     Of an overlap the ends are returned. A point may be returned more than once.
@@ -59,9 +59,7 @@ def meetings(a: Segment, b: Segment, tolerance: float) -> FloatArray:
     return candidates[near]
 
 
-def first_crossing(
-    segments: Sequence[Segment], *, closed: bool, tolerance: float
-) -> tuple[int, int, FloatArray] | None:
+def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: float) -> tuple[int, int, Floats] | None:
     """Return two segments of a chain that meet elsewhere than at their joint, and where.
 
     Parameters
@@ -98,7 +96,7 @@ def first_crossing(
     return None
 
 
-def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: float) -> FloatArray | None:
+def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: float) -> Floats | None:
     """Return a point (2,) that two chains of segments have in common, or None."""
     boxes = np.array([segment.bounds for segment in second])
     for a in first:
@@ -107,6 +105,6 @@ def chains_meet(first: Sequence[Segment], second: Sequence[Segment], tolerance: 
         for j in np.flatnonzero(beside).tolist():
             found = meetings(a, second[j], tolerance)
             if len(found):
-                place: FloatArray = found[0]
+                place: Floats = found[0]
                 return place
     return None

@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import BoolArray, FloatArray, Point, as_points
+from flangeway.geometry.arrays import Point, as_points
 from flangeway.geometry.contour import Contour, _joined
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment, halved
+from flangeway.types import Bools, Floats
 
 # x, y and their products along half a turn are trigonometric polynomials of degree 4 at most:
 # 20 Gauss points integrate them to rounding, and lines exactly
@@ -70,7 +71,7 @@ class Outline(Contour):
         return cls(joined, labels)
 
     @cached_property
-    def _gauss(self) -> tuple[FloatArray, FloatArray]:
+    def _gauss(self) -> tuple[Floats, Floats]:
         """Points (n, 2) and weighted outward normals (n, 2) for integrals along the loop."""
         s = 0.5 * (_GAUSS_POINTS + 1.0)
         points, normals = [], []
@@ -85,9 +86,9 @@ class Outline(Contour):
         return 0.5 * float(np.sum((points - self._middle) * normals))
 
     @property
-    def _middle(self) -> FloatArray:
+    def _middle(self) -> Floats:
         # far from the origin, moments about it would lose digits
-        middle: FloatArray = self.bounds().mean(axis=0)
+        middle: Floats = self.bounds().mean(axis=0)
         return middle
 
     @property
@@ -112,7 +113,7 @@ class Outline(Contour):
         iyy = float(np.sum(x**3 * normals[:, 0])) / 3.0
         return ixx, iyy, 0.5 * float(np.sum(x**2 * y * normals[:, 0]))
 
-    def contains(self, points: ArrayLike) -> BoolArray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Return for points (n, 2) whether they lie inside (n,); undecided on the outline."""
         given = as_points(points)
         winding = np.zeros(len(given), dtype=np.int64)

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.checks import check_finite, refused
-from flangeway.geometry.arrays import FloatArray, Point, as_point, as_points
+from flangeway.geometry.arrays import Point, as_point, as_points
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True)
@@ -53,18 +54,18 @@ class Placement:
         return cls(rotation_rad, (float(fixed[0] - moved[0]), float(fixed[1] - moved[1])))
 
     @property
-    def matrix(self) -> FloatArray:
+    def matrix(self) -> Floats:
         """Linear part ``R M`` (2, 2); its determinant is -1 if mirrored."""
         cosine, sine = math.cos(self.rotation_rad), math.sin(self.rotation_rad)
         first = -1.0 if self.mirrored else 1.0
         return np.array([[first * cosine, -sine], [first * sine, cosine]])
 
-    def points(self, local_points: ArrayLike) -> FloatArray:
+    def points(self, local_points: ArrayLike) -> Floats:
         """Return local points (n, 2) in space (n, 2)."""
-        moved: FloatArray = as_points(local_points) @ self.matrix.T + np.array(self.translation)
+        moved: Floats = as_points(local_points) @ self.matrix.T + np.array(self.translation)
         return moved
 
-    def vectors(self, local_vectors: ArrayLike) -> FloatArray:
+    def vectors(self, local_vectors: ArrayLike) -> Floats:
         """Return local vectors (n, 2) in space (n, 2), without the translation."""
         return as_points(local_vectors, "vectors") @ self.matrix.T
 

@@ -9,11 +9,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import BoolArray, FloatArray, Point, as_points, point_text
+from flangeway.geometry.arrays import Point, as_points, point_text
 from flangeway.geometry.contour import CROSSING_TOLERANCE
 from flangeway.geometry.crossings import chains_meet
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
+from flangeway.types import Bools, Floats
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,7 @@ class Region:
         """Diagonal of the bounding box."""
         return self.outer.size
 
-    def bounds(self) -> FloatArray:
+    def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2)."""
         return self.outer.bounds()
 
@@ -94,7 +95,7 @@ class Region:
         """``Ixx = int y^2``, ``Iyy = int x^2``, ``Ixy = int x y`` about the centroid, exact."""
         return _second_moments([(1.0, self.outer), *((-1.0, hole) for hole in self.holes)], self.centroid)
 
-    def reentrant_corners(self, angle_rad: float = 0.02) -> FloatArray:
+    def reentrant_corners(self, angle_rad: float = 0.02) -> Floats:
         """Return the corners (n, 2) where the material fills more than half a turn, by more than an angle."""
         found = []
         for turn, loop in ((-1.0, self.outer), *((1.0, hole) for hole in self.holes)):
@@ -108,7 +109,7 @@ class Region:
         """Return the region in the placed frame."""
         return Region(self.outer.transformed(placement), tuple(hole.transformed(placement) for hole in self.holes))
 
-    def contains(self, points: ArrayLike) -> BoolArray:
+    def contains(self, points: ArrayLike) -> Bools:
         """Return for points (n, 2) whether they lie inside (n,); undecided on the boundary."""
         given = as_points(points)
         inside = self.outer.contains(given)
@@ -148,7 +149,7 @@ class Section:
         """The parts' regions."""
         return tuple(self.parts.values())
 
-    def bounds(self) -> FloatArray:
+    def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2)."""
         boxes = np.array([region.bounds() for region in self.regions])
         return np.array([boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0)])

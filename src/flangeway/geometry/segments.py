@@ -14,19 +14,20 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import FloatArray, Point, as_point, as_points
+from flangeway.geometry.arrays import Point, as_point, as_points
 from flangeway.geometry.placement import Placement
+from flangeway.types import Floats
 
 RADIUS_TOLERANCE = 1e-5
 """Maximum difference of an arc's two radii, relative to the radius (files carry 6 decimals)."""
 
 
-def _parameters(s: ArrayLike) -> FloatArray:
+def _parameters(s: ArrayLike) -> Floats:
     """Return the parameters as an array (n,)."""
     return np.atleast_1d(np.asarray(s, dtype=np.float64))
 
 
-def _right_of(tangents: FloatArray) -> FloatArray:
+def _right_of(tangents: Floats) -> Floats:
     """Return the vectors (n, 2) turned clockwise by a right angle."""
     return np.column_stack([tangents[:, 1], -tangents[:, 0]])
 
@@ -60,8 +61,8 @@ class Line:
         _refuse_zero_length("line", self.start, self.end)
 
     @property
-    def _step(self) -> FloatArray:
-        step: FloatArray = np.array(self.end) - np.array(self.start)
+    def _step(self) -> Floats:
+        step: Floats = np.array(self.end) - np.array(self.start)
         return step
 
     @property
@@ -75,24 +76,24 @@ class Line:
         return 0.0
 
     @property
-    def bounds(self) -> FloatArray:
+    def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2)."""
         ends = np.array([self.start, self.end])
         return np.array([ends.min(axis=0), ends.max(axis=0)])
 
-    def point(self, s: ArrayLike) -> FloatArray:
+    def point(self, s: ArrayLike) -> Floats:
         """Return the points (n, 2) at the parameters (n,)."""
         t = _parameters(s)[:, None]
         # both ends exact
-        points: FloatArray = (1.0 - t) * np.array(self.start) + t * np.array(self.end)
+        points: Floats = (1.0 - t) * np.array(self.start) + t * np.array(self.end)
         return points
 
-    def tangent(self, s: ArrayLike) -> FloatArray:
+    def tangent(self, s: ArrayLike) -> Floats:
         """Return the unit tangents (n, 2) in the direction of travel."""
-        tangents: FloatArray = np.tile(self._step / self.length, (len(_parameters(s)), 1))
+        tangents: Floats = np.tile(self._step / self.length, (len(_parameters(s)), 1))
         return tangents
 
-    def normal(self, s: ArrayLike) -> FloatArray:
+    def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""
         return _right_of(self.tangent(s))
 
@@ -105,7 +106,7 @@ class Line:
         start, end = placement.points([self.start, self.end])
         return Line(as_point(start), as_point(end))
 
-    def closest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Return parameters (n,) and distances (n,) of the closest points of the segment."""
         given = as_points(points)
         step = self._step
@@ -197,7 +198,7 @@ class Arc:
         return math.copysign(1.0 / self.radius, self.sweep)
 
     @property
-    def bounds(self) -> FloatArray:
+    def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2), with the extremes between the ends."""
         quarter = 0.5 * math.pi
         low, high = sorted((self.start_angle, self.start_angle + self.sweep))
@@ -208,26 +209,26 @@ class Arc:
         candidates = np.vstack([self.start, self.end, np.array(self.centre) + self.radius * poles])
         return np.array([candidates.min(axis=0), candidates.max(axis=0)])
 
-    def point(self, s: ArrayLike) -> FloatArray:
+    def point(self, s: ArrayLike) -> Floats:
         """Return the points (n, 2) at the parameters (n,); the ends are returned exactly."""
         t = _parameters(s)
         angle = self.sweep * t
         ray = np.array(self.start) - np.array(self.centre)
         cosine, sine = np.cos(angle), np.sin(angle)
-        points: FloatArray = np.array(self.centre) + np.column_stack(
+        points: Floats = np.array(self.centre) + np.column_stack(
             [cosine * ray[0] - sine * ray[1], sine * ray[0] + cosine * ray[1]]
         )
         points[t == 0.0] = self.start
         points[t == 1.0] = self.end
         return points
 
-    def tangent(self, s: ArrayLike) -> FloatArray:
+    def tangent(self, s: ArrayLike) -> Floats:
         """Return the unit tangents (n, 2) in the direction of travel."""
         return -_right_of(self.normal(s))
 
-    def normal(self, s: ArrayLike) -> FloatArray:
+    def normal(self, s: ArrayLike) -> Floats:
         """Return the unit normals (n, 2), right of the direction of travel."""
-        rays: FloatArray = self.point(s) - np.array(self.centre)
+        rays: Floats = self.point(s) - np.array(self.centre)
         rays *= math.copysign(1.0, self.sweep) / np.hypot(*rays.T)[:, None]
         return rays
 
@@ -240,7 +241,7 @@ class Arc:
         start, end, centre = (tuple(point) for point in placement.points([self.start, self.end, self.centre]).tolist())
         return Arc(start, end, centre, self.counter_clockwise != placement.mirrored)
 
-    def closest(self, points: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    def closest(self, points: ArrayLike) -> tuple[Floats, Floats]:
         """Return parameters (n,) and distances (n,) of the closest points of the segment.
 
         From the centre all points are equally far: the parameter is then arbitrary.

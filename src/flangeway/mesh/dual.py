@@ -3,13 +3,13 @@
 from collections.abc import Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray, point_text
+from flangeway.geometry.arrays import IntArray, point_text
+from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import next_in_row, offsets_of, row_numbers
 from flangeway.system.memory_limits import refuse_large_mesh
+from flangeway.types import Floats, Ints
 
 BYTES_A_TRIANGLE = 420
 """Of the construction; measured 170 to 450."""
@@ -111,9 +111,7 @@ def _sorted_rim(mesh: PolyMesh) -> IntArray:
     return rim
 
 
-def _rings(
-    mesh: PolyMesh, centroids: FloatArray, rim: IntArray, leaving: NDArray[np.int64]
-) -> tuple[IntArray, NDArray[np.int64]]:
+def _rings(mesh: PolyMesh, centroids: Floats, rim: IntArray, leaving: Ints) -> tuple[IntArray, Ints]:
     """Return offsets (n_points + 1,) and triangles about every point, by rising angle."""
     about = mesh.cell_points.astype(np.int64)
     triangles = row_numbers(mesh.cell_offsets)
@@ -141,7 +139,7 @@ def _rings(
     return rings, triangles[order]
 
 
-def _halved_edges(pairs: IntArray, leaving: NDArray[np.int64], n_triangles: int, n_rim: int) -> IntArray:
+def _halved_edges(pairs: IntArray, leaving: Ints, n_triangles: int, n_rim: int) -> IntArray:
     """Return the two halves of every edge of a set, in order, as points of the dual."""
     starts, middles = leaving[pairs[:, 0]], n_triangles + leaving[pairs[:, 0]]
     ends = leaving[pairs[:, 1]]

@@ -5,18 +5,16 @@ from collections.abc import Sequence
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import FloatArray, IntArray
+from flangeway.geometry.arrays import IntArray
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Arc, halved
-from flangeway.mesh.expected_size import expected_mesh
 from flangeway.mesh.gmsh_session import generate, gmsh_model
-from flangeway.mesh.long_meshes import made
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.sizing import Refinement, refuse_size
+from flangeway.mesh.sizing import Refinement, made, mesh_bound, refuse_size
+from flangeway.types import Floats, Ints
 
 ALGORITHMS = {"delaunay": 5, "frontal-delaunay": 6}
 """Gmsh's numbers of the algorithms."""
@@ -51,7 +49,7 @@ def triangulate(
     Lines and arcs go to Gmsh as they are, so boundary points lie on them. The local target size is
     ``min(size, r.size + r.growth * distance)`` over the refinements; boundary edges follow it too.
     The same input gives the same mesh. What takes long runs in a process of its own, so that Ctrl-C
-    ends it at once; `long_meshes_reported` tells of it.
+    ends it at once; `long_meshes_reported` reports it.
 
     Parameters
     ----------
@@ -77,7 +75,7 @@ def triangulate(
         If a size makes no mesh or far too many triangles or edges on the boundary, a hole is not
         inside, the algorithm is unknown, or Gmsh refuses the region.
     OutOfMemoryError
-        If there is no memory for so many triangles; see `flangeway.mesh.expected_size`.
+        If there is no memory for so many triangles; see `flangeway.mesh.sizing`.
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
 
@@ -85,8 +83,8 @@ def triangulate(
     refuse_algorithm(algorithm)
     refuse_size(outline, size)
     region = Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
-    expected = expected_mesh(region, size, refinements, algorithm)
-    return made(expected, _meshed, region, size, tuple(refinements), algorithm)
+    bound = mesh_bound([region], size, refinements, algorithm)
+    return made(bound, _meshed, region, size, tuple(refinements), algorithm)
 
 
 def refuse_algorithm(algorithm: str) -> None:
@@ -108,7 +106,7 @@ def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algo
         return _collected(gmsh, surface, region.loops, loops)
 
 
-def _add_point(gmsh: Any, point: Sequence[float] | FloatArray) -> int:
+def _add_point(gmsh: Any, point: Sequence[float] | Floats) -> int:
     return int(gmsh.model.geo.addPoint(float(point[0]), float(point[1]), 0.0))
 
 
@@ -187,7 +185,7 @@ def _collected(
     )
 
 
-def counter_clockwise(points: FloatArray, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
+def counter_clockwise(points: Floats, triangles: Ints) -> Ints:
     """Return triangles (n, 3) that all turn counter-clockwise."""
     a, b, c = (points[triangles[:, i]] for i in range(3))
     clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]

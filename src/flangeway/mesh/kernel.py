@@ -1,12 +1,12 @@
 """Points from which a polygon is seen whole, and the cutting of polygons that have none."""
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import linprog
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray, point_text
+from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.mesh.polymesh import PolyMesh
+from flangeway.types import Bools, Floats
 
 GOOD_DISTANCE = 0.1
 """Distance from all sides, over area by diameter, with which a centroid is taken as the centre."""
@@ -15,7 +15,7 @@ SMALLEST_KERNEL = 1e-3
 """Radius of the kernel, over area by diameter, below which a polygon counts as one that no point sees whole."""
 
 
-def visible_distances(mesh: PolyMesh, cells: IntArray, centres: FloatArray) -> FloatArray:
+def visible_distances(mesh: PolyMesh, cells: IntArray, centres: Floats) -> Floats:
     """Least distance (n,) of centres (n, 2) to the left of the lines through the sides of their cells.
 
     Where it is positive the centre sees the whole cell.
@@ -32,7 +32,7 @@ def visible_distances(mesh: PolyMesh, cells: IntArray, centres: FloatArray) -> F
     return distances
 
 
-def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[FloatArray, NDArray[np.bool_]]:
+def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[Floats, Bools]:
     """Points (n, 2) well inside of cells that see them whole, and which cells have one (n,).
 
     The centroid if it is far enough from all sides; if not, the point of the kernel that is farthest from them.
@@ -46,7 +46,7 @@ def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[FloatArray, NDArray[n
     return centres, distances > SMALLEST_KERNEL * widths
 
 
-def kernel_centre(polygon: FloatArray) -> tuple[FloatArray, float]:
+def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
     """Point (2,) that is farthest to the left of the lines through a polygon's sides, and that distance.
 
     The kernel is the set of points that see the whole polygon, the intersection of the half planes to the left of its
@@ -67,7 +67,7 @@ def kernel_centre(polygon: FloatArray) -> tuple[FloatArray, float]:
     return origin + size * found.x[:2], size * float(found.x[2])
 
 
-def star_parts(polygon: IntArray, points: FloatArray) -> list[IntArray]:
+def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
     """Cut a simple polygon along diagonals into parts that some point sees whole.
 
     Parameters
@@ -94,7 +94,7 @@ def star_parts(polygon: IntArray, points: FloatArray) -> list[IntArray]:
     return [*star_parts(inner, points), *star_parts(outer, points)]
 
 
-def _best_diagonal(corners: FloatArray) -> tuple[int, int]:
+def _best_diagonal(corners: Floats) -> tuple[int, int]:
     """Inner diagonal from a reflex corner that leaves the largest least angle at its ends."""
     n = len(corners)
     before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
@@ -116,25 +116,25 @@ def _best_diagonal(corners: FloatArray) -> tuple[int, int]:
     return best
 
 
-def _cross(a: FloatArray, b: FloatArray) -> FloatArray:
-    product: FloatArray = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+def _cross(a: Floats, b: Floats) -> Floats:
+    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
     return product
 
 
-def _opening(corners: FloatArray, i: int, j: int) -> float:
+def _opening(corners: Floats, i: int, j: int) -> float:
     """Least angle between the diagonal from i to j and the sides at i; zero if it leaves the polygon there."""
     n = len(corners)
     ray = corners[j] - corners[i]
     forward, back = corners[(i + 1) % n] - corners[i], corners[i - 1] - corners[i]
 
-    def angle(side: FloatArray) -> float:
+    def angle(side: Floats) -> float:
         return float(np.mod(np.arctan2(*side[::-1]) - np.arctan2(*forward[::-1]), 2.0 * np.pi))
 
     whole, mine = angle(back), angle(ray)
     return max(min(mine, whole - mine), 0.0)
 
 
-def _clear(corners: FloatArray, i: int, j: int) -> bool:
+def _clear(corners: Floats, i: int, j: int) -> bool:
     """Whether the diagonal from i to j meets no side but those at its ends."""
     n = len(corners)
     starts = np.array([k for k in range(n) if k not in (i, j, (i - 1) % n, (j - 1) % n)])

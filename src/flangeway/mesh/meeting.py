@@ -6,17 +6,26 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from flangeway.geometry.arrays import BoolArray, FloatArray, IntArray
-from flangeway.mesh.ragged import IndexArray
+from flangeway.geometry.arrays import IntArray
+from flangeway.types import Bools, Floats, Ints
 
 TOUCHING = 1e-6
 """Distance of a point from a segment, over the shorter of it and the point's own, up to which they touch."""
+
+ROUNDING = 1e-9
+"""Distance over the size of the mesh up to which they touch where the segments are short, by files' few digits."""
 
 DIRECTIONS = (0.6, 1.4, 2.2, 3.0)
 """Angles in radians of the sweeps, of which the one with the fewest candidates is taken."""
 
 MOST_CANDIDATES = 2_000_000
 """Pairs of segments that are examined at a time."""
+
+
+def touching_distance(lengths: Floats, points: Floats) -> Floats:
+    """Distance up to which segments of some lengths (n,) touch in a mesh of points (n_points, 2)."""
+    rounding = ROUNDING * float(np.ptp(points, axis=0).max())
+    return np.clip(rounding, TOUCHING * lengths, 0.01 * lengths)
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,13 +45,13 @@ class Meeting:
 
     """
 
-    on: IndexArray
-    of: IndexArray
-    points: IndexArray
-    crossing: IndexArray
+    on: Ints
+    of: Ints
+    points: Ints
+    crossing: Ints
 
 
-def meeting(points: FloatArray, segments: IntArray, groups: IndexArray | None = None) -> Meeting:
+def meeting(points: Floats, segments: IntArray, groups: Ints | None = None) -> Meeting:
     """Find the segments that touch or cross.
 
     Parameters
@@ -55,17 +64,17 @@ def meeting(points: FloatArray, segments: IntArray, groups: IndexArray | None = 
         Number of a group for each segment (n,): only segments of one group are compared.
 
     """
-    parts = [_examined(points, segments, i, j) for i, j in _candidates(points[segments], groups)]
+    reach = touching_distance(np.hypot(*(points[segments[:, 1]] - points[segments[:, 0]]).T), points)
+    parts = [_examined(points, segments, reach, i, j) for i, j in _candidates(points[segments], reach, groups)]
     on, of, met, crossing = (np.concatenate(part) for part in zip(*parts, strict=True))
     return Meeting(on, of, met, crossing)
 
 
-def _candidates(ends: FloatArray, groups: IndexArray | None) -> list[tuple[IndexArray, IndexArray]]:
+def _candidates(ends: Floats, reach: Floats, groups: Ints | None) -> list[tuple[Ints, Ints]]:
     """Pairs of segments whose shadows overlap in the direction with the fewest, in parts of limited size."""
     n = len(ends)
     low, high = ends.min(axis=1), ends.max(axis=1)
-    reach = TOUCHING * np.hypot(*(high - low).T)
-    best: tuple[int, IndexArray, IndexArray] | None = None
+    best: tuple[int, Ints, Ints] | None = None
     middle = 0.5 * (low.min(axis=0) + high.max(axis=0))
     size = float((high - low).max()) + float(np.ptp(high, axis=0).max())
     for angle in DIRECTIONS:
@@ -94,13 +103,11 @@ def _candidates(ends: FloatArray, groups: IndexArray | None) -> list[tuple[Index
     return parts or [(np.zeros(0, dtype=np.int64), np.zeros(0, dtype=np.int64))]
 
 
-def _examined(
-    points: FloatArray, segments: IntArray, i: IndexArray, j: IndexArray
-) -> tuple[IndexArray, IndexArray, IndexArray, IndexArray]:
+def _examined(points: Floats, segments: IntArray, reach: Floats, i: Ints, j: Ints) -> tuple[Ints, Ints, Ints, Ints]:
     """Touches (on, of, point) and crossings of the pairs (i, j)."""
     (a, b), (c, d) = segments[i].T, segments[j].T
     u, v = points[b] - points[a], points[d] - points[c]
-    reach = TOUCHING * np.minimum(np.hypot(*u.T), np.hypot(*v.T))
+    nearest = np.minimum(reach[i], reach[j])
     touched = np.zeros(len(i), dtype=bool)
     found = []
     turns = []
@@ -109,7 +116,7 @@ def _examined(
         turns.append(step[:, 0] * away[:, 1] - step[:, 1] * away[:, 0])
         along = np.einsum("ni,ni->n", away, step) / np.maximum(np.einsum("ni,ni->n", step, step), 1e-300)
         off = away - np.clip(along, 0.0, 1.0)[:, None] * step
-        touches = (np.hypot(*off.T) <= reach) & (p != start) & (p != end)
+        touches = (np.hypot(*off.T) <= nearest) & (p != start) & (p != end)
         touched |= touches
         found.append((on[touches], of[touches], p[touches]))
     shared = (a == c) | (a == d) | (b == c) | (b == d)
@@ -118,7 +125,7 @@ def _examined(
     return on, of, met, np.column_stack([i[crosses], j[crosses]])
 
 
-def layers(points: FloatArray, rim: IntArray) -> tuple[IndexArray, IndexArray]:
+def layers(points: Floats, rim: IntArray) -> tuple[Ints, Ints]:
     """Count the cells that lie on each other along the boundary.
 
     Cells that are positive and fit together edge by edge cover a place as many times as the boundary, with the body on
@@ -162,7 +169,8 @@ def layers(points: FloatArray, rim: IntArray) -> tuple[IndexArray, IndexArray]:
     forward = np.sign(step[edge, 0])
     own = np.sign(step[rows, 0])[probe]  # the ray goes to the left: up where the probe's edge goes forward
     lengths = np.hypot(*step.T)
-    lateral_offset = np.abs(height) > 2.0 * TOUCHING * lengths[edge] * lengths[rows][probe]
-    hit: BoolArray = lateral_offset & (np.sign(height) * forward * own < 0.0)
+    reach = touching_distance(lengths[rows], points)
+    apart = np.abs(height) > 2.0 * lengths[edge] * reach[probe]
+    hit: Bools = apart & (np.sign(height) * forward * own < 0.0)
     sums = np.bincount(probe, weights=np.where(hit, -own * forward, 0.0), minlength=len(rows))
     return rows, np.rint(sums).astype(np.int64)

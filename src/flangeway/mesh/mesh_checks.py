@@ -6,10 +6,11 @@ from weakref import WeakSet
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import BoolArray, IntArray, point_text
-from flangeway.mesh.meeting import TOUCHING, Meeting, layers, meeting
+from flangeway.geometry.arrays import IntArray, point_text
+from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.mesh.meeting import Meeting, layers, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import IndexArray, next_in_row, offsets_of, row_numbers
+from flangeway.types import Bools, Ints
 
 FLAT = 1e-14
 """Area of a cell over the sum of its squared distances from its middle, up to which it counts as flat."""
@@ -199,7 +200,7 @@ def _check_sum(mesh: PolyMesh, region_area: float, tolerance: float) -> None:
         )
 
 
-def hanging_points(mesh: PolyMesh) -> tuple[IndexArray, IndexArray]:
+def hanging_points(mesh: PolyMesh) -> tuple[Ints, Ints]:
     """Return rows of ``mesh.boundary_edges`` and the points (n,) that lie inside them.
 
     Of two cells that meet along an edge with a hanging point, both have edges with one cell only:
@@ -211,13 +212,14 @@ def hanging_points(mesh: PolyMesh) -> tuple[IndexArray, IndexArray]:
     return found.on[inside][first], found.points[inside][first]
 
 
-def _at_end(mesh: PolyMesh, found: Meeting) -> tuple[BoolArray, IndexArray]:
+def _at_end(mesh: PolyMesh, found: Meeting) -> tuple[Bools, Ints]:
     """Whether each touching point lies at an end of the edge, and that end."""
     rim = mesh.boundary_edges
     ends = rim[found.on]
     apart = np.hypot(*np.moveaxis(mesh.points[ends] - mesh.points[found.points][:, None], 2, 0))
     lengths = np.hypot(*np.moveaxis(np.diff(mesh.points[rim], axis=1)[:, 0], 1, 0))
-    at_end: BoolArray = apart.min(axis=1) <= TOUCHING * np.minimum(lengths[found.on], lengths[found.of])
+    reach = touching_distance(lengths, mesh.points)
+    at_end: Bools = apart.min(axis=1) <= np.minimum(reach[found.on], reach[found.of])
     return at_end, ends[np.arange(len(ends)), apart.argmin(axis=1)].astype(np.int64)
 
 
@@ -256,7 +258,7 @@ def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: boo
         )
 
 
-def _meant(mesh: PolyMesh, found: Meeting, at_end: BoolArray, ends: IndexArray, cracks: Iterable[str]) -> BoolArray:
+def _meant(mesh: PolyMesh, found: Meeting, at_end: Bools, ends: Ints, cracks: Iterable[str]) -> Bools:
     """Whether a point may touch an edge or another point: both have an edge of a crack's face."""
     faces = np.zeros(len(mesh.boundary_edges), dtype=bool)
     for name in cracks:
@@ -265,12 +267,12 @@ def _meant(mesh: PolyMesh, found: Meeting, at_end: BoolArray, ends: IndexArray, 
     low, high = np.minimum(found.points, ends), np.maximum(found.points, ends)
     place = np.where(at_end, low * mesh.n_points + high, -1 - (found.on * mesh.n_points + found.points))
     _, touch = np.unique(place, return_inverse=True)
-    meant: BoolArray = np.bincount(touch, weights=faces[found.on] & faces[found.of])[touch] > 0
+    meant: Bools = np.bincount(touch, weights=faces[found.on] & faces[found.of])[touch] > 0
     return meant
 
 
-def _keys(mesh: PolyMesh, pairs: IntArray) -> IndexArray:
-    joined: IndexArray = pairs[:, 0].astype(np.int64) * mesh.n_points + pairs[:, 1]
+def _keys(mesh: PolyMesh, pairs: IntArray) -> Ints:
+    joined: Ints = pairs[:, 0].astype(np.int64) * mesh.n_points + pairs[:, 1]
     return joined
 
 

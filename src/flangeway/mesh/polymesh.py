@@ -10,11 +10,18 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import FloatArray, IntArray, as_points, point_text
+from flangeway.geometry.arrays import IntArray, as_points, point_text
 from flangeway.geometry.placement import Placement
-from flangeway.mesh.chains import chain_starts, ordered_pairs
-from flangeway.mesh.numbering import EdgeNumbers, number_edges
-from flangeway.mesh.ragged import IndexArray, next_in_row, row_numbers, rows_reversed
+from flangeway.mesh.connectivity import (
+    EdgeNumbers,
+    chain_starts,
+    next_in_row,
+    number_edges,
+    ordered_pairs,
+    row_numbers,
+    rows_reversed,
+)
+from flangeway.types import Floats, Ints
 
 
 def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
@@ -81,7 +88,7 @@ class PolyMesh:
 
     """
 
-    points: FloatArray
+    points: Floats
     cell_offsets: IntArray
     cell_points: IntArray
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
@@ -160,13 +167,13 @@ class PolyMesh:
         return _frozen(np.diff(self.cell_offsets))
 
     @cached_property
-    def _following(self) -> IndexArray:
+    def _following(self) -> Ints:
         """Position in `cell_points` of the point after each one in its cell."""
         return next_in_row(self.cell_offsets)
 
-    def _keys(self, pairs: IntArray) -> NDArray[np.int64]:
+    def _keys(self, pairs: IntArray) -> Ints:
         low, high = np.sort(pairs.astype(np.int64), axis=1).T
-        keys: NDArray[np.int64] = low * self.n_points + high
+        keys: Ints = low * self.n_points + high
         return keys
 
     @cached_property
@@ -218,7 +225,7 @@ class PolyMesh:
         return _frozen(np.column_stack([self.cell_points[entries], self.cell_points[self._following[entries]]]))
 
     @property
-    def doubled_edges(self) -> IndexArray:
+    def doubled_edges(self) -> Ints:
         """Numbers of the edges that two cells travel in the same direction, or more than two cells: none if sound."""
         return self._numbered.doubled
 
@@ -245,28 +252,28 @@ class PolyMesh:
     # geometry
 
     @cached_property
-    def _local_corners(self) -> FloatArray:
+    def _local_corners(self) -> Floats:
         # about the first point of the cell: areas keep their digits far from the origin
         first = self.cell_points[self.cell_offsets[:-1]]
-        corners: FloatArray = self.points[self.cell_points]
+        corners: Floats = self.points[self.cell_points]
         corners -= np.repeat(self.points[first], self.cell_sizes, axis=0)
         return corners
 
     @cached_property
-    def _cross(self) -> FloatArray:
+    def _cross(self) -> Floats:
         """Twice the signed areas of the triangles of every edge with the cell's first point."""
         a = self._local_corners
         b = a[self._following]
-        cross: FloatArray = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        cross: Floats = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
         return cross
 
     @cached_property
-    def cell_areas(self) -> FloatArray:
+    def cell_areas(self) -> Floats:
         """Areas (n_cells,), negative for clockwise cells."""
         return _frozen(0.5 * np.add.reduceat(self._cross, self.cell_offsets[:-1]))
 
     @cached_property
-    def cell_centroids(self) -> FloatArray:
+    def cell_centroids(self) -> Floats:
         """Centroids (n_cells, 2)."""
         a = self._local_corners
         weighted = (a + a[self._following]) * self._cross[:, None]
@@ -275,7 +282,7 @@ class PolyMesh:
         return _frozen(first + sums / (6.0 * self.cell_areas[:, None]))
 
     @cached_property
-    def cell_diameters(self) -> FloatArray:
+    def cell_diameters(self) -> Floats:
         """Maximum distance of two points of every cell (n_cells,)."""
         diameters = np.zeros(self.n_cells)
         for n_vertices, cells in self.batches():

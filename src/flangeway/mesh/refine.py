@@ -1,20 +1,33 @@
 """Refinement of triangles and polygons, of all cells or of some."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from flangeway.checks import check_integer
+from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import FloatArray, IntArray, point_text
+from flangeway.geometry.arrays import IntArray, point_text
+from flangeway.geometry.contour import Contour
+from flangeway.geometry.region import Region, Section
+from flangeway.geometry.segments import Arc
+from flangeway.mesh.connectivity import offsets_of
 from flangeway.mesh.kernel import cell_centres, star_parts
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import offsets_of
 from flangeway.mesh.sides import Sides, cell_sides
-from flangeway.mesh.snapping import Curves, snapped_points
 from flangeway.system.memory_limits import refuse_large_mesh
-from flangeway.types import Bools, Ints
+from flangeway.types import Bools, Floats, Ints
+
+Curves: TypeAlias = Contour | Region | Section | Iterable[Contour]
+"""What has arcs: an outline or open chain, a region, a section, or several outlines."""
+
+NEAR = 1.0
+"""Distance from an arc, over the shorter boundary edge at the point, up to which the point belongs on it.
+
+As large as that, since the middle of a coarse chord is far from its arc; the nearest curve decides.
+"""
 
 BYTES_A_TRIANGLE = 740
 BYTES_A_POLYGON = 2400
@@ -140,8 +153,8 @@ def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
     return mesh
 
 
-def _middles(mesh: PolyMesh, edges: Ints) -> FloatArray:
-    middles: FloatArray = mesh.points[mesh.edges[edges]].mean(axis=1)
+def _middles(mesh: PolyMesh, edges: Ints) -> Floats:
+    middles: Floats = mesh.points[mesh.edges[edges]].mean(axis=1)
     return middles
 
 
@@ -170,7 +183,7 @@ class _Division:
     seen: Bools
     split: Bools
     n_sides: Ints
-    centres: FloatArray
+    centres: Floats
 
     def mesh(self) -> PolyMesh:
         old = self.old
@@ -190,7 +203,7 @@ class _Division:
             cell_sets[name] = np.flatnonzero(inside[owner]).astype(np.int32)
         return PolyMesh(points, offsets, corners[places], cell_sets, _halved_sets(old, self.split))
 
-    def _rows(self, points: FloatArray, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
+    def _rows(self, points: Floats, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
         """New cells: old cell and number of points of each, and their points one after the other."""
         ring, offsets, place = self._rings()
         sizes = np.diff(offsets)
@@ -262,3 +275,76 @@ def _refined_triangles(mesh: PolyMesh) -> PolyMesh:
         {name: np.add.outer(4 * cells, np.arange(4)).ravel() for name, cells in mesh.cell_sets.items()},
         _halved_sets(mesh, split),
     )
+
+
+def _loops(curves: Curves) -> list[Contour]:
+    if isinstance(curves, Contour):
+        return [curves]
+    if isinstance(curves, Region):
+        return list(curves.loops)
+    if isinstance(curves, Section):
+        return [loop for region in curves.regions for loop in region.loops]
+    return list(curves)
+
+
+def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
+    """Return the mesh's points (n_points, 2) with those of the boundary that are near an arc moved onto it.
+
+    Points at the ends of arcs, and those nearer to a line, stay; so all curves of the boundary must be given. Near
+    means within the length of the boundary edges there.
+    """
+    pairs = mesh.boundary_edges
+    lengths = np.hypot(*(mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]).T)
+    shortest = np.full(mesh.n_points, np.inf)
+    for column in (0, 1):
+        np.minimum.at(shortest, pairs[:, column], lengths)
+    rim = np.unique(pairs)
+    points = mesh.points.copy()
+    nearest = NEAR * shortest[rim]
+    for loop in _loops(curves):
+        number, place, distance = loop.closest(mesh.points[rim])
+        nearer = distance < nearest
+        nearest[nearer] = distance[nearer]
+        points[rim[nearer]] = mesh.points[rim[nearer]]
+        for which in np.unique(number[nearer]).tolist():
+            segment = loop.segments[which]
+            inside = nearer & (number == which) & (place > 1e-9) & (place < 1.0 - 1e-9)
+            if isinstance(segment, Arc) and inside.any():
+                points[rim[inside]] = segment.point(place[inside])
+    return points
+
+
+def doerfler_marking(cell_errors: ArrayLike, share: float = 0.5) -> IntArray:
+    """Return the fewest cells that hold a share of the sum of the squared errors, in rising order.
+
+    Source: Doerfler, 1996, SIAM J. Numer. Anal. 33, with the share of the squares (theta squared there).
+
+    Parameters
+    ----------
+    cell_errors
+        Estimated error of each cell (n_cells,), zero or more.
+    share
+        Between 0 and 1: a small one refines few cells a step, 1 all cells with an error.
+
+    Raises
+    ------
+    InputError
+        If an error is negative or not finite, or the share is out of its range.
+
+    """
+    errors = as_numbers("cell errors", cell_errors)
+    if errors.ndim != 1 or not len(errors) or not (np.isfinite(errors).all() and (errors >= 0.0).all()):
+        raise InputError(
+            f"cell errors of shape {errors.shape}, or with one below zero or not finite",
+            "one number for each cell, zero or more",
+            "look at the estimate",
+        )
+    if not (is_finite(share) and 0.0 < share <= 1.0):
+        raise refused("doerfler_marking", "share", share, "a number above 0, up to 1", "leave 0.5")
+    order = np.argsort(-errors, kind="stable")
+    sums = np.cumsum(errors[order] ** 2)
+    if not sums[-1] > 0.0:
+        return np.zeros(0, dtype=np.int32)
+    n_marked = int(np.searchsorted(sums, share * sums[-1] * (1.0 - 1e-12))) + 1
+    n_marked = min(n_marked, int(np.count_nonzero(errors)))
+    return np.sort(order[:n_marked]).astype(np.int32)

@@ -14,7 +14,6 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, IntArray, Outline, Placement, Region, Section
 from flangeway.geometry.segments import halved
 from flangeway.mesh.dual import dual
-from flangeway.mesh.expected_size import ExpectedMesh, expected_mesh
 from flangeway.mesh.gmsh_mesher import (
     ALGORITHMS,
     OPTIONS,
@@ -24,13 +23,10 @@ from flangeway.mesh.gmsh_mesher import (
     triangulate,
 )
 from flangeway.mesh.gmsh_session import generate, gmsh_model
-from flangeway.mesh.long_meshes import made
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.sizing import Refinement, refuse_size
+from flangeway.mesh.sizing import Refinement, made, mesh_bound
 
 _FAR = 100.0  # of the section's size
-BYTES_TO_COLLECT = 220
-"""For each triangle, more than of one region; measured."""
 
 
 def triangulate_section(
@@ -82,24 +78,8 @@ def triangulate_section(
         mesh = triangulate(region.outer, size=size, refinements=refinements, holes=region.holes, algorithm=algorithm)
         return mesh.with_cell_set(name, np.arange(mesh.n_cells))
     refuse_algorithm(algorithm)
-    expected = _expected(section, size, refinements, algorithm)
-    return made(expected, _meshed, dict(section.parts), size, tuple(refinements), algorithm)
-
-
-def _expected(section: Section, size: float, refinements: Sequence[Refinement], algorithm: str) -> ExpectedMesh:
-    """What the parts need together."""
-    parts = []
-    for region in section.regions:
-        local = min(size, float(np.max(np.ptp(region.bounds(), axis=0))))
-        refuse_size(region.outer, local)
-        parts.append(expected_mesh(region, local, refinements, algorithm))
-    return ExpectedMesh(
-        sum(part.n_triangles for part in parts),
-        sum(part.n_boundary_edges for part in parts),
-        sum(part.squared_edges for part in parts),
-        max(part.n_seeds for part in parts),
-        BYTES_TO_COLLECT + max(part.bytes_a_triangle for part in parts),
-    )
+    bound = mesh_bound(section.regions, size, refinements, algorithm)
+    return made(bound, _meshed, dict(section.parts), size, tuple(refinements), algorithm)
 
 
 def _meshed(parts: dict[str, Region], size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:

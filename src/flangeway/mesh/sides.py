@@ -3,10 +3,10 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flangeway.mesh.connectivity import next_in_row, row_numbers
 from flangeway.mesh.polymesh import PolyMesh
-from flangeway.mesh.ragged import next_in_row, row_numbers
+from flangeway.types import Bools, Floats, Ints
 
 STRAIGHT = np.deg2rad(15.0)
 """Turn at a point below which both edges belong to one side."""
@@ -39,12 +39,12 @@ class Sides:
 
     """
 
-    entries: NDArray[np.int64]
-    side: NDArray[np.int64]
-    cell: NDArray[np.int64]
-    hanging: NDArray[np.bool_]
-    at_point: NDArray[np.int64]
-    in_edge: NDArray[np.int64]
+    entries: Ints
+    side: Ints
+    cell: Ints
+    hanging: Bools
+    at_point: Ints
+    in_edge: Ints
 
 
 def cell_sides(mesh: PolyMesh) -> Sides:
@@ -80,9 +80,7 @@ def cell_sides(mesh: PolyMesh) -> Sides:
     return Sides(entries, side, rows[starts], ((turn < HANGING) & ~outer)[entries] & ~starts, at_point, in_edge)
 
 
-def _divisions(
-    lengths: NDArray[np.float64], side: NDArray[np.int64], starts: NDArray[np.bool_]
-) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+def _divisions(lengths: Floats, side: Ints, starts: Bools) -> tuple[Ints, Ints]:
     """Entry whose point divides each side, and entry whose edge does, -1 for none."""
     first = np.flatnonzero(starts)
     total = np.add.reduceat(lengths, first)

@@ -1,16 +1,46 @@
-"""Target size of triangles: one size, and refinements along polylines."""
+"""Target size of triangles: one size, and refinements along polylines; how many triangles these can make."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from flangeway.checks import check_positive, is_finite
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import FloatArray, as_points
+from flangeway.geometry.arrays import as_points
 from flangeway.geometry.outline import Outline
+from flangeway.geometry.region import Region
+from flangeway.mesh.polymesh import PolyMesh
+from flangeway.system.memory_limits import refuse_large_mesh
+from flangeway.system.own_process import BYTES, in_own_process
+from flangeway.types import Floats
+
+MAX_TRIANGLES = 5_000_000
+MAX_EDGES = 100_000
+"""Along one side: Gmsh's time grows with the square where points lie on a line along an axis, to half an hour here."""
+MAX_SEEDS = 5_000_000
+
+TRIANGLES_AN_AREA = {"delaunay": 1.14, "frontal-delaunay": 1.0}
+"""Triangles over what the target size alone would make, measured."""
+BYTES_A_TRIANGLE = {"delaunay": 460, "frontal-delaunay": 950}
+"""Of Gmsh and of the mesh taken from it; measured 440 to 480 and 900 to 980."""
+BYTES_TO_COLLECT = 220
+"""For each triangle of a section of several parts, beyond those of one region; measured."""
+BYTES_A_BOUNDARY_EDGE = 1200
+BYTES_A_SEED = 10_000
+"""Up to this much, mostly while Gmsh integrates the size along a curve beside them; measured 2,300 to 10,500."""
+
+LONG = 3.0
+"""Seconds of a triangulation without a report, and after Ctrl-C."""
+
+_AN_AREA = 4.0 / math.sqrt(3.0)
+"""Equilateral triangles of side one in an area of one."""
+
+_REPORT: ContextVar[Callable[[str], None]] = ContextVar("_REPORT", default=lambda _: None)
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +63,7 @@ class Refinement:
 
     """
 
-    points: FloatArray
+    points: Floats
     size: float
     growth: float = 0.15
 
@@ -48,68 +78,93 @@ class Refinement:
             check_positive("Refinement", name, value)
 
     @property
-    def length(self) -> float:
-        """Length of the polyline, zero for one point."""
-        return float(np.sum(np.hypot(*np.diff(self.points, axis=0).T)))
-
-    def distances(self, points: ArrayLike) -> FloatArray:
-        """Return the distances (n,) of points (n, 2) from the polyline."""
-        given = as_points(points)
-        a = self.points[:-1] if len(self.points) > 1 else self.points
-        steps = np.diff(self.points, axis=0) if len(self.points) > 1 else np.zeros((1, 2))
-        squares = np.maximum(np.sum(steps**2, axis=1), np.finfo(float).tiny)
-        nearest = np.full(len(given), np.inf)
-        for start, step, square in zip(a, steps, squares, strict=True):
-            rays = given - start
-            along = np.clip(rays @ step / square, 0.0, 1.0)
-            nearest = np.minimum(nearest, np.hypot(*(rays - along[:, None] * step).T))
-        return nearest
-
-    @property
-    def _seed_spacing(self) -> float:
-        return self.size * min(1.0, 0.04 / self.growth)
+    def _pieces(self) -> Floats:
+        """Number of seeds on each segment: between neighbours the distance to the nearest errs below 2 % of size."""
+        lengths = np.hypot(*np.diff(self.points, axis=0).T)
+        return np.maximum(np.ceil(lengths / (self.size * min(1.0, 0.04 / self.growth))), 1.0)
 
     @property
     def n_seeds(self) -> int:
         """Number of `seeds`, counted without making them."""
-        lengths = np.hypot(*np.diff(self.points, axis=0).T)
-        return int(np.sum(np.maximum(np.ceil(lengths / self._seed_spacing), 1.0))) + 1
+        return int(self._pieces.sum()) + 1
 
-    def seeds(self) -> FloatArray:
-        """Return points of the polyline so dense that their distance field errs below 2 % of size.
-
-        Between neighbours the distance to the nearest is at most half their spacing.
-        """
-        return self.sampled(self._seed_spacing)
-
-    def sampled(self, spacing: float) -> FloatArray:
-        """Return points (n, 2) of the polyline, its corners among them, with neighbours up to `spacing` apart."""
-        rows = []
-        for a, b in zip(self.points[:-1], self.points[1:], strict=True):
-            n_pieces = max(math.ceil(math.dist(a, b) / spacing), 1)
-            rows.append(a + (b - a) * (np.arange(n_pieces) / n_pieces)[:, None])
+    def seeds(self) -> Floats:
+        """Return points (n_seeds, 2) of the polyline, whose distance field is used for that of the polyline."""
+        rows = [
+            start + (end - start) * (np.arange(n) / n)[:, None]
+            for start, end, n in zip(self.points[:-1], self.points[1:], self._pieces, strict=True)
+        ]
         return np.vstack([*rows, self.points[-1:]])
 
 
-def local_sizes(points: ArrayLike, size: float, refinements: Sequence[Refinement] = ()) -> FloatArray:
-    """Return the target sizes (n,) at points (n, 2): the least of `size` and all refinements'."""
-    given = as_points(points)
-    sizes = np.full(len(given), float(size))
-    for refinement in refinements:
-        near = refinement.size + refinement.growth * refinement.distances(given)
-        sizes = np.minimum(sizes, near)
-    return sizes
+@dataclass(frozen=True)
+class MeshBound:
+    """What a triangulation needs at most.
+
+    Parameters
+    ----------
+    n_triangles
+        Number of triangles.
+    n_bytes
+        Memory at its peak.
+    seconds
+        Time on one core of about 2020, to a factor of two; less where long sides are not along an axis.
+
+    """
+
+    n_triangles: int
+    n_bytes: int
+    seconds: float
 
 
-def refuse_size(outline: Outline, size: float) -> None:
-    """Refuse a size that makes no mesh.
+def mesh_bound(
+    regions: Sequence[Region], size: float, refinements: Sequence[Refinement] = (), algorithm: str = "delaunay"
+) -> MeshBound:
+    """Return what the triangulation of regions that make one section needs at most.
+
+    A triangle of the edge length h covers ``sqrt(3) h^2 / 4``. A refinement adds the integral of ``1 / h^2`` over the
+    strip on both sides of its polyline in which h is below `size`, so up to twice what it makes along a boundary.
 
     Raises
     ------
     InputError
-        If the size is not positive, or larger than the region.
+        If there can be far too many triangles, edges along a side, or points of refinements.
 
     """
+    fine = [refinement for refinement in refinements if refinement.size < size]
+    n_seeds = sum(refinement.n_seeds for refinement in refinements)
+    # a part that is smaller than the size is meshed with its extent
+    parts = [(region, min(size, float(np.ptp(region.bounds(), axis=0).max()))) for region in regions]
+    area = sum(region.area / local**2 for region, local in parts)
+    sides = np.array([side.length / h for part, h in parts for loop in part.loops for side in loop.segments])
+    whole, added = sum(region.area for region in regions), 0.0
+    for r in fine:
+        length, ratio = float(np.hypot(*np.diff(r.points, axis=0).T).sum()), size / r.size
+        strip = 2.0 * length * (1.0 / r.size - 1.0 / size) / r.growth
+        ends = 2.0 * math.pi * (math.log(ratio) - 1.0 + 1.0 / ratio) / r.growth**2
+        area += min(strip + ends, whole / r.size**2)
+        added += min(length / r.size + 2.0 * math.log(ratio) / r.growth, size * sides.sum() / r.size)
+    smallest = min([size, *(refinement.size for refinement in fine)])
+    given = f"size = {size}" if smallest == size else f"size = {size} with the smallest local size {smallest}"
+    for found, most, kind, what in (
+        (n_seeds, MAX_SEEDS, "points along refinements", "enlarge their size, shorten them or let them grow slower"),
+        (_AN_AREA * area, MAX_TRIANGLES, "triangles", "enlarge the size, shorten the refinement or let it grow faster"),
+        (sides.max() + added, MAX_EDGES, "edges along one side", "enlarge the size or shorten the refinement"),
+    ):
+        if found > most:
+            raise InputError(f"{given}: about {found:.2g} {kind}", f"sizes that make up to {most} {kind}", what)
+    n_edges = np.maximum(sides, 1.0).sum() + added
+    n_triangles = math.ceil(max(TRIANGLES_AN_AREA[algorithm] * _AN_AREA * area, n_edges))
+    bytes_a_triangle = BYTES_A_TRIANGLE[algorithm] + BYTES_TO_COLLECT * (len(regions) > 1)
+    return MeshBound(
+        n_triangles,
+        math.ceil(bytes_a_triangle * n_triangles + BYTES_A_BOUNDARY_EDGE * n_edges + BYTES_A_SEED * n_seeds),
+        2.5e-5 * n_triangles * (1e-5 * n_triangles) ** 0.3 + 1e-7 * float(np.sum(sides**2) + added**2) + 1e-4 * n_seeds,
+    )
+
+
+def refuse_size(outline: Outline, size: float) -> None:
+    """Refuse a size that is not positive, or larger than the region inside an outline."""
     extent = float(np.max(outline.bounds()[1] - outline.bounds()[0]))
     if not (is_finite(size) and 0.0 < size <= extent):
         raise InputError(
@@ -117,3 +172,40 @@ def refuse_size(outline: Outline, size: float) -> None:
             f"a positive length up to the extent {extent:.6g} of the region",
             "give the length of a triangle's edge",
         )
+
+
+@contextmanager
+def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
+    """Report triangulations that take long, wherever they are begun inside this context.
+
+    Parameters
+    ----------
+    progress
+        Called with a sentence before each triangulation that can take more than `LONG` seconds.
+
+    """
+    token = _REPORT.set(progress)
+    try:
+        yield
+    finally:
+        _REPORT.reset(token)
+
+
+def made(bound: MeshBound, work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
+    """Return the mesh that a function of a module makes: here if it is soon done, else in a process of its own.
+
+    Raises
+    ------
+    OutOfMemoryError
+        If there is no memory for it.
+
+    """
+    long = bound.seconds > LONG
+    counted = f"up to about {float(f'{bound.n_triangles:.2g}'):,.0f} triangles"
+    refuse_large_mesh(f"the triangulation into {counted}", bound.n_bytes + long * BYTES)
+    if not long:
+        return work(*arguments)
+    minutes = bound.seconds / 60.0
+    time = f"{minutes:.0f} minutes" if minutes > 1.5 else f"{bound.seconds:.0f} seconds"
+    _REPORT.get()(f"triangulating: {counted}, which can take about {time}")
+    return in_own_process(work, *arguments)

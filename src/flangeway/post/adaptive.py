@@ -8,7 +8,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, doerfler_marking, refined
-from flangeway.mesh.snapping import Curves
+from flangeway.mesh.refine import Curves
 from flangeway.solve import Status
 from flangeway.types import Floats
 

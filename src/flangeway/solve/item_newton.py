@@ -12,37 +12,19 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, NotPositiveDefiniteError
-from flangeway.checks import check_integer, check_tolerance
 from flangeway.errors import InputError
 from flangeway.problems.items import Item
 from flangeway.solve.linear import NO_UNKNOWNS, cholesky
+from flangeway.solve.newton import NewtonSettings
 from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats
 
-MOST_DENSE = 3000
+MAX_DENSE = 3000
 """Unknowns of nonlinear items up to which the others are condensed: a dense matrix of 72 MB, solved in about 1 s."""
 
 
-@dataclass(frozen=True)
-class ItemSettings:
-    """Limits of the iteration.
-
-    Parameters
-    ----------
-    max_iterations
-        Iterations before giving up.
-    tolerance
-        Maximum residual over the maximum force on an unknown.
-
-    """
-
-    max_iterations: int = 25
-    tolerance: float = 1e-9
-
-    def __post_init__(self) -> None:
-        check_integer("ItemSettings", "max_iterations", self.max_iterations, 1, advice="leave it out")
-        check_tolerance("ItemSettings", self.tolerance)
+DEFAULTS = NewtonSettings(max_iterations=25, tolerance=1e-9)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +57,7 @@ def solve_items(
     items: Sequence[Item],
     start: Floats,
     free: NDArray[np.bool_],
-    settings: ItemSettings | None = None,
+    settings: NewtonSettings = DEFAULTS,
     *,
     condense: bool = True,
 ) -> ItemSolution:
@@ -90,7 +72,7 @@ def solve_items(
     free
         Which unknowns are free, shape (n,).
     settings
-        Limits of the iteration.
+        Limits of the iteration; there are no corrections.
     condense
         Whether unknowns that linear items alone act on are condensed; the state found is the same.
 
@@ -105,7 +87,6 @@ def solve_items(
         If a free unknown has no stiffness at the start.
 
     """
-    settings = settings or ItemSettings()
     items = tuple(items)
     system = _System(items, np.array(start, dtype=np.float64), free, condense=condense)
     residuals = [system.relative_residual()]
@@ -154,7 +135,7 @@ class _System:
             touched[item.unknowns] = True
         # unknowns of nonlinear items among the free ones, where condensation pays
         self.kept = np.flatnonzero(touched[self.free])
-        self.condenses = condense and len(self.kept) <= MOST_DENSE and len(self.kept) < len(self.free)
+        self.condenses = condense and len(self.kept) <= MAX_DENSE and len(self.kept) < len(self.free)
 
     def relative_residual(self) -> float:
         """Maximum residual of a free unknown over the maximum force on any."""

@@ -7,8 +7,13 @@ from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefi
 from flangeway.errors import InputError, short
 from flangeway.problems import Body
 from flangeway.solve.free_motions import refuse_floating
+from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
 from flangeway.system.memory_limits import memory_left, out_of_memory
+from flangeway.types import Floats
+
+SMALL_RESIDUAL = 1e-8
+"""Residual over the forces that it is the difference of, above which a solution is not accepted."""
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
 NO_UNKNOWNS.setflags(write=False)
@@ -38,6 +43,18 @@ def cholesky(matrix: SymmetricMatrix, groups: NDArray[np.int32], trailing: NDArr
         return Cholesky(matrix.indptr, matrix.indices, matrix.values, groups, trailing, memory_left())
     except FactorTooLargeError as error:
         raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
+
+
+def solve_linear(matrix: SymmetricMatrix, groups: NDArray[np.int32], rhs: Floats) -> tuple[Floats, Status]:
+    """Solve with a positive definite matrix; the status reports the residual. Arguments and errors as of `cholesky`."""
+    if matrix.n == 0:
+        return np.empty(0), Status(True, "every unknown is prescribed", 0)
+    values = cholesky(matrix, groups).solve(rhs)
+    forces = np.abs(rhs).max(initial=0.0) + np.abs(matrix.values).max() * np.abs(values).max(initial=0.0)
+    residual = float(np.abs(matrix.times(values) - rhs).max(initial=0.0) / forces) if forces > 0.0 else 0.0
+    converged = residual <= SMALL_RESIDUAL
+    advice = "" if converged else "; the mesh has cells of very different sizes or the materials very different moduli"
+    return values, Status(converged, f"the residual is {residual:.1e} of the maximum force{advice}", 1)
 
 
 def ldlt(matrix: SymmetricMatrix, groups: NDArray[np.int32]) -> Ldlt:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems import Torsion
-from flangeway.solve.linear import cholesky
+from flangeway.solve.linear import solve_linear
+from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats
 
@@ -22,6 +23,8 @@ class TorsionSolution:
     ----------
     problem
         The problem.
+    status
+        How the computation ended.
     function
         Unknowns of the warping function (mean zero, weighted by the shear modulus, over each connected part) or
         of Prandtl's function, shape (n_dofs,).
@@ -33,6 +36,7 @@ class TorsionSolution:
     """
 
     problem: Torsion
+    status: Status
     function: Floats
     torsional_rigidity: float
     hole_values: Floats
@@ -60,7 +64,7 @@ def solve_torsion(problem: Torsion) -> TorsionSolution:
     """
     solve = _warping if problem.formulation == "warping" else _prandtl
     try:
-        function, hole_values = solve(problem)
+        function, hole_values, status = solve(problem)
     except NotPositiveDefiniteError as error:
         raise InputError(
             "a torsion problem whose stiffness is singular",
@@ -69,16 +73,14 @@ def solve_torsion(problem: Torsion) -> TorsionSolution:
         ) from error
     function.setflags(write=False)
     hole_values.setflags(write=False)
-    return TorsionSolution(problem, function, problem.torsional_rigidity(function), hole_values)
+    return TorsionSolution(problem, status, function, problem.torsional_rigidity(function), hole_values)
 
 
-def _solved(matrix: SymmetricMatrix, rhs: Floats) -> Floats:
-    groups = np.arange(matrix.n, dtype=np.int32)
-    factor = cholesky(matrix, groups)
-    return factor.solve(rhs)
+def _solved(matrix: SymmetricMatrix, rhs: Floats) -> tuple[Floats, Status]:
+    return solve_linear(matrix, np.arange(matrix.n, dtype=np.int32), rhs)
 
 
-def _warping(problem: Torsion) -> tuple[Floats, Floats]:
+def _warping(problem: Torsion) -> tuple[Floats, Floats, Status]:
     """Hold one unknown of each connected part at zero, then shift each part to a zero mean."""
     stiffness, load, mesh = problem.stiffness(), problem.load_vector(), problem.space.mesh
     edges = sp.coo_array(
@@ -93,9 +95,9 @@ def _warping(problem: Torsion) -> tuple[Floats, Floats]:
         free[batch.dofs] = True
     free[held] = False
     function = np.zeros(problem.space.n_dofs)
-    function[free] = _solved(stiffness.restricted(free), load[free])
+    function[free], status = _solved(stiffness.restricted(free), load[free])
     _remove_means(problem, function, cell_parts)
-    return function, np.empty(0)
+    return function, np.empty(0), status
 
 
 def _remove_means(problem: Torsion, function: Floats, cell_parts: NDArray[np.integer]) -> None:
@@ -117,7 +119,7 @@ def _remove_means(problem: Torsion, function: Floats, cell_parts: NDArray[np.int
     function -= shift
 
 
-def _prandtl(problem: Torsion) -> tuple[Floats, Floats]:
+def _prandtl(problem: Torsion) -> tuple[Floats, Floats, Status]:
     """Solve with zero on the outer boundary and one unknown for each hole's boundary.
 
     The condition of each hole, circulation of the shear strain equal to ``2 theta'`` times its area, is the natural one
@@ -144,5 +146,5 @@ def _prandtl(problem: Torsion) -> tuple[Floats, Floats]:
         rhs[n_free:] += 2.0 * boundary.hole_areas
     else:
         reduced, rhs = stiffness.restricted(free), load[free]
-    values = np.append(_solved(reduced, rhs), 0.0)
-    return values[number], values[n_free:-1]
+    values, status = _solved(reduced, rhs)
+    return np.append(values, 0.0)[number], values[n_free:], status

@@ -27,10 +27,20 @@ class SymmetricMatrix:
     indices: NDArray[np.int32]
     values: Floats
 
+    @property
+    def lower(self) -> sp.csc_array:
+        """The lower triangle, as a SciPy array."""
+        return sp.csc_array((self.values, self.indices, self.indptr), shape=(self.n, self.n))
+
     def full(self) -> sp.csr_array:
         """Both triangles, as a SciPy array."""
-        lower = sp.csc_array((self.values, self.indices, self.indptr), shape=(self.n, self.n))
-        return sp.csr_array(lower + sp.tril(lower, -1).T)
+        return sp.csr_array(self.lower + sp.tril(self.lower, -1).T)
+
+    def times(self, vector: Floats) -> Floats:
+        """Product with a vector (n,)."""
+        lower = self.lower
+        product: Floats = lower @ vector + lower.T @ vector - lower.diagonal() * vector
+        return product
 
     def restricted(self, kept: NDArray[np.bool_]) -> "SymmetricMatrix":
         """Rows and columns where ``kept``, shape (n,), is true, in their order."""

@@ -18,7 +18,7 @@ from flangeway.formats import DrawnSection, read_section
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.geometry import Arc, Section
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
-from flangeway.mesh.expected_size import expected_mesh
+from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled_sections import bundled_section
 from flangeway.space import Space
@@ -197,8 +197,7 @@ def section_mesh(section: Section, options: SectionOptions) -> PolyMesh:
 
     """
     size = options.size or usual_size(section)
-    for region in section.regions:
-        expected_mesh(region, size, ())  # refuses a size before arcs are cut into chords as fine
+    mesh_bound(section.regions, size)  # refuses a size before arcs are cut into chords as fine
     triangles = triangulate_section(section, size=size, refinements=_along_arcs(section, size))
     n_pieces = _n_pieces(triangles)
     if n_pieces > 1:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.geometry import Outline
 from flangeway.mesh import PolyMesh
-from flangeway.mesh.chains import ordered_pairs
+from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post import force_through_cut
 from flangeway.problems import ElasticField
 from flangeway.railway.profiles.bundled import RailProfile

@@ -1,0 +1,147 @@
+"""Connections of cells and points: ragged rows, numbers of edges, and directed pairs in order along chains."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from flangeway.errors import InputError
+from flangeway.geometry.arrays import IntArray
+from flangeway.types import Ints
+
+
+def next_in_row(offsets: IntArray) -> Ints:
+    """Return for every entry the position of the entry after it in its row, cyclically."""
+    following = np.arange(1, offsets[-1] + 1)
+    following[offsets[1:] - 1] = offsets[:-1]
+    return following
+
+
+def row_numbers(offsets: IntArray) -> Ints:
+    """Return for every entry the number of its row."""
+    return np.repeat(np.arange(len(offsets) - 1), np.diff(offsets))
+
+
+def rows_reversed(offsets: IntArray) -> Ints:
+    """Return positions that turn every row backwards."""
+    rows = row_numbers(offsets)
+    return offsets[rows].astype(np.int64) + offsets[rows + 1] - 1 - np.arange(offsets[-1])
+
+
+def offsets_of(counts: Ints) -> IntArray:
+    """Return the offsets (n + 1,) of rows with the given lengths (n,)."""
+    offsets = np.zeros(len(counts) + 1, dtype=np.int32)
+    np.cumsum(counts, out=offsets[1:])
+    return offsets
+
+
+@dataclass(frozen=True, eq=False)
+class EdgeNumbers:
+    """Numbers of the edges that cells travel.
+
+    Parameters
+    ----------
+    keys
+        ``low * n_points + high`` of each edge's points (n_edges,), rising.
+    numbers
+        Edge of each side of a cell (n_sides,).
+    single
+        Sides that are alone at their edge, rising.
+    doubled
+        Edges that two cells travel in the same direction, or more than two cells.
+
+    """
+
+    keys: Ints
+    numbers: IntArray
+    single: Ints
+    doubled: Ints
+
+
+def number_edges(start: IntArray, end: IntArray, n_points: int) -> EdgeNumbers:
+    """Number the edges of sides given by their start and end (n_sides,)."""
+    forward = start < end
+    low, high = np.where(forward, start, end), np.where(forward, end, start)
+    order = _counting_sort(high, n_points)
+    order = order[_counting_sort(low[order], n_points)]
+    low, high = low[order], high[order]
+    new = np.ones(len(order), dtype=bool)
+    new[1:] = (low[1:] != low[:-1]) | (high[1:] != high[:-1])
+    first = np.flatnonzero(new)
+    numbers = np.empty(len(order), dtype=np.int32)
+    numbers[order] = np.cumsum(new, dtype=np.int32) - 1
+    numbers.setflags(write=False)
+    counts = np.diff(first, append=len(order))
+    forward = forward[order]
+    doubled = counts > 2
+    two = np.flatnonzero(counts == 2)
+    doubled[two] = forward[first[two]] == forward[first[two] + 1]
+    return EdgeNumbers(
+        low[first].astype(np.int64) * n_points + high[first],
+        numbers,
+        np.sort(order[first[counts == 1]]).astype(np.int64),
+        np.flatnonzero(doubled),
+    )
+
+
+def _counting_sort(values: IntArray, n_values: int) -> NDArray[np.int32]:
+    """Stable order of integers in [0, n_values), which a change of sparse storage finds."""
+    n = len(values)
+    one_a_row = csr_array((np.empty(n, dtype=np.int8), values, np.arange(n + 1, dtype=np.int32)), shape=(n, n_values))
+    order: NDArray[np.int32] = one_a_row.tocsc().indices
+    return order
+
+
+def chain_starts(pairs: IntArray) -> Ints:
+    """Return the rows of ordered pairs (m, 2) at which a chain starts."""
+    breaks = np.ones(len(pairs), dtype=bool)
+    breaks[1:] = pairs[1:, 0] != pairs[:-1, 1]
+    return np.flatnonzero(breaks)
+
+
+def ordered_pairs(pairs: IntArray, name: str) -> IntArray:
+    """Return directed pairs (m, 2) in order along their chains.
+
+    Open chains come first, in the order in which their first pairs are given, then closed ones,
+    each from its first given pair. Pairs that are in order stay as they are.
+
+    Raises
+    ------
+    InputError
+        If a point has two pairs that leave it or two that reach it.
+
+    """
+    for column, what in ((0, "leave"), (1, "reach")):
+        values, counts = np.unique(pairs[:, column], return_counts=True)
+        if np.any(counts > 1):
+            raise InputError(
+                f"edge set '{name}': {counts.max()} edges {what} point {values[counts.argmax()]}",
+                "chains that do not branch",
+                "give each edge once, with the body on its left",
+            )
+    starts = chain_starts(pairs)
+    ends = pairs[np.append(starts[1:], len(pairs)) - 1, 1]
+    by_start = np.argsort(pairs[:, 0])
+    places = np.minimum(np.searchsorted(pairs[by_start, 0], ends), len(pairs) - 1)
+    following = by_start[places]
+    # in order if nothing leaves the end of a chain but, where it is closed, its own first pair
+    if np.all((pairs[following, 0] != ends) | (following == starts)):
+        return pairs
+    return pairs[_order(pairs.tolist())]
+
+
+def _order(pairs: list[list[int]]) -> list[int]:
+    """Return the rows of the pairs in order along the chains."""
+    leaving = {pair[0]: row for row, pair in enumerate(pairs)}
+    reached = {pair[1] for pair in pairs}
+    open_first = sorted(range(len(pairs)), key=lambda row: pairs[row][0] in reached)
+    order: list[int] = []
+    seen = [False] * len(pairs)
+    for first in open_first:
+        row: int | None = first
+        while row is not None and not seen[row]:
+            seen[row] = True
+            order.append(row)
+            row = leaving.get(pairs[row][1])
+    return order
