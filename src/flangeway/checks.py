@@ -39,7 +39,7 @@ def are_finite(values: object, n: int) -> bool:
 
 
 def as_numbers(what: str, values: object, allowed: str = "numbers", advice: str = "correct them") -> Floats:
-    """Return numbers in an array; texts, truth values, objects and rows of unlike length are an `InputError`."""
+    """Return numbers in an array; texts, truth values, objects and rows of different lengths are an `InputError`."""
     try:
         kinds = {np.asarray(values).dtype.kind}
         if not isinstance(values, np.ndarray):  # a list of numbers and truth values becomes numbers

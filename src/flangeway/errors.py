@@ -79,9 +79,9 @@ class UnforeseenError(RuntimeError):
 
 
 def unforeseen(error: BaseException) -> str:
-    """Return one sentence on an error that nobody foresaw: what and where it is, and where to report it.
+    """Return one sentence on an unforeseen error: what and where it is, and where to report it.
 
-    With `DEBUG_VARIABLE` the traceback stands below it.
+    With `DEBUG_VARIABLE` the traceback follows.
     """
     if isinstance(error, UnforeseenError):
         return str(error)

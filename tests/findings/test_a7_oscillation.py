@@ -44,7 +44,7 @@ def punch(**changes: Any) -> TwoBodiesCase:
 
 @pytest.mark.parametrize("peak", [1.0, 5.0, 20.0, 100.0])
 def test_a7_a_peak_does_not_hide_an_alternating_pressure(peak: float) -> None:
-    """Nodes of 0.77 and 1.23 in turn scatter by 46 % whatever peaks are at the ends; smooth ones by less than 2 %."""
+    """Nodes of 0.77 and 1.23 in turn oscillate by 46 % whatever peaks are at the ends; smooth ones by less than 2 %."""
     for n in (8, 15, 40):
         pressures = 1.0 + 0.23 * (-1.0) ** np.arange(n)
         pressures[[0, -1]] = peak
@@ -59,10 +59,10 @@ def test_a7_an_oscillating_pressure_is_printed_with_its_mark(tmp_path: Path) -> 
     """Pressures of nodes and multipliers under a flat punch are warned about, and marked wherever they are printed."""
     run = punch(pairing="node-to-segment", enforcement="multiplier").run()
     assert run.status.converged
-    assert any("scatters by" in notice for notice in run.summary.notices)
+    assert any("oscillates by" in notice for notice in run.summary.notices)
     (contact,) = run.summary.to_dict()["contacts"]
     remark = contact["max_pressure_remark"]
-    assert remark.startswith("scatters by ")
+    assert remark.startswith("oscillates by ")
     assert contact["patches"][0]["max_pressure_remark"] == remark
     (shown,) = (text for name, text in case_rows(run.summary) if "maximum pressure" in name)
     assert shown == f"about {contact['max_pressure_MPa']:.6g} ({remark})"

@@ -52,7 +52,7 @@ def solve_lower(factor: Floats, rhs: Floats, out: Floats | None = None) -> Float
 
 
 def solve_upper(factor: Floats, rhs: Floats, out: Floats | None = None) -> Floats:
-    """Solve ``L^T x = rhs``, likewise; `out` may be `rhs`."""
+    """Solve ``L^T x = rhs``, in the same way; `out` may be `rhs`."""
     x = np.empty((*rhs.shape[:-1], factor.shape[-1])) if out is None else out
     if x is not rhs:
         x[:] = rhs

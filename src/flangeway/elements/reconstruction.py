@@ -42,7 +42,7 @@ class Reconstruction:
         of degree k, so that nothing is left to project or to stabilise.
     energy_moments
         Integrals of the gradient times those of the monomials from degree 1, the matrix B of Moherdaui (2021, 3.60)
-        without its first row, shape (n_monomials(k) - 1, n_local, n_cells); None likewise.
+        without its first row, shape (n_monomials(k) - 1, n_local, n_cells); None for the same elements.
 
     """
 

@@ -60,7 +60,7 @@ class IdentityStabilisation(Stabilisation):
         """Consistency and stabilisation of one field in one product, faster than their sum.
 
         The consistency is ``Pi^T B = (Pi^T B + B^T Pi) / 2``; B is given for a modulus of one, see
-        `Reconstruction.energy_moments`, and the moduli (n_cells,) beside it.
+        `Reconstruction.energy_moments`, and the moduli (n_cells,).
         """
         scale = self.factor * moduli
         half = _half_of_missed(reconstruction, scale)

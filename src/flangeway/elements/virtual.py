@@ -21,8 +21,8 @@ HIGHEST_ORDER = 10
 class Virtual(Element):
     """Virtual element: polynomials of degree k on the edges, moments up to degree k - 2 inside.
 
-    The value is reconstructed by the projection that is orthogonal in energy (Beirao da Veiga et al., 2013; seed
-    3.58 to 3.66), and the gradient either as that polynomial's or by its own L2 projection onto polynomials of
+    The value is reconstructed by the projection that is orthogonal in energy (Beirao da Veiga et al., 2013; Moherdaui,
+    2021, 3.58 to 3.66), and the gradient either as that polynomial's or by its own L2 projection onto polynomials of
     degree k - 1, whose symmetric part is the projection onto strains of Artioli et al. (2017, Comput. Mech. 60,
     eq. 14; Moherdaui (2021) 3.84 to 3.88). Monomials are written in the cell's principal axes, so that a stretch costs
     no digits.

@@ -110,7 +110,7 @@ class LineContact:
     def axis_stresses_in_disc(self, depth: ArrayLike, radius: float) -> Floats:
         """Stresses on the line of symmetry of a disc that is pressed at both ends of a diameter (Johnson, 1985, 5.6).
 
-        Beside those in a half plane stand the even tension ``P / (pi R)`` across the diameter, and along it what the
+        To those in a half plane are added the even tension ``P / (pi R)`` across the diameter, and along it what the
         opposite contact adds.
 
         Parameters

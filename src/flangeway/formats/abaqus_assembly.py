@@ -82,7 +82,7 @@ def _blocks(text: str) -> Iterator[DeckBlock]:
 def flat_blocks(text: str) -> list[DeckBlock]:
     """Return the keywords of a deck of parts and instances as those of one without; others as they are.
 
-    Each keeps its line. Every instance gets numbers of its own and an element set of its name. Sets and surfaces keep
+    Each keeps its line. Every instance gets its own numbers and an element set of its name. Sets and surfaces keep
     their names; those whose name several instances have are called ``instance:name``.
 
     Raises

@@ -1,4 +1,4 @@
-"""A section as a file or a catalogue gives it: parts, unit of length, materials, and what was mended."""
+"""A section as a file or a catalogue gives it: parts, unit of length, materials, and what was repaired."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -61,9 +61,9 @@ class DrawnSection:
     materials
         Material of each part; empty for a section of one material.
     notices
-        What was mended or left out, in sentences.
+        What was repaired or left out, in sentences.
     certainty
-        How far the outline can be trusted, if its source says so.
+        How accurate the outline is, if its source says so.
 
     Raises
     ------

@@ -92,22 +92,22 @@ def _read_meshio(file: Path) -> DrawnMesh:
         return _read_version_4(file)
     said = io.StringIO()
     try:
-        # meshio tells faults on the console and ends the program on some
+        # meshio prints faults on the console and ends the program on some
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), np.errstate(all="ignore"):
             read = meshio.read(file, file_format=kind)
     except (Exception, SystemExit) as reason:  # of any kind in a broken file
-        told = " ".join(said.getvalue().split()) or f"{type(reason).__name__}: {reason}"
+        printed = " ".join(said.getvalue().split()) or f"{type(reason).__name__}: {reason}"
         missing = reason.name if isinstance(reason, ModuleNotFoundError) else None
         raise InputError(
-            f"{file}, which cannot be read as {kind}, perhaps because it is cut off: {told}",
+            f"{file}, which cannot be read as {kind}, perhaps because it is cut off: {printed}",
             "a whole file of this format",
             f"install {missing}, or export another format" if missing else "export it again",
         ) from reason
-    told = " ".join(said.getvalue().split())
-    if "cannot handle" in told:
-        raise InputError(f"{file}: {told}", "triangles, quadrilaterals and polygons", "export these only")
+    printed = " ".join(said.getvalue().split())
+    if "cannot handle" in printed:
+        raise InputError(f"{file}: {printed}", "triangles, quadrilaterals and polygons", "export these only")
     names = _physical_names(file) if kind == "gmsh" else {}
-    return _drawn(read, names, (f"Said when reading: {told}",) if told else ())
+    return _drawn(read, names, (f"Said when reading: {printed}",) if printed else ())
 
 
 def _read_version_4(file: Path) -> DrawnMesh:

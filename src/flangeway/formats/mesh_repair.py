@@ -1,4 +1,4 @@
-"""A sound mesh from what a file gives: small faults are mended with a notice, the rest is refused."""
+"""A sound mesh from what a file gives: small faults are repaired with a notice, the rest is refused."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -70,7 +70,7 @@ class MeshFile:
     mesh
         The mesh.
     notices
-        A sentence for each thing that was mended or left out.
+        A sentence for each thing that was repaired or left out.
 
     """
 
@@ -93,7 +93,7 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     Raises
     ------
     InputError
-        If there is no cell, the mesh is not plane, or `check` refuses what cannot be mended.
+        If there is no cell, the mesh is not plane, or `check` refuses what cannot be repaired.
 
     """
     notices = list(drawn.notices)

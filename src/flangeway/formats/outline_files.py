@@ -15,7 +15,7 @@ ENDINGS = (".toml", ".csv", ".dxf")
 
 
 def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
-    """Read a section; the ending of the file's name tells its format.
+    """Read a section; the ending of the file's name gives its format.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Closed outlines from what a file draws: duplicate points and direction mended with a notice, the rest refused."""
+"""Closed outlines from what a file draws: duplicate points and direction repaired with a notice, the rest refused."""
 
 import math
 from collections.abc import Sequence
@@ -65,7 +65,7 @@ def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[Dra
 def repaired_outline(
     drawn: Sequence[DrawnSegment], what: str, *, direction_matters: bool = True
 ) -> tuple[Outline, tuple[str, ...]]:
-    """Return a counter-clockwise outline, and a notice of each thing that was mended.
+    """Return a counter-clockwise outline, and a notice of each thing that was repaired.
 
     Mended are points given twice (lines shorter than `JOINT_TOLERANCE` of the whole) and a clockwise direction.
 
@@ -76,7 +76,7 @@ def repaired_outline(
     what
         Name of the loop in messages.
     direction_matters
-        Whether to tell that a clockwise loop was reversed.
+        Whether to report that a clockwise loop was reversed.
 
     Raises
     ------

@@ -65,7 +65,7 @@ def outline_region(table: Mapping[str, Any], what: str, notices: list[str]) -> R
     what
         What messages start with.
     notices
-        Gets what was mended.
+        Gets what was repaired.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def _outline(table: Mapping[str, Any], what: str, notices: list[str], *, outer: 
     if len(kinds) != 1 or ("names" in table and kinds != ["points"]):
         raise InputError(
             f"{what} with {' and '.join([*kinds, *(['names'] if 'names' in table else [])]) or 'nothing'}",
-            "one of points (with names, if wanted), path, circle",
+            "one of points (with optional names), path, circle",
             "keep one of them",
         )
     kind = kinds[0]
@@ -188,7 +188,7 @@ def _step(step: Mapping[str, Any], place: Point, here: str) -> DrawnSegment:
         return DrawnSegment(place, end, centre, step["turn"] == "left", name)
     raise InputError(
         f"{here} is {short(dict(step))}",
-        '{ line_to }, { arc_to, through } or { arc_to, centre, turn = "left" or "right" }, each with a name if wanted',
+        '{ line_to }, { arc_to, through } or { arc_to, centre, turn = "left" or "right" }, each with an optional name',
         "correct this step",
     )
 

@@ -21,7 +21,7 @@ def write_vtu(
     """Write a mesh with values at points and cells, binary and compressed.
 
     Triangles are written as such (VTK type 5), all other cells as polygons (type 7). Cells are
-    grouped by their number of points; the cell array ``cell_number`` tells the number in `mesh`.
+    grouped by their number of points; the cell array ``cell_number`` is the number in `mesh`.
     Vectors and displacements of two components get a third one, zero, as ParaView wants.
 
     Parameters
@@ -36,7 +36,7 @@ def write_vtu(
         Arrays (n_cells,) or (n_cells, n_components) by name.
     corner_data
         Arrays with a row for each entry of ``mesh.cell_points`` by name, for fields that jump between cells. With any,
-        each cell gets points of its own, in the order of ``mesh.cell_points``.
+        each cell gets its own points, in the order of ``mesh.cell_points``.
 
     Raises
     ------

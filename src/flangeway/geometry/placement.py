@@ -14,7 +14,7 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True)
 class Placement:
-    """Where a local frame stands: ``x = R(rotation) M X + translation``.
+    """Position of a local frame: ``x = R(rotation) M X + translation``.
 
     ``M = diag(-1, 1)`` if mirrored, else the identity; the mirror acts first. One placement serves
     points, outlines and meshes, so that the left wheel is the right one mirrored.

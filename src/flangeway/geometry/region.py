@@ -49,7 +49,7 @@ class Region:
                 raise InputError(
                     f"{name} at {_place(hole)} is outside of the outer boundary",
                     "holes inside the outer boundary",
-                    "move this hole, or make it a part of its own",
+                    "move this hole, or make it a separate part",
                 )
             for other_number, other in enumerate(self.holes[:number]):
                 other_name = f"hole {other_number + 1}"
@@ -57,8 +57,8 @@ class Region:
                 if other.contains([hole.segments[0].start])[0] or hole.contains([other.segments[0].start])[0]:
                     raise InputError(
                         f"{name} at {_place(hole)} and {other_name} at {_place(other)}, one inside the other",
-                        "holes beside each other",
-                        "remove one, or make the inner one a part of its own",
+                        "holes apart from each other",
+                        "remove one, or make the inner one a separate part",
                     )
 
     @property
@@ -179,7 +179,7 @@ class Section:
         return _centroid(self._weighted(weights))
 
     def second_moments(self, weights: Mapping[str, float] | None = None) -> tuple[float, float, float]:
-        """``Ixx = int y^2``, ``Iyy = int x^2``, ``Ixy = int x y`` about `centroid`, weighted likewise, exact."""
+        """``Ixx = int y^2``, ``Iyy = int x^2``, ``Ixy = int x y`` about `centroid`, with the same weights, exact."""
         return _second_moments(self._weighted(weights), self.centroid(weights))
 
     def _weighted(self, weights: Mapping[str, float] | None) -> list[tuple[float, Outline]]:

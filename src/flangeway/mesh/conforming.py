@@ -34,7 +34,7 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
 
 
 def edges_halved(mesh: PolyMesh, edge_set: str) -> PolyMesh:
-    """Return the mesh with a point in the middle of each edge of a set, which the cell beside it gets as a corner.
+    """Return the mesh with a point in the middle of each edge of a set, which becomes a corner of the cell there.
 
     Cell sets ``"quadrilaterals"`` and ``"triangles"`` name the cells that have got one and the others.
     """

@@ -25,7 +25,7 @@ def dual(mesh: PolyMesh) -> PolyMesh:
     (a, b) becomes (a, m), (m, b) in its edge sets. A cell set is carried along if every point has
     either all or none of its triangles in it.
 
-    Source: seed section 3.3.6, with the order of the points by angle.
+    Source: Moherdaui (2021), section 3.3.6, with the order of the points by angle.
 
     Parameters
     ----------

@@ -48,7 +48,7 @@ def triangulate(
 
     Lines and arcs go to Gmsh as they are, so boundary points lie on them. The local target size is
     ``min(size, r.size + r.growth * distance)`` over the refinements; boundary edges follow it too.
-    The same input gives the same mesh. What takes long runs in a process of its own, so that Ctrl-C
+    The same input gives the same mesh. What takes long runs in another process, so that Ctrl-C
     ends it at once; `long_meshes_reported` reports it.
 
     Parameters

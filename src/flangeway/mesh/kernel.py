@@ -35,7 +35,7 @@ def visible_distances(mesh: PolyMesh, cells: IntArray, centres: Floats) -> Float
 def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[Floats, Bools]:
     """Points (n, 2) well inside of cells that see them whole, and which cells have one (n,).
 
-    The centroid if it is far enough from all sides; if not, the point of the kernel that is farthest from them.
+    The centroid if it is far enough from all sides; if not, the point of the kernel that is most distant from them.
     """
     centres = mesh.cell_centroids[cells].copy()
     widths = mesh.cell_areas[cells] / mesh.cell_diameters[cells]
@@ -47,7 +47,7 @@ def cell_centres(mesh: PolyMesh, cells: IntArray) -> tuple[Floats, Bools]:
 
 
 def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
-    """Point (2,) that is farthest to the left of the lines through a polygon's sides, and that distance.
+    """Point (2,) with the maximum distance to the left of the lines through a polygon's sides, and that distance.
 
     The kernel is the set of points that see the whole polygon, the intersection of the half planes to the left of its
     sides; its centre is found by linear programming. A distance of zero or less means that there is no kernel.
@@ -95,7 +95,7 @@ def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
 
 
 def _best_diagonal(corners: Floats) -> tuple[int, int]:
-    """Inner diagonal from a reflex corner that leaves the largest least angle at its ends."""
+    """Inner diagonal from a reflex corner with the largest minimum angle at its ends."""
     n = len(corners)
     before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
     turns = _cross(corners - before, after - corners)

@@ -59,7 +59,7 @@ def meeting(points: Floats, segments: IntArray, groups: Ints | None = None) -> M
     points
         Coordinates (n_points, 2).
     segments
-        Numbers of start and end (n, 2). At a point with a number of its own in both they may meet.
+        Numbers of start and end (n, 2). They may meet at a point that is an end of both.
     groups
         Number of a group for each segment (n,): only segments of one group are compared.
 

@@ -39,7 +39,7 @@ def check(
     only where their boundary crosses itself or encloses itself more than once. So beyond cells and edges the boundary
     is looked at, and every fault is found. A `Space` checks its mesh so; a mesh is checked once.
 
-    Bodies may touch at a point that they share, which is a hinge. Points of their own at one place, and points on edges
+    Bodies may touch at a point that they share, which is a hinge. Different points at one place, and points on edges
     of other cells, are faults of merging, except along the faces of closed cracks, which are named.
 
     Parameters

@@ -43,7 +43,7 @@ def refined(
     the middles of its sides. The centre is the centroid, or, where it does not see the whole polygon well, the point
     that does best; a polygon that no point sees whole is cut along diagonals into parts for which there is one.
 
-    The cells beside refined ones only get the new points, which hang on their sides: they become polygons with a point
+    Neighbours of refined cells only get the new points, which hang on their sides: they become polygons with a point
     more, and neither shape nor solution need anything else. A cell that is refined later is divided at the points that
     hang on it. Cells and edges of named sets hand their names down.
 

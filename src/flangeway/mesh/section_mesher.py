@@ -202,7 +202,7 @@ def dual_section(mesh: PolyMesh) -> PolyMesh:
 
 
 def _extracted(mesh: PolyMesh, name: str, cells: IntArray) -> PolyMesh:
-    """Return the triangles of one cell set as a mesh of their own."""
+    """Return the triangles of one cell set as a separate mesh."""
     used, corners = np.unique(mesh.cell_points.reshape(-1, 3)[cells], return_inverse=True)
     offsets = np.arange(len(cells) + 1, dtype=np.int32) * 3
     return PolyMesh(

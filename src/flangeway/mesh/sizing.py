@@ -192,7 +192,7 @@ def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
 
 
 def made(bound: MeshBound, work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
-    """Return the mesh that a function of a module makes: here if it is soon done, else in a process of its own.
+    """Return the mesh that a function of a module makes: here if it takes little time, else in another process.
 
     Raises
     ------

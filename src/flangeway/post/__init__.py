@@ -1,19 +1,23 @@
 """What is computed from a solution: stresses, contact pressure, section constants, error norms."""
 
 from flangeway.post.adaptive import AdaptiveRun, AdaptiveStep, adapt
-from flangeway.post.contact_checks import ContactChecks, check_contact, cut_zones
+from flangeway.post.contact_checks import ContactChecks, Overlap, check_contact, cut_zones, deepest_overlap
 from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
 from flangeway.post.location import locate
-from flangeway.post.nodal_equilibrium import nodal_imbalance, nodal_residual
 from flangeway.post.norms import ErrorNorms, error_norms
-from flangeway.post.overlap import Overlap, deepest_overlap
 from flangeway.post.pressure import PressurePatch, pressure_patches
-from flangeway.post.reactions import Reaction, reactions
+from flangeway.post.reactions import Reaction, nodal_residual, reactions, relative_nodal_residual
 from flangeway.post.recovery import RecoveredStresses, recovered_stresses
 from flangeway.post.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.post.section_constants import SectionConstants, section_constants
-from flangeway.post.stress import Stresses, cell_stresses, corner_stresses, nodal_stresses
-from flangeway.post.torsion_stress import corner_shear_stresses, shear_stresses
+from flangeway.post.stress import (
+    Stresses,
+    cell_stresses,
+    corner_shear_stresses,
+    corner_stresses,
+    nodal_stresses,
+    shear_stresses,
+)
 
 __all__ = [
     "AdaptiveRun",
@@ -40,7 +44,6 @@ __all__ = [
     "error_norms",
     "force_through_cut",
     "locate",
-    "nodal_imbalance",
     "nodal_residual",
     "nodal_stresses",
     "pressure_patches",
@@ -48,6 +51,7 @@ __all__ = [
     "recovered_stresses",
     "refine_adaptively",
     "refine_uniformly",
+    "relative_nodal_residual",
     "section_constants",
     "shear_stresses",
     "stress_errors",

@@ -42,7 +42,7 @@ class AdaptiveStep(Generic[Solution]):
 
 @dataclass(frozen=True, eq=False)
 class AdaptiveRun(Generic[Solution]):
-    """Solutions on meshes of which each is refined where the error of the one before was largest.
+    """Solutions on meshes of which each is refined where the error of the one before was maximum.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def adapt(
     Returns
     -------
     AdaptiveRun
-        Not reaching the tolerance is a result, told by its status.
+        Not reaching the tolerance is a result, reported by its status.
 
     Raises
     ------

@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
+from flangeway.contact.boundary import ROUND_OFF, Boundary, deepest_intrusion
 from flangeway.contact.pairs import Pairs
+from flangeway.mesh import PolyMesh
 from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
 from flangeway.problems import Body
 from flangeway.solve import ContactState
@@ -46,13 +48,13 @@ def check_contact(
     finer: str = "take smaller elements there",
     stiffer: str = "raise the penalty",
 ) -> ContactChecks:
-    """Check the regions of contact of a solution, without trust in the iteration that found it.
+    """Check the regions of contact of a solution, independently of the iteration that found it.
 
     Errors: forces or positions that are not finite, nodes that pull, and a penetration of the size of the elastic
     sinking p a / E* (maximum pressure, half width, modulus of contact; for Hertz's contact it is the height of the
     circle over the half width). Warnings: a corner that meets a corner, a penetration above 5 % of that, straight edges
-    in contact whose distance h^2 / 8 R from the curve they stand for is above it, regions of fewer than 8 segments, and
-    a pressure that scatters from node to node.
+    in contact whose distance h^2 / 8 R from their curve is above it, regions of fewer than 8 segments, and
+    a pressure that oscillates from node to node.
 
     Parameters
     ----------
@@ -80,8 +82,8 @@ def check_contact(
             errors.append(f"{name} pulls with {-forces.min():.3g} N at a node, which contact cannot")
         if forces.any():
             warnings += [
-                f"in {name} a corner meets a corner at ({x:.4g}, {y:.4g}): it is chance on which of its sides the "
-                "force acts; move one of them aside, or round them off"
+                f"in {name} a corner meets a corner at ({x:.4g}, {y:.4g}): which of its sides carries the force is "
+                "arbitrary; move one of them, or round them off"
                 for x, y in system.corners_on_corners(state.positions - state.displacements, number)[:1]
             ]
         mine = [patch for patch in patches if patch.contact == number]
@@ -97,12 +99,12 @@ def check_contact(
         if facets > SMALL_PENETRATION * sinking:
             drawn = contact.secondary.curve is not None and contact.primary.curve is not None
             warnings.append(
-                f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they stand for, "
+                f"straight edges in {name} are up to {facets:.1e} mm off the smooth curves they approximate, "
                 f"{100.0 * facets / sinking:.0f} % of what the surfaces sink, which makes its pressures wrong; "
                 f"{'' if drawn else 'give its surfaces their drawn curves (curved), or '}{finer}"
             )
         for patch in mine:
-            warnings += roughness(patch.n_segments, patch.scatter, name, finer)
+            warnings += roughness(patch.n_segments, patch.oscillation, name, finer)
     return ContactChecks(tuple(errors), tuple(warnings))
 
 
@@ -123,29 +125,29 @@ def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]
     return tuple(cut)
 
 
-def roughness(n_segments: float, scatter: float, name: str, finer: str) -> list[str]:
-    """Sentence about a region of contact whose pressure is not to be trusted; none if it is.
+def roughness(n_segments: float, oscillation: float, name: str, finer: str) -> list[str]:
+    """Sentence about a region of contact whose pressure is not reliable; none if it is.
 
     Parameters
     ----------
     n_segments
         Number of segments that it is wide.
-    scatter
-        Of its pressures, see `PressurePatch.scatter`.
+    oscillation
+        Of its pressures, see `PressurePatch.oscillation`.
     name, finer
         What it is called, and how to get a finer mesh.
 
     """
-    remark = pressure_remark(n_segments, scatter)
+    remark = pressure_remark(n_segments, oscillation)
     if remark is None:
         return []
     if n_segments < FEWEST_SEGMENTS:
-        return [f"{name} is {remark}, fewer than {FEWEST_SEGMENTS}; {finer} for a pressure to trust"]
+        return [f"{name} is {remark}, fewer than {FEWEST_SEGMENTS}; {finer} for a reliable pressure"]
     return [f"the pressure of {name} {remark} from node to node; {finer}"]
 
 
 def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> float:
-    """Sum of the largest distances of both sides' edges in contact from the curves they stand for."""
+    """Sum of the maximum distances of both sides' edges in contact from the curves they approximate."""
     secondary = np.isin(contact.secondary.edge_places, pairs.nodes[loaded]).any(axis=1)
     primary = pairs.primary_edges[np.isin(pairs.rows, loaded).any(axis=1)]
     depths = contact.secondary.facet_depth[secondary], contact.primary.facet_depth[primary]
@@ -188,3 +190,38 @@ def _goes_on(surface: Surface, *, forwards: bool) -> bool:
         return False
     (ax, ay), (bx, by) = (mesh.points[edge[1]] - mesh.points[edge[0]] for edge in (own, beyond[0]))
     return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < MAX_TURN)
+
+
+@dataclass(frozen=True)
+class Overlap:
+    """Where two bodies overlap most.
+
+    Parameters
+    ----------
+    depth
+        Distance of a point of one body from the boundary of the other, in which it lies.
+    place
+        That point, x and y.
+
+    """
+
+    depth: float
+    place: tuple[float, float]
+
+
+def deepest_overlap(one: PolyMesh, other: PolyMesh) -> Overlap | None:
+    """Return where the boundary of one body lies deepest in the other one; None if nowhere beyond what chords explain.
+
+    Chords of arcs may overlap by h^2 / 8 R on either side; straight sides by round-off.
+    """
+    found = deepest_intrusion(*(_boundary(mesh) for mesh in (one, other)))
+    size = min(float(np.ptp(mesh.points, axis=0).max()) for mesh in (one, other))
+    if found is None or found.depth <= found.allowed + ROUND_OFF * size:
+        return None
+    return Overlap(found.depth, found.place)
+
+
+def _boundary(mesh: PolyMesh) -> Boundary:
+    edges = mesh.boundary_edges.astype(np.int64)
+    points = mesh.points[edges]
+    return Boundary.of(points, points, (edges[:, 0], edges[:, 1]))

@@ -15,15 +15,15 @@ CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one p
 FEWEST_SEGMENTS = 8
 """Segments in a region of contact below which its maximum pressure depends on where the nodes happen to lie."""
 
-MAX_SCATTER = 0.1
-"""Pressure oscillation (`oscillation_of`) above which no pressure is to be relied on; the default cases have 0.02."""
+MAX_OSCILLATION = 0.1
+"""Pressure oscillation (`oscillation_of`) above which no pressure is reliable; the default cases have 0.02."""
 
 FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 """Fourth difference: hardly anything of smooth pressures, and 16 times the amplitude of the finest wave."""
 
 HARDLY = 0.5
 """Share of a node's area that the primary faces below which its force counts with its neighbour's: a corner that is
-beside a node presses on a sliver, whose own pressure has no limit."""
+beside a node presses on a sliver, whose pressure has no limit."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class PressurePatch:
         return middle
 
     @property
-    def scatter(self) -> float:
+    def oscillation(self) -> float:
         """Change of the pressure from one node to the next and back, over the local mean; see `oscillation_of`."""
         return oscillation_of(self.pressures)
 
@@ -93,8 +93,8 @@ class PressurePatch:
 
     @property
     def remark(self) -> str | None:
-        """Why its pressures are not to be relied on, see `pressure_remark`."""
-        return pressure_remark(self.n_segments, self.scatter)
+        """Why its pressures are not reliable, see `pressure_remark`."""
+        return pressure_remark(self.n_segments, self.oscillation)
 
     @property
     def half_width(self) -> float:
@@ -112,7 +112,7 @@ def oscillation_of(pressures: Floats) -> float:
     Parameters
     ----------
     pressures
-        Of the nodes along the surface, >= 0, shape (n,); the scatter of fewer than seven is 0.
+        Of the nodes along the surface, >= 0, shape (n,); the oscillation of fewer than seven is 0.
 
     """
     inner = pressures[1:-1]
@@ -123,21 +123,21 @@ def oscillation_of(pressures: Floats) -> float:
     return float(np.sqrt((wave**2 / mean).sum() / mean.sum()))
 
 
-def pressure_remark(n_segments: float, scatter: float) -> str | None:
-    """Return why a region's pressures are not to be relied on, to stand beside them; None if they are.
+def pressure_remark(n_segments: float, oscillation: float) -> str | None:
+    """Return why a region's pressures are not reliable; None if they are.
 
     Parameters
     ----------
     n_segments
-        Number of segments that the region is wide; at least `FEWEST_SEGMENTS` are wanted.
-    scatter
-        Of its pressures, see `oscillation_of`; at most `MAX_SCATTER` is.
+        Number of segments that the region is wide; at least `FEWEST_SEGMENTS` are needed.
+    oscillation
+        Of its pressures, see `oscillation_of`; at most `MAX_OSCILLATION` is.
 
     """
     if n_segments < FEWEST_SEGMENTS:
         return f"only {n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
-    if scatter > MAX_SCATTER:
-        return f"scatters by {100.0 * scatter:.0f} %"
+    if oscillation > MAX_OSCILLATION:
+        return f"oscillates by {100.0 * oscillation:.0f} %"
     return None
 
 

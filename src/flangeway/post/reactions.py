@@ -1,13 +1,13 @@
-"""Reactions of the supports of an elastic body."""
+"""Reactions of the supports of an elastic body, and residuals of its nodes."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.problems import RigidHandle, Spring, Support
+from flangeway.problems import ElasticField, RigidHandle, Spring, Support
 from flangeway.solve import ElasticitySolution
 from flangeway.solve.constraints import RANK, HandleNodes, Rows
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,9 +33,9 @@ class Reaction:
 def reactions(solution: ElasticitySolution) -> tuple[Reaction, ...]:
     """Reaction of each support, in the problem's order.
 
-    Where two supports hold a node, each bears the force along the direction that it holds; if both hold the same
+    Where two supports hold a node, each carries the force along the direction that it holds; if both hold the same
     direction, they share it equally. Together with the loads (applied forces of handles included) the reactions are in
-    balance.
+    equilibrium.
     """
     problem, constraints = solution.problem, solution.constraints
     n_supports = len(problem.supports)
@@ -74,7 +74,7 @@ def _add_nodes(solution: ElasticitySolution, rows: Rows, forces: Floats, moments
 
 
 def _add(solution: ElasticitySolution, rows: Rows, at_nodes: Floats, forces: Floats, moments: Floats) -> None:
-    """Add forces (n, 2) of rows with a node to those of their supports; the axis of revolution bears its own."""
+    """Add forces (n, 2) of rows with a node to those of their supports; the axis of revolution carries its own."""
     own = rows.supports >= 0
     supports = rows.supports[own]
     np.add.at(forces, supports, at_nodes[own])
@@ -98,3 +98,50 @@ def _add_handle(solution: ElasticitySolution, handle: HandleNodes, forces: Float
     moments[handle.support] += turn + float(_moment(handle.pivot, np.array([x, y])))
     others = handle.rows.where(~own)
     _add(solution, others, share[~own, None] * others.directions[:, :2], forces, moments)
+
+
+def nodal_residual(field: ElasticField, forces: Floats) -> Floats:
+    """Forces that hold the unknowns against the loads and further forces: those of supports, shape (n_dofs, 2).
+
+    The stiffness is assembled anew on all unknowns and multiplied with the displacements.
+
+    Parameters
+    ----------
+    field
+        Displacements and the problem with its loads.
+    forces
+        Further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
+
+    """
+    return _internal_and_left(field, forces)[1]
+
+
+def relative_nodal_residual(field: ElasticField, forces: Floats, held: Bools) -> float:
+    """Maximum residual force at a node, over the maximum force there; zero without any force.
+
+    It is that of `nodal_residual`, so it does not depend on the factor, the condensation and the contact iteration that
+    found the displacements.
+
+    Parameters
+    ----------
+    field
+        Displacements and the problem with its loads.
+    forces
+        Further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
+    held
+        Which components of which nodes a support holds, shape (n_nodes, 2).
+
+    """
+    internal, left = _internal_and_left(field, forces)
+    reference = max(float(np.abs(each).max(initial=0.0)) for each in (left, forces, internal))
+    left[: len(forces)][held] = 0.0
+    return float(np.abs(left).max()) / reference if reference > 0.0 else 0.0
+
+
+def _internal_and_left(field: ElasticField, forces: Floats) -> tuple[Floats, Floats]:
+    """Forces of the stiffness on the unknowns, and their residual against all others, each (n_dofs, 2)."""
+    problem = field.problem
+    internal: Floats = (problem.stiffness().full() @ field.displacements.ravel()).reshape(-1, 2)
+    left = internal - (problem.load_vector() + problem.thermal_load_vector())
+    left[: len(forces)] -= forces
+    return internal, left

@@ -15,7 +15,7 @@ from flangeway.solve import ElasticitySolution
 from flangeway.types import Floats, Ints
 
 SMALLEST_SINGULAR = 1e-11
-"""Eigenvalue of a patch's normal equations, over the largest, below which a polynomial is not seen by its cells."""
+"""Eigenvalue of a patch's normal equations, over the maximum, below which a polynomial is not seen by its cells."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -73,7 +73,7 @@ class SectionConstants:
 
     @property
     def principal_angle(self) -> float:
-        """Angle in radians from the x axis to the axis of the largest second moment, in (-pi/2, pi/2]."""
+        """Angle in radians from the x axis to the axis of the maximum second moment, in (-pi/2, pi/2]."""
         ixx, iyy, ixy = self.second_moments
         return float(np.arctan2(-2.0 * ixy, ixx - iyy)) / 2.0
 

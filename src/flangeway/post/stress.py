@@ -7,6 +7,7 @@ import numpy as np
 from flangeway.elements import monomials
 from flangeway.mesh import PolyMesh
 from flangeway.problems import ElasticField, Elasticity
+from flangeway.solve import TorsionSolution
 from flangeway.types import Floats
 
 
@@ -88,7 +89,7 @@ def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
 def nodal_stresses(solution: ElasticField) -> Stresses:
     """Stresses at the mesh's points, averaged over the cells there with their areas as weights.
 
-    Averages hide jumps between cells, which tell how good a mesh is, and between materials, which are real; prefer
+    Averages hide jumps between cells, which show how good a mesh is, and between materials, which are real; prefer
     `corner_stresses`, or `recovered_stresses`, which are more accurate.
     """
     return at_mesh_points(solution.problem.space.mesh, corner_stresses(solution.problem, solution.displacements))
@@ -103,3 +104,34 @@ def at_mesh_points(mesh: PolyMesh, corners: Stresses) -> Stresses:
         for component in corners.components.T
     ]
     return Stresses(np.stack(sums, axis=1) / np.maximum(total, np.finfo(np.float64).tiny)[:, None])
+
+
+def shear_stresses(solution: TorsionSolution) -> Floats:
+    """Mean shear stresses ``tau_zx, tau_zy`` of the cells for a rate of twist of one, shape (n_cells, 2).
+
+    With a shear modulus of one they are stresses per ``G theta'``.
+    """
+    space = solution.problem.space
+    means = np.empty((space.mesh.n_cells, 2))
+    for batch in space.batches():
+        reconstruction, stress = solution.problem.cell_shear_stresses(batch, solution.function)
+        weights = reconstruction.moments[: stress.shape[1]] / reconstruction.areas
+        means[batch.cells] = np.einsum("iae,ae->ei", stress, weights)
+    return means
+
+
+def corner_shear_stresses(solution: TorsionSolution) -> Floats:
+    """Shear stresses at the cells' corners, each from its own cell, shape (len(cell_points), 2).
+
+    In the order of ``mesh.cell_points``, for a rate of twist of one.
+    """
+    space = solution.problem.space
+    mesh = space.mesh
+    stresses = np.empty((len(mesh.cell_points), 2))
+    degree = max(space.order - 1, 1)
+    for batch in space.batches():
+        reconstruction, stress = solution.problem.cell_shear_stresses(batch, solution.function)
+        values = monomials.evaluate(degree, reconstruction.frame.local(batch.vertices))
+        places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+        stresses[places] = np.einsum("iae,ave->evi", stress, values[: stress.shape[1]])
+    return stresses

@@ -19,7 +19,7 @@ class Boundary:
     outer
         Edges around the section's parts, pairs of points (m, 2) with the body on the left.
     holes
-        Edges around each hole, likewise.
+        Edges around each hole, in the same form.
     hole_areas
         Area of each hole, shape (n_holes,).
 

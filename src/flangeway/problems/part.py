@@ -1,4 +1,4 @@
-"""A body that stands somewhere."""
+"""A placed body."""
 
 from dataclasses import dataclass, field
 
@@ -8,7 +8,7 @@ from flangeway.problems.body import Body
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One instance of a body in space; a body may stand in several places, mirrored too.
+    """One instance of a body in space; a body may have several instances, mirrored too.
 
     Parameters
     ----------
@@ -17,7 +17,7 @@ class Part:
     body
         The body.
     placement
-        Where the body's frame stands.
+        Position of the body's frame.
 
     """
 

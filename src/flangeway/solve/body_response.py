@@ -1,7 +1,7 @@
 """How a set of placed linear bodies answers to forces on its surface nodes.
 
 Two ways give the same answers: `CondensedBodies` works on the surfaces alone, `SparseBodies` on all unknowns. The
-iteration for contact asks only what stands in `BodyResponse`.
+iteration for contact uses only `BodyResponse`.
 
 The surface nodes of all bodies are numbered one after the other; vectors on them have shape (n_nodes, 2) and the
 axes of space.
@@ -31,7 +31,7 @@ class SurfaceNodes:
     nodes
         Its nodes, shape (n,), without repetition.
     shifts
-        What leads from the nodes to the surface that they stand for, in the body's frame, shape (n, 2); left out: the
+        What leads from the nodes to the surface that they represent, in the body's frame, shape (n, 2); left out: the
         nodes are on it.
 
     """
@@ -76,7 +76,7 @@ class BodyResponse(ABC):
         rotations
             From `rotations`.
         touched
-            Surface nodes that bear the forces, rising, shape (n_touched,).
+            Surface nodes with the forces, rising, shape (n_touched,).
         forces
             Shape (n_touched, 2).
 

@@ -46,7 +46,7 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
 def _equations(matrix: Floats, right: Floats) -> Floats:
     """Solution of equations, the least one where constraints repeat each other.
 
-    NumPy's solver and not SciPy's: each has threads of its own, and where both wake in turn they wait for each other.
+    NumPy's solver and not SciPy's: each has its own threads, and where both wake in turn they wait for each other.
     """
     try:
         return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)

@@ -25,7 +25,7 @@ class CondensedBody:
     """Exact flexibility of a body's surface nodes with its held edges at rest.
 
     The Schur complement of the stiffness on the surface is the trailing block of its Cholesky factor; its inverse is
-    kept. Nothing here depends on where the body stands, so one condensation serves every position, and a mirrored
+    kept. Nothing here depends on the placement of the body, so one condensation serves every position, and a mirrored
     twin as well.
 
     Parameters

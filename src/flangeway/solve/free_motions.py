@@ -12,7 +12,7 @@ from flangeway.solve.constraints import Constraints, find_constraints
 from flangeway.types import Floats, Ints
 
 FREE = 1e-9
-"""Singular value of the constraints, over the largest, below which a motion is free."""
+"""Singular value of the constraints, over the maximum, below which a motion is free."""
 
 
 def refuse_free_motions(problem: Elasticity, constraints: Constraints) -> None:

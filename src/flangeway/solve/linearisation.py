@@ -55,7 +55,7 @@ class Constraints(Protocol):
     def guarded(self, positions: Floats, lin: Linearisation, forces: Floats, moved: float) -> Linearisation | None:
         """Linearise with further constraints where bodies overlap although those of ``lin`` hold; None if nowhere.
 
-        ``moved`` is the maximum displacement, beside which some depths are little.
+        ``moved`` is the maximum displacement, to which small depths are compared.
         """
 
     def describe(self, key: int, positions: Floats) -> str:
@@ -63,7 +63,7 @@ class Constraints(Protocol):
 
 
 def contact_loads(jacobian: sp.csr_array, vectors: Floats) -> sp.csr_array:
-    """Unit forces of constraints with a jacobian (m, n), and vectors (n, r) beside them: loads (n, m + r)."""
+    """Unit forces of constraints with a jacobian (m, n), and further vectors (n, r): loads (n, m + r)."""
     n, n_vectors = vectors.shape
     values = np.concatenate((jacobian.data, vectors.T.ravel()))
     rows = np.concatenate((jacobian.indices, np.tile(np.arange(n), n_vectors)))

@@ -1,4 +1,4 @@
-"""Bodies that bear loads besides the contact forces."""
+"""Bodies under loads other than the contact forces."""
 
 from collections.abc import Sequence
 

@@ -55,7 +55,7 @@ class NewtonSettings:
     max_corrections
         Corrections of the forces before giving up.
     tolerance
-        Maximum imbalance of forces over the total force, and maximum violation of the contact law over the largest
+        Maximum residual of forces over the total force, and maximum violation of the contact law over the maximum
         displacement.
 
     """
@@ -79,7 +79,7 @@ class Iteration:
     change
         Maximum change of a displacement over the maximum displacement.
     residual
-        Maximum imbalance over the total force, or violation of the contact law over the maximum displacement.
+        Maximum residual over the total force, or violation of the contact law over the maximum displacement.
     n_active
         Number of constraints under force.
     changed
@@ -105,7 +105,7 @@ class ContactState:
     status
         How the iteration ended.
     placements
-        Where the bodies stand.
+        Placements of the bodies.
     displacements
         Of the surface nodes, relative to their placed bodies, shape (n_nodes, 2).
     positions
@@ -148,7 +148,7 @@ def solve_contact(
     constraints
         The contacts among them.
     placements
-        Where each body stands.
+        Placement of each body.
     start
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation.
@@ -199,7 +199,7 @@ class _Run:
         self.reference = response.reference(placements)
         self.history: list[Iteration] = []
         if start is not None and _is_near(start, self.reference):
-            # Newton's method needs no gaps of its own where it begins: those of the start will do
+            # the first iteration uses the gaps of the start
             self.displacements = start.positions - self.reference
             self.current, self.forces = start.linearisation, start.forces
         else:
@@ -286,7 +286,7 @@ class _Run:
         return lin.gaps - lin.compliances * anchored
 
     def _step(self, *, bend: bool) -> tuple[Floats, Floats, Floats] | None:
-        """One iteration: new displacements, new contact forces and the nodal forces that bear them.
+        """One iteration: new displacements, new contact forces and the nodal forces in equilibrium with them.
 
         Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
         """
@@ -316,7 +316,7 @@ class _Run:
         last = self.history[-1]
         advice = "take smaller steps, a softer penalty or a finer mesh"
         if not last.changed:
-            reason = f"the displacements still change by {last.change:.1e} of the largest one"
+            reason = f"the displacements still change by {last.change:.1e} of the maximum one"
         else:
             positions = self.reference + self.displacements
             named = [self.constraints.describe(key, positions) for key in last.changed[:NAMED]]
@@ -343,7 +343,7 @@ def _counted(number: int, word: str) -> str:
 
 
 def _is_near(start: ContactState, reference: Floats) -> bool:
-    """Whether a start's bodies were elsewhere by little beside their displacements."""
+    """Whether a start's bodies have moved by less than a part of their displacements."""
     moved = np.abs(reference - (start.positions - start.displacements)).max()
     return bool(moved <= NEAR * np.abs(start.displacements).max())
 
@@ -368,15 +368,15 @@ def _nodal(lin: Linearisation, forces: Floats, n_nodes: int) -> Floats:
 
 
 def _residual(lin: Linearisation, gaps: Floats, forces: Floats, applied: Floats, scale: float) -> float:
-    """Worst of: imbalance of nodal forces over the total force; violation of the law over the displacements."""
+    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements."""
     # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
     total = max(float(forces.sum()), float(np.abs(applied).max(initial=0.0)))
     if total == 0.0:
         return float(np.maximum(-gaps, 0.0).max(initial=0.0)) / scale
-    imbalance = float(np.abs(_nodal(lin, forces, len(applied)) - applied).max()) / total
+    residual = float(np.abs(_nodal(lin, forces, len(applied)) - applied).max()) / total
     slack = gaps + lin.compliances * forces
     violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
-    return max(imbalance, float(violation.max(initial=0.0)) / scale)
+    return max(residual, float(violation.max(initial=0.0)) / scale)
 
 
 def _changed(before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats) -> tuple[int, ...]:

@@ -19,8 +19,8 @@ class StepSettings:
     ----------
     first
         First step, 0 < first <= 1.
-    largest
-        Largest step; equal to ``first`` for equal steps where all converge.
+    maximum
+        Maximum step; equal to ``first`` for equal steps where all converge.
     smallest
         Step below which the path is given up.
 
@@ -34,9 +34,9 @@ class StepSettings:
         sizes = self.smallest, self.first, self.maximum
         if not (are_finite(sizes, 3) and 0.0 < sizes[0] <= sizes[1] <= sizes[2] <= 1.0):
             raise InputError(
-                "StepSettings(smallest={}, first={}, largest={})".format(*map(short, sizes)),
-                "0 < smallest <= first <= largest <= 1",
-                "for n equal steps take first=1/n, largest=1/n",
+                "StepSettings(smallest={}, first={}, maximum={})".format(*map(short, sizes)),
+                "0 < smallest <= first <= maximum <= 1",
+                "for n equal steps take first=1/n, maximum=1/n",
             )
 
 

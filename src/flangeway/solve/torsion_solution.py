@@ -53,7 +53,7 @@ def solve_torsion(problem: Torsion) -> TorsionSolution:
     With Lagrange elements the torsion constant of the warping function is an upper bound and that of Prandtl's function
     a lower bound of the meshed polygon's (both are minima of energies over fewer functions; Trefftz, 1935). Virtual
     elements of order 1 on triangles are Lagrange elements. On other cells no bound is certain, because a stabilisation
-    may be softer than the energy that it stands for: with the published one both constants come out above the exact one
+    may be softer than the energy that it replaces: with the published one both constants come out above the exact one
     on dual polygons of order 2 and 3, while `TraceStabilisation`, which is stiffer, enclosed it in most cases measured.
 
     Raises

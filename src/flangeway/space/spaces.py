@@ -124,7 +124,7 @@ class Space:
             regions.append((element, cells))
         if (times != 1).any():
             cell = int(np.flatnonzero(times != 1)[0])
-            raise InputError(f"cell {cell} has {times[cell]} elements", "one element for each cell", "mend the sets")
+            raise InputError(f"cell {cell} has {times[cell]} elements", "one element for each cell", "correct the sets")
         return tuple(regions)
 
     @property

@@ -2,7 +2,7 @@
 
 ``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in ``$XDG_CACHE_HOME`` or in
 ``~/.cache``. ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file
-holds a checksum, is written under a name of its own and then renamed, so that no process sees half of it; a damaged one
+holds a checksum, is written under another name and then renamed, so that no process sees half of it; a damaged one
 is noticed, removed and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
 """
 
@@ -154,7 +154,7 @@ class Cache:
 
 
 def content_key(kind: str, *parts: object) -> str | None:
-    """Key of what some content determines, with the package's version; None where content cannot be told.
+    """Key of what some content determines, with the package's version; None where the content has no key.
 
     Parameters
     ----------

@@ -55,7 +55,7 @@ def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
     Raises
     ------
     InputError
-        If a cell is longer than any number or name; the message tells the line's number.
+        If a cell is longer than any number or name; the message gives the line.
 
     """
     try:
@@ -79,7 +79,7 @@ def toml_data(text: str, lines: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If it is not TOML; the message tells the place.
+        If it is not TOML; the message gives the position.
 
     """
     try:
@@ -93,7 +93,7 @@ def toml_data(text: str, lines: str) -> dict[str, Any]:
         why = "lists or tables too deep inside of each other"
     except ValueError:  # Python reads no such integer
         why = "a number of thousands of digits"
-    raise InputError(f"not TOML: {why}", f"{lines}, each key once", "correct the place; names stand in quotation marks")
+    raise InputError(f"not TOML: {why}", f"{lines}, each key once", "correct the line; write names in quotation marks")
 
 
 def _depth(data: dict[str, Any]) -> int:

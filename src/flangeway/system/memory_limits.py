@@ -44,7 +44,7 @@ def refuse_beyond_memory(work: str, needed: int) -> None:
 def refuse_large_mesh(work: str, needed: int) -> None:
     """Do the same for work on meshes, of which what needs less than `SMALL` is let through under any limit.
 
-    Where a limit leaves no room for that, later work is refused, which tells more.
+    Where a limit leaves no room for that, later work is refused, with a better message.
     """
     if needed >= SMALL:
         refuse_beyond_memory(work, needed)
@@ -59,10 +59,10 @@ def out_of_memory(work: str, needed: int | None) -> OutOfMemoryError:
 
 
 def peak_memory_bytes() -> int:
-    """Most memory that this process has held at a time, in bytes; 0 where the system does not tell."""
-    told = _status("VmHWM")
-    if told is not None:
-        return told
+    """Most memory that this process has held at a time, in bytes; 0 where the system does not report it."""
+    resident = _status("VmHWM")
+    if resident is not None:
+        return resident
     try:
         import resource  # noqa: PLC0415 (not on every system)
     except ImportError:
@@ -73,7 +73,7 @@ def peak_memory_bytes() -> int:
 
 def _bounds() -> Iterator[tuple[int, str]]:
     """Bytes left by each limit, and in words what limits."""
-    yield UNLIMITED, "since the system does not tell"
+    yield UNLIMITED, "since the system does not report it"
     held = _status("VmRSS") or 0
     given = os.environ.get(LIMIT, "")
     if given:

@@ -1,4 +1,4 @@
-"""Work in a process of its own, which Ctrl-C ends at once.
+"""Work in another process, which Ctrl-C ends at once.
 
 Compiled code does not let Python see a signal before it returns. A process that computes for a long time is ended
 instead, with all that it holds, while this one goes on.
@@ -61,9 +61,9 @@ def in_own_process(work: Callable[..., Result], *arguments: Any) -> Result:
         assert process.stdin is not None
         assert process.stdout is not None
         try:
-            with suppress(BrokenPipeError):  # told by the answer that does not come
+            with suppress(BrokenPipeError):  # reported by the missing answer
                 process.stdin.write(pickle.dumps(sys.path) + pickle.dumps((work, arguments)))
-                process.stdin.flush()  # and stays open: its end tells the process that this one is gone
+                process.stdin.flush()  # and stays open: its end shows the process that this one has ended
             answer = process.stdout.read()
             status = process.wait()
         except BaseException:
@@ -81,7 +81,7 @@ def in_own_process(work: Callable[..., Result], *arguments: Any) -> Result:
 
 
 def serve() -> NoReturn:
-    """Do the work that stands in the standard input, write what comes out, and end."""
+    """Do the work that the standard input describes, write the result, and end."""
     # what Gmsh may print goes with the errors
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
@@ -91,7 +91,7 @@ def serve() -> NoReturn:
         answer: tuple[str, Any] = ("result", work(*arguments))
     except (FlangewayError, MemoryError) as error:
         answer = ("error", error)
-    except Exception as error:  # a defect, told in the other process
+    except Exception as error:  # a defect, reported in the other process
         answer = ("defect", unforeseen(error))
     answers.write(pickle.dumps(answer))
     answers.flush()

@@ -1,4 +1,4 @@
-"""What case files and campaigns share: a file in TOML, and the lines on which its keys stand."""
+"""What case files and campaigns share: a file in TOML, and the lines of its keys."""
 
 import re
 from dataclasses import dataclass
@@ -100,7 +100,7 @@ class TomlFile:
             raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
 
     def place(self, key: Key) -> str:
-        """File and line of a key, or of the nearest one above it, to stand before a message."""
+        """File and line of a key, or of the nearest one above it, for the start of a message."""
         lines = self._lines
         for end in range(len(key), 0, -1):
             if key[:end] in lines:

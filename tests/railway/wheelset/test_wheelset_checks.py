@@ -117,13 +117,13 @@ def test_a_contact_of_few_segments_is_warned_of():
 
 
 def test_a_rough_pressure_is_told_with_its_scatter(coarse):
-    """A pressure that jumps from node to node is warned of, with the scatter in percent."""
+    """A pressure that jumps from node to node is warned of, with the oscillation in percent."""
     left = coarse.patches[0]
     factors = 1.0 + 0.2 * (-1.0) ** np.arange(len(left.pressure.pressures))
     rough = replace(left, pressure=replace(left.pressure, pressures=left.pressure.pressures * factors))
     _, warnings = judge(coarse, patches=(rough, coarse.patches[1]))
-    percent = f"{100.0 * rough.pressure.scatter:.0f} %"
-    assert any(f"the left contact scatters by {percent}" in warning for warning in warnings)
+    percent = f"{100.0 * rough.pressure.oscillation:.0f} %"
+    assert any(f"the left contact oscillates by {percent}" in warning for warning in warnings)
 
 
 def test_a_balance_that_cannot_last_is_warned_of(coarse):

@@ -37,8 +37,8 @@ class PositionPatch:
         Whether it reaches an end of either surface.
     n_segments
         Number of segments of the secondary surface that it is wide.
-    scatter
-        Of its pressures, see `flangeway.post.PressurePatch.scatter`.
+    oscillation
+        Of its pressures, see `flangeway.post.PressurePatch.oscillation`.
     shear
         Maximum shear stress below it in the wheel and in the rail, where that was asked for.
 
@@ -53,13 +53,13 @@ class PositionPatch:
     rail_point_mm: tuple[float, float]
     at_edge: bool
     n_segments: float
-    scatter: float
+    oscillation: float
     shear: Mapping[Role, SubsurfaceExtreme] | None = None
 
     @property
     def remark(self) -> str | None:
         """Why its pressure is not to be relied on, see `flangeway.post.pressure.pressure_remark`."""
-        return pressure_remark(self.n_segments, self.scatter)
+        return pressure_remark(self.n_segments, self.oscillation)
 
     @classmethod
     def of(cls, patch: WheelRailPatch) -> Self:
@@ -75,7 +75,7 @@ class PositionPatch:
             (float(rail[0]), float(rail[1])),
             patch.pressure.at_edge,
             patch.pressure.n_segments,
-            patch.pressure.scatter,
+            patch.pressure.oscillation,
         )
 
 

@@ -47,7 +47,7 @@ class Discretisation:
     wheel_method, rail_method, wheel_order, rail_order, wheel_contact_size_mm, rail_contact_size_mm
         What differs for one body; None: as for both.
     pairing
-        ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures scatter. At
+        ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures oscillate. At
         order 2 it needs sizes that differ between wheel and rail: where nodes face nodes, each of them has two curved
         edges to choose from, and Newton's method cycles between these.
     enforcement

@@ -45,7 +45,7 @@ def checked(
     Errors, which make the status that of a failure: forces that do not balance the load, numbers that are not finite,
     contact that pulls, contact at the edge of the candidate zone or outside of it, and a penetration as large as the
     elastic sinking. Warnings: an unstable balance, a wheel in the air, a mesh too coarse for the contact, a pressure
-    that scatters, penetration that is not small, a rail that gives way farther than linear bodies follow, and stresses
+    that oscillates, penetration that is not small, a rail that deflects more than linear bodies follow, and stresses
     below the contacts beyond the yield strength of rail steel.
 
     Parameters
