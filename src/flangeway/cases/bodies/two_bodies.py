@@ -20,13 +20,13 @@ from flangeway.cases.bodies.pressing import Pressed, moved_part, press_loaded
 from flangeway.cases.case import Progress
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError
-from flangeway.post import check_contact, cut_zones, deepest_overlap, nodal_imbalance, pressure_patches
+from flangeway.post import check_contact, cut_zones, deepest_overlap, pressure_patches, relative_nodal_residual
 from flangeway.problems import ElasticField, Part
 from flangeway.solve import ElasticitySolution, Status, solve_elasticity
 from flangeway.types import Floats
 
 MAX_IMBALANCE = 1e-6
-"""See `nodal_imbalance`; a correct solution has round-off, below 1e-9."""
+"""See `relative_nodal_residual`; a correct solution has round-off, below 1e-9."""
 
 SHARE_OF_BODY = 0.25
 """Motion between two checks for an overlap, over the smaller side of the smaller body."""
@@ -249,7 +249,7 @@ def _residual_errors(pressed: Pressed, model: BodiesModel) -> list[str]:
             back = pressed.placement(body.part).inverse()
             forces = back.vectors(pressed.contact.nodal_forces(body.part))
             field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
-            left = nodal_imbalance(field, forces, ~body.part.body.free.reshape(-1, 2))
+            left = relative_nodal_residual(field, forces, ~body.part.body.free.reshape(-1, 2))
             if not left <= MAX_IMBALANCE:
                 errors.append(
                     f"{body.name}: the nodal residual is {left:.1e} of the maximum nodal force; report this with the "

@@ -116,7 +116,7 @@ def _contact(result: WheelsetResult, patch: WheelRailPatch) -> ContactSummary:
         half_width_mm=pressure.half_width,
         max_pressure_MPa=pressure.pressures.max(),
         max_pressure_remark=pressure.remark,
-        pressure_oscillation=pressure.scatter,
+        pressure_oscillation=pressure.oscillation,
         hertz_half_width_mm=hertz.half_width if hertz else None,
         hertz_pressure_MPa=hertz.max_pressure if hertz else None,
         hertz_in_plane_shear_MPa=hertz.max_shear if hertz else None,
