@@ -103,6 +103,11 @@ class Elastic(Material):
         matrix[3] = matrix[:, 3] = 0.0
         return matrix
 
+    @property
+    def longitudinal_shear(self) -> Floats:
+        """See `Material.longitudinal_shear`."""
+        return self.shear_modulus * np.eye(2)
+
     def _matrix(self, lame: float) -> Floats:
         matrix = np.zeros((4, 4))
         normal = np.array([0, 1, 3])

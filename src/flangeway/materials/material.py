@@ -39,6 +39,20 @@ class Material(ABC):
         """Free strains xx, yy, 2 xy, zz per rise of temperature, shape (4,); an InputError if unknown."""
 
     @property
+    @abstractmethod
+    def longitudinal_shear(self) -> Floats:
+        """Shear stresses yz, xz per strain 2 yz, 2 xz, shape (2, 2); an InputError if unknown."""
+
+    @property
+    def full_matrix(self) -> Floats:
+        """Stresses xx, yy, zz, xy, yz, xz per strain xx, yy, zz, 2 xy, 2 yz, 2 xz, without hypothesis: (6, 6)."""
+        order = np.array([0, 1, 3, 2])
+        matrix = np.zeros((6, 6))
+        matrix[:4, :4] = self.spatial_matrix[np.ix_(order, order)]
+        matrix[4:, 4:] = self.longitudinal_shear
+        return matrix
+
+    @property
     def matrix(self) -> Floats:
         """Stresses per strain under the hypothesis, shape (4, 4); in plane stress row and column zz are zero."""
         matrix = self.spatial_matrix

@@ -41,6 +41,8 @@ class Orthotropic(Material):
         Mass per volume, for gravity.
     expansion
         Coefficients of thermal expansion along 1, 2 and 3.
+    longitudinal
+        Shear moduli G23, G13 > 0, which only `flangeway.problems.Harmonic` needs.
 
     """
 
@@ -51,6 +53,7 @@ class Orthotropic(Material):
     hypothesis: Hypothesis = "plane_strain"
     density: float | None = None
     expansion: Triple | None = None
+    longitudinal: tuple[float, float] | None = None
 
     def __post_init__(self) -> None:
         check_hypothesis("Orthotropic", self.hypothesis)
@@ -61,7 +64,7 @@ class Orthotropic(Material):
             if not (are_finite(values, 3) or (name == "expansion" and values is None)):
                 allowed = "three numbers, finite, for the axes 1, 2 and 3"
                 raise refused("Orthotropic", name, values, allowed, "give all three")
-        for name, moduli in (("young", self.young), ("shear", (self.shear,))):
+        for name, moduli in (("young", self.young), ("shear", (self.shear, *(self.longitudinal or ())))):
             for value in moduli:
                 check_positive("Orthotropic", name, value, "positive numbers", "give moduli in the unit of stress")
         least = float(np.linalg.eigvalsh(self._scaled_compliance).min())
@@ -117,6 +120,20 @@ class Orthotropic(Material):
         matrix[np.ix_(places, places)] = (normal + normal.T) / 2.0
         matrix[2, 2] = self.shear
         turned: Floats = self._to_axes.T @ matrix @ self._to_axes
+        return turned
+
+    @property
+    def longitudinal_shear(self) -> Floats:
+        """See `Material.longitudinal_shear`."""
+        if self.longitudinal is None:
+            raise InputError(
+                f"{self} without shear moduli along the third axis",
+                "a material with longitudinal=(G23, G13)",
+                "give both in the unit of stress",
+            )
+        c, s = np.cos(self.angle), np.sin(self.angle)
+        to_axes = np.array([[c, -s], [s, c]])  # 2 23, 2 13 from 2 yz, 2 xz
+        turned: Floats = to_axes.T @ np.diag(self.longitudinal) @ to_axes
         return turned
 
     @property

@@ -219,12 +219,19 @@ class Space:
             If there is too little memory for the matrices of all cells.
 
         """
+        (matrix,) = self.assemble_each(lambda batch: (cell_matrices(batch),), n_components)
+        return matrix
+
+    def assemble_each(
+        self, cell_matrices: Callable[[CellBatch], tuple[Floats, ...]], n_components: int
+    ) -> tuple[SymmetricMatrix, ...]:
+        """Add up several symmetric matrices of cells at once, which get one pattern; see `assemble`."""
         batches = list(self.batches())
         dofs = [batch.vector_dofs(n_components) for batch in batches]
         refuse_large_assembly(numbers.shape for numbers in dofs)
 
-        def matrices_of(batch: CellBatch) -> Floats:
-            return np.ascontiguousarray(cell_matrices(batch))
+        def matrices_of(batch: CellBatch) -> tuple[Floats, ...]:
+            return tuple(np.ascontiguousarray(each) for each in cell_matrices(batch))
 
         # NumPy releases the interpreter in its loops; those of order 1 are too short for threads to pay
         workers = 1 if self.order == 1 else min(n_threads(), len(batches))
@@ -233,11 +240,15 @@ class Space:
         else:
             with ThreadPoolExecutor(workers) as pool:
                 matrices = list(_begun(pool, matrices_of, batches))
-        pattern = Pattern(n_components * self.n_dofs, dofs)
-        return SymmetricMatrix(n_components * self.n_dofs, pattern.indptr, pattern.indices, pattern.scatter(matrices))
+        n = n_components * self.n_dofs
+        pattern = Pattern(n, dofs)
+        scattered = (pattern.scatter(list(each)) for each in zip(*matrices, strict=True))
+        return tuple(SymmetricMatrix(n, pattern.indptr, pattern.indices, values) for values in scattered)
 
 
-def _begun(pool: ThreadPoolExecutor, work: Callable[[CellBatch], Floats], batches: list[CellBatch]) -> Iterator[Floats]:
+def _begun(
+    pool: ThreadPoolExecutor, work: Callable[[CellBatch], tuple[Floats, ...]], batches: list[CellBatch]
+) -> Iterator[tuple[Floats, ...]]:
     """Results to come; an error of lack of memory where threads cannot start."""
     try:
         return pool.map(work, batches)

@@ -1,0 +1,338 @@
+"""Prisms and bodies of revolution under loads that vary as a cosine: one plane problem for each wavenumber.
+
+In a prism along z the displacements are ``u_x = U cos kz, u_y = V cos kz, u_z = W sin kz`` with amplitudes U, V, W on
+the plane mesh; in a body of revolution, x the radius and y the axis, ``u_x = U cos nt, u_y = V cos nt, u_t = W sin nt``
+over the angle t (the harmonic, or semi-analytical, element: Wilson, 1965, AIAA J. 3; Zienkiewicz and Taylor, 2005, "The
+Finite Element Method for Solid and Structural Mechanics", chapter 17). With the strains ``B = B0 + k B1`` of the
+amplitudes the stiffness is ``K(k) = K0 + k K1 + k^2 K2``. The other parity (sin, sin, cos) is the wavenumber -k.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.elements import Reconstruction, batched, monomials
+from flangeway.elements.monomials import n_monomials
+from flangeway.errors import InputError, short
+from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
+from flangeway.problems.prescribed import Scalar, check_scalar, scalar_at
+from flangeway.problems.strains import strain_operators
+from flangeway.space import CellBatch, SymmetricMatrix
+from flangeway.types import Bools, Floats, Ints
+
+Point = tuple[float, float]
+
+NAMES = ("xx", "yy", "zz", "xy", "yz", "xz")
+"""Components of stress and strain; in a body of revolution z is the direction around the axis."""
+
+
+def _strain_tables(*, revolution: bool) -> tuple[Floats, Floats]:
+    """B0 and B1: each strain of `NAMES` by each amplitude and slot (d/dx, d/dy, value or value over r): (6, 3, 3)."""
+    constant, linear = np.zeros((6, 3, 3)), np.zeros((6, 3, 3))
+    for strain, amplitude, slot in ((0, 0, 0), (1, 1, 1), (3, 0, 1), (3, 1, 0), (4, 2, 1), (5, 2, 0)):
+        constant[strain, amplitude, slot] = 1.0
+    linear[2, 2, 2] = 1.0
+    linear[4, 1, 2] = linear[5, 0, 2] = -1.0
+    if revolution:
+        constant[2, 0, 2] = 1.0
+        constant[5, 2, 2] = -1.0
+    return constant, linear
+
+
+@dataclass(frozen=True)
+class LongitudinalTraction:
+    """Force per area on named edges along z, in a body of revolution around the axis.
+
+    Parameters
+    ----------
+    edges
+        Name of an edge set.
+    value
+        Amplitude of ``sin kz``: a number, or a function of points (n, 2) with values (n,).
+
+    """
+
+    edges: str
+    value: Scalar
+
+    def __post_init__(self) -> None:
+        check_scalar(f"LongitudinalTraction on {short(self.edges)}", self.value)
+
+
+@dataclass(frozen=True)
+class Foundation:
+    """Continuous elastic support of named edges, fixed at its other end.
+
+    Parameters
+    ----------
+    edges
+        Name of an edge set.
+    x, y, z
+        Pressure per displacement along each axis, >= 0.
+
+    """
+
+    edges: str
+    x: float = 0.0
+    y: float = 0.0
+    z: float = 0.0
+
+    def __post_init__(self) -> None:
+        values = np.array([self.x, self.y, self.z], dtype=np.float64)
+        if not (np.isfinite(values).all() and values.min() >= 0.0 and values.max() > 0.0):
+            raise InputError(
+                f"Foundation({short(self.edges)}) with x={self.x}, y={self.y}, z={self.z}",
+                "finite stiffnesses >= 0, and one of them positive",
+                "give pressure per displacement along each axis",
+            )
+
+
+@dataclass(frozen=True, eq=False)
+class Harmonic:
+    """A prism, or a body of revolution, under loads that vary as a cosine along it.
+
+    Forces are per length of a prism and per radian of a body of revolution, as amplitudes.
+
+    Parameters
+    ----------
+    elasticity
+        Space, material, and loads whose amplitudes lie in the plane. An axisymmetric material makes a body of
+        revolution, plane strain a prism. Supports are given here, not there.
+    longitudinal
+        Loads along z.
+    foundations
+        Elastic supports.
+    held
+        Components ``"x"``, ``"y"``, ``"z"``, or several of them, that do not move on edge sets and at points.
+
+    Raises
+    ------
+    InputError
+        If the material is one of plane stress, the problem has supports, thermal loads or a thickness, or a name is
+        unknown.
+
+    """
+
+    elasticity: Elasticity
+    longitudinal: Sequence[LongitudinalTraction] = ()
+    foundations: Sequence[Foundation] = ()
+    held: Mapping[str | Point, str] | None = None
+
+    def __post_init__(self) -> None:
+        problem = self.elasticity
+        if problem.materials[0].hypothesis == "plane_stress":
+            raise InputError("Harmonic in plane stress", "plane strain (a prism) or axisymmetric", "change hypothesis")
+        if problem.supports or problem.thermal_loads or problem.thickness != 1.0:
+            raise InputError(
+                "Harmonic of an elasticity problem with supports, a change of temperature, or a thickness",
+                "space, material and loads",
+                "give supports as held=... and foundations=..., forces per length",
+            )
+        for name in [load.edges for load in self.longitudinal] + [each.edges for each in self.foundations]:
+            problem.space.mesh.edge_set(name)
+        for where, components in (self.held or {}).items():
+            if not components or set(components) - set("xyz"):
+                raise InputError(f"held {where!r} in {components!r}", "some of 'xyz'", "name the components")
+
+    @property
+    def revolution(self) -> bool:
+        """Whether the body is one of revolution."""
+        return self.elasticity.axisymmetric
+
+    @cached_property
+    def _tables(self) -> tuple[Floats, Floats]:
+        return _strain_tables(revolution=self.revolution)
+
+    @cached_property
+    def _matrices(self) -> Floats:
+        return np.stack([material.full_matrix for material in self.elasticity.materials], axis=-1)
+
+    def matrices(self, batch: CellBatch) -> Floats:
+        """Stresses per strain of cells, both as in `NAMES`, shape (6, 6, n_cells), or (6, 6, 1) if all are alike."""
+        if self._matrices.shape[-1] == 1:
+            return self._matrices
+        return self._matrices[..., self.elasticity.cell_material[batch.cells]]
+
+    def depth(self, points: Floats) -> Floats | float:
+        """Radius at points (..., 2) of a body of revolution, 1 in a prism: what a plane load is multiplied with."""
+        radii: Floats = points[..., 0]
+        return radii if self.revolution else 1.0
+
+    # stiffness
+
+    @cached_property
+    def parts(self) -> tuple[SymmetricMatrix, SymmetricMatrix, SymmetricMatrix]:
+        """K0 with the foundations, K1 and K2, on ``3 * dof + amplitude``, all of one pattern."""
+        constant, linear, square = self.elasticity.space.assemble_each(self._cell_parts, n_components=3)
+        values = constant.values.copy()
+        columns = np.repeat(np.arange(constant.n), np.diff(constant.indptr))
+        places = columns * constant.n + constant.indices
+        for foundation in self.foundations:
+            rows, columns, stiffness = self._foundation(foundation)
+            lower = rows >= columns
+            at = np.searchsorted(places, columns[lower] * constant.n + rows[lower])
+            np.add.at(values, at, stiffness[lower])
+        return SymmetricMatrix(constant.n, constant.indptr, constant.indices, values), linear, square
+
+    def stiffness(self, wavenumber: float) -> SymmetricMatrix:
+        """Stiffness of all amplitudes at a wavenumber (prism, per length) or harmonic (revolution, per radian)."""
+        constant, linear, square = self.parts
+        values = constant.values + wavenumber * (linear.values + wavenumber * square.values)
+        return SymmetricMatrix(constant.n, constant.indptr, constant.indices, values)
+
+    def slots(self, batch: CellBatch, reconstruction: Reconstruction) -> tuple[Floats, Floats]:
+        """Derivatives by x and y and value (over r in a body of revolution) of one amplitude, as polynomials.
+
+        Returns
+        -------
+        tuple
+            Coefficients (n, 3, n_local, n_cells), and the integrals of products of the monomials (n, n, n_cells), with
+            the radius as weight in a body of revolution. A virtual element's value is taken to the degree of its
+            strains, k - 1, but to 1 for order 1, where a constant would leave motions without energy.
+
+        """
+        if self.revolution:
+            strains = strain_operators(batch, reconstruction, axisymmetric=True)
+            return strains.coefficients, strains.mass
+        order = reconstruction.order
+        degree = order if reconstruction.exact or order == 1 else order - 1
+        mass = monomials.mass(degree, reconstruction.moments)
+        value = reconstruction.projected_value
+        if degree < order:
+            moments = np.einsum("abe,bme->ame", monomials.mass(order, reconstruction.moments)[: len(mass)], value)
+            value = batched.solve(mass, moments)
+        result = np.zeros((len(mass), 3, *value.shape[1:]))
+        result[: n_monomials(order - 1), :2] = reconstruction.gradient
+        result[:, 2] = value
+        return result, mass
+
+    def _cell_parts(self, batch: CellBatch) -> tuple[Floats, Floats, Floats]:
+        """K0, K1 and K2 of cells, each (3 n_local, 3 n_local, n_cells)."""
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        coefficients, mass = self.slots(batch, reconstruction)
+        n, n_cells = reconstruction.n_local, len(batch.cells)
+        # G_abmn = sum over monomials p, q of c_pam M_pq c_qbn
+        products = np.einsum("pame,pbne->abmne", coefficients, np.einsum("pqe,qbne->pbne", mass, coefficients))
+        stress = self.matrices(batch)
+        b0, b1 = self._tables
+        parts = np.zeros((3, n, 3, n, 3, n_cells))
+        for power, pairs in enumerate((((b0, b0),), ((b0, b1), (b1, b0)), ((b1, b1),))):
+            # T_iajb = sum over strains s, t of B_sia D_st B_tjb, and K_minj = sum over slots a, b of T_iajb G_abmn
+            table = sum(np.einsum("sia,ste,tjb->iajbe", left, stress, right) for left, right in pairs)
+            for i, a, j, b in np.argwhere(np.abs(table).any(axis=-1)):
+                parts[power, :, i, :, j] += table[i, a, j, b] * products[a, b]
+        self._add_stabilisation(parts, batch, reconstruction)
+        constant, linear, square = parts.reshape(3, 3 * n, 3 * n, n_cells)
+        return constant, linear, square
+
+    def _add_stabilisation(self, parts: Floats, batch: CellBatch, reconstruction: Reconstruction) -> None:
+        """Add what the projections miss: of the gradients to K0, of the values to K2."""
+        constant = parts[0].transpose(1, 3, 0, 2, 4)
+        in_plane = batch.element.stabilise(reconstruction, constant[:2, :2])
+        along = batch.element.stabilise(reconstruction, constant[2:, 2:])
+        if in_plane is None or along is None:
+            return
+        factors = np.array([material.stabilisation_factor for material in self.elasticity.materials])
+        if len(factors) > 1:
+            factors = factors[self.elasticity.cell_material[batch.cells]]
+        for i, added in enumerate((factors * in_plane, factors * in_plane, along)):
+            parts[0, :, i, :, i] += added
+        # the L2 projection misses (I - D Pi) u; its nodal values stand for equal shares of the area
+        missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, reconstruction.projected_value)
+        places = np.arange(reconstruction.n_local)
+        missed[places, places] += 1.0
+        share = reconstruction.areas / reconstruction.n_local
+        if self.revolution:
+            share = share / batch.vertices[:, 0].mean(axis=0)  # the weight r of (u / r)^2
+        square = batched.symmetric_product(missed, missed * share)
+        stress = self.matrices(batch)
+        for i, modulus in enumerate((stress[5, 5], stress[4, 4], stress[2, 2])):
+            parts[2, :, i, :, i] += modulus * square
+
+    def _foundation(self, foundation: Foundation) -> tuple[Ints, Ints, Floats]:
+        """Rows, columns and entries of a foundation."""
+        space = self.elasticity.space
+        rule = edge_quadrature(space, space.mesh.edge_set(foundation.edges))
+        mass = np.einsum("eq,qm,qn->emn", rule.weights * self.depth(rule.points), rule.shapes, rule.shapes)
+        rows, columns, entries = [], [], []
+        for component, stiffness in enumerate((foundation.x, foundation.y, foundation.z)):
+            unknowns = 3 * rule.nodes.astype(np.int64) + component
+            rows.append(np.broadcast_to(unknowns[:, :, None], mass.shape).ravel())
+            columns.append(np.broadcast_to(unknowns[:, None, :], mass.shape).ravel())
+            entries.append((stiffness * mass).ravel())
+        return np.concatenate(rows), np.concatenate(columns), np.concatenate(entries)
+
+    # loads and supports
+
+    def load_vector(self) -> Floats:
+        """Amplitudes of the forces on all unknowns, shape (n_dofs, 3)."""
+        space = self.elasticity.space
+        total = np.zeros((space.n_dofs, 3))
+        around = 2.0 * np.pi if self.revolution else 1.0  # plane loads are summed around the axis
+        for load in self.elasticity.loads:
+            total[:, :2] += load.forces(self.elasticity) / around
+        for item in self.longitudinal:
+            rule = edge_quadrature(space, space.mesh.edge_set(item.edges))
+            values = scalar_at(f"LongitudinalTraction on {item.edges!r}", item.value, rule.points.reshape(-1, 2))
+            weights = rule.weights * self.depth(rule.points) * values.reshape(rule.weights.shape)
+            np.add.at(total[:, 2], rule.nodes, np.einsum("eq,qm->em", weights, rule.shapes))
+        return total
+
+    def free(self, wavenumber: float) -> Bools:
+        """Which amplitudes are free to move, shape (n_dofs, 3).
+
+        On the axis of revolution they must be unique: V alone for n = 0, U = -W for n = 1 (U is then the free one),
+        none for n >= 2.
+        """
+        space = self.elasticity.space
+        free = np.ones((space.n_dofs, 3), dtype=np.bool_)
+        for where, components in (self.held or {}).items():
+            if isinstance(where, str):
+                nodes = np.unique(space.edge_nodes(space.mesh.edge_set(where)))
+            else:
+                nodes = np.array([self.elasticity.node_at(where)])
+            for component in components:
+                free[nodes, "xyz".index(component)] = False
+        if self.revolution:
+            on_axis = self.axis_nodes
+            free[on_axis, 1] &= wavenumber == 0
+            free[on_axis, 0] &= abs(wavenumber) == 1
+            free[on_axis, 2] = False
+        return free
+
+    @cached_property
+    def axis_nodes(self) -> Ints:
+        """Nodes on the axis of revolution."""
+        return np.flatnonzero(np.abs(self.elasticity.space.nodes[:, 0]) <= ON_AXIS * self.elasticity.size)
+
+    # stresses
+
+    def cell_stresses(self, batch: CellBatch, amplitudes: Floats, wavenumber: float) -> tuple[Reconstruction, Floats]:
+        """Amplitudes of the stresses inside cells as polynomials.
+
+        Parameters
+        ----------
+        batch
+            The cells.
+        amplitudes
+            All unknowns, shape (n_dofs, 3).
+        wavenumber
+            Theirs.
+
+        Returns
+        -------
+        tuple
+            The reconstruction, whose frame the polynomials are written in, and the coefficients of the components of
+            `NAMES` (6, n_monomials, n_cells): of ``cos kz`` for xx, yy, zz and xy, of ``sin kz`` for yz and xz.
+
+        """
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        coefficients, _ = self.slots(batch, reconstruction)
+        b0, b1 = self._tables
+        # e_sp = sum over amplitudes i, slots a and unknowns m of B_sia c_pam u_mi
+        strain = np.einsum("sia,pame,mei->spe", b0 + wavenumber * b1, coefficients, amplitudes[batch.dofs])
+        matrices = np.broadcast_to(self.matrices(batch), (6, 6, len(batch.cells)))
+        return reconstruction, np.einsum("ste,tpe->spe", matrices, strain)
