@@ -3,6 +3,7 @@
 from flangeway.problems.body import Body
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.problems.field import ElasticField
+from flangeway.problems.harmonic import Foundation, Harmonic, LongitudinalTraction
 from flangeway.problems.loads import BodyForce, Gravity, Load, PointForce, Pressure, TemperatureChange, Traction
 from flangeway.problems.part import Part
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support, fixed
@@ -13,8 +14,11 @@ __all__ = [
     "BodyForce",
     "ElasticField",
     "Elasticity",
+    "Foundation",
     "Gravity",
+    "Harmonic",
     "Load",
+    "LongitudinalTraction",
     "Part",
     "PointForce",
     "PrescribedDisplacement",

@@ -3,29 +3,36 @@
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes
 from flangeway.solve.condensed import CondensedBodies
 from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasticity
+from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.linearisation import Constraints, Linearisation
 from flangeway.solve.newton import ContactState, Iteration, NewtonSettings, solve_contact
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Status
 from flangeway.solve.steps import StepSettings, follow
+from flangeway.solve.surface_compliance import ComplianceTable, SurfaceCells, compliance_table
 from flangeway.solve.torsion_solution import TorsionSolution, solve_torsion
 
 __all__ = [
     "BodyResponse",
+    "ComplianceTable",
     "CondensedBodies",
     "Constraints",
     "ContactState",
     "ElasticitySolution",
+    "HarmonicSolution",
     "Iteration",
     "Linearisation",
     "NewtonSettings",
     "SparseBodies",
     "Status",
     "StepSettings",
+    "SurfaceCells",
     "SurfaceNodes",
     "TorsionSolution",
+    "compliance_table",
     "follow",
     "solve_contact",
     "solve_elasticity",
+    "solve_harmonic",
     "solve_torsion",
 ]

@@ -1,0 +1,152 @@
+"""Normal contact on a grid of cells: dense across, a convolution along z."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.fft
+
+from flangeway.errors import InputError
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats
+
+MOST_ITERATIONS = 500
+
+
+class Convolution:
+    """Product of influence coefficients with forces on a grid of cells across and strips along z, by FFT.
+
+    Parameters
+    ----------
+    coefficients
+        At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, n, n), by displacement and force; at negative
+        distances the transpose.
+
+    """
+
+    def __init__(self, coefficients: Floats) -> None:
+        n_strips = len(coefficients)
+        self.shape = (coefficients.shape[1], n_strips)
+        kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
+        kernel[:n_strips] = coefficients
+        kernel[n_strips + 1 :] = coefficients[:0:-1].swapaxes(1, 2)
+        self._spectrum = scipy.fft.rfft(kernel, axis=0)
+
+    def __call__(self, forces: Floats) -> Floats:
+        """Displacements (n, n_strips) by forces (n, n_strips)."""
+        padded = scipy.fft.rfft(forces.T, 2 * self.shape[1], axis=0)
+        product = np.matmul(self._spectrum, padded[..., None])[..., 0]
+        result: Floats = scipy.fft.irfft(product, 2 * self.shape[1], axis=0)[: self.shape[1]].T
+        return result
+
+
+@dataclass(frozen=True, eq=False)
+class NormalContact:
+    """Forces of normal contact on a grid.
+
+    Parameters
+    ----------
+    forces
+        Normal forces on the cells, >= 0, shape (n_cells, n_strips).
+    approach
+        Rigid approach along the direction of the load.
+    gaps
+        Gaps of the deformed surfaces, shape as the forces.
+    status
+        How the iteration ended.
+
+    """
+
+    forces: Floats
+    approach: float
+    gaps: Floats
+    status: Status
+
+
+def solve_normal(
+    influence: Convolution,
+    gaps: Floats,
+    *,
+    force: float | None = None,
+    approach: float | None = None,
+    share: Floats | float = 1.0,
+    start: Floats | None = None,
+    tolerance: float = 1e-7,
+) -> NormalContact:
+    """Find forces >= 0 so that the gap is closed under them and open elsewhere (Polonsky and Keer, 1999, Wear 231).
+
+    Conjugate gradients on ``1/2 f' A f + h' f`` within the cells that are in contact.
+
+    Parameters
+    ----------
+    influence
+        Mean normal displacement of both surfaces together by forces on the cells.
+    gaps
+        Gaps h before any approach and deformation, positive where open, shape (n_cells, n_strips).
+    force, approach
+        The resultant along the direction of the load, or the rigid approach: one of them.
+    share
+        Component of each cell's normal along the direction of the load, as the gaps or one number.
+    start
+        Forces to start from, as from a neighbouring position.
+    tolerance
+        Change of the forces over their sum, and gap under force over the approach, at which the iteration ends.
+
+    Raises
+    ------
+    InputError
+        If neither or both of force and approach are given, or the force is not positive.
+
+    """
+    if (force is None) == (approach is None) or (force is not None and not force > 0.0):
+        raise InputError(f"force={force} and approach={approach}", "a force > 0 or an approach", "give one of them")
+    shares = np.broadcast_to(np.asarray(share, dtype=np.float64), gaps.shape)
+    if approach is not None and not (gaps < approach * shares).any():
+        return NormalContact(np.zeros(gaps.shape), approach, gaps - approach * shares, Status(True, "no contact", 0))
+    if start is None:
+        start = np.maximum(gaps.min() + _depth(gaps) - gaps, 0.0)
+    forces = start if force is None else start * force / float((shares * start).sum())
+    direction = np.zeros(gaps.shape)
+    old_norm, restart = 1.0, True
+    change, iteration = np.inf, 0
+    while change >= tolerance or restart:
+        if iteration == MOST_ITERATIONS:
+            break
+        iteration += 1
+        touching = forces > 0.0
+        deformed = gaps + influence(forces)
+        rigid = approach if approach is not None else _along(deformed, shares, touching)
+        residual = deformed - rigid * shares
+        norm = float((residual[touching] ** 2).sum())
+        direction = np.where(touching, residual + (0.0 if restart else norm / old_norm) * direction, 0.0)
+        old_norm = norm
+        bent = influence(direction)
+        if force is not None:
+            bent = bent - _along(bent, shares, touching) * shares
+        curvature = float((direction * bent)[touching].sum())
+        step = float((residual * direction)[touching].sum()) / curvature if curvature > 0.0 else 0.0
+        before = forces
+        forces = np.maximum(forces - step * direction, 0.0)
+        closed = (forces == 0.0) & (residual < 0.0)
+        restart = bool(closed.any())
+        forces = np.where(closed, forces - step * residual, forces)
+        total = float((shares * forces).sum())
+        if force is not None:
+            forces *= force / total
+        change = float(np.abs(forces - before).sum()) / max(float(forces.sum()), np.finfo(float).tiny)
+    deformed = gaps + influence(forces)
+    touching = forces > 0.0
+    if approach is None:
+        approach = _along(deformed, shares, touching)
+    converged = change < tolerance
+    message = f"forces change by {change:.1e} after {iteration} iterations"
+    return NormalContact(forces, approach, deformed - approach * shares, Status(converged, message, iteration))
+
+
+def _along(values: Floats, shares: Floats, touching: Bools) -> float:
+    """Rigid displacement along the load that fits normal displacements of the cells in contact best."""
+    return float((values * shares)[touching].sum() / (shares**2)[touching].sum())
+
+
+def _depth(gaps: Floats) -> float:
+    """A depth at which some of the cells overlap."""
+    return float(np.quantile(gaps, 0.1) - gaps.min()) + np.finfo(float).tiny
