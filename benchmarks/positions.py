@@ -22,7 +22,6 @@ from flangeway.cases import WheelsetTangentCase
 from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
 from flangeway.railway.positions.positions_patches import patches_of
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
-from flangeway.railway.rigid.rigid_contact import contact_locus
 from flangeway.railway.track.placements import WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -112,7 +111,7 @@ def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[f
         number = int(rng.integers(len(table.positions)))
         lateral, weight = float(table.positions.lateral_mm[number]), float(table.positions.vertical_N[number])
         start = time.perf_counter()
-        where = contact_locus(prepared.model.rest.wheelset, [lateral]).motion(0)
+        where = prepared.model.rigid_start.geometry.locus([lateral]).motion(0)
         found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), where)
         times.append(time.perf_counter() - start)
         if not found.status.converged:  # once more, from the motion that is to be checked

@@ -12,7 +12,6 @@ from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import wheel
 from flangeway.railway.profiles.flange_root import with_wide_flange_root
-from flangeway.railway.rigid.rigid_contact import contact_locus
 
 COARSE = ("--set", "step_mm=0.1")
 
@@ -81,9 +80,7 @@ def test_overturning_ends_with_one(call):
 def test_unequal_wheels_swing_aside():
     """A left wheel that is 0.2 mm smaller moves the place of equal radii to the left by that over twice the slope."""
     values = {"left_wheel_radius_mm": 474.4, "wheel_radius_mm": 474.6, "wheel_radius_at": "tape-line", "step_mm": 0.1}
-    found = contact_locus(
-        find_geometry_case("wheelset-tangent", values).curves(), np.linspace(-8.0, 0.0, 81), roll=False
-    )
+    found = find_geometry_case("wheelset-tangent", values).geometry().locus(np.linspace(-8.0, 0.0, 81), roll=False)
     assert found.rolling_radius_difference_mm[-1] == pytest.approx(0.2, abs=1e-6)
     at = np.interp(0.0, found.rolling_radius_difference_mm, found.lateral_mm)
     assert at == pytest.approx(-0.2 / (2.0 * 0.05), abs=1e-4)
@@ -98,10 +95,10 @@ def test_profiles_from_files_run_through(tmp_path):
     header = "# unit = mm\n# kind = wheel\n# origin = tape\n"
     file.write_text(header + "\n".join(f"{x:.5f} {y:.5f}" for x, y in points) + "\n", encoding="utf-8")
     values = {"left_wheel": str(file), "wheel_body": "S1002", "step_mm": 0.05}
-    mixed = find_geometry_case("s1002-60e1", values).curves()
-    plain = find_geometry_case("s1002-60e1", {}).curves()
+    mixed = find_geometry_case("s1002-60e1", values).geometry()
+    plain = find_geometry_case("s1002-60e1", {}).geometry()
     lateral = np.linspace(-5.5, 5.5, 23)
-    one, other = contact_locus(mixed, lateral), contact_locus(plain, lateral)
+    one, other = mixed.locus(lateral), plain.locus(lateral)
     assert np.abs(one.vertical_mm - other.vertical_mm).max() < 0.005
     assert np.abs(one.left.contact_angles_rad[:, 0] - other.left.contact_angles_rad[:, 0]).max() < 0.01
 
@@ -110,11 +107,11 @@ def test_profiles_from_files_run_through(tmp_path):
 def test_conicity_is_finite_at_all_amplitudes(name):
     """Every bundled case has a conicity at every amplitude, by both methods of the same size."""
     run = run_geometry(name, find_geometry_case(name, {"step_mm": 0.05, "lateral_force_kN": 0.0}))
-    assert len(run.amplitudes_mm) > 40
-    assert np.isfinite(run.conicity).all()
-    assert (run.conicity > 0.0).all()
+    assert len(run.conicities.amplitudes_mm) > 40
+    assert np.isfinite(run.conicities.integration).all()
+    assert (run.conicities.integration > 0.0).all()
     # the regression gives jumps another weight
-    assert (np.abs(run.regression / run.conicity - 1.0) < 0.8).all()
+    assert (np.abs(run.conicities.regression / run.conicities.integration - 1.0) < 0.8).all()
 
 
 def test_without_roll_the_tread_of_1_20_is_its_conicity():

@@ -9,9 +9,9 @@ import pytest
 from flangeway.cases.rigid.rigid_case import read_geometry_case
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_locus
+from flangeway.railway.rigid.conicity import read_rolling_radius_difference
 from flangeway.railway.rigid.rigid_curve import RigidCurve
-from flangeway.railway.rigid.rolling_file import read_rolling_radius_difference
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.yawed import outline_across
 from flangeway.railway.track.placements import Track, Wheelset
 
@@ -45,7 +45,7 @@ def test_b10_conicity_from_a_file(header, scale, separator, tmp_path, call):
     ("text", "message"),
     [
         ("-5 -1\n5 1\n", "no unit"),
-        ("# unit: mm\n-70 20\n0 0\n60 -2\n", "lateral motions up to 70 mm"),
+        ("# unit: mm\n-70 20\n0 0\n60 -2\n", "lateral displacements up to 70 mm"),
         ("# unit: mm\n-5 1\n5 -1\n", None),
         ("# unit: mm\n1 0\n1 2\n", "do not increase"),
         ("# unit: mm\n1 0\n", "two or more"),
@@ -85,7 +85,7 @@ def test_b10_case_files(tmp_path, call):
     assert "order, size_scale" in notices[0]
     code, out, _ = call("geometry", str(file), "--out", str(tmp_path / "out"))
     assert code in (0, 1)
-    assert "not needed by the geometry, and left out: order, size_scale" in " ".join(out.split())
+    assert "not used by the geometry: order, size_scale" in " ".join(out.split())
     file.write_text('case = "geometry"\nyaw_mrad = 5\nwidth_mm = 3\n', encoding="utf-8")
     with pytest.raises(InputError, match=r"mine\.toml, line 3.*width_mm"):
         read_geometry_case(file, {})
@@ -127,8 +127,8 @@ def smallest_gap(curves, profile, rail_curve, sign, locus, yaw):
 def test_b10_yaw_against_brute_force(yaw, lateral):
     """Wheels of revolution, yawed, touch prismatic rails where brute force over their surfaces finds the least gap."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    plain, curves = (RigidWheelset.of(track, wheelset, each) for each in (0.0, yaw))
-    locus = contact_locus(curves, [lateral])
+    plain, curves = (RigidGeometry.of(track, wheelset, each) for each in (0.0, yaw))
+    locus = curves.locus([lateral])
     for side, sign in (("right", 1.0), ("left", -1.0)):
         gap, _, ahead = smallest_gap(curves, plain.side(side).wheel, plain.side(side).rail, sign, locus, yaw)
         assert -2e-6 < gap < 2e-4
@@ -138,7 +138,7 @@ def test_b10_yaw_against_brute_force(yaw, lateral):
 def test_b10_contact_ahead_of_the_axle():
     """An outer wheel that is behind, so that it runs against its rail, touches ahead of the axle at the flange."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    attack = contact_locus(RigidWheelset.of(track, wheelset, -0.02), [6.5])
+    attack = RigidGeometry.of(track, wheelset, -0.02).locus([6.5])
     angle = float(attack.right.contact_angles_rad[0, 0] - attack.roll_rad[0])
     profile_angle = math.asin(math.sin(angle) * math.cos(0.02))
     radius = float(attack.right.rolling_radii_mm[0, 0])

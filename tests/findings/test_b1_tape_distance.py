@@ -8,7 +8,7 @@ from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.joining import joined, on_plain_body
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, path_of_contact
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import Track, Wheelset
 
 TAPE_MM = 72.0
@@ -40,7 +40,7 @@ def test_b1_the_joined_body_does_not_move_the_wheel(file):
     shifts = []
     for each in wheels:
         axle = Wheelset(each, 1360.0, 460.0 + each.flange_height_mm)
-        path = path_of_contact(RigidWheelset.of(Track(rail("60E1"), 1435.0), axle), 40.0)
+        path = RigidGeometry.of(Track(rail("60E1"), 1435.0), axle).path(40.0)
         shifts.append((path.rail_level - 460.0 * np.sin(path.roll)).max())
     assert np.ptp(shifts) < 0.02
     assert all(f"{TAPE_MM:g} mm from the flange's back (from the file)" in each.certainty for each in wheels)

@@ -7,7 +7,6 @@ from flangeway.campaign import Campaign
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.errors import InputError
-from flangeway.railway.rigid.rigid_contact import contact_locus
 
 
 @pytest.mark.parametrize(("gauge", "distance"), [(1435, 1360), (1445, 1360), (1520, 1440), (1600, 1515), (1668, 1593)])
@@ -23,8 +22,8 @@ def test_b6_the_distance_of_the_wheels_follows_from_the_gauge(case, gauge, dista
 @pytest.mark.parametrize("profiles", [{}, {"wheel": "S1002", "rail": "60E1"}])
 def test_b6_standard_gauge_works_at_the_first_try(profiles):
     """``gauge_mm = 1435`` alone puts both wheels on their rails, with room for the flanges."""
-    wheelset = GeometryCase.from_values({"gauge_mm": 1435, **profiles}).curves()
-    locus = contact_locus(wheelset, np.array([-2.0, 0.0, 2.0]))
+    wheelset = GeometryCase.from_values({"gauge_mm": 1435, **profiles}).geometry()
+    locus = wheelset.locus(np.array([-2.0, 0.0, 2.0]))
     assert np.isfinite(locus.right.rail_points_mm[:, 0]).all()
 
 
@@ -50,7 +49,7 @@ def test_b6_what_does_not_fit_is_said_with_both_keys(gauge, distance, words):
         with pytest.raises(
             InputError, match=f"gauge_mm = {gauge} and back_to_back_mm = {distance} do not fit.*{words}"
         ):
-            made.curves() if isinstance(made, GeometryCase) else made.problem()
+            made.geometry() if isinstance(made, GeometryCase) else made.problem()
 
 
 def test_b6_an_unknown_gauge_asks_for_the_distance():

@@ -26,7 +26,7 @@ from flangeway.post import stresses_along
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement, Pressure, Spring, Torsion, Traction, fixed
 from flangeway.railway.positions.many_positions import Positions
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
+from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load

@@ -18,7 +18,7 @@ import pytest
 
 from flangeway import cli
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_jumps, contact_locus
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import Track, Wheelset
 
 PUBLISHED = {
@@ -53,13 +53,13 @@ ANGLES = np.concatenate((TABLE[:0:-1, 7], TABLE[:, 6]))
 def benchmark():
     """Wheels and rails of the benchmark as rigid curves."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 460.0 + 28.0)
-    return RigidWheelset.of(track, wheelset)
+    return RigidGeometry.of(track, wheelset)
 
 
 @pytest.fixture(scope="module")
 def locus(benchmark):
     """Positions and contacts for lateral motions of -7 to 7 mm, as in the table."""
-    return contact_locus(benchmark, BOTH)
+    return benchmark.locus(BOTH)
 
 
 def overlap(benchmark, locus, number, approach):
@@ -123,7 +123,7 @@ def test_jumps(benchmark, locus):
     The published points move by more than 6 mm in these steps of 0.5 mm (the first by 7.4, into the middle of both
     places), and by less than 2.6 mm in each other one; the rigid points do the same.
     """
-    jumps = [jump for jump in contact_jumps(benchmark, 7.0) if jump.side == "right"]
+    jumps = [jump for jump in benchmark.jumps(7.0) if jump.side == "right"]
     at = np.array([jump.motion.lateral_mm for jump in jumps])
     assert ((at > 0.0) & (at < 0.5)).any()
     assert ((at > 4.5) & (at < 5.0)).any()

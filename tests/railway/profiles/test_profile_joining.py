@@ -18,7 +18,7 @@ from flangeway.railway.profiles.joining import (
 from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_between, point_at
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
 from flangeway.railway.profiles.whole_outline import whole_profile
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_locus
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import Track, Wheelset
 
 
@@ -161,8 +161,8 @@ def test_worn_profiles_run_through_the_chain(tmp_path):
     tread = tread + 2e-3 * rng.normal(size=tread.shape)
     on_rail = joined(read_profile(file_of(tmp_path, rail_points, "rail")), "60E1").profile
     on_wheel = joined(read_profile(file_of(tmp_path, tread, "wheel")), "S1002").profile
-    rigid = RigidWheelset.of(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0))
-    touch = contact_locus(rigid, [0.0]).right
+    rigid = RigidGeometry.of(Track(on_rail, gauge_mm=1435.0), Wheelset(on_wheel, back_to_back_mm=1360.0))
+    touch = rigid.locus([0.0]).right
     assert abs(touch.rail_points_mm[0, 0, 0]) < 35.0
     assert abs(touch.relative_curvatures_per_mm[0, 0]) < 0.2
     for profile, names in ((on_rail, on_rail.head_names), (on_wheel, on_wheel.running_names)):

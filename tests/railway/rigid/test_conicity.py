@@ -9,11 +9,15 @@ from scipy.special import ellipk, gamma
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.conicity import conicity_by_regression, equivalent_conicity, klingel_wavelength
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_locus
+from flangeway.railway.rigid.conicity import (
+    RollingRadiusDifference,
+    conicity_by_regression,
+    equivalent_conicity,
+    klingel_wavelength,
+)
 from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
-from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
 from flangeway.railway.track.placements import Track, Wheelset
 
 AMPLITUDES = np.array([0.1, 1.0, 3.0, 7.5])
@@ -117,7 +121,7 @@ def test_circular_profiles_agree_with_the_known_formula(wheel_radius, rail_radiu
     head = half_distance + np.linspace(-38.0, 38.0, 1521)
     rail_curve = RigidCurve.from_graph(*circle(rail_radius, head, centre=rail_centre))
     side = RigidSide(wheel_curve, rail_curve)
-    locus = contact_locus(RigidWheelset(side, side, radius), np.linspace(-0.25, 0.25, 101))
+    locus = RigidGeometry(side, side, radius).locus(np.linspace(-0.25, 0.25, 101))
     found = equivalent_conicity(RollingRadiusDifference.of(locus), [0.2])[0]
     steering = wheel_radius * angle / (wheel_radius - rail_radius)
     expected = steering * (half_distance + rail_radius * angle) / (half_distance - radius * angle)
@@ -137,11 +141,11 @@ def test_cones_on_rails_have_their_slope_and_what_roll_adds(rail_radius):
         True,
     )
     side = RigidSide(tread, RigidCurve.from_contour(Contour.from_segments([head], ["head"])))
-    wheelset = RigidWheelset(side, side, radius)
+    wheelset = RigidGeometry(side, side, radius)
     lateral = np.linspace(-4.0, 4.0, 81)
-    plain = RollingRadiusDifference.of(contact_locus(wheelset, lateral, roll=False))
+    plain = RollingRadiusDifference.of(wheelset.locus(lateral, roll=False))
     assert equivalent_conicity(plain, [3.0]) == pytest.approx(0.05, rel=1e-9)
-    rolled = RollingRadiusDifference.of(contact_locus(wheelset, lateral))
+    rolled = RollingRadiusDifference.of(wheelset.locus(lateral))
     lever = half_distance / (half_distance - (radius + rail_radius / math.cos(cone)) * 0.05)
     assert equivalent_conicity(rolled, [3.0]) == pytest.approx(0.05 * lever, rel=1e-6)
 
@@ -238,13 +242,13 @@ def benchmark(right, left, smaller):
     """Wheelset of the benchmark: diameter 920 mm, gauge 1435.16 mm, which puts both origins at 750 mm."""
     rails = curve(RAIL_A)
     wheels = [curve(FLANGE + WHEELS[name], -radius) for name, radius in ((left, 460.0 - smaller), (right, 460.0))]
-    return RigidWheelset(RigidSide(wheels[0], rails), RigidSide(wheels[1], rails), 460.0)
+    return RigidGeometry(RigidSide(wheels[0], rails), RigidSide(wheels[1], rails), 460.0)
 
 
 @pytest.mark.parametrize("combination", DIFFERENCES, ids=str)
 def test_the_rolling_radius_difference_of_en_15302(combination):
     """All given digits of the standard's differences come out, without roll as there."""
-    locus = contact_locus(benchmark(*combination), LATERAL, roll=False)
+    locus = benchmark(*combination).locus(LATERAL, roll=False)
     expected = np.array(DIFFERENCES[combination])
     assert np.abs(locus.rolling_radius_difference_mm - expected).max() < 0.001
 
@@ -252,7 +256,7 @@ def test_the_rolling_radius_difference_of_en_15302(combination):
 @pytest.mark.parametrize("combination", CONICITIES, ids=str)
 def test_the_equivalent_conicity_of_en_15302(combination):
     """The standard's conicities come out within 0.004 of the 0.05 that it allows; one, beyond a jump, within 0.015."""
-    locus = contact_locus(benchmark(*combination), np.arange(-1000, 1001) * 0.01, roll=False)
+    locus = benchmark(*combination).locus(np.arange(-1000, 1001) * 0.01, roll=False)
     found = equivalent_conicity(RollingRadiusDifference.of(locus), SWINGS)
     errors = np.abs(found - CONICITIES[combination])
     # wheel I at 2 mm, just beyond its jump: 0.315 for 0.301
@@ -263,10 +267,10 @@ def test_the_equivalent_conicity_of_en_15302(combination):
 def test_the_conicity_of_s1002_on_60e1():
     """At 3 mm, gauge 1435 mm, 1:40, the usual European pair has 0.17 to 0.18, whether it rolls or not."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    rigid = RigidWheelset.of(track, wheelset)
+    rigid = RigidGeometry.of(track, wheelset)
     lateral = np.arange(-450, 451) * 0.01
     found = [
-        equivalent_conicity(RollingRadiusDifference.of(contact_locus(rigid, lateral, roll=roll)), [3.0])[0]
+        equivalent_conicity(RollingRadiusDifference.of(rigid.locus(lateral, roll=roll)), [3.0])[0]
         for roll in (True, False)
     ]
     assert found == pytest.approx([0.1771, 0.1741], abs=5e-4)

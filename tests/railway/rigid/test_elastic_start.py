@@ -1,4 +1,4 @@
-"""Where the rigid wheelset rests, from which the elastic search starts."""
+"""Rigid equilibrium as the start of the elastic search."""
 
 import math
 
@@ -7,35 +7,37 @@ import pytest
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
 from flangeway.railway.rigid.elastic_start import rigid_start
+from flangeway.railway.track.placements import SIDES
 
 
 @pytest.mark.parametrize("cant", [1 / 40, 1 / 30, 1 / 100])
 def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(cant: float) -> None:
     """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(cant)) from its middle, to 1 µm."""
-    rest = rigid_start(WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "cant": cant}).problem())
-    _, on_rail = rest.near_places((0.0,), 0.01)["right"]
+    start = rigid_start(WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "cant": cant}).problem())
+    on_rail = start.near_points(0.01, 0.0)["rail-right"]
     assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(cant)), abs=1e-3)
-    assert rest.relative_curvature_per_mm == pytest.approx(1 / 254.0)
-    assert (rest.motion.lateral_mm, rest.motion.roll_rad) == (0.0, pytest.approx(0.0, abs=1e-15))
+    assert start.relative_curvature_per_mm == pytest.approx(1 / 254.0)
+    assert (start.motion.lateral_mm, start.motion.roll_rad) == (0.0, pytest.approx(0.0, abs=1e-15))
 
 
 def test_in_the_curve_the_flange_side_has_a_second_place() -> None:
-    """At rest in the curve tread and flange root touch on the right, the tread on the left, each on both curves."""
+    """In the curve tread and flange root touch on the right, the tread on the left, each on both curves."""
     problem = WheelsetCurveCase().problem()
-    rest = rigid_start(problem)
-    near = rest.near_places((0.0,), 1e-3)
-    assert [len(near[side][0]) for side in ("left", "right")] == [1, 2]
-    for side, (on_wheel, on_rail) in near.items():
+    start = rigid_start(problem)
+    near = start.near_points(1e-3, 0.0)
+    assert [len(near[f"wheel-{side}"]) for side in SIDES] == [1, 2]
+    for side in SIDES:
+        on_wheel, on_rail = near[f"wheel-{side}"], near[f"rail-{side}"]
         wheel, rail = problem.wheelset.wheel_of(side), problem.track.rail_of(side)
         assert wheel.outline.closest(on_wheel)[2].max() < 1e-6
         assert rail.outline.closest(on_rail)[2].max() < 1e-6
 
 
 def test_a_prescribed_lateral_motion_is_taken() -> None:
-    """The rest at a prescribed lateral motion has it, and touches on both sides; no balance is looked for."""
-    rest = rigid_start(WheelsetTangentCase.from_values({"lateral_mm": 5.0}).problem())
-    assert rest.motion.lateral_mm == pytest.approx(5.0, abs=1e-9)
-    assert rest.equilibrium is None
+    """The start at a prescribed lateral displacement has it; no equilibrium is computed."""
+    start = rigid_start(WheelsetTangentCase.from_values({"lateral_mm": 5.0}).problem())
+    assert start.motion.lateral_mm == pytest.approx(5.0, abs=1e-9)
+    assert start.equilibrium is None
 
 
 @pytest.mark.parametrize("gauge", [1000.0, 1850.0, 3000.0])
@@ -45,7 +47,7 @@ def test_a_wheel_that_misses_its_rail(gauge: float) -> None:
         rigid_start(WheelsetTangentCase.from_values({"gauge_mm": gauge}).problem())
 
 
-def test_where_a_rigid_flange_climbs_the_rest_stays_before_it() -> None:
+def test_where_a_rigid_flange_climbs_the_start_is_before_it() -> None:
     """S1002 on 60E1: from 6.9 mm a flange climbs by 70 degrees; a prescribed 8 mm starts before, 5 mm where it is."""
     values = {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0, "back_to_back_mm": 1360.0}
     problems = [WheelsetTangentCase.from_values({**values, "lateral_mm": y}).problem() for y in (5.0, 8.0, -8.0)]

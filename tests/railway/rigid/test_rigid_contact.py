@@ -9,8 +9,8 @@ from flangeway.cases.rigid.rigid_case import find_geometry_case
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Line
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, contact_jumps, contact_locus, locus_of, path_of_contact
 from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
 
@@ -32,19 +32,19 @@ def round_rail(radius):
 
 def cones_on_round_rails(radius):
     side = RigidSide(cone(), round_rail(radius))
-    return RigidWheelset(side, side, RADIUS)
+    return RigidGeometry(side, side, RADIUS)
 
 
 @pytest.fixture(scope="module")
 def heavy_haul():
-    return RigidWheelset.of(Track(rail("136RE")), Wheelset(wheel("AAR-1B")))
+    return RigidGeometry.of(Track(rail("136RE")), Wheelset(wheel("AAR-1B")))
 
 
 @pytest.fixture(scope="module")
 def s1002():
     """S1002 on 60E1 at 1:40, gauge 1435 mm at 14 mm, back-to-back 1360 mm: the Manchester contact benchmark."""
     track, wheelset = Track(rail("60E1"), 1435.0, gauge_depth_mm=14.0), Wheelset(wheel("S1002"), 1360.0, 488.0)
-    return RigidWheelset.of(track, wheelset)
+    return RigidGeometry.of(track, wheelset)
 
 
 @pytest.mark.parametrize("radius", [0.01, 20.0, 300.0])
@@ -62,7 +62,7 @@ def test_cones_on_round_rails_in_closed_form(radius):
     lateral = delta * np.cos(roll) + below * np.sin(roll)
     height = -radius + delta * np.sin(roll) - below * np.cos(roll)
 
-    locus = contact_locus(cones_on_round_rails(radius), lateral)
+    locus = cones_on_round_rails(radius).locus(lateral)
 
     assert np.abs(locus.lateral_mm - lateral).max() < 1e-10
     assert np.abs(locus.roll_rad - roll).max() < 1e-12
@@ -86,7 +86,7 @@ def brute_gap(side, lateral, height, roll):
 @pytest.mark.parametrize("lateral", [-9.7, -8.0, -3.0, 0.0, 2.0, 7.99, 8.5, 9.9])
 def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
     """In every position the smallest gap of either wheel, by brute force, is zero."""
-    locus = contact_locus(heavy_haul, [lateral])
+    locus = heavy_haul.locus([lateral])
     height = float(locus.vertical_mm[0]) + heavy_haul.reference_height_mm
     for side, sign in ((heavy_haul.right, 1.0), (heavy_haul.left, -1.0)):
         gap = brute_gap(side, sign * lateral, height, sign * float(locus.roll_rad[0])).min()
@@ -95,7 +95,7 @@ def test_both_wheels_touch_and_none_penetrates(heavy_haul, lateral):
 
 def test_left_and_right_mirror_each_other(heavy_haul):
     """To the left everything is the mirror image of what is to the right."""
-    out, back = contact_locus(heavy_haul, [1.0, 8.5, 9.8]), contact_locus(heavy_haul, [-1.0, -8.5, -9.8])
+    out, back = heavy_haul.locus([1.0, 8.5, 9.8]), heavy_haul.locus([-1.0, -8.5, -9.8])
     assert out.roll_rad == pytest.approx(-back.roll_rad, abs=1e-12)
     assert out.vertical_mm == pytest.approx(back.vertical_mm, abs=1e-9)
     for one, other in ((out.left, back.right), (out.right, back.left)):
@@ -106,7 +106,7 @@ def test_left_and_right_mirror_each_other(heavy_haul):
 def test_points_agree_in_all_frames(heavy_haul):
     """Points of contact in the frames of both profiles are the same point of the track."""
     track, wheelset = Track(rail("136RE")), Wheelset(wheel("AAR-1B"))
-    locus = contact_locus(heavy_haul, [-8.6, 3.0, 9.5])
+    locus = heavy_haul.locus([-8.6, 3.0, 9.5])
     for number in range(3):
         motion = locus.motion(number)
         for side in ("left", "right"):
@@ -119,12 +119,12 @@ def test_points_agree_in_all_frames(heavy_haul):
 
 def test_at_a_jump_a_side_touches_in_two_points(heavy_haul):
     """At the place of a jump both points touch, and beside it only the nearer one does."""
-    right = [jump for jump in contact_jumps(heavy_haul, 9.0) if jump.side == "right"]
+    right = [jump for jump in heavy_haul.jumps(9.0) if jump.side == "right"]
     assert len(right) == 1
     inner, outer = right[0].wheel_points_mm
     assert outer[0] < inner[0] - 10.0
     place = right[0].motion.lateral_mm
-    locus = contact_locus(heavy_haul, [place - 0.01, place, place + 0.01])
+    locus = heavy_haul.locus([place - 0.01, place, place + 0.01])
     assert locus.right.gaps_mm[1, 1] < 1e-9
     assert (locus.right.gaps_mm[[0, 2], 1] > 1e-3).all()
     assert locus.right.wheel_points_mm[0, 0, 0] == pytest.approx(inner[0], abs=0.05)
@@ -133,7 +133,7 @@ def test_at_a_jump_a_side_touches_in_two_points(heavy_haul):
 
 def test_jumps_of_both_sides_are_mirrored(s1002):
     """S1002 on 60E1 jumps at the same lateral motions to the left and to the right, three times within 7 mm."""
-    jumps = contact_jumps(s1002, 7.0)
+    jumps = s1002.jumps(7.0)
     right = np.array([jump.motion.lateral_mm for jump in jumps if jump.side == "right"])
     left = np.array([jump.motion.lateral_mm for jump in jumps if jump.side == "left"])
     assert right == pytest.approx(-left[::-1], abs=1e-4)
@@ -144,7 +144,7 @@ def test_jumps_of_both_sides_are_mirrored(s1002):
 
 def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
     """Near 5 mm tread and flange root of the S1002 are both within some micrometres of the rail."""
-    locus = contact_locus(s1002, [5.0])
+    locus = s1002.locus([5.0])
     assert locus.right.gaps_mm[0, 1] < 0.002
     assert abs(locus.right.wheel_points_mm[0, 0, 0] - locus.right.wheel_points_mm[0, 1, 0]) > 10.0
 
@@ -152,20 +152,20 @@ def test_beyond_the_middle_the_wheel_touches_in_two_places(s1002):
 def test_a_thousand_positions_are_where_they_were_asked_for(heavy_haul):
     """A sweep over tread, flange root and flange has each of its lateral motions to round-off."""
     lateral = np.linspace(-9.9, 9.9, 1000)
-    assert np.abs(contact_locus(heavy_haul, lateral).lateral_mm - lateral).max() < 1e-10
+    assert np.abs(heavy_haul.locus(lateral).lateral_mm - lateral).max() < 1e-10
 
 
 def test_the_climbing_flange_turns_the_axle_back(heavy_haul):
     """Along the climbing flange the axle's lateral motion has a largest value; beyond it is refused with that value."""
-    path = locus_of(heavy_haul, path_of_contact(heavy_haul, 12.0))
+    path = heavy_haul.located(heavy_haul.path(12.0))
     assert (np.diff(path.lateral_mm[path.rail_level_mm > 0.0]) < 0.0).any()
     with pytest.raises(InputError, match="climbing flanges"):
-        contact_locus(heavy_haul, [0.0, 11.5])
+        heavy_haul.locus([0.0, 11.5])
 
 
 def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
     """Without roll cones have the rolling radius difference of twice the cone times the motion, whatever the rails."""
-    locus = contact_locus(cones_on_round_rails(20.0), [-3.0, 2.0], roll=False)
+    locus = cones_on_round_rails(20.0).locus([-3.0, 2.0], roll=False)
     assert locus.rolling_radius_difference_mm == pytest.approx([-0.3, 0.2], abs=1e-10)
     assert (locus.roll_rad == 0.0).all()
 
@@ -174,13 +174,13 @@ def test_without_roll_each_wheel_comes_down_by_itself(heavy_haul):
 def test_wrong_lateral_motions_are_refused(heavy_haul, lateral):
     """Lateral motions are a list of finite numbers."""
     with pytest.raises(InputError, match="finite"):
-        contact_locus(heavy_haul, lateral)
+        heavy_haul.locus(lateral)
 
 
 def test_wheels_beside_the_rails_are_refused():
     """A gauge that does not fit the wheelset is an error that names both measures."""
     with pytest.raises(InputError, match="gauge_mm and back_to_back_mm"):
-        RigidWheelset.of(Track(rail("136RE"), gauge_mm=1200.0), Wheelset(wheel("AAR-1B")))
+        RigidGeometry.of(Track(rail("136RE"), gauge_mm=1200.0), Wheelset(wheel("AAR-1B")))
 
 
 def test_a_gauge_below_the_head_is_refused():
@@ -201,8 +201,8 @@ def test_the_gauge_is_that_of_the_faces(s1002):
 def test_a_flange_root_that_conforms_to_the_gauge_corner_is_followed():
     """An S1002's flange root touches a 60E1's gauge corner within 1e-7 mm over millimetres: jumps are found."""
     values = {"wheel_radius_mm": 460.0, "left_wheel_radius_mm": 459.0, "wheel_radius_at": "tape-line"}
-    wheelset = find_geometry_case("s1002-60e1", values).curves()
-    jumps = contact_jumps(wheelset, 6.7)
+    wheelset = find_geometry_case("s1002-60e1", values).geometry()
+    jumps = wheelset.jumps(6.7)
     assert {jump.side for jump in jumps} == {"left", "right"}
     last = min(jumps, key=lambda jump: jump.motion.lateral_mm)
     assert (last.side, last.motion.lateral_mm) == ("left", pytest.approx(-6.6, abs=0.2))

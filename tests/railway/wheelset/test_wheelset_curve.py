@@ -6,7 +6,6 @@ import pytest
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
 from flangeway.railway.positions.prepared_wheelset import prepare
-from flangeway.railway.rigid.rigid_contact import contact_locus
 from flangeway.railway.track.wheelset_load import Load, superelevation_angle
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
@@ -85,7 +84,7 @@ def test_elastic_rails_let_a_flange_go_on_where_rigid_ones_lift_it(lateral: floa
 def test_many_positions_fall_back_on_the_middle_of_the_track() -> None:
     """Whole surfaces, S1002 on 60E1 at 8 mm: begun where a rigid flange has climbed, the search finds the balance."""
     prepared = prepare(WheelsetTangentCase.from_values(S1002_ON_60E1 | {"size_scale": 12.0}).problem())
-    climbed = contact_locus(prepared.model.rest.wheelset, [8.0]).motion(0)
+    climbed = prepared.model.rigid_start.geometry.locus([8.0]).motion(0)
     assert climbed.vertical_mm > 3.0
     found = prepared.solve(prescribed=Prescribed(8.0), start=climbed)
     assert found.status.converged, found.status.message
@@ -140,7 +139,7 @@ def test_all_balances_are_found() -> None:
     (other,) = result.others
     assert other.stable is False
     assert other.balance.equilibrium_residual < 1e-9
-    rigid = [position.motion.lateral_mm for position in result.model.rest.equilibrium.positions]
+    rigid = [position.motion.lateral_mm for position in result.model.rigid_start.equilibrium.positions]
     assert [result.equilibrium.motion.lateral_mm, other.motion.lateral_mm] == pytest.approx(rigid, abs=2.0)
 
 

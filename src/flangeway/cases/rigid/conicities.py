@@ -12,9 +12,14 @@ from pydantic import Field
 
 from flangeway.cases.case import Case
 from flangeway.errors import InputError
-from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM, conicity_by_regression, equivalent_conicity
-from flangeway.railway.rigid.rolling_file import read_rolling_radius_difference
-from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
+from flangeway.railway.rigid.conicity import (
+    REFERENCE_AMPLITUDE_MM,
+    RollingRadiusDifference,
+    conicity_by_regression,
+    equivalent_conicity,
+    motion_middles,
+    read_rolling_radius_difference,
+)
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 
@@ -41,7 +46,7 @@ class Conicities:
     notices: tuple[str, ...]
 
     def at_reference(self) -> dict[str, float] | None:
-        """Conicity at the usual amplitude; None where it is not there."""
+        """Conicity at the reference amplitude; None where it is not computed."""
         at = np.flatnonzero(np.abs(self.amplitudes_mm - REFERENCE_AMPLITUDE_MM) < 1e-6)
         if not len(at):
             return None
@@ -57,7 +62,7 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     difference
         Rolling radius difference.
     maximum_mm
-        Maximum amplitude that is wanted; None: as far as the difference goes.
+        Maximum amplitude; None: as far as the difference goes.
 
     """
     none: Floats = np.zeros(0)
@@ -68,8 +73,8 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     room = min(middle - float(difference.lateral_mm[0]), float(difference.lateral_mm[-1]) - middle)
     maximum = room if maximum_mm is None else min(maximum_mm, room)
     amplitudes = np.arange(round(FIRST_MM / STEP_MM), math.floor(maximum / STEP_MM + 1e-9) + 1.0) * STEP_MM
-    while len(amplitudes) and not _fits(difference, float(amplitudes[-1])):
-        amplitudes = amplitudes[:-1]
+    outside = np.isnan(motion_middles(difference, amplitudes))
+    amplitudes = amplitudes[: np.argmax(outside)] if outside.any() else amplitudes
     notices = []
     reached = float(amplitudes[-1]) if len(amplitudes) else 0.0
     if maximum_mm is not None and reached < math.floor(maximum_mm / STEP_MM + 1e-9) * STEP_MM - 1e-6:
@@ -79,21 +84,10 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
     if len(pushed):
         notices.append(
             f"no equivalent conicity by integration at {len(pushed)} amplitudes from {pushed[0]:.1f} to "
-            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle, about which "
-            "it does not swing"
+            f"{pushed[-1]:.1f} mm: the rolling radius difference pushes the wheelset away from the middle"
         )
     regression = conicity_by_regression(difference, amplitudes) if len(amplitudes) else none
     return Conicities(amplitudes, found, regression, tuple(notices))
-
-
-def _fits(difference: RollingRadiusDifference, amplitude: float) -> bool:
-    """Whether the motion stays where the difference is given; it need not be centred where the difference is zero."""
-    try:
-        equivalent_conicity(difference, [amplitude])
-        conicity_by_regression(difference, [amplitude])
-    except InputError:
-        return False
-    return True
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,11 +97,11 @@ class ConicityRun:
     Parameters
     ----------
     difference
-        What the file holds.
+        Content of the file.
     conicities
         Conicity over the amplitude.
     summary
-        What ``geometry.json`` holds.
+        Content of ``geometry.json``.
 
     """
 
@@ -117,13 +111,13 @@ class ConicityRun:
 
 
 class ConicityCase(Case):
-    """What is asked of a rolling radius difference."""
+    """Inputs for the conicity of a rolling radius difference."""
 
     name: ClassVar[str] = "conicity"
     title: ClassVar[str] = "Equivalent conicity of a rolling radius difference"
 
     unit: Literal["mm", "cm", "m", "in", "ft"] | None = Field(
-        None, description="unit of both columns; what the file says if left out"
+        None, description="unit of both columns; that of the file if left out"
     )
     maximum_amplitude_mm: float | None = Field(
         None, ge=FIRST_MM, le=30.0, description="maximum amplitude; as far as the difference is given if left out"
@@ -136,7 +130,7 @@ def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
     Parameters
     ----------
     file
-        See `flangeway.railway.rigid.rolling_file.read_rolling_radius_difference`.
+        See `flangeway.railway.rigid.conicity.read_rolling_radius_difference`.
     values
         Inputs of a `ConicityCase`.
 
@@ -154,7 +148,7 @@ def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
         "case": file.stem,
         "title": f"Equivalent conicity of the rolling radius difference in {file.name}",
         "inputs": {"file": str(file), **case.model_dump()},
-        "lateral_motion_without_difference_mm": difference.centred_mm if len(conicities.amplitudes_mm) else None,
+        "lateral_without_difference_mm": difference.centred_mm if len(conicities.amplitudes_mm) else None,
         "equivalent_conicity": conicities.at_reference(),
         "notices": list(conicities.notices),
         "versions": versions(),

@@ -11,7 +11,7 @@ from flangeway.cases.case_file import CaseText
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
-from flangeway.railway.rigid.rigid_contact import RigidWheelset
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.yawed import MAX_YAW_RAD
 
 
@@ -22,7 +22,10 @@ class GeometryCase(WheelsetInputs):
     title: ClassVar[str] = "Contact geometry of a rigid wheelset on rigid rails"
 
     maximum_lateral_mm: float = Field(
-        8.0, gt=0.0, le=60.0, description="maximum lateral motion that is shown; less where a flange climbs before"
+        8.0,
+        gt=0.0,
+        le=60.0,
+        description="maximum lateral displacement that is shown; less where a flange climbs before",
     )
     step_mm: float = Field(0.02, ge=1e-3, le=1.0, description="distance of the positions")
     maximum_amplitude_mm: float = Field(6.0, gt=0.0, le=30.0, description="maximum amplitude of the conicity")
@@ -40,8 +43,8 @@ class GeometryCase(WheelsetInputs):
         """Yaw of the axle in radians."""
         return 1e-3 * self.yaw_mrad
 
-    def curves(self) -> RigidWheelset:
-        """Return the rigid curves.
+    def geometry(self) -> RigidGeometry:
+        """Return the rigid geometry.
 
         Raises
         ------
@@ -49,7 +52,7 @@ class GeometryCase(WheelsetInputs):
             If a profile is unknown or a length is not allowed.
 
         """
-        return RigidWheelset.of(self.track(), self.wheelset(), self.yaw_rad)
+        return RigidGeometry.of(self.track(), self.wheelset(), self.yaw_rad)
 
 
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
@@ -74,11 +77,11 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
         },
     ),
 }
-"""Title and what differs from the defaults, by name."""
+"""Title and inputs that differ from the defaults, by name."""
 
 
 OWN_NAME = "geometry"
-"""What a case file of nothing but the geometry is called in it."""
+"""Name in a case file of nothing but the geometry."""
 
 
 def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
@@ -100,14 +103,14 @@ def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
 
 
 def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
-    """Return what a case file says of the geometry, and a sentence on what it says besides.
+    """Return the geometry case of a case file, and a sentence on the keys that it does not use.
 
     Parameters
     ----------
     file
         A case file of a wheelset, as `flangeway.cases.case_file.read_case` reads it, or with ``case = "geometry"``.
     values
-        Inputs that go before those of the file.
+        Inputs that replace those of the file.
 
     Raises
     ------
@@ -129,5 +132,5 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
     case = GeometryCase.from_values(
         {**base, **text.resolved(used), **values}, lambda key: "" if key and key[0] in values else text.place(key)
     )
-    notice = f"not needed by the geometry, and left out: {', '.join(unused)}"
+    notice = f"not used by the geometry: {', '.join(unused)}"
     return case, (notice,) if unused else ()

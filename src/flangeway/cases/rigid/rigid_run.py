@@ -1,4 +1,4 @@
-"""The geometry of contact of a rigid wheelset on rigid rails: what ``flangeway geometry`` computes."""
+"""Contact geometry of a rigid wheelset on rigid rails, as ``flangeway geometry`` computes it."""
 
 import math
 import time
@@ -16,16 +16,7 @@ from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.materials import Elastic
 from flangeway.railway.profiles.curvature import conforming
-from flangeway.railway.rigid.rigid_contact import (
-    ContactJump,
-    RigidWheelset,
-    contact_jumps,
-    contact_locus,
-    lateral_limits,
-    locus_of,
-    path_of_contact,
-    unrolled_limits,
-)
+from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.rigid.rigid_equilibrium import (
     RigidContactPoint,
     RigidEquilibrium,
@@ -33,34 +24,34 @@ from flangeway.railway.rigid.rigid_equilibrium import (
     held_ratios,
     rigid_equilibrium,
 )
-from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.railway.rigid.rolling_radii import RollingRadiusDifference
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus
 from flangeway.railway.track.placements import SIDES, Track, Wheelset
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 
 FLANGE_ROOT_RADII_MM = (10.0, 12.0, 14.2875, 17.4625, 20.0)
-"""Radii of the flange root's narrow arc that the figure compares."""
+"""Radii of the narrow arc of the flange root that the figure compares."""
 
 WIDE_FLANGE_ROOT_RADII_MM = (30.0, 34.0, 38.1, 44.0, 50.0)
-"""Radii of the flange root's wide arc that the figure compares."""
+"""Radii of the wide arc of the flange root that the figure compares."""
 
-_FURTHER_MM = 4.0  # beyond the maximum amplitude: an asymmetric wheelset swings about another place
+_FURTHER_MM = 4.0  # beyond the maximum amplitude: an asymmetric wheelset oscillates about another position
 
 
 @dataclass(frozen=True, eq=False)
 class FlangeRootEffect:
-    """Lateral motion in balance over the radii of the flange root.
+    """Lateral displacement in equilibrium over the radii of the flange root.
 
     Parameters
     ----------
     narrow_mm, wide_mm
         Radii of the narrow and of the wide arc, (n,) and (m,).
     lateral_narrow_mm, lateral_wide_mm
-        Lateral motion in balance for each, the other radius as it is; nan where there is no balance.
+        Lateral displacement in equilibrium for each, the other radius as it is; nan without equilibrium.
     ratios, laterals_mm
-        For each narrow radius: lateral force over weight that is in balance at a lateral motion.
+        For each narrow radius: lateral force over weight, and the lateral displacement in equilibrium under it.
 
     """
 
@@ -79,49 +70,34 @@ class GeometryRun:
     Parameters
     ----------
     name, case
-        What was computed.
-    wheelset
-        Rigid curves.
+        Name to show, and inputs.
+    geometry
+        Rigid geometry of the pair.
     locus
-        Points of contact over the lateral motion.
+        Points of contact over the lateral displacement.
     jumps
         Where they jump.
     conicities
         Equivalent conicity over the amplitude.
     equilibrium
-        RelativeResiduals under the load.
-    flange root
-        Effect of the flange root's radii on the balance; None for wheels without that parameter, without lateral
-        force or without balance.
+        Equilibria under the load.
+    flange_root
+        Effect of the flange root's radii on the equilibrium; None for wheels without that parameter, without lateral
+        force or without equilibrium.
     summary
-        What ``geometry.json`` holds.
+        Content of ``geometry.json``.
 
     """
 
     name: str
     case: GeometryCase
-    wheelset: RigidWheelset
+    geometry: RigidGeometry
     locus: ContactLocus
     jumps: tuple[ContactJump, ...]
     conicities: Conicities
     equilibrium: RigidEquilibrium
     flange_root: FlangeRootEffect | None
     summary: dict[str, Any]
-
-    @property
-    def amplitudes_mm(self) -> Floats:
-        """Amplitudes of the conicity, (n,); empty if the wheelset does not steer."""
-        return self.conicities.amplitudes_mm
-
-    @property
-    def conicity(self) -> Floats:
-        """Equivalent conicity by integration, (n,)."""
-        return self.conicities.integration
-
-    @property
-    def regression(self) -> Floats:
-        """Equivalent conicity by linear regression, (n,)."""
-        return self.conicities.regression
 
 
 def run_geometry(
@@ -143,42 +119,42 @@ def run_geometry(
     Raises
     ------
     InputError
-        If the wheels do not stand on the rails.
+        If gauge and wheels do not fit.
 
     """
     start = time.perf_counter()
     track, axle = case.track(), case.wheelset()
-    wheelset = RigidWheelset.of(track, axle, case.yaw_rad)
-    said = list(notices)
+    geometry = RigidGeometry.of(track, axle, case.yaw_rad)
+    remarks = list(notices)
     progress("lowering the wheelset on the rails")
     reach = max(case.maximum_lateral_mm, case.maximum_amplitude_mm + _FURTHER_MM)
-    whole = _scanned(wheelset, case, reach)
+    whole = _scanned(geometry, case, reach)
     wanted = math.floor(case.maximum_lateral_mm / case.step_mm + 1e-9) * case.step_mm
     shown = np.abs(whole.lateral_mm) < wanted + 0.5 * case.step_mm
     first, last = np.flatnonzero(shown)[[0, -1]]
     locus = whole.part(slice(first, last + 1))
     if min(-locus.lateral_mm[0], locus.lateral_mm[-1]) < wanted - 0.5 * case.step_mm:
-        said.append(
-            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral motions of {locus.lateral_mm[0]:.2f} and "
-            f"{locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
+        remarks.append(
+            f"the scan of {case.maximum_lateral_mm:g} mm stops at lateral displacements of {locus.lateral_mm[0]:.2f} "
+            f"and {locus.lateral_mm[-1]:.2f} mm: beyond, a flange climbs or a running surface ends"
         )
     progress("narrowing the jumps of the points of contact")
-    jumps = contact_jumps(wheelset, float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
-    progress("integrating the wave motion")
+    jumps = geometry.jumps(float(np.abs(locus.lateral_mm).max())) if case.roll == "free" else ()
+    progress("integrating the kinematic motion")
     conicities = conicities_of(RollingRadiusDifference.of(whole), case.maximum_amplitude_mm)
-    said += conicities.notices
-    progress("seeking the balance under the load")
-    equilibrium = rigid_equilibrium(wheelset, case.load())
+    remarks += conicities.notices
+    progress("finding the equilibrium under the load")
+    equilibrium = rigid_equilibrium(geometry, case.load())
     flange_root = None
     if case.wheel == "AAR-1B" and case.lateral_force_kN != 0.0 and equilibrium.position is not None:
         progress("varying the radii of the flange root")
         flange_root = flange_root_effect(case)
-    said += [*worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
-    summary = _summary(name, case, jumps, conicities, equilibrium, said)
+    remarks += [*worn_field_sides(track), *case.derived(), *profile_notes(track, axle)]
+    summary = _summary(name, case, jumps, conicities, equilibrium, remarks)
     _leave_out_conforming(summary, track, axle)
     summary["timings_s"] = {"total": time.perf_counter() - start}
     summary["peak_memory_MB"] = peak_memory_bytes() / 1e6
-    return GeometryRun(name, case, wheelset, locus, jumps, conicities, equilibrium, flange_root, summary)
+    return GeometryRun(name, case, geometry, locus, jumps, conicities, equilibrium, flange_root, summary)
 
 
 def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset) -> None:
@@ -189,16 +165,16 @@ def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset)
             row["hertz_half_width_mm"] = row["hertz_max_pressure_MPa"] = None
 
 
-def _scanned(wheelset: RigidWheelset, case: GeometryCase, reach: float) -> ContactLocus:
-    """Positions to both sides as far as the wheels stand on the rails and no flange has turned the axle back."""
+def _scanned(geometry: RigidGeometry, case: GeometryCase, reach: float) -> ContactLocus:
+    """Positions to both sides as far as the wheels touch inside the running surfaces and no flange climbs."""
     rolls = case.roll == "free"
-    low, high = lateral_limits(wheelset, reach) if rolls else unrolled_limits(wheelset, reach)
+    low, high = geometry.limits(reach, roll=rolls)
     numbers = np.arange(math.ceil(max(low, -reach) / case.step_mm), math.floor(min(high, reach) / case.step_mm) + 1)
-    return contact_locus(wheelset, numbers * case.step_mm, roll=rolls)
+    return geometry.locus(numbers * case.step_mm, roll=rolls)
 
 
 def flange_root_effect(case: GeometryCase) -> FlangeRootEffect:
-    """Lateral motion in balance for several radii of the AAR-1B's flange root.
+    """Lateral displacement in equilibrium for several radii of the AAR-1B's flange root.
 
     Raises
     ------
@@ -210,25 +186,26 @@ def flange_root_effect(case: GeometryCase) -> FlangeRootEffect:
         raise InputError(f"flange root radii of {case.wheel}", "AAR-1B", "choose the wheel with this parameter")
     load = case.load()
 
-    def lateral(**changes: float) -> tuple[RigidWheelset, float]:
-        wheelset = case.model_copy(update=changes).curves()
-        position = rigid_equilibrium(wheelset, load, reached_only=True).position
-        return wheelset, math.nan if position is None else position.motion_in_space.lateral_mm
+    def varied(name: str, radii: tuple[float, ...]) -> tuple[list[RigidGeometry], Floats]:
+        found = [case.model_copy(update={name: radius}).geometry() for radius in radii]
+        positions = [rigid_equilibrium(each, load, reached_only=True).position for each in found]
+        laterals = [math.nan if each is None else each.motion_in_space.lateral_mm for each in positions]
+        return found, np.array(laterals)
 
-    narrow = [lateral(flange_root_radius_mm=radius) for radius in FLANGE_ROOT_RADII_MM]
-    wide = [lateral(wide_flange_root_radius_mm=radius)[1] for radius in WIDE_FLANGE_ROOT_RADII_MM]
+    geometries, lateral_narrow = varied("flange_root_radius_mm", FLANGE_ROOT_RADII_MM)
+    lateral_wide = varied("wide_flange_root_radius_mm", WIDE_FLANGE_ROOT_RADII_MM)[1]
     ratios, laterals = [], []
-    for wheelset, _ in narrow:
-        path = path_of_contact(wheelset, 25.0)
-        locus = locus_of(wheelset, path)
-        outward = (path.rail_level >= 0.0) & (np.arange(len(path.rail_level)) <= int(np.argmax(locus.lateral_mm)))
-        ratios.append(held_ratios(wheelset, path)[outward])
-        laterals.append(locus.lateral_mm[outward])
+    for each in geometries:
+        path = each.path(25.0)
+        lateral = each.axle_lateral(path)
+        outward = (path.rail_level >= 0.0) & (np.arange(len(lateral)) <= int(np.argmax(lateral)))
+        ratios.append(held_ratios(each, path)[outward])
+        laterals.append(lateral[outward])
     return FlangeRootEffect(
         np.array(FLANGE_ROOT_RADII_MM),
-        np.array([value for _, value in narrow]),
+        lateral_narrow,
         np.array(WIDE_FLANGE_ROOT_RADII_MM),
-        np.array(wide),
+        lateral_wide,
         tuple(ratios),
         tuple(laterals),
     )
@@ -275,7 +252,7 @@ def _summary(
 
 
 def _title(name: str, case: GeometryCase) -> str:
-    """Return what the case is, and which of its inputs are changed."""
+    """Return the title of a case with the inputs that are changed."""
     if name not in GEOMETRY_CASES:
         return name
     title, values = GEOMETRY_CASES[name]

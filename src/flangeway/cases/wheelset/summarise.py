@@ -1,6 +1,7 @@
 """From the result of a wheelset to its summary."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,8 +29,7 @@ from flangeway.cases.wheelset.wheelset_summary import (
 )
 from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 from flangeway.post import cell_stresses
-from flangeway.railway.rigid.rigid_contact import contact_locus
-from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, RigidPosition
+from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, RigidPosition, contact_points
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.bending import FaceStresses, RailBending, rail_bending
@@ -185,32 +185,18 @@ def _support(result: WheelsetResult) -> SupportSummary:
 
 def _rigid(result: WheelsetResult) -> RigidSummary:
     """Rigid wheels on rigid rails; with a prescribed lateral position there is no equilibrium, and no forces."""
-    rest = result.model.rest
-    position = None if rest.equilibrium is None else rest.equilibrium.position
-    motion = rest.motion if position is None else position.motion
-    points = _touching(result) if position is None else position.contacts
+    start = result.model.rigid_start
+    position = None if start.equilibrium is None else start.equilibrium.position
+    if position is None:
+        motion, touching = start.motion, start.geometry.locus([start.motion.lateral_mm])
+        points = [replace(point, normal_force_N=0.0) for point in contact_points(touching, range(1))]
+    else:
+        motion, points = position.motion, list(position.contacts)
     lateral, vertical = result.model.problem.load.to_space(motion.lateral_mm, motion.vertical_mm)
     return RigidSummary(
         *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, lateral, vertical),
         [_rigid_contact(result, point, position) for point in points],
     )
-
-
-def _touching(result: WheelsetResult) -> list[RigidContactPoint]:
-    """Points of contact at the prescribed lateral position, without force."""
-    rest = result.model.rest
-    locus = contact_locus(rest.wheelset, [rest.motion.lateral_mm])
-    points = []
-    for side in SIDES:
-        at = locus.side(side)
-        on_wheel, on_rail, in_space = (
-            (float(row[0, 0, 0]), float(row[0, 0, 1])) for row in (at.wheel_points_mm, at.rail_points_mm, at.points_mm)
-        )
-        angle, radius, curvature = (
-            float(row[0, 0]) for row in (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm)
-        )
-        points.append(RigidContactPoint(side, on_wheel, on_rail, in_space, angle, radius, curvature, 0.0))
-    return points
 
 
 def _rigid_contact(

@@ -20,7 +20,6 @@ from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_she
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
 from flangeway.railway.positions.surface_positions import Targets
 from flangeway.railway.rigid.elastic_start import rigid_start
-from flangeway.railway.rigid.rigid_contact import contact_locus
 from flangeway.railway.track.placements import SIDES, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed
@@ -232,9 +231,9 @@ class _Run:
     def _guesses(self) -> dict[float, WheelsetMotion]:
         """Where rigid wheels stand at each lateral motion that is asked for; without those that cannot be reached."""
         wanted = np.unique(self.positions.lateral_mm[~np.isnan(self.positions.lateral_mm)])
-        wheelset = self.prepared.model.rest.wheelset
+        geometry = self.prepared.model.rigid_start.geometry
         try:
-            locus = contact_locus(wheelset, wanted) if len(wanted) else None
+            locus = geometry.locus(wanted) if len(wanted) else None
             return {} if locus is None else {float(each): locus.motion(i) for i, each in enumerate(wanted)}
         except InputError:
             return _reachable(self.prepared, wanted)
@@ -251,7 +250,7 @@ class _Run:
             return self.rests.get(number)
         try:
             problem = self.prepared.problem_with(self._load(number), self._prescribed(number))
-            self.rests[number] = rigid_start(problem).motion
+            self.rests[number] = rigid_start(problem, self.prepared.model.rigid_start.geometry).motion
             return self.rests[number]
         except InputError as error:
             self.messages[number] = str(error)
@@ -405,7 +404,7 @@ def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, Wheels
     found = {}
     for lateral in wanted:
         try:
-            found[float(lateral)] = contact_locus(prepared.model.rest.wheelset, [lateral]).motion(0)
+            found[float(lateral)] = prepared.model.rigid_start.geometry.locus([lateral]).motion(0)
         except InputError:
             continue
     return found

@@ -1,4 +1,4 @@
-"""Equivalent conicity: the cone that makes a free wheelset swing with the same wavelength.
+"""Rolling radius difference over the lateral displacement, and the equivalent conicity that follows from it.
 
 A wheelset that rolls without slip, with small angles, moves after ``y'' = -dr(y) / (e r0)``: dr is the rolling radius
 difference, e the distance of the contact points, r0 the nominal radius, the derivatives are by the distance run. For
@@ -8,22 +8,190 @@ EN 15302). The product ``e r0`` drops out.
 """
 
 import math
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Self
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
-from flangeway.railway.rigid.rolling_radii import NO_DIFFERENCE_MM, RollingRadiusDifference
+from flangeway.railway.profiles.formats.two_column import read_two_column
+from flangeway.railway.profiles.orientation import UNITS_MM
+from flangeway.railway.rigid.rigid_locus import ContactLocus
+from flangeway.system.file_content import file_content
 from flangeway.types import Floats
 
 REFERENCE_AMPLITUDE_MM = 3.0
 """Amplitude for which one number is usually given."""
 
+NO_DIFFERENCE_MM = 1e-4
+"""Difference of rolling radii below which there is none, as between cylinders: less than is measured or published."""
+
+MAX_LATERAL_MM = 50.0
+"""Lateral displacement beyond which a file holds something else, as a profile."""
+
+
+@dataclass(frozen=True, eq=False)
+class RollingRadiusDifference:
+    """Rolling radius of the right wheel less that of the left one; straight between the given points.
+
+    Parameters
+    ----------
+    lateral_mm
+        Lateral displacements to the right, increasing, (n,), n >= 2.
+    difference_mm
+        Differences there, (n,).
+
+    Raises
+    ------
+    InputError
+        If the arrays differ in length, are too short, not finite, or the displacements do not increase.
+
+    """
+
+    lateral_mm: Floats
+    difference_mm: Floats
+
+    def __post_init__(self) -> None:
+        for name in ("lateral_mm", "difference_mm"):
+            array = as_numbers(name, getattr(self, name)).copy()
+            array.setflags(write=False)
+            object.__setattr__(self, name, array)
+        lateral, difference = self.lateral_mm, self.difference_mm
+        if lateral.ndim != 1 or lateral.shape != difference.shape or len(lateral) < 2:
+            raise InputError(
+                f"lateral displacements of shape {lateral.shape} and differences of shape {difference.shape}",
+                "two arrays of the same length, two or more points",
+                "give one difference for each lateral displacement",
+            )
+        if not (np.isfinite(lateral).all() and np.isfinite(difference).all()):
+            raise InputError("a rolling radius difference with nan or inf", "finite numbers", "leave such points out")
+        if not (np.diff(lateral) > 0.0).all():
+            raise InputError("lateral displacements that do not increase", "increasing ones", "sort them, each once")
+
+    @classmethod
+    def of(cls, locus: ContactLocus) -> Self:
+        """Return the rolling radius difference of a contact locus with increasing lateral displacements."""
+        return cls(locus.lateral_mm, locus.rolling_radius_difference_mm)
+
+    def __call__(self, lateral_mm: ArrayLike) -> Floats:
+        """Differences at lateral displacements inside the given ones."""
+        wanted = np.asarray(lateral_mm, dtype=np.float64)
+        self.refuse_outside(wanted)
+        return np.interp(wanted, self.lateral_mm, self.difference_mm)
+
+    def refuse_outside(self, lateral_mm: ArrayLike) -> None:
+        """Raise an InputError if a lateral displacement is outside the given ones."""
+        wanted = np.atleast_1d(np.asarray(lateral_mm, dtype=np.float64))
+        low, high = self.lateral_mm[[0, -1]]
+        slack = 1e-9 * (high - low)
+        if ((wanted < low - slack) | (wanted > high + slack)).any():
+            raise InputError(
+                f"a lateral displacement of {wanted[np.argmax(np.abs(wanted))]:g} mm",
+                f"{low:g} to {high:g} mm, where the rolling radius difference is given",
+                "give the difference over a wider range, or ask for a smaller one",
+            )
+
+    @cached_property
+    def integral_mm2(self) -> Floats:
+        """Integral of the difference from the first point to each point, exact for straight pieces, (n,)."""
+        steps = np.diff(self.lateral_mm)
+        means = 0.5 * (self.difference_mm[1:] + self.difference_mm[:-1])
+        return np.concatenate(([0.0], np.cumsum(steps * means)))
+
+    def integral(self, lateral_mm: ArrayLike) -> Floats:
+        """Integral of the difference from the first point to lateral displacements."""
+        wanted = np.asarray(lateral_mm, dtype=np.float64)
+        self.refuse_outside(wanted)
+        piece = np.clip(np.searchsorted(self.lateral_mm, wanted, side="right") - 1, 0, len(self.lateral_mm) - 2)
+        start, difference = self.lateral_mm[piece], self.difference_mm[piece]
+        slope = (self.difference_mm[piece + 1] - difference) / (self.lateral_mm[piece + 1] - start)
+        step = wanted - start
+        value: Floats = self.integral_mm2[piece] + step * (difference + 0.5 * slope * step)
+        return value
+
+    @cached_property
+    def centred_mm(self) -> float:
+        """Lateral displacement without a difference of the radii, about which the wheelset oscillates.
+
+        Of several the one nearest to zero.
+
+        Raises
+        ------
+        InputError
+            If the difference has no zero at which it grows.
+
+        """
+        sides = np.flatnonzero(np.abs(self.difference_mm) > NO_DIFFERENCE_MM)
+        signs = self.difference_mm[sides]
+        through = np.flatnonzero((signs[:-1] < 0.0) & (signs[1:] > 0.0))
+        if not len(through):
+            raise InputError(
+                "a rolling radius difference that does not grow through zero",
+                "a wheelset that steers towards the middle",
+                "check the signs: the right wheel's radius less the left one's, lateral displacement to the right",
+            )
+        before, after = sides[through], sides[through + 1]
+        # in a stretch without difference its middle
+        low = self._at(before, -NO_DIFFERENCE_MM)
+        high = self._at(after - 1, NO_DIFFERENCE_MM)
+        places = 0.5 * (low + high)
+        return float(places[np.argmin(np.abs(places))])
+
+    def _at(self, piece: NDArray[np.int64], difference_mm: float) -> Floats:
+        """Lateral displacements at which straight pieces have a difference."""
+        lateral, given = self.lateral_mm, self.difference_mm
+        part = (difference_mm - given[piece]) / (given[piece + 1] - given[piece])
+        places: Floats = lateral[piece] + part * (lateral[piece + 1] - lateral[piece])
+        return places
+
+
+def read_rolling_radius_difference(file: str | Path, unit: str | None = None) -> RollingRadiusDifference:
+    """Read lateral displacements and rolling radius differences from a text file of two columns.
+
+    Parameters
+    ----------
+    file
+        Lateral displacement to the right, and radius of the right wheel less that of the left one; separators, decimal
+        commas and comments as in profiles of two columns. Rows in either order.
+    unit
+        Unit of both columns, one of `flangeway.railway.profiles.orientation.UNITS_MM`; by default what the file says in
+        a comment such as ``# unit: mm`` or in the names of its columns such as ``y_mm, delta_r_mm``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, names no unit, or does not hold a rolling radius difference.
+
+    """
+    path = Path(file)
+    try:
+        found = read_two_column(file_content(path, "a rolling radius difference").decode("utf-8-sig", "replace"))
+        chosen = found.unit if unit is None else unit
+        if chosen not in UNITS_MM:
+            raise InputError(
+                "no unit of its two columns" if chosen is None else f"unit = {chosen!r}",
+                f"one of: {', '.join(UNITS_MM)}",
+                "add a line `# unit: mm` at the top, name the columns y_mm and delta_r_mm, or give --set unit=mm",
+            )
+        rows = found.points * UNITS_MM[chosen]
+        if len(rows) and np.abs(rows[:, 0]).max() > MAX_LATERAL_MM:
+            raise InputError(
+                f"lateral displacements up to {np.abs(rows[:, 0]).max():.4g} mm",
+                f"up to {MAX_LATERAL_MM:g} mm: a column of lateral displacements and one of rolling radius differences",
+                "check the unit; a profile is given in a case file as wheel or rail",
+            )
+        return RollingRadiusDifference(*(rows if len(rows) < 2 or rows[0, 0] <= rows[-1, 0] else rows[::-1]).T)
+    except InputError as error:
+        raise InputError(f"{path}: {error.given}", error.allowed, error.advice) from error
+
 
 def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: ArrayLike) -> Floats:
-    """Equivalent conicity by integration of the wave motion.
+    """Equivalent conicity by integration of the kinematic (Klingel) motion.
 
     The motion between its ends y1 and y2 has a first integral, ``y'^2 / 2 + S(y) / (e r0)`` with S the integral of the
     difference. So the amplitude fixes both ends, ``y2 - y1 = 2 a`` and ``S(y1) = S(y2)``, and half a wave takes
@@ -41,7 +209,7 @@ def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: Arra
     -------
     Floats
         ``tan(gamma)`` for each amplitude, (n,); zero where there is no difference, nan where the wheelset does not
-        swing about the middle, because the difference pushes it away on the whole.
+        oscillate about the middle, because the difference pushes it away on the whole.
 
     Raises
     ------
@@ -50,16 +218,34 @@ def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: Arra
 
     """
     amplitudes = _checked(amplitudes_mm)
-    waves = np.array([_half_wave(difference, float(amplitude)) for amplitude in amplitudes])
+    middles = motion_middles(difference, amplitudes)
+    if np.isnan(middles).any():
+        low, high = difference.lateral_mm[[0, -1]]
+        raise InputError(
+            f"an amplitude of {amplitudes[np.argmax(np.isnan(middles))]:g} mm",
+            f"a motion inside {low:g} to {high:g} mm",
+            "give the rolling radius difference over a wider range, or a smaller amplitude",
+        )
+    waves = np.array(
+        [_half_wave(difference, *each) for each in zip(middles.tolist(), amplitudes.tolist(), strict=True)]
+    )
     # of a cone: half a wave is pi / sqrt(2 tan)
     return 0.5 * (math.pi / waves) ** 2
+
+
+def motion_middles(difference: RollingRadiusDifference, amplitudes_mm: Floats) -> Floats:
+    """Middles (n,) of the kinematic motions of amplitudes (n,): the potential is the same at both ends of a motion.
+
+    nan where the motion leaves the range in which the difference is given.
+    """
+    return np.array([_middle(difference, float(amplitude)) for amplitude in amplitudes_mm])
 
 
 def conicity_by_regression(difference: RollingRadiusDifference, amplitudes_mm: ArrayLike) -> Floats:
     """Equivalent conicity as half the slope of the straight line that fits the difference best.
 
-    Least squares over the whole width of the motion, ``-a`` to ``a`` about the place without difference, every lateral
-    motion with the same weight; the integrals are exact for straight pieces.
+    Least squares over the whole width of the motion, ``-a`` to ``a`` about the position without difference, every
+    lateral displacement with the same weight; the integrals are exact for straight pieces.
 
     Parameters
     ----------
@@ -123,14 +309,13 @@ def _points_between(difference: RollingRadiusDifference, low: float, high: float
     return np.concatenate(([low], given[(given > low + apart) & (given < high - apart)], [high]))
 
 
-def _half_wave(difference: RollingRadiusDifference, amplitude: float) -> float:
+def _half_wave(difference: RollingRadiusDifference, middle: float, amplitude: float) -> float:
     """Length of half a wave, with e r0 = 1; inf without a difference, nan if it pushes the wheelset away."""
-    middle = _middle(difference, amplitude)
     points = _points_between(difference, middle - amplitude, middle + amplitude)
     values, potential = difference(points), difference.integral(points)
     top = 0.5 * (potential[0] + potential[-1])
     if len(points) == 2:
-        # one straight piece from end to end: half a period of its own, or rest
+        # one straight piece from end to end: half its period
         slope = float(values[1] - values[0]) / (2.0 * amplitude)
         return math.pi / math.sqrt(slope) if slope > 0.0 else math.inf
     squares = 2.0 * (top - potential[1:-1])
@@ -153,7 +338,7 @@ def _half_wave(difference: RollingRadiusDifference, amplitude: float) -> float:
 
 
 def _middle(difference: RollingRadiusDifference, amplitude: float) -> float:
-    """Middle of the motion: where the potential is the same at both of its ends."""
+    """Middle of the motion, nan if it does not stay where the difference is given."""
 
     def unequal(middle: float) -> float:
         ends = difference.integral(np.array([middle - amplitude, middle + amplitude]))
@@ -172,8 +357,4 @@ def _middle(difference: RollingRadiusDifference, amplitude: float) -> float:
             tried = start + float(part) * (limit - start)
             if unequal(tried) * value <= 0.0:
                 return float(brentq(unequal, start, tried, xtol=1e-13, rtol=1e-14))
-    raise InputError(
-        f"an amplitude of {amplitude:g} mm",
-        f"a motion inside {difference.lateral_mm[0]:g} to {difference.lateral_mm[-1]:g} mm",
-        "give the rolling radius difference over a wider range, or a smaller amplitude",
-    )
+    return math.nan

@@ -1,169 +1,161 @@
-"""Where the rigid wheelset rests: first guess of the elastic search, and the places where it has to mesh finely."""
+"""Rigid equilibrium as the start of the elastic search, and the points where the elastic bodies need a fine mesh."""
 
 import math
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
-from flangeway.railway.rigid.rigid_contact import RigidWheelset, Settled, contact_locus, locus_of, settle
 from flangeway.railway.rigid.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
-from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.types import Floats
 
+FLANGE_MM = 1.0
+"""How much farther than a rigid one an elastic wheelset may go sideways."""
+
+CLOSE_MM = 0.2
+"""Gap in the rigid equilibrium that elastic bodies close."""
+
+MARGIN_MM = 8.0
+"""Gap in the rigid equilibrium within which a second point may come into contact: flanges may push the rails apart."""
+
 END_MM = 2.0
-"""Places nearer to the end of a running surface are where it ends, not where smooth curves come close."""
+"""Points nearer to the end of a running surface are where it ends, not where smooth curves come close."""
 
 APART_MM = 0.1
-"""Lateral distance below which two positions count as one."""
+"""Lateral distance below which two positions are the same start."""
 
 CLIMBING_RAD = math.radians(45.0)
-"""Contact angle above which a rigid flange counts as climbing; elastic rails give way there, and no flange rises."""
+"""Contact angle above which a rigid flange climbs; elastic rails deflect there, and no flange rises."""
 
 CLIMBED_MM = 3.0
 """Rise of the axle from the middle of the track above which a flange has climbed."""
 
 SCAN_MM = 0.1
-"""Distance of the positions in which the flange is looked at, on the way to a prescribed lateral motion."""
+"""Distance of the positions in which the contact angle is checked, up to a prescribed lateral displacement."""
+
+Points = dict[str, Floats]
+"""Points (n, 2) in the frame of the profile, by the part's name such as ``wheel-left``."""
 
 
 @dataclass(frozen=True, eq=False)
 class RigidStart:
-    """A rigid wheelset at rest under its load, or at the lateral motion that is prescribed.
+    """A rigid wheelset in equilibrium under its load, or at the lateral displacement that is prescribed.
 
-    Beyond the lateral motion at which a rigid flange begins to climb it stands where it does not climb yet: rigid
-    rails would lift it by some millimetres, elastic ones let it go on.
+    Beyond the lateral displacement at which a rigid flange begins to climb it is where the flange does not climb yet:
+    rigid rails would lift it by some millimetres, elastic ones deflect.
 
     Parameters
     ----------
-    wheelset
-        Rigid curves.
+    geometry
+        Rigid geometry of the wheelset on its track.
     starts
-        Motions of the axle's middle in which the load is in balance, or might be for elastic wheels: the one that is
-        reached first, then the others, and the middle of the track. At a prescribed lateral motion: where the flange
-        does not climb yet, then, if that is elsewhere, at the lateral motion itself.
-    load
-        The load; None at a prescribed lateral motion.
-    known
-        All balances of the load, if they were found already.
+        Displacements of the axle's middle in equilibrium, or perhaps so for elastic wheels: the one that is reached
+        first, then the others, and the middle of the track. At a prescribed lateral displacement: where the flange does
+        not climb yet, then, if that is elsewhere, at the lateral displacement itself.
+    equilibrium
+        All equilibria under the load; None at a prescribed lateral displacement.
 
     """
 
-    wheelset: RigidWheelset
+    geometry: RigidGeometry
     starts: tuple[WheelsetMotion, ...]
-    load: Load | None
-    known: RigidEquilibrium | None = None
-
-    @cached_property
-    def equilibrium(self) -> RigidEquilibrium | None:
-        """All balances of the load; None at a prescribed lateral motion."""
-        if self.load is None:
-            return None
-        return self.known or rigid_equilibrium(self.wheelset, self.load)
+    equilibrium: RigidEquilibrium | None
 
     @property
     def motion(self) -> WheelsetMotion:
-        """Motion of the axle's middle."""
+        """Displacement of the axle's middle in the first start."""
         return self.starts[0]
 
     @property
     def relative_curvature_per_mm(self) -> float:
         """Sum of the curvatures of wheel and rail where they touch, on the side where it is smaller."""
-        settled = self._settled(0.0)
-        return float(min(each.relative_curvature[0, 0] for each in (settled.left, settled.right)))
+        found = self._beside(0.0)
+        return float(min(each.relative_curvature[0, 0] for each in (found.left, found.right)))
 
-    def near_places(self, asides_mm: tuple[float, ...], margin_mm: float) -> dict[Side, tuple[Floats, Floats]]:
-        """Places on wheel and rail, in their frames, that touch or are within a margin of it; two arrays (n, 2) a side.
-
-        Parameters
-        ----------
-        asides_mm
-            Lateral motions beside the rest, at the height of the rails, that are looked at; what lies beyond a rail
-            adds nothing.
-        margin_mm
-            Largest vertical gap.
-
-        """
-        found: dict[Side, list[tuple[Floats, Floats]]] = {side: [] for side in SIDES}
-        for lateral_offset in asides_mm:
+    def near_points(self, margin_mm: float = MARGIN_MM, further_mm: float = FLANGE_MM) -> Points:
+        """Points with a gap up to a margin, at the start and up to a distance further sideways."""
+        lateral = self.motion.lateral_mm
+        further = math.copysign(further_mm, lateral) if abs(lateral) > FLANGE_MM else 0.0
+        found: dict[str, list[Floats]] = {}
+        for offset in (0.0, 0.5 * further, further) if further else (0.0,):
             try:
-                settled = self._settled(lateral_offset)
+                positions = self._beside(offset)
             except InputError:
-                if lateral_offset == 0.0:
+                if offset == 0.0:
                     raise
-                continue
-            locus = locus_of(self.wheelset, settled)
+                continue  # what lies beyond a rail adds nothing
+            locus = self.geometry.located(positions)
             for side in SIDES:
-                touches = settled.left if side == "left" else settled.right
-                at = locus.side(side)
+                touches, at = positions.side(side), locus.side(side)
                 near = (at.gaps_mm[0] <= margin_mm) & self._inside(side, touches.wheel_arc[0], touches.x[0])
                 near[0] = True
-                found[side].append((at.wheel_points_mm[0, near], at.rail_points_mm[0, near]))
-        return {
-            side: (np.concatenate([pair[0] for pair in pairs]), np.concatenate([pair[1] for pair in pairs]))
-            for side, pairs in found.items()
-        }
+                found.setdefault(f"wheel-{side}", []).append(at.wheel_points_mm[0, near])
+                found.setdefault(f"rail-{side}", []).append(at.rail_points_mm[0, near])
+        return {name: np.concatenate(points) for name, points in found.items()}
 
-    def close_places(self, gap_mm: float) -> dict[Side, tuple[Floats, Floats]]:
-        """Places on wheel and rail, in their frames, at rest, with a gap below a limit; two arrays (n, 2) a side.
+    def close_points(self) -> Points:
+        """All points at the start with a gap below `CLOSE_MM`.
 
-        Parameters
-        ----------
-        gap_mm
-            Largest vertical gap: of wide places that conform all points are in it, not only the one that touches.
-
+        Where worn profiles conform they reach farther than the curvatures at the touch show.
         """
-        settled = self._settled(0.0)
-        lateral = float(settled.rail_level[0] - self.wheelset.reference_height_mm * math.sin(settled.roll[0]))
-        found: dict[Side, tuple[Floats, Floats]] = {}
+        start = self._beside(0.0)
+        lateral, lift = float(self.geometry.axle_lateral(start)[0]), float(start.lift[0])
+        found: Points = {}
         for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
-            curves, roll = self.wheelset.side(side), sign * float(settled.roll[0])
-            arcs = curves.close_arcs(sign * lateral, roll, float(settled.lift[0]), gap_mm)
+            curves, roll = self.geometry.side(side), sign * float(start.roll[0])
+            arcs = curves.close_arcs(sign * lateral, roll, lift, CLOSE_MM)
             on_wheel = np.column_stack(curves.wheel.at(arcs)[:2])
-            moved = Placement(roll, (sign * lateral, float(settled.lift[0]))).points(on_wheel)
+            moved = Placement(roll, (sign * lateral, lift)).points(on_wheel)
             on_rail = np.column_stack(curves.rail.over(moved[:, 0])[:2])
-            found[side] = curves.wheel_frame.inverse().points(on_wheel), curves.rail_frame.inverse().points(on_rail)
+            found[f"wheel-{side}"] = curves.wheel_frame.inverse().points(on_wheel)
+            found[f"rail-{side}"] = curves.rail_frame.inverse().points(on_rail)
         return found
 
-    def _settled(self, lateral_offset_mm: float) -> Settled:
-        height = self.wheelset.reference_height_mm
-        level = self.motion.lateral_mm + height * math.sin(self.motion.roll_rad) + lateral_offset_mm
-        return settle(self.wheelset, np.array([level]), gaps=True)
+    def _beside(self, offset_mm: float) -> TouchingPositions:
+        """The position beside the start by a lateral offset at the height of the rails."""
+        level = self.motion.lateral_mm + self.geometry.reference_height_mm * math.sin(self.motion.roll_rad) + offset_mm
+        return self.geometry.touching(np.array([level]), gaps=True)
 
     def _inside(self, side: Side, wheel_arc: Floats, rail_x: Floats) -> NDArray[np.bool_]:
-        curves = self.wheelset.side(side)
+        curves = self.geometry.side(side)
         first, last = curves.rail.joints[[0, -1]]
         on_wheel = (wheel_arc > END_MM) & (wheel_arc < curves.wheel.length - END_MM)
         inside: NDArray[np.bool_] = on_wheel & (rail_x > first + END_MM) & (rail_x < last - END_MM)
         return inside
 
 
-def rigid_start(problem: WheelsetProblem) -> RigidStart:
-    """Find where a rigid wheelset comes to rest when it starts in the middle of the track.
+def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None) -> RigidStart:
+    """Find the equilibrium that a rigid wheelset reaches from the middle of the track, or its prescribed position.
+
+    Parameters
+    ----------
+    problem
+        Wheelset, track, load and prescribed displacements.
+    geometry
+        Rigid geometry of this wheelset on this track, if it is there already.
 
     Raises
     ------
     InputError
-        If the wheels do not stand on the rails, the load overturns the wheelset or carries a flange over its rail, or
-        a prescribed lateral motion cannot be reached.
+        If the wheels do not fit the rails, the load overturns the wheelset or carries a flange over its rail, or a
+        prescribed lateral displacement cannot be reached.
 
     """
-    wheelset = RigidWheelset.of(problem.track, problem.wheelset)
+    geometry = geometry or RigidGeometry.of(problem.track, problem.wheelset)
     lateral = problem.prescribed.lateral_mm
     if lateral is not None:
-        return RigidStart(wheelset, _held_starts(wheelset, lateral), None)
-    equilibrium = rigid_equilibrium(wheelset, problem.load)
-    # the path of contact, which the balance has followed, need not be followed again for its middle
-    middle = locus_of(wheelset, settle(wheelset, np.array([0.0]), at_axle=True)).motion(0)
+        return RigidStart(geometry, _prescribed_starts(geometry, lateral), None)
+    equilibrium = rigid_equilibrium(geometry, problem.load)
+    middle = geometry.located(geometry.touching(np.array([0.0]), at_axle=True)).motion(0)
     found = [*(position.motion for position in equilibrium.positions), middle]
     if problem.track.is_symmetric and problem.wheelset.is_symmetric and problem.load.in_track[0] == 0.0:
-        # the middle is in balance, though it need not be stable
+        # the middle is in equilibrium, though it need not be stable
         found.insert(0, middle)
     else:
         found.insert(0, equilibrium.reached().motion)
@@ -171,23 +163,23 @@ def rigid_start(problem: WheelsetProblem) -> RigidStart:
     for motion in found:
         if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
             starts.append(motion)
-    return RigidStart(wheelset, tuple(starts), problem.load, equilibrium)
+    return RigidStart(geometry, tuple(starts), equilibrium)
 
 
-def _held_starts(wheelset: RigidWheelset, lateral: float) -> tuple[WheelsetMotion, ...]:
-    """Where rigid wheels stand at a prescribed lateral motion; before it where the flange does not climb yet."""
-    ends = contact_locus(wheelset, [lateral, 0.0])
+def _prescribed_starts(geometry: RigidGeometry, lateral: float) -> tuple[WheelsetMotion, ...]:
+    """The position at a prescribed lateral displacement; before it, the last one in which the flange does not climb."""
+    ends = geometry.locus([lateral, 0.0])
     at_it = ends.motion(0)
     if _steepest(ends)[0] <= CLIMBING_RAD and at_it.vertical_mm - ends.vertical_mm[1] <= CLIMBED_MM:
         return (at_it,)
     n_steps = max(math.ceil(abs(lateral) / SCAN_MM), 1)
     try:
-        way = contact_locus(wheelset, lateral * np.arange(n_steps) / n_steps)
+        scan = geometry.locus(lateral * np.arange(n_steps) / n_steps)
     except InputError:
         return (at_it,)
-    climbing = np.flatnonzero(_steepest(way) > CLIMBING_RAD)
+    climbing = np.flatnonzero(_steepest(scan) > CLIMBING_RAD)
     last = int(climbing[0]) - 1 if len(climbing) else n_steps - 1
-    return (at_it,) if last < 0 else (way.motion(last), at_it)
+    return (at_it,) if last < 0 else (scan.motion(last), at_it)
 
 
 def _steepest(locus: ContactLocus) -> Floats:

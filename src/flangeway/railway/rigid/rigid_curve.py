@@ -1,6 +1,6 @@
 """Profiles as rigid curves of lines and arcs, evaluated for thousands of points at once.
 
-Both wheel and rail are travelled from the gauge side to the field side, so that x grows along the curve. On a piece of
+Both wheel and rail run from the gauge side to the field side, so that x grows along the curve. On a piece of
 curvature k the sine of the tangent's angle is linear in x, ``sin a = sin a0 + k (x - x0)``, and a chord has the mean
 angle of its ends, ``y - y0 = (x - x0) tan((a0 + a) / 2)``: lines and arcs share these two formulas.
 """
@@ -24,7 +24,7 @@ _MAX_LOSS_MM = 2.0
 
 
 class CurvePoints(NamedTuple):
-    """Places on a curve, arrays of one shape.
+    """Points on a curve, arrays of one shape.
 
     Parameters
     ----------
@@ -78,9 +78,9 @@ class RigidCurve:
         Parameters
         ----------
         contour
-            Travelled in either direction.
+            In either direction.
         placement
-            Where it stands; at its own place by default.
+            Where it is; untransformed by default.
 
         Raises
         ------
@@ -145,7 +145,7 @@ class RigidCurve:
         return cls(starts.reshape(-1, 2), angles.ravel(), (turns / lengths).ravel(), lengths.ravel())
 
     def sampled(self, spacing_mm: float) -> CurvePoints:
-        """Places along each piece, no farther apart than a spacing, both ends of each included, (n,)."""
+        """Points along each piece, no farther apart than a spacing, both ends of each included, (n,)."""
         counts = np.ceil(self.lengths / spacing_mm).astype(np.int64) + 1
         piece = np.repeat(np.arange(len(counts)), counts)
         number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
@@ -167,13 +167,13 @@ class RigidCurve:
         return np.append(self.starts[:, 0], self.at(np.array([self.length])).x)
 
     def at(self, arc_length: ArrayLike) -> CurvePoints:
-        """Places at lengths along the curve from its start."""
+        """Points at lengths along the curve from its start."""
         s = np.asarray(arc_length, dtype=np.float64)
         piece = np.clip(np.searchsorted(self.offsets, s, side="right") - 1, 0, len(self.lengths) - 1)
         return self._along(piece, s - self.offsets[piece])
 
     def _along(self, piece: NDArray[np.int64], local: Floats) -> CurvePoints:
-        """Places at lengths from the start of pieces."""
+        """Points at lengths from the start of pieces."""
         curvature, start_angle = self.curvatures[piece], self.angles[piece]
         half_turn = 0.5 * curvature * local
         chord = local * np.sinc(half_turn / np.pi)
@@ -186,7 +186,7 @@ class RigidCurve:
         )
 
     def over(self, x: ArrayLike) -> CurvePoints:
-        """Places at given x; beyond the ends the tangents there are prolonged, without curvature."""
+        """Points at given x; beyond the ends the tangents there are prolonged, without curvature."""
         at = np.asarray(x, dtype=np.float64)
         inside = np.clip(at, self.joints[0], self.joints[-1])
         piece = np.clip(np.searchsorted(self.joints, inside, side="right") - 1, 0, len(self.lengths) - 1)

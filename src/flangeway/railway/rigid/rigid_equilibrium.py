@@ -1,8 +1,8 @@
-"""Positions in which rigid wheels on rigid rails bear a load without friction: the rigid answer beside the elastic one.
+"""Equilibria of rigid wheels on rigid rails under a load without friction.
 
 Along the positions in which both wheels touch, the potential of the load has a derivative; where it passes through zero
-the wheelset is in balance. A point of contact that jumps makes the derivative jump: if it passes through zero there,
-the side touches in two points, and three normal forces follow from the three equations of balance.
+the wheelset is in equilibrium. A point of contact that jumps makes the derivative jump: if it passes through zero
+there, the side touches in two points, and three normal forces follow from the three equations of equilibrium.
 """
 
 import math
@@ -14,29 +14,20 @@ from scipy.optimize import nnls
 
 from flangeway.errors import InputError
 from flangeway.exact import LineContact
-from flangeway.railway.rigid.rigid_contact import (
-    PATH_MM,
-    PATH_STEP_MM,
-    Intervals,
-    RigidWheelset,
-    Settled,
-    locus_of,
-    path_of_contact,
-    settle,
-)
+from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.solve import Status
 from flangeway.types import Floats
 
-BALANCED = 1e-5
-"""Maximum residual force over the load at which the normal forces count as in equilibrium."""
+MAX_RESIDUAL = 1e-5
+"""Maximum residual force over the load in equilibrium."""
 
 NEUTRAL_MM = 1.0
-"""Length from which positions that all are in equilibrium count as one, which is neutral."""
+"""Least length of the positions of a neutral equilibrium."""
 
-_TOGETHER_MM = 1e-7  # gap below which a further place touches as well
+_TOGETHER_MM = 1e-7  # gap below which a further point touches as well
 _PRECISION_MM = 1e-13
 _SECTIONS = 32
 _NEAR_MM = 1e-6
@@ -45,7 +36,7 @@ _ONE_POINT_MM = 1e-2
 
 @dataclass(frozen=True)
 class RigidContactPoint:
-    """A point of contact of a wheelset in balance.
+    """A point of contact of a wheelset in equilibrium.
 
     Parameters
     ----------
@@ -64,7 +55,7 @@ class RigidContactPoint:
     normal_force_N
         Force, >= 0.
     ahead_mm
-        Distance along the track by which the point is ahead of the axle, zero without yaw.
+        Longitudinal distance by which the point is ahead of the axle, zero without yaw.
 
     """
 
@@ -96,23 +87,23 @@ class RigidContactPoint:
 
 @dataclass(frozen=True, eq=False)
 class RigidPosition:
-    """A position in which the forces balance.
+    """A position in which the forces are in equilibrium.
 
     Parameters
     ----------
     motion
-        Motion of the axle's middle in the track's axes.
+        Displacement of the axle's middle in the track's axes.
     motion_in_space
-        The same along horizontal and vertical.
+        Its horizontal and vertical components, and the roll.
     contacts
-        Points of contact that bear force, left side first.
+        Points of contact with a force, left side first.
     stable
         Whether the wheelset comes back after a small push.
     residual
-        Residual of the balance over the load; above `BALANCED` no compressive forces balance the load.
+        Equilibrium residual over the load; above `MAX_RESIDUAL` no compressive forces carry the load.
     neutral_mm
-        Least and maximum lateral motion of the axle's middle between which every position is in equilibrium, as for
-        cylinders; None where the equilibrium is a single position.
+        Least and maximum lateral displacement of the axle's middle between which every position is in equilibrium, as
+        for cylinders; None where the equilibrium is a single position.
 
     """
 
@@ -125,8 +116,8 @@ class RigidPosition:
 
     @property
     def carries(self) -> bool:
-        """Whether compressive forces balance the load."""
-        return self.residual <= BALANCED
+        """Whether compressive forces carry the load."""
+        return self.residual <= MAX_RESIDUAL
 
     def lateral_over_vertical(self, side: Side) -> float:
         """Ratio L/V of a wheel's forces in the track's axes, positive if the rail is pushed outward; nan if none."""
@@ -139,16 +130,16 @@ class RigidPosition:
 
 @dataclass(frozen=True, eq=False)
 class RigidEquilibrium:
-    """RelativeResiduals of a rigid wheelset under a load.
+    """Equilibria of a rigid wheelset under a load.
 
     Parameters
     ----------
     outcome
-        The balance that the wheelset reaches from the middle of the track; without one the error that says why.
+        The equilibrium that the wheelset reaches from the middle of the track; without one the error with the reason.
     positions
-        All balances between climbing flanges, from left to right.
+        All equilibria between climbing flanges, from left to right.
     load_ratio
-        Force along the track over force onto it, L/V of the axle.
+        Lateral over vertical force in the track's axes, L/V of the axle.
 
     """
 
@@ -158,30 +149,29 @@ class RigidEquilibrium:
 
     @property
     def position(self) -> RigidPosition | None:
-        """The balance that is reached; None if there is none."""
+        """The equilibrium that is reached; None if there is none."""
         return None if isinstance(self.outcome, InputError) else self.outcome
 
     @property
     def status(self) -> Status:
-        """Whether there is a balance that the wheelset reaches from the middle of the track; if not, why."""
+        """Whether there is an equilibrium that the wheelset reaches from the middle of the track; if not, why."""
         if isinstance(self.outcome, InputError):
             error = self.outcome
             return Status(False, f"{error.given}; allowed is {error.allowed}; {error.advice}", 0)
         # no sign before a zero
         lateral, n_points = round(self.outcome.motion.lateral_mm, 3) + 0.0, len(self.outcome.contacts)
-        where = f"at a lateral motion of {lateral:.3f} mm on {n_points} points"
+        where = f"at a lateral displacement of {lateral:.3f} mm on {n_points} points"
         if self.outcome.neutral_mm is not None:
             low, high = self.outcome.neutral_mm
             return Status(
                 True,
-                f"in neutral equilibrium, which nothing but friction holds, between {low:.2f} and {high:.2f} mm; shown "
-                f"{where}",
+                f"in neutral equilibrium between {low:.2f} and {high:.2f} mm, without friction; shown {where}",
                 0,
             )
-        return Status(True, f"in balance {where}", 0)
+        return Status(True, f"in equilibrium {where}", 0)
 
     def reached(self) -> RigidPosition:
-        """Return the balance that is reached.
+        """Return the equilibrium that is reached.
 
         Raises
         ------
@@ -194,12 +184,12 @@ class RigidEquilibrium:
         return self.outcome
 
 
-def rigid_equilibrium(wheelset: RigidWheelset, load: Load, *, reached_only: bool = False) -> RigidEquilibrium:
-    """Find all positions in which a load is in balance, and the one that is reached from the middle.
+def rigid_equilibrium(geometry: RigidGeometry, load: Load, *, reached_only: bool = False) -> RigidEquilibrium:
+    """Find all equilibria under a load, and the one that is reached from the middle of the track.
 
     Parameters
     ----------
-    wheelset
+    geometry
         Wheels and rails.
     load
         Forces at the centre of gravity.
@@ -209,22 +199,22 @@ def rigid_equilibrium(wheelset: RigidWheelset, load: Load, *, reached_only: bool
     Raises
     ------
     InputError
-        If the wheels do not stand on the rails.
+        As `RigidGeometry.path`.
 
     """
-    path = path_of_contact(wheelset, PATH_MM)
+    path = geometry.path()
     along, onto = load.in_track
-    derivative = _derivative(wheelset, path, load) / onto
+    derivative = _derivative(geometry, path, load) / onto
     candidates = _candidates(derivative)
     reached = _reached(derivative, int(np.argmin(np.abs(path.rail_level))), candidates)
     chosen = candidates if not reached_only else [candidates[reached]] if reached is not None else []
-    positions = _positions(wheelset, load, path, chosen)
+    positions = _positions(geometry, load, path, chosen)
     position = None if reached is None else positions[0 if reached_only else reached]
     outcome: RigidPosition | InputError
     if position is None:
-        outcome = _derailment(path, held_ratios(wheelset, path), along / onto)
+        outcome = _derailment(path, held_ratios(geometry, path), along / onto)
     elif not position.carries:
-        outcome = _overturning(wheelset, position, along / onto)
+        outcome = _overturning(geometry, position, along / onto)
     else:
         outcome = position
     return RigidEquilibrium(outcome, tuple(each for each in positions if each.carries), along / onto)
@@ -241,7 +231,7 @@ class _Candidate(NamedTuple):
 
 def _candidates(derivative: Floats) -> list[_Candidate]:
     """Where the derivative over the load is zero along the path of contact, in order."""
-    still = np.concatenate(([False], np.abs(derivative) <= BALANCED, [False]))
+    still = np.concatenate(([False], np.abs(derivative) <= MAX_RESIDUAL, [False]))
     starts, ends = np.flatnonzero(still[1:] & ~still[:-1]), np.flatnonzero(still[:-1] & ~still[1:]) - 1
     found = [
         _Candidate(int(start), int(end), True, True)
@@ -255,7 +245,9 @@ def _candidates(derivative: Floats) -> list[_Candidate]:
     return sorted(found)
 
 
-def _positions(wheelset: RigidWheelset, load: Load, path: Settled, candidates: list[_Candidate]) -> list[RigidPosition]:
+def _positions(
+    geometry: RigidGeometry, load: Load, path: TouchingPositions, candidates: list[_Candidate]
+) -> list[RigidPosition]:
     """Forces and points of contact at candidates."""
     if not candidates:
         return []
@@ -269,23 +261,23 @@ def _positions(wheelset: RigidWheelset, load: Load, path: Settled, candidates: l
     level = np.clip(0.0, ends.level[:, 0], ends.level[:, 1])
     found = Intervals(np.stack((level, level), axis=1), ends.roll.copy())
     if not neutral.all():
-        zeros = _zeros(wheelset, load, Intervals(*(each[~neutral] for each in ends)))
+        zeros = _zeros(geometry, load, Intervals(*(each[~neutral] for each in ends)))
         found.level[~neutral], found.roll[~neutral] = zeros
     # a little to both sides as well: between conforming arcs the contact is decided by rounding at the jump itself
     levels, rolls = (np.concatenate((each, each), axis=1) for each in found)
     levels += np.array([0.0, 0.0, -_NEAR_MM, _NEAR_MM])
-    settled = settle(wheelset, levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
-    lateral = ends.level - wheelset.reference_height_mm * np.sin(ends.roll)
+    settled = geometry.touching(levels.T.ravel(), roll=rolls.T.ravel(), gaps=True)
+    lateral = ends.level - geometry.reference_height_mm * np.sin(ends.roll)
     count = len(candidates)
     return [
-        _position(wheelset, load, settled, range(i, i + 1 if each.neutral else 4 * count, count), each, lateral[i])
+        _position(geometry, load, settled, range(i, i + 1 if each.neutral else 4 * count, count), each, lateral[i])
         for i, each in enumerate(candidates)
     ]
 
 
-def _slopes(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
-    """Vertical motion and roll per lateral motion of the point at the rails' height, along the touching positions."""
-    height = path.lift - wheelset.reference_height_mm * np.cos(path.roll)
+def _slopes(geometry: RigidGeometry, path: TouchingPositions) -> tuple[Floats, Floats]:
+    """Vertical displacement and roll per lateral displacement at the rails' height, along the path."""
+    height = path.lift - geometry.reference_height_mm * np.cos(path.roll)
     slopes, arms = [], []
     for touches, sign in ((path.right, 1.0), (path.left, -1.0)):
         slope = sign * np.tan(touches.angle[:, 0])
@@ -295,42 +287,42 @@ def _slopes(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
     return slopes[0] - roll * arms[0], roll
 
 
-def _work(wheelset: RigidWheelset, path: Settled) -> tuple[Floats, Floats]:
-    """Lift and lateral motion of the centre of gravity per lateral motion at the rails' height."""
-    vertical, roll = _slopes(wheelset, path)
-    height = wheelset.reference_height_mm + wheelset.centre_of_gravity_height_mm
+def _work(geometry: RigidGeometry, path: TouchingPositions) -> tuple[Floats, Floats]:
+    """Lift and lateral displacement of the centre of gravity per lateral displacement at the rails' height."""
+    vertical, roll = _slopes(geometry, path)
+    height = geometry.reference_height_mm + geometry.centre_of_gravity_height_mm
     return vertical - roll * height * np.sin(path.roll), 1.0 - roll * height * np.cos(path.roll)
 
 
-def _derivative(wheelset: RigidWheelset, path: Settled, load: Load) -> Floats:
+def _derivative(geometry: RigidGeometry, path: TouchingPositions, load: Load) -> Floats:
     """Derivative of the load's potential along the path."""
     along, onto = load.in_track
-    lift, lateral = _work(wheelset, path)
+    lift, lateral = _work(geometry, path)
     return onto * lift - along * lateral
 
 
-def held_ratios(wheelset: RigidWheelset, path: Settled) -> Floats:
-    """Ratio of lateral to vertical force at the centre of gravity in equilibrium at each position, nan where none is.
+def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
+    """Lateral over vertical force at the centre of gravity in equilibrium at each position, nan where none is.
 
     Parameters
     ----------
-    wheelset
+    geometry
         Wheels and rails.
     path
         Positions in which both wheels touch.
 
     """
-    lift, lateral = _work(wheelset, path)
+    lift, lateral = _work(geometry, path)
     return np.where(lateral > 1e-3, lift / np.where(lateral > 1e-3, lateral, 1.0), np.nan)
 
 
-def _zeros(wheelset: RigidWheelset, load: Load, pairs: Intervals) -> Intervals:
+def _zeros(geometry: RigidGeometry, load: Load, pairs: Intervals) -> Intervals:
     """Narrow intervals in which the derivative passes through zero, by continuous change or by a jump."""
     rows = np.arange(len(pairs.level))
     while float(np.diff(pairs.level, axis=1).max()) > _PRECISION_MM:
         grid = pairs.divided(_SECTIONS)
-        settled = settle(wheelset, grid.level.ravel(), roll=grid.roll.ravel())
-        rising = _derivative(wheelset, settled, load).reshape(grid.level.shape) >= 0.0
+        settled = geometry.touching(grid.level.ravel(), roll=grid.roll.ravel())
+        rising = _derivative(geometry, settled, load).reshape(grid.level.shape) >= 0.0
         column = np.argmax(rising[:, 1:] != rising[:, :-1], axis=1)
         found = settled.pairs(rows * grid.level.shape[1] + column)
         if np.array_equal(found.level, pairs.level):
@@ -351,87 +343,76 @@ def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> i
 
 
 def _position(
-    wheelset: RigidWheelset, load: Load, found: Settled, ends: range, candidate: _Candidate, lateral: Floats
+    geometry: RigidGeometry, load: Load, found: TouchingPositions, ends: range, candidate: _Candidate, lateral: Floats
 ) -> RigidPosition:
     """Forces and points of contact at a candidate; of a zero positions about it, so that both points of a jump are."""
-    locus = locus_of(wheelset, found)
+    locus = geometry.located(found)
     motion = locus.motion(ends[0])
-    points = _points(locus, ends)
+    points = contact_points(locus, ends)
     along, onto = load.in_track
-    height = wheelset.reference_height_mm + motion.vertical_mm
+    height = geometry.reference_height_mm + motion.vertical_mm
     centre_of_gravity = (
-        motion.lateral_mm - wheelset.centre_of_gravity_height_mm * math.sin(motion.roll_rad),
-        height + wheelset.centre_of_gravity_height_mm * math.cos(motion.roll_rad),
+        motion.lateral_mm - geometry.centre_of_gravity_height_mm * math.sin(motion.roll_rad),
+        height + geometry.centre_of_gravity_height_mm * math.cos(motion.roll_rad),
     )
     columns = []
     for point in points:
         x, y = point.force_on_wheel_N
         moment = (point.point_mm[0] - centre_of_gravity[0]) * y - (point.point_mm[1] - centre_of_gravity[1]) * x
         columns.append((x, y, moment / height))
-    forces, rest = nnls(np.array(columns).T, np.array([-along, onto, 0.0]) / onto)
-    bearing = tuple(
-        replace(point, normal_force_N=float(force) * onto) for point, force in zip(points, forces, strict=True)
-    )
+    forces, remainder = nnls(np.array(columns).T, np.array([-along, onto, 0.0]) / onto)
+    loaded = (replace(point, normal_force_N=float(force) * onto) for point, force in zip(points, forces, strict=True))
     cosine, sine = math.cos(load.tilt_rad), math.sin(load.tilt_rad)
     in_space = WheelsetMotion(
         cosine * motion.lateral_mm - sine * motion.vertical_mm,
         sine * motion.lateral_mm + cosine * motion.vertical_mm,
         motion.roll_rad,
     )
-    kept = tuple(point for point in bearing if point.normal_force_N > 1e-9 * onto)
+    kept = tuple(point for point in loaded if point.normal_force_N > 1e-9 * onto)
     neutral = (float(lateral[0]), float(lateral[1])) if candidate.neutral else None
-    return RigidPosition(motion, in_space, kept, candidate.stops and not candidate.neutral, float(rest), neutral)
+    return RigidPosition(motion, in_space, kept, candidate.stops and not candidate.neutral, float(remainder), neutral)
 
 
-def _points(locus: ContactLocus, ends: range) -> list[RigidContactPoint]:
-    """Points that touch in some of the positions, each with unit force."""
+def contact_points(locus: ContactLocus, numbers: range) -> list[RigidContactPoint]:
+    """Points that touch in some positions of a locus, left side first, each with unit force."""
     points: list[RigidContactPoint] = []
     for side in SIDES:
         at = locus.side(side)
         seen: list[Floats] = []
-        for number in ends:
-            for place in np.flatnonzero(at.gaps_mm[number] < _TOGETHER_MM):
-                on_wheel = at.wheel_points_mm[number, place]
+        for row in numbers:
+            for touch in [(row, column) for column in np.flatnonzero(at.gaps_mm[row] < _TOGETHER_MM)]:
+                on_wheel = at.wheel_points_mm[touch]
                 if any(float(np.hypot(*(on_wheel - other))) < _ONE_POINT_MM for other in seen):
                     continue
                 seen.append(on_wheel)
+                in_frames = (at.rail_points_mm, at.points_mm)
+                on_rail, in_track = [(float(x), float(y)) for x, y in (each[touch] for each in in_frames)]
+                columns = (at.contact_angles_rad, at.rolling_radii_mm, at.relative_curvatures_per_mm)
+                angle, radius, curvature = (float(each[touch]) for each in columns)
+                wheel_point = float(on_wheel[0]), float(on_wheel[1])
+                ahead = float(at.ahead_mm[touch])
                 points.append(
-                    RigidContactPoint(
-                        side,
-                        (float(on_wheel[0]), float(on_wheel[1])),
-                        _pair(at.rail_points_mm[number, place]),
-                        _pair(at.points_mm[number, place]),
-                        float(at.contact_angles_rad[number, place]),
-                        float(at.rolling_radii_mm[number, place]),
-                        float(at.relative_curvatures_per_mm[number, place]),
-                        1.0,
-                        float(at.ahead_mm[number, place]),
-                    )
+                    RigidContactPoint(side, wheel_point, on_rail, in_track, angle, radius, curvature, 1.0, ahead)
                 )
     return points
 
 
-def _pair(point: Floats) -> tuple[float, float]:
-    return float(point[0]), float(point[1])
-
-
-def _derailment(path: Settled, ratios: Floats, load_ratio: float) -> InputError:
+def _derailment(path: TouchingPositions, ratios: Floats, load_ratio: float) -> InputError:
     side = "right" if load_ratio >= 0.0 else "left"
     outer = path.right if side == "right" else path.left
     steepest = float(np.tan(np.nanmax(outer.angle[:, 0])))
     held = float(np.nanmax((1.0 if side == "right" else -1.0) * ratios))
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which is a derailment: the {side} flange climbs its rail",
-        f"L/V up to {held:.3f}, which the contacts hold (flange angle {math.degrees(math.atan(steepest)):.1f} deg, no "
-        "friction)",
+        f"L/V up to {held:.3f} (flange angle {math.degrees(math.atan(steepest)):.1f} deg, no friction)",
         "lower the lateral force or the speed, or raise the superelevation",
     )
 
 
-def _overturning(wheelset: RigidWheelset, position: RigidPosition, load_ratio: float) -> InputError:
+def _overturning(geometry: RigidGeometry, position: RigidPosition, load_ratio: float) -> InputError:
     side = "right" if load_ratio >= 0.0 else "left"
     arm = max(abs(point.point_mm[0] - position.motion.lateral_mm) for point in position.contacts if point.side == side)
-    height = wheelset.centre_of_gravity_height_mm + max(point.rolling_radius_mm for point in position.contacts)
+    height = geometry.centre_of_gravity_height_mm + max(point.rolling_radius_mm for point in position.contacts)
     return InputError(
         f"a load of L/V {abs(load_ratio):.3f}, which is overturning about the {side} rail: the other wheel lifts",
         f"L/V up to {arm / height:.3f}, at which it lifts with this height of the centre of gravity",

@@ -1,4 +1,4 @@
-"""Points of contact of a rigid wheelset over its positions."""
+"""Points of contact of a rigid wheelset over its positions, and where they jump."""
 
 from dataclasses import dataclass, fields
 
@@ -23,7 +23,7 @@ class SideLocus:
     wheel_points_mm, rail_points_mm
         In the frames of the profiles, shape (n, N_TOUCHES, 2).
     gaps_mm
-        Vertical gap at these places, zero in column 0, inf where there is no place, shape (n, N_TOUCHES).
+        Vertical gap at these points, zero in column 0, inf where there is none, shape (n, N_TOUCHES).
     contact_angles_rad
         Angle of the common tangent from the track's plane, positive towards the flange, shape (n, N_TOUCHES).
     rolling_radii_mm
@@ -33,7 +33,7 @@ class SideLocus:
     points_mm
         In the track's axes, shape (n, N_TOUCHES, 2); here the left side has negative x.
     ahead_mm
-        Distance along the track by which the point is ahead of the axle, zero without yaw, shape (n, N_TOUCHES).
+        Longitudinal distance by which the point is ahead of the axle, zero without yaw, shape (n, N_TOUCHES).
 
     """
 
@@ -60,9 +60,9 @@ class ContactLocus:
     Parameters
     ----------
     lateral_mm, vertical_mm, roll_rad
-        Motion of the axle's middle from its reference position, each (n,); see `WheelsetMotion`.
+        Displacement of the axle's middle from its reference position, each (n,); see `WheelsetMotion`.
     rail_level_mm
-        Lateral motion of the wheelset at the height of the rails, (n,).
+        Lateral displacement of the wheelset at the height of the rails, (n,).
     left, right
         Points of contact.
 
@@ -86,17 +86,45 @@ class ContactLocus:
 
     def part(self, chosen: slice | NDArray[np.int64]) -> "ContactLocus":
         """Some of the positions."""
-        return ContactLocus(
-            self.lateral_mm[chosen],
-            self.vertical_mm[chosen],
-            self.roll_rad[chosen],
-            self.rail_level_mm[chosen],
-            self.left.part(chosen),
-            self.right.part(chosen),
-        )
+        lateral, vertical, roll = self.lateral_mm[chosen], self.vertical_mm[chosen], self.roll_rad[chosen]
+        sides = self.left.part(chosen), self.right.part(chosen)
+        return ContactLocus(lateral, vertical, roll, self.rail_level_mm[chosen], *sides)
 
     def motion(self, number: int) -> WheelsetMotion:
-        """Motion of the wheelset in a position."""
+        """Displacement of the wheelset in a position."""
         return WheelsetMotion(
             float(self.lateral_mm[number]), float(self.vertical_mm[number]), float(self.roll_rad[number])
         )
+
+
+@dataclass(frozen=True)
+class ContactJump:
+    """A position in which the point of contact of a side jumps: there it touches in two points.
+
+    Parameters
+    ----------
+    side
+        Side of the track.
+    motion
+        Displacement of the axle's middle.
+    wheel_points_mm, rail_points_mm
+        Both points in the frames of the profiles, that of the smaller lateral displacement first.
+
+    """
+
+    side: Side
+    motion: WheelsetMotion
+    wheel_points_mm: tuple[tuple[float, float], tuple[float, float]]
+    rail_points_mm: tuple[tuple[float, float], tuple[float, float]]
+
+    @classmethod
+    def between(cls, locus: ContactLocus, side: Side, number: int) -> "ContactJump":
+        """The jump between a position and the next."""
+        at, order = locus.side(side), np.array((number, number + 1))
+        if abs(locus.lateral_mm[number]) > abs(locus.lateral_mm[number + 1]):
+            order = order[::-1]
+        on_wheel, on_rail = (
+            tuple((float(x), float(y)) for x, y in points[order, 0])
+            for points in (at.wheel_points_mm, at.rail_points_mm)
+        )
+        return cls(side, locus.motion(number), (on_wheel[0], on_wheel[1]), (on_rail[0], on_rail[1]))

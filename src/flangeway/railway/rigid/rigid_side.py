@@ -1,7 +1,7 @@
 """One rigid wheel over one rigid rail: where it touches first when it comes down, for many positions at once.
 
 Everything here is in the right-hand form of a side: x grows from the track's middle to the field side. The left side is
-the mirror image, with the opposite lateral motion and roll.
+the mirror image, with the opposite lateral displacement and roll.
 """
 
 from dataclasses import dataclass, field
@@ -19,27 +19,27 @@ from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
 from flangeway.types import Floats
 
 N_TOUCHES = 6
-"""Places of a side that are followed: the touch, and the next smallest gaps."""
+"""Points of a side that are followed: the touch, and the next smallest gaps."""
 
 _SPACING_MM = 0.2
 _TABLE_MM = 0.005
 _CHUNK = 128
-_FIRST_MARGIN_MM = 0.2  # by which a sampled place may be lower than the highest one and yet touch first
+_FIRST_MARGIN_MM = 0.2  # by which a sample may be lower than the highest one and yet touch first
 _SAME_MM = 1e-6
 _ARC_TOLERANCE_MM = 1e-12
 
 
 class Touches(NamedTuple):
-    """Places where a wheel touches or comes close, arrays (n, N_TOUCHES) or (n, 1), the first touch first.
+    """Points where a wheel touches or comes close, arrays (n, N_TOUCHES) or (n, 1), the first touch first.
 
     Parameters
     ----------
     lift
-        Height of the axle's middle over the track at which this place touches, -inf where there is no such place.
+        Height of the axle's middle over the track at which this point touches, -inf where there is none.
     wheel_arc
         Length along the wheel's curve.
     x, y
-        Place on the rail in the track's axes, right-hand form.
+        Point of the rail in the track's axes, right-hand form.
     angle
         Angle of the common tangent from the track's plane, positive towards the flange.
     relative_curvature
@@ -62,7 +62,7 @@ class RigidSide:
     Parameters
     ----------
     wheel
-        Its outline as seen along the track, about the middle of the axle: x to the field side, y up. Without yaw that
+        Its outline in the longitudinal view, about the middle of the axle: x to the field side, y up. Without yaw that
         is the profile, and -y is the rolling radius.
     rail
         In the track's axes.
@@ -97,9 +97,9 @@ class RigidSide:
         )
 
     def on_wheel(self, wheel_arc: Floats) -> tuple[Floats, Floats, Floats]:
-        """Place along the axle, rolling radius, and distance ahead of the axle at lengths along the wheel's outline."""
-        place = self.wheel.at(wheel_arc)
-        return on_profile(place.x, place.y, place.angle, self.yaw_rad)
+        """Position along the axle, rolling radius, distance ahead of the axle; at lengths along the wheel's outline."""
+        at = self.wheel.at(wheel_arc)
+        return on_profile(at.x, at.y, at.angle, self.yaw_rad)
 
     @cached_property
     def _rail_heights(self) -> tuple[float, Floats]:
@@ -109,7 +109,7 @@ class RigidSide:
         return float(x[0]), self.rail.over(x).y
 
     def over_rail(self, lateral: Floats) -> NDArray[np.bool_]:
-        """Whether some of the wheel stands over the rail's head, (n,)."""
+        """Whether some of the wheel is above the rail's head, (n,)."""
         return (lateral + self.wheel.joints[-1] > self.rail.joints[0]) & (
             lateral + self.wheel.joints[0] < self.rail.joints[-1]
         )
@@ -127,16 +127,20 @@ class RigidSide:
         Raises
         ------
         InputError
-            If no point of the wheel stands over the rail's head.
+            If no point of the wheel is above the rail's head.
 
         """
         over = self.over_rail(lateral)
         if not over.all():
             worst = float(lateral[~over][np.argmax(np.abs(lateral[~over]))])
+            inside = self.rail.joints[0] - self.wheel.joints[-1] - worst
+            outside = worst + self.wheel.joints[0] - self.rail.joints[-1]
             raise InputError(
-                f"a wheel moved by {worst:.1f} mm, beside its rail",
-                "positions in which the wheel stands over the head of its rail",
-                "check gauge, back-to-back distance and lateral motion",
+                f"a lateral displacement of {worst:.1f} mm, with which the wheel misses the rail by "
+                f"{max(inside, outside):.1f} mm",
+                "displacements with the wheel above the head of its rail",
+                f"{'lower' if inside > 0.0 else 'raise'} gauge_mm or {'raise' if inside > 0.0 else 'lower'} "
+                "back_to_back_mm, or give a smaller displacement",
             )
         margin = _FIRST_MARGIN_MM if first_only else np.inf
         number, low, high = (
@@ -147,7 +151,7 @@ class RigidSide:
             )
         )
         placed = self._placed(lateral[number], roll[number], self._refined(lateral[number], roll[number], low, high))
-        # two brackets that met at one place count once
+        # two brackets that met at one point are one touch
         order = np.lexsort((placed.wheel_arc, number))
         again = (np.diff(placed.wheel_arc[order]) < _SAME_MM) & (np.diff(number[order]) == 0)
         order = order[np.concatenate(([True], ~again))]
@@ -163,16 +167,16 @@ class RigidSide:
 
     @cached_property
     def _samples(self) -> tuple[Floats, CurvePoints]:
-        """Lengths along the wheel at which its height over the rail is sampled, and the places there."""
+        """Lengths along the wheel at which its height over the rail is sampled, and the points there."""
         arcs = np.linspace(0.0, self.wheel.length, int(np.ceil(self.wheel.length / _SPACING_MM)) + 1)
         return arcs, self.wheel.at(arcs)
 
     def _brackets(
         self, lateral: Floats, roll: Floats, part: slice, margin: float
     ) -> tuple[NDArray[np.int64], Floats, Floats]:
-        """Numbers of positions, and lengths along the wheel about its places over the rail that are highest near by.
+        """Numbers of positions, and brackets of lengths along the wheel about its local maxima over the rail.
 
-        Places lower than the highest one by more than a margin are left out.
+        Maxima lower than the highest one by more than a margin are left out.
         """
         lateral, roll = lateral[part], roll[part]
         first, last = self.rail.joints[[0, -1]]
@@ -189,7 +193,7 @@ class RigidSide:
         lift = heights[cell]
         lift += position * (heights[cell + 1] - lift) - (sine * x + cosine * y)
         lift[(over < first - 0.5) | (over > last + 0.5)] = -np.inf
-        # the ends count: a touch there is a touch at the edge of a profile
+        # with the ends: a touch there is one at the edge of a profile
         highest = np.isfinite(lift) & (lift >= lift.max(axis=1, keepdims=True) - margin)
         highest[:, 1:] &= lift[:, 1:] >= lift[:, :-1]
         highest[:, :-1] &= lift[:, :-1] > lift[:, 1:]
@@ -212,15 +216,17 @@ class RigidSide:
             low[active] = np.where(rises, s, low[active])
             high[active] = np.where(rises, high[active], s)
             slope = rail.curvature * np.cos(wheel_angle) / np.cos(rail.angle) - wheel.curvature
-            step = -difference / np.where(slope < 0.0, slope, -np.inf)
-            target = s + step
-            inside = (slope < 0.0) & (target > low[active]) & (target < high[active])
-            new = np.where(inside, target, 0.5 * (low[active] + high[active]))
+            falls = slope < 0.0
+            step = np.where(falls, -difference / np.where(falls, slope, -1.0), np.inf)
+            tolerance = _ARC_TOLERANCE_MM * (1.0 + np.abs(s))
+            # in the end the root is an end of the bracket: a short step is the last one
+            found = (difference == 0.0) | (np.abs(step) < tolerance)
+            target = np.where(difference == 0.0, s, s + step)
+            inside = (target > low[active]) & (target < high[active])
+            bisected = 0.5 * (low[active] + high[active])
+            new = np.where(found, np.clip(target, low[active], high[active]), np.where(inside, target, bisected))
             arc[active] = new
-            done = np.abs(new - s) < _ARC_TOLERANCE_MM * (1.0 + np.abs(s))
-            done |= difference == 0.0
-            arc[active] = np.where(difference == 0.0, s, new)
-            active = active[~done]
+            active = active[~found & (np.abs(new - s) >= tolerance)]
             if not len(active):
                 break
         return arc

@@ -1,10 +1,10 @@
 """A wheel that is turned about the vertical: its outline across the track, and what it touches there.
 
-A wheel is a surface of revolution, a rail is the same all along the track. Seen along the track, the wheel is bounded
-below by the points whose normal lies across the track: where the profile has the angle ``a``, the point of its circle
-that is the angle ``t`` ahead of the lowest one, ``sin t = -tan a tan yaw``. Their outline has the angle ``b``,
-``sin b = sin a / cos yaw``, and is a plane curve that comes down on the rail as a profile without yaw does. No further
-motion enters: roll turns the outline about the axis along which it is seen.
+A wheel is a surface of revolution, a rail is a prism. In the longitudinal view the wheel is bounded below by the points
+whose normal lies across the track: where the profile has the angle ``a``, the point of its circle that is the angle
+``t`` ahead of the lowest one, ``sin t = -tan a tan yaw``. Their outline has the angle ``b``,
+``sin b = sin a / cos yaw``, and is a plane curve that comes down on the rail as a profile without yaw does. Roll turns
+the outline about the axis of the view.
 
 On a flange the points lie some millimetres to centimetres ahead of the axle, or behind it. Where the profile is so
 hollow that the outline would turn back, as in the flange root at large yaw, the lower envelope is taken: what turns
@@ -21,7 +21,7 @@ from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.types import Floats
 
 MAX_YAW_RAD = 0.2
-"""Largest yaw; beyond it steep flanges touch at the height of the axle."""
+"""Maximum yaw; beyond it steep flanges touch at the height of the axle."""
 
 _SPACING_MM = 0.1
 _EDGE_STEP_RAD = 0.02
@@ -31,7 +31,7 @@ _APART_MM = 1e-5
 
 
 def outline_across(profile: RigidCurve, yaw_rad: float) -> RigidCurve:
-    """Outline of a yawed wheel as seen along the track.
+    """Outline of a yawed wheel in the longitudinal view.
 
     Parameters
     ----------
@@ -83,7 +83,7 @@ def on_profile(across: Floats, height: Floats, angle: Floats, yaw_rad: float) ->
     Returns
     -------
     tuple
-        Place along the axle and rolling radius, and distance along the track by which the point is ahead of the axle.
+        Position along the axle, rolling radius, and longitudinal distance by which the point is ahead of the axle.
 
     """
     tangent = math.tan(yaw_rad)
@@ -94,15 +94,15 @@ def on_profile(across: Floats, height: Floats, angle: Floats, yaw_rad: float) ->
 
 
 def _with_edges(profile: RigidCurve) -> tuple[Floats, Floats, Floats]:
-    """Dense places of a profile; at an edge with the angles between those of its sides."""
-    places = profile.sampled(_SPACING_MM)
-    turn = np.diff(places.angle)
-    counts = np.where(np.hypot(np.diff(places.x), np.diff(places.y)) < _SAME_MM, turn / _EDGE_STEP_RAD, 0.0)
+    """Dense points of a profile; at an edge with the angles between those of its sides."""
+    points = profile.sampled(_SPACING_MM)
+    turn = np.diff(points.angle)
+    counts = np.where(np.hypot(np.diff(points.x), np.diff(points.y)) < _SAME_MM, turn / _EDGE_STEP_RAD, 0.0)
     repeats = np.append(1 + np.maximum(np.floor(counts), 0.0).astype(np.int64), 1)
     source = np.repeat(np.arange(len(repeats)), repeats)
     number = np.arange(len(source)) - np.repeat(np.cumsum(repeats) - repeats, repeats)
-    angle = places.angle[source] + np.append(turn, 0.0)[source] * number / repeats[source]
-    return places.x[source], places.y[source], angle
+    angle = points.angle[source] + np.append(turn, 0.0)[source] * number / repeats[source]
+    return points.x[source], points.y[source], angle
 
 
 def _lowest(x: Floats, y: Floats) -> NDArray[np.bool_]:

@@ -15,8 +15,7 @@ from flangeway.geometry import Contour, Outline, Placement
 from flangeway.mesh import Refinement
 from flangeway.problems import Body, Part
 from flangeway.railway.profiles.curvature import conforming, relative_curvature
-from flangeway.railway.rigid.cached_start import cached_rigid_start
-from flangeway.railway.rigid.elastic_start import RigidStart
+from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
 from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
 from flangeway.railway.track.wheelset_load import Load
@@ -45,10 +44,10 @@ class WheelsetModel:
     ----------
     problem
         What is modelled.
-    rest
-        Where a rigid wheelset would come to rest: the search for the elastic one starts there.
+    rigid_start
+        Rigid equilibrium: the search for the elastic one starts there.
     hertz
-        Contact of one wheel by Hertz's theory for half the load and the curvatures at rest: sets the zones.
+        Contact of one wheel by Hertz's theory for half the load and the curvatures at the start: sets the zones.
     system
         The contacts of both sides.
     parts
@@ -59,7 +58,7 @@ class WheelsetModel:
     """
 
     problem: WheelsetProblem
-    rest: RigidStart
+    rigid_start: RigidStart
     hertz: LineContact
     system: ContactSystem
     parts: dict[str, Part]
@@ -67,8 +66,8 @@ class WheelsetModel:
 
     @property
     def start_motion(self) -> WheelsetMotion:
-        """Motion from the reference position to where the rigid wheelset rests."""
-        return self.rest.motion
+        """Displacement of the axle's middle in the rigid equilibrium."""
+        return self.rigid_start.motion
 
     @property
     def wheel(self) -> Body:
@@ -151,14 +150,16 @@ def build_model(
 
     """
     settings = problem.discretisation
-    known = cached_rigid_start(problem, cache)
+    start = rigid_start(problem)
     hertz = LineContact(
         problem.load.vertical_N / 2.0 / problem.thickness_mm,
-        max(known.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
+        max(start.relative_curvature_per_mm, LEAST_CURVATURE_PER_MM),
         contact_modulus(*(problem.material_of(role).plane_modulus for role in ROLES)),
     )
     width = 2.0 * hertz.half_width
-    zones = _zones(problem, _with_wide(known.places, known.close, width), math.inf if whole else width + BENDING_MM)
+    zones = _zones(
+        problem, _with_wide(start.near_points(), start.close_points(), width), math.inf if whole else width + BENDING_MM
+    )
     wheelset, track = problem.wheelset, problem.track
     bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}
@@ -181,7 +182,7 @@ def build_model(
             Surface(parts[name], edges[name], curves[name], nodes_only=True) for name in (secondary, primary)
         )
         contacts.append(Contact(second, first, settings.pairing_law(), settings.enforcement_law(hertz.modulus)))
-    return WheelsetModel(problem, known.rest, hertz, ContactSystem(contacts), parts, zones)
+    return WheelsetModel(problem, start, hertz, ContactSystem(contacts), parts, zones)
 
 
 def _with_wide(places: Mapping[str, Floats], close: Mapping[str, Floats], width: float) -> dict[str, Floats]:

@@ -156,7 +156,7 @@ def solve_wheelset(
             progress(f"condensing {n_unknowns} unknowns to the surfaces")
             response = CondensedBodies(model.system.surface_nodes, cache)
         with _timed(timings, "contact"):
-            starts = model.rest.starts if whole else (model.start_motion,)
+            starts = model.rigid_start.starts if whole else (model.start_motion,)
             known = CachedEquilibria(cache, model, response, starts)
             equilibrium, *others = known.get(partial(_equilibria, model, response, progress, starts))
             state = equilibrium.state

@@ -37,9 +37,9 @@ def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], Non
     Parameters
     ----------
     run
-        What was computed.
+        Results.
     folder
-        Where the files go; made if needed.
+        Output folder; made if needed.
     progress
         Called with a sentence at each stage.
 
@@ -100,7 +100,7 @@ def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
 
 
 def _write_rows(path: Path, names: list[str], rows: list[list[float]]) -> None:
-    """Write a table; what is not there is left empty."""
+    """Write a table, with empty cells for missing values."""
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(names)
@@ -108,13 +108,13 @@ def _write_rows(path: Path, names: list[str], rows: list[list[float]]) -> None:
 
 
 def print_geometry(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print balance, contacts with Hertz's estimate, jumps, conicity, notices and files."""
+    """Print equilibrium, contacts with Hertz's estimate, jumps, conicity, notices and files."""
     console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
     console.print(summary["status"]["message"], markup=False, soft_wrap=True)
     position = summary["equilibrium"]
     if position is not None:
         console.print(
-            f"Motion in space: lateral {_clean(position['lateral_mm']):.4f} mm, vertical "
+            f"Position in space: lateral {_clean(position['lateral_mm']):.4f} mm, vertical "
             f"{_clean(position['vertical_mm']):.4f} mm, roll {_clean(1e3 * position['roll_rad']):.5f} mrad; "
             f"L/V left {position['lateral_over_vertical']['left']:.3f}, "
             f"right {position['lateral_over_vertical']['right']:.3f}",
@@ -122,17 +122,17 @@ def print_geometry(console: Console, summary: dict[str, Any], files: list[Path])
             soft_wrap=True,
         )
         console.print(_contact_table(position["contacts"]))
-    places = ", ".join(f"{jump['lateral_mm']:.3f} ({jump['side']})" for jump in summary["jumps"])
-    console.print(f"Jumps of the point of contact at lateral motions in mm: {places or 'none'}", markup=False)
+    jumps = ", ".join(f"{jump['lateral_mm']:.3f} ({jump['side']})" for jump in summary["jumps"])
+    console.print(f"Jumps of the contact point at lateral displacements in mm: {jumps or 'none'}", markup=False)
     _print_end(console, summary, files)
 
 
 def print_conicity(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print the conicity of a file, where the wheelset swings, notices and files."""
+    """Print the conicity of a file, the position without difference, notices and files."""
     console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
-    middle = summary["lateral_motion_without_difference_mm"]
+    middle = summary["lateral_without_difference_mm"]
     if middle is not None:
-        console.print(f"Lateral motion without a difference of the radii: {_clean(middle):.3f} mm", markup=False)
+        console.print(f"Lateral displacement without a difference of the radii: {_clean(middle):.3f} mm", markup=False)
     _print_end(console, summary, files)
 
 

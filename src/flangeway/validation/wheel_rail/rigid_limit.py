@@ -38,7 +38,7 @@ class StiffenedWheelset:
     @cached_property
     def rigid(self) -> RigidPosition:
         """Rigid balance of the same inputs, from which the elastic search started."""
-        equilibrium = self.result.model.rest.equilibrium
+        equilibrium = self.result.model.rigid_start.equilibrium
         if equilibrium is None:
             raise InputError("a prescribed lateral motion", "a wheelset in balance", "leave lateral_mm out")
         return equilibrium.reached()
