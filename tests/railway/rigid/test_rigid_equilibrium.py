@@ -169,7 +169,7 @@ def test_overturning_is_said_with_the_ratio_at_which_it_begins(usual):
     assert not failed.status.converged
     assert failed.position is None
     assert "L/V 0.500, which is overturning about the right rail" in failed.status.message
-    limit = float(failed.status.message.split("L/V up to ")[1].split(" ")[0])
+    limit = float(failed.status.message.split("L/V up to ")[1].split(",")[0])
     with pytest.raises(InputError, match="overturning"):
         failed.reached()
     assert rigid_equilibrium(usual, Load(WEIGHT, 0.97 * limit * WEIGHT)).status.converged

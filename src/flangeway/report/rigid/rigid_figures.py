@@ -154,7 +154,7 @@ def flange_root_figure(effect: FlangeRootEffect) -> Figure:
         # up to where the flange climbs
         shown = np.arange(len(ratio)) < int(np.argmax(~(ratio <= MAX_RATIO)))
         right.plot(ratio[shown], lateral[shown], color=str(shade), lw=1.2, label=f"narrow arc {radius:g} mm")
-    right.set_xlabel("lateral over vertical force in the track plane, without overturning")
+    right.set_xlabel("L/V in the track plane, without overturning")
     for axes in (left, right):
         axes.set_ylabel("lateral displacement in equilibrium, in mm")
     _legend(left, right)
