@@ -32,7 +32,7 @@ def test_the_names_of_the_page_are_in_the_program():
 
 
 def test_the_table_of_flange_root_radii_is_computed():
-    """The page's lateral motions over the radius of the wide arc are those of the command."""
+    """The lateral displacements of the page over the radius of the wide arc are those of the command."""
     rows = [
         line.split("|")[2:-1]
         for line in TEXT.splitlines()
