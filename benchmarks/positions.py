@@ -22,7 +22,7 @@ from flangeway.cases import WheelsetTangentCase
 from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
 from flangeway.railway.positions.positions_patches import patches_of
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
-from flangeway.railway.track.placements import WheelsetMotion
+from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
@@ -115,7 +115,7 @@ def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[f
         found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), where)
         times.append(time.perf_counter() - start)
         if not found.status.converged:  # once more, from the motion that is to be checked
-            motion = WheelsetMotion(*table.motion[number]).moved(WheelsetMotion(vertical_mm=FIRST_PENETRATION_MM))
+            motion = WheelsetPosition(*table.motion[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
             found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), motion)
         expected, got = patches_of(prepared, found), table.patches[number]
         if len(expected) != len(got) or not found.status.converged:

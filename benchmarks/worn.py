@@ -22,7 +22,7 @@ from flangeway.cases.rigid.rigid_run import GeometryRun, run_geometry
 from flangeway.cases.wheelset.wheelset_case import CaseRun
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.formats.miniprof import write_miniprof
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
 Floats = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ def _hollow(points: Floats, head: Floats, wheelset: Wheelset, track: Track) -> F
     height = points[:, 1].copy()
     reached = (points[:, 0] > -40.0) & (points[:, 0] < 55.0)
     for lateral in LATERALS_MM:
-        at = WheelsetMotion(lateral, 0.0, 0.0).placement(wheelset, "right").inverse().points(on_track)
+        at = WheelsetPosition(lateral, 0.0, 0.0).placement(wheelset, "right").inverse().points(on_track)
         at = at[np.argsort(at[:, 0])]
         below = np.interp(points[:, 0], at[:, 0], at[:, 1])
         height = np.where(reached, np.maximum(height, below + (points[:, 1] - below)[reached].min() + WEAR_MM), height)
@@ -100,7 +100,7 @@ def _measured(size_scale: float) -> Iterator[Measurement]:
         for values in ({}, pair):
             time, run = timed(partial(_equilibrium, {**values, "size_scale": size_scale}))
             seconds.append(time)
-            errors.append(run.result.equilibrium.balance.equilibrium_residual)
+            errors.append(run.result.equilibrium.residuals.equilibrium_residual)
         yield Measurement(
             f"equilibrium of a worn pair, size_scale {size_scale:g}; peer: the bundled pair",
             ITSELF, seconds[1], seconds[0], errors[1], errors[0], asked=1.0 / 3.0,

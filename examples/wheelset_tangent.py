@@ -40,13 +40,13 @@ def main(size_scale: float = 1.0, folder: Path | None = None) -> None:
 
         # the iteration has ended well, and the contact forces bear the load of 300 kN
         assert run.result.status.converged
-        assert run.result.equilibrium.balance.equilibrium_residual < 1e-10
+        assert run.result.equilibrium.residuals.equilibrium_residual < 1e-10
         left, right = run.result.patches
         assert math.isclose(left.force_on_wheel_N[1] + right.force_on_wheel_N[1], 300e3, rel_tol=1e-9)
 
         # the left side mirrors the right side: the axle sinks without sliding or tilting
         assert math.isclose(left.force_on_wheel_N[1], right.force_on_wheel_N[1], rel_tol=1e-3)
-        assert abs(run.result.equilibrium.motion.lateral_mm) < 1e-3 * run.result.approach_mm
+        assert abs(run.result.equilibrium.position.lateral_mm) < 1e-3 * run.result.approach_mm
 
         # Hertz's theory for the same force and the radii at the contact is close
         assert right.hertz is not None

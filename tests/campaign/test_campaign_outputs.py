@@ -18,7 +18,7 @@ from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError, MissingLibraryError
-from flangeway.railway.wheelset import cached_mesh
+from flangeway.railway.wheelset import wheelset_mesh
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.campaign_outputs import print_campaign, write_campaign, write_export
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames
@@ -90,7 +90,7 @@ def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
     monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
     before = compute(Chunk(rows[:2], first)).results
     monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
-    monkeypatch.setattr(cached_mesh, "triangulate", None)
+    monkeypatch.setattr(wheelset_mesh, "triangulate", None)
     after = compute(Chunk(rows[:2], first)).results
     assert [result.values for result in after] == [result.values for result in before]
 

@@ -28,7 +28,7 @@ from flangeway.railway.positions.many_positions import Positions
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.discretisation import Discretisation
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.solve import NewtonSettings, StepSettings, solve_elasticity
@@ -96,7 +96,7 @@ PLACES = {
     "back to back": lambda value: Wheelset(wheel(), value),
     "height of the load": lambda value: Wheelset(wheel(), centre_of_gravity_height_mm=value),
     "left radius": lambda value: Wheelset(wheel(), left_radius_mm=value),
-    "roll": lambda value: WheelsetMotion(roll_rad=value),
+    "roll": lambda value: WheelsetPosition(roll_rad=value),
     "weight": Load,
     "lateral force": lambda value: Load(1.0, value),
     "tilt": lambda value: Load(1.0, tilt_rad=value),

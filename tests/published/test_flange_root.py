@@ -46,7 +46,7 @@ def test_vo2_stands_where_it_was_published():
     """With the bundled root VO2 has the published lateral translation to 0.1 % and rotation to 1 %, on two contacts."""
     result = solve_wheelset(published_problem(published_case("curve", "VO2")))
     assert result.status.converged
-    motion = result.motion_in_space
+    motion = result.position_in_space
     assert motion.lateral_mm == pytest.approx(7.309, rel=1e-3)
     assert motion.roll_rad == pytest.approx(3.395e-4, rel=0.01)
     angles = {

@@ -102,7 +102,7 @@ def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False)
     for patch in result.patches:
         below = {role: maximum_shear(result, patch, role) for role in ROLES} if shear else None
         patches.append(PatchNumbers(replace(PositionPatch.of(patch), shear=below), patch.hertz))
-    values, rows = numbers_of(result.equilibrium.motion.components, patches)
+    values, rows = numbers_of(result.equilibrium.position.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
 

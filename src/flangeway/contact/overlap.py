@@ -51,13 +51,17 @@ class BodyOverlap:
         )
 
 
-def body_overlaps(system: ContactSystem, response: BodyResponse, state: ContactState) -> tuple[BodyOverlap, ...]:
+def body_overlaps(
+    system: ContactSystem, response: BodyResponse, state: ContactState, fields: Sequence[Floats] | None = None
+) -> tuple[BodyOverlap, ...]:
     """Deepest overlap of each pair of deformed parts, whatever edges were given to their contacts.
 
     Parameters
     ----------
     system, response, state
         The contacts, the bodies, and a solution.
+    fields
+        Displacements of all nodes of each body in its own frame, if they are known.
 
     Returns
     -------
@@ -68,7 +72,8 @@ def body_overlaps(system: ContactSystem, response: BodyResponse, state: ContactS
     lin = state.linearisation
     if not isinstance(lin, ContactLinearisation):
         raise TypeError("a state of another system of constraints")
-    fields = response.fields(response.rotations(state.placements), state.nodal_forces)
+    if fields is None:
+        fields = response.fields(response.rotations(state.placements), state.nodal_forces)
     boundaries = []
     for number, (part, field) in enumerate(zip(system.parts, fields, strict=True)):
         first, last = response.offsets[number : number + 2]

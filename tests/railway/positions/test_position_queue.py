@@ -13,6 +13,7 @@ from flangeway.railway.positions.position_queue import (
 )
 from flangeway.railway.positions.positions_newton import PositionState
 from flangeway.railway.positions.surface_positions import Targets
+from flangeway.railway.wheelset.residual import AxleLoads
 
 STATE = PositionState(np.zeros(3), ())
 
@@ -21,11 +22,11 @@ def grid(lateral_mm: np.ndarray, loads_N: np.ndarray) -> Targets:
     lateral, load = (each.ravel() for each in np.meshgrid(lateral_mm, loads_N, indexing="ij"))
     given = np.full((len(load), 3), np.nan)
     given[:, 0] = lateral
-    return Targets(np.zeros(len(load)), load, load, given, 0.0)
+    return Targets(AxleLoads(np.zeros(len(load)), load, load, 0.0, 1.0), given)
 
 
 def front(targets: Targets, n_first: int = 1) -> PositionQueue:
-    return PositionQueue(targets, np.ones(len(targets.onto), dtype=np.bool_), n_first)
+    return PositionQueue(targets, np.ones(len(targets.loads.onto), dtype=np.bool_), n_first)
 
 
 @pytest.fixture

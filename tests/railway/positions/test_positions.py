@@ -16,7 +16,7 @@ from flangeway.railway.positions.positions_shear import lines_below
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import ROLES, Discretisation
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
@@ -59,7 +59,7 @@ def agree(prepared: PreparedWheelset, table: PositionTable, number: int) -> None
     """Compare one position with the full search, which starts without contact forces from the motion that was found."""
     positions = table.positions
     lateral = float(positions.lateral_mm[number])
-    where = WheelsetMotion(*table.motion[number]).moved(WheelsetMotion(vertical_mm=FIRST_PENETRATION_MM))
+    where = WheelsetPosition(*table.motion[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
     load = Load(float(positions.vertical_N[number]), float(positions.lateral_N[number]))
     found = prepared.solve(load, Prescribed(lateral_mm=None if np.isnan(lateral) else lateral), where)
     assert found.status.converged, found.status.message

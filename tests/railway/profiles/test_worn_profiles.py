@@ -9,7 +9,7 @@ from flangeway.railway.profiles.formats.miniprof import write_miniprof
 from flangeway.railway.profiles.formats.simpack import write_simpack
 from flangeway.railway.profiles.profile_file import ReadOptions, profile_text, read_profile
 from flangeway.railway.profiles.smoothing import smoothed, usual_wavelength_mm
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
 NOISE_MM = 0.03
 SPACING_MM = 0.25
@@ -39,7 +39,7 @@ def hollow_tread():
     height = points[:, 1].copy()
     reached = (points[:, 0] > -40.0) & (points[:, 0] < 55.0)
     for lateral in LATERALS_MM:
-        at = WheelsetMotion(lateral, 0.0, 0.0).placement(wheelset, "right").inverse().points(on_track)
+        at = WheelsetPosition(lateral, 0.0, 0.0).placement(wheelset, "right").inverse().points(on_track)
         at = at[np.argsort(at[:, 0])]
         rail_height = np.interp(points[:, 0], at[:, 0], at[:, 1])
         lowered = (points[:, 1] - rail_height)[reached].min()
@@ -120,7 +120,7 @@ def test_the_chain_ends_in_balance(name, runs):
     """From the files to the balance: converged, errors below 1e-10, contact forces that bear the load."""
     run = runs[name]
     assert run.result.status.converged, run.result.status.message
-    assert run.result.equilibrium.balance.equilibrium_residual < 1e-10
+    assert run.result.equilibrium.residuals.equilibrium_residual < 1e-10
     along, onto = run.result.model.problem.load.in_track
     total = sum(patch.force_on_wheel_N for patch in run.result.patches)
     assert total == pytest.approx([-along, onto], rel=1e-8, abs=1.0)

@@ -7,7 +7,7 @@ import pytest
 
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
-from flangeway.railway.track.placements import Track, Wheelset, WheelsetMotion
+from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 
 
 def head_points(track: Track, side: str) -> np.ndarray:
@@ -15,8 +15,8 @@ def head_points(track: Track, side: str) -> np.ndarray:
     return track.placement(side).points(curve.sampled(spacing=0.01))
 
 
-def wheel_points(wheelset: Wheelset, side: str, motion: WheelsetMotion | None = None) -> np.ndarray:
-    placement = (motion or WheelsetMotion()).placement(wheelset, side)
+def wheel_points(wheelset: Wheelset, side: str, motion: WheelsetPosition | None = None) -> np.ndarray:
+    placement = (motion or WheelsetPosition()).placement(wheelset, side)
     return placement.points(wheelset.wheel.outline.sampled(spacing=0.01))
 
 
@@ -43,14 +43,14 @@ def test_back_to_back_and_radius() -> None:
     wheelset = Wheelset(wheel(), back_to_back_mm=1515.0, radius_mm=500.0)
     left, right = wheel_points(wheelset, "left"), wheel_points(wheelset, "right")
     assert right[:, 0].min() - left[:, 0].max() == pytest.approx(1515.0, abs=1e-9)
-    axle = WheelsetMotion().axle(wheelset)
+    axle = WheelsetPosition().axle(wheelset)
     assert axle[1] - right[:, 1].min() == pytest.approx(500.0, abs=1e-3)
 
 
 def test_a_motion_is_rigid_and_about_the_axle() -> None:
     """A roll keeps the axle's middle, lowers the left wheel if positive, moves the centre of gravity to the left."""
     wheelset = Wheelset(wheel())
-    motion = WheelsetMotion(lateral_mm=3.0, vertical_mm=-1.0, roll_rad=1e-3)
+    motion = WheelsetPosition(lateral_mm=3.0, vertical_mm=-1.0, roll_rad=1e-3)
     before, after = wheel_points(wheelset, "right"), wheel_points(wheelset, "right", motion)
     assert np.linalg.norm(after[0] - after[500]) == pytest.approx(np.linalg.norm(before[0] - before[500]))
     assert motion.axle(wheelset) == pytest.approx((3.0, 500.0 - 25.4 - 1.0))

@@ -85,7 +85,7 @@ def test_the_holding_force_is_the_residual_of_the_balance(results):
     """What holds a prescribed motion is the negative residual about the axle's middle, and zero where it is free."""
     held = results["held"]
     response = CondensedBodies(held.model.system.surface_nodes)
-    residual, balance = residuals_of(held.model, response, held.equilibrium.motion, held.equilibrium.state)
+    residual, balance = residuals_of(held.model, response, held.equilibrium.position, held.equilibrium.state)
     found = holding_force(held)
     assert found.lateral_N == pytest.approx(-residual[0], rel=1e-9)
     assert found.moment_Nmm == pytest.approx(-residual[2], rel=1e-9)

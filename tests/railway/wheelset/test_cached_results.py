@@ -38,9 +38,9 @@ def test_a_second_run_computes_nothing_anew(folder: Path, monkeypatch: pytest.Mo
         raise AssertionError("computed again")
 
     for name in (
-        "flangeway.railway.wheelset.cached_mesh.triangulate",
+        "flangeway.railway.wheelset.wheelset_mesh.triangulate",
         "flangeway.solve.condensed.factorise",
-        "flangeway.railway.wheelset.wheelset_result.find_equilibrium",
+        "flangeway.railway.wheelset.equilibrium.find_equilibrium",
     ):
         monkeypatch.setattr(name, refuse)
     second = solve_wheelset(problem())
@@ -67,9 +67,9 @@ def test_a_wrong_equilibrium_is_found_out(folder: Path) -> None:
     assert paths
     for path in paths:
         arrays = dict(cache.load(path.stem) or {})
-        arrays["motions"] = arrays["motions"] - np.array([0.0, 0.05, 0.0])
+        arrays["positions"] = arrays["positions"] - np.array([0.0, 0.05, 0.0])
         arrays["forces_0"] = 0.9 * arrays["forces_0"]
         cache.store(path.stem, arrays)
     again = solve_wheelset(problem())
     np.testing.assert_allclose(forces(again), forces(first), rtol=1e-9)
-    np.testing.assert_allclose(again.equilibrium.motion.components, first.equilibrium.motion.components, atol=1e-9)
+    np.testing.assert_allclose(again.equilibrium.position.components, first.equilibrium.position.components, atol=1e-9)

@@ -27,7 +27,7 @@ def test_the_curve_is_in_balance_from_a_cold_start(crown: int) -> None:
     """The resulting error is below 1e-10, with two contacts on the outer rail and one on the inner one."""
     result = solve(WheelsetCurveCase, crown_radius_in=crown)
     assert result.status.converged, result.status.message
-    assert result.equilibrium.balance.equilibrium_residual < 1e-10
+    assert result.equilibrium.residuals.equilibrium_residual < 1e-10
     regions = sorted((patch.side, patch.region) for patch in result.patches)
     assert regions == [("left", "crown"), ("right", "crown"), ("right", "gauge corner")]
     along, onto = result.model.problem.load.in_track
@@ -37,7 +37,7 @@ def test_the_curve_is_in_balance_from_a_cold_start(crown: int) -> None:
 def test_methods_agree_in_the_curve() -> None:
     """Triangles and polygons agree in force of each contact within 4 % and in lateral motion within 0.1 mm."""
     fem, vem = (solve(WheelsetCurveCase, method=method) for method in ("fem", "vem"))
-    assert fem.equilibrium.motion.lateral_mm == pytest.approx(vem.equilibrium.motion.lateral_mm, abs=0.1)
+    assert fem.equilibrium.position.lateral_mm == pytest.approx(vem.equilibrium.position.lateral_mm, abs=0.1)
     for one, other in zip(fem.patches, vem.patches, strict=True):
         assert np.linalg.norm(one.force_on_wheel_N) == pytest.approx(np.linalg.norm(other.force_on_wheel_N), rel=0.04)
 
@@ -49,22 +49,22 @@ def test_flanges_push_the_rails_apart() -> None:
     assert sorted((patch.side, patch.region) for patch in result.patches) == [
         ("left", "crown"), ("left", "gauge corner"), ("right", "crown"), ("right", "gauge corner"),
     ]  # fmt: skip
-    assert abs(result.equilibrium.motion.lateral_mm) < 1e-6
+    assert abs(result.equilibrium.position.lateral_mm) < 1e-6
 
 
 def test_thirty_times_the_load_is_found() -> None:
     """At 9 MN an axle, many steps' limit below first touch, the balance is found as well."""
     result = solve(WheelsetTangentCase, axle_load_kN=9000.0)
     assert result.status.converged, result.status.message
-    assert result.equilibrium.balance.equilibrium_residual < 1e-10
+    assert result.equilibrium.residuals.equilibrium_residual < 1e-10
 
 
 def test_a_prescribed_shift_is_held_by_a_force_at_the_axle() -> None:
     """At a lateral shift of 5 mm the shift is exact and weight and roll are in balance to 1e-9."""
     result = solve(WheelsetTangentCase, lateral_mm=5.0)
     assert result.status.converged, result.status.message
-    assert result.equilibrium.motion.lateral_mm == pytest.approx(5.0, abs=1e-12)
-    balance = result.equilibrium.balance
+    assert result.equilibrium.position.lateral_mm == pytest.approx(5.0, abs=1e-12)
+    balance = result.equilibrium.residuals
     assert abs(balance.vertical_residual) + abs(balance.moment_residual) < 1e-9
     assert abs(balance.lateral_residual) > 1e-4
     assert result.model.problem.prescribed == Prescribed(lateral_mm=5.0)
@@ -75,7 +75,7 @@ def test_elastic_rails_let_a_flange_go_on_where_rigid_ones_lift_it(lateral: floa
     """S1002 on 60E1 held beyond the place where a rigid flange climbs: found, the same on both sides, not climbed."""
     result = solve(WheelsetTangentCase, lateral_mm=lateral, **S1002_ON_60E1, size_scale=6.0)
     assert result.status.converged, result.status.message
-    motion, flange = result.equilibrium.motion, "right" if lateral > 0.0 else "left"
+    motion, flange = result.equilibrium.position, "right" if lateral > 0.0 else "left"
     assert motion.roll_rad * np.sign(lateral) == pytest.approx(0.29e-3, abs=0.05e-3)
     assert abs(motion.vertical_mm) < 1.0
     assert result.lateral_over_vertical(flange) == pytest.approx(0.25, abs=0.05)
@@ -88,7 +88,7 @@ def test_many_positions_fall_back_on_the_middle_of_the_track() -> None:
     assert climbed.vertical_mm > 3.0
     found = prepared.solve(prescribed=Prescribed(8.0), start=climbed)
     assert found.status.converged, found.status.message
-    assert abs(found.motion.vertical_mm) < 1.0
+    assert abs(found.position.vertical_mm) < 1.0
 
 
 def test_mirrored_loads_have_mirrored_results() -> None:
@@ -104,8 +104,8 @@ def test_mirrored_loads_have_mirrored_results() -> None:
         )
         for radius in (500.0, -500.0)
     )
-    assert left.equilibrium.motion.lateral_mm > 4.0
-    assert left.equilibrium.motion.lateral_mm == pytest.approx(-right.equilibrium.motion.lateral_mm, rel=1e-7)
+    assert left.equilibrium.position.lateral_mm > 4.0
+    assert left.equilibrium.position.lateral_mm == pytest.approx(-right.equilibrium.position.lateral_mm, rel=1e-7)
     ours, theirs = (sorted(patch.pressure.pressures.max() for patch in each.patches) for each in (left, right))
     assert ours == pytest.approx(theirs, rel=1e-7)
 
@@ -114,7 +114,7 @@ def test_superelevation_that_balances_the_force_takes_the_flange_off() -> None:
     """With no force along the track the wheelset stays within 0.05 mm of the middle."""
     result = solve(WheelsetTangentCase, speed_km_h=70.0, curve_radius_m=400.0, superelevation_mm="from-speed")
     assert result.status.converged, result.status.message
-    assert abs(result.equilibrium.motion.lateral_mm) < 0.05
+    assert abs(result.equilibrium.position.lateral_mm) < 0.05
 
 
 def test_what_cannot_balance_is_said() -> None:
@@ -138,9 +138,9 @@ def test_all_balances_are_found() -> None:
     assert result.equilibrium.stable is True
     (other,) = result.others
     assert other.stable is False
-    assert other.balance.equilibrium_residual < 1e-9
+    assert other.residuals.equilibrium_residual < 1e-9
     rigid = [position.motion.lateral_mm for position in result.model.rigid_start.equilibrium.positions]
-    assert [result.equilibrium.motion.lateral_mm, other.motion.lateral_mm] == pytest.approx(rigid, abs=2.0)
+    assert [result.equilibrium.position.lateral_mm, other.position.lateral_mm] == pytest.approx(rigid, abs=2.0)
 
 
 def test_the_load_in_the_axes_of_the_track() -> None:

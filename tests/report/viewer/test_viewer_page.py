@@ -9,7 +9,7 @@ from matplotlib.image import imread
 
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.case_file import read_case
-from flangeway.railway.wheelset.equilibrium import TOLERANCE
+from flangeway.railway.wheelset.equilibrium import ROUND_OFF
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text
 from flangeway.report.wheelset.convergence_figure import convergence_figure
@@ -120,7 +120,7 @@ def test_the_search_is_kept_and_drawn(runs):
         equilibrium = run.result.equilibrium
         errors = [balance.equilibrium_residual for balance in equilibrium.history]
         assert len(errors) > 3
-        assert max(min(errors), equilibrium.balance.equilibrium_residual) <= TOLERANCE < errors[-2] < errors[0]
+        assert max(min(errors), equilibrium.residuals.equilibrium_residual) <= ROUND_OFF < errors[-2] < errors[0]
         axes = convergence_figure(run).axes[0]
         drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
         assert np.array_equal(drawn["resulting error"], np.maximum(errors, 1e-16))

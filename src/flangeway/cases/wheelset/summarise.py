@@ -35,8 +35,9 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.bending import FaceStresses, RailBending, rail_bending
 from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on, stresses_below
 from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
-from flangeway.railway.wheelset.validity import SLICE, below_contacts
-from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
+from flangeway.railway.wheelset.wheelset_checks import SLICE, below_contacts
+from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 CONFORMING = (
     "Hertz's theory is left out where wheel and rail conform: where its half width is above half of a radius of either "
@@ -58,7 +59,7 @@ def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> W
 
     """
     equilibrium, load = result.equilibrium, result.model.problem.load
-    motion, in_space, residual = equilibrium.motion, result.motion_in_space, equilibrium.balance
+    motion, in_space, residual = equilibrium.position, result.position_in_space, equilibrium.residuals
     along, onto = load.in_track
     timings = {name.replace("-", "_"): seconds for name, seconds in result.timings_s.items()}
     return WheelsetSummary(
@@ -69,8 +70,8 @@ def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> W
         ),
         other_equilibria=[
             OtherEquilibrium(
-                *(each.motion.vertical_mm, each.motion.lateral_mm, each.motion.roll_rad, each.stable),
-                each.balance.equilibrium_residual,
+                *(each.position.vertical_mm, each.position.lateral_mm, each.position.roll_rad, each.stable),
+                each.residuals.equilibrium_residual,
             )
             for each in result.others
         ],

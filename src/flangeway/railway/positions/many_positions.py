@@ -20,9 +20,10 @@ from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_she
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
 from flangeway.railway.positions.surface_positions import Targets
 from flangeway.railway.rigid.elastic_start import rigid_start
-from flangeway.railway.track.placements import SIDES, WheelsetMotion
+from flangeway.railway.track.placements import SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed
+from flangeway.railway.wheelset.residual import AxleLoads
 from flangeway.types import Bools, Floats, Ints
 
 AT_ONCE = 32
@@ -199,7 +200,7 @@ class _Run:
     waiting: list[tuple[int, LoadedPatch]] = field(default_factory=list)
     patches: dict[int, tuple[PositionPatch, ...]] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
-    rests: dict[int, WheelsetMotion] = field(default_factory=dict)
+    rests: dict[int, WheelsetPosition] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.positions)
@@ -214,9 +215,7 @@ class _Run:
             if value is not None and component > 0:
                 given[:, component] = value
         given[:, 0] = self.positions.lateral_mm
-        self.targets = Targets(
-            along, onto, self.positions.vertical_N, given, problem.wheelset.centre_of_gravity_height_mm
-        )
+        self.targets = Targets(AxleLoads.of(problem, along, onto, self.positions.vertical_N), given)
         self.guesses = self._guesses()
 
     def _load(self, number: int) -> Load:
@@ -228,7 +227,7 @@ class _Run:
         given = self.prepared.model.problem.prescribed
         return Prescribed(None if np.isnan(lateral) else lateral, given.vertical_mm, given.roll_rad)
 
-    def _guesses(self) -> dict[float, WheelsetMotion]:
+    def _guesses(self) -> dict[float, WheelsetPosition]:
         """Where rigid wheels stand at each lateral motion that is asked for; without those that cannot be reached."""
         wanted = np.unique(self.positions.lateral_mm[~np.isnan(self.positions.lateral_mm)])
         geometry = self.prepared.model.rigid_start.geometry
@@ -238,7 +237,7 @@ class _Run:
         except InputError:
             return _reachable(self.prepared, wanted)
 
-    def _start(self, number: int) -> WheelsetMotion | None:
+    def _start(self, number: int) -> WheelsetPosition | None:
         """Where rigid wheels stand; None and a message if they do not."""
         lateral = float(self.positions.lateral_mm[number])
         if not np.isnan(lateral):
@@ -332,7 +331,7 @@ class _Run:
         """Where the searches for positions begin: rigid wheels a little pressed on the rails, shape (n, 3)."""
         motions = [self._start(each.number) for each in journeys]
         rest = np.array([motion.components for motion in motions if motion is not None])
-        given = self.targets.given[[each.number for each in journeys]]
+        given = self.targets.prescribed[[each.number for each in journeys]]
         return np.where(np.isnan(given), rest - [0.0, PRESSED_MM, 0.0], given)
 
     def _collect(self, lanes: Lanes, found: Ints, at: list[Continuation]) -> None:
@@ -372,7 +371,7 @@ class _Run:
         if not found.status.converged:
             self.messages[number] = found.status.message
             return
-        self.motion[number] = found.motion.components
+        self.motion[number] = found.position.components
         self.patches[number] = patches_of(self.prepared, found)
         if self.shear:
             response, state = self.prepared.response, found.state
@@ -399,7 +398,7 @@ class _Run:
         )
 
 
-def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, WheelsetMotion]:
+def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, WheelsetPosition]:
     """Where rigid wheels stand at those lateral motions that they reach."""
     found = {}
     for lateral in wanted:

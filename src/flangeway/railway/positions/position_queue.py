@@ -179,6 +179,6 @@ class PositionQueue:
 
 def _features(targets: Targets) -> Floats:
     """Positions in a space where neighbours are about one apart, shape (n, 3)."""
-    lateral = np.where(np.isnan(targets.given[:, 0]), 1e3, targets.given[:, 0])
-    ratio = np.where(np.isnan(targets.given[:, 0]), targets.along / targets.onto, 0.0)
-    return np.stack((lateral, np.log(targets.onto), ratio), axis=1) / NEAR
+    lateral = np.where(np.isnan(targets.prescribed[:, 0]), 1e3, targets.prescribed[:, 0])
+    ratio = np.where(np.isnan(targets.prescribed[:, 0]), targets.loads.along / targets.loads.onto, 0.0)
+    return np.stack((lateral, np.log(targets.loads.onto), ratio), axis=1) / NEAR

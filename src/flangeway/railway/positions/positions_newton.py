@@ -25,6 +25,7 @@ from flangeway.railway.positions.surface_positions import (
     carried,
     resultants,
 )
+from flangeway.railway.wheelset.residual import MAX_STEP, TOLERANCE, residual_norm
 from flangeway.types import Bools, Floats, Ints
 
 MARGIN_MM = 0.12
@@ -45,14 +46,10 @@ MOVED_MM = 0.06
 STALE_MM = 0.2
 """Motion aside after which the tangent is made anew."""
 
-CAP = np.array([0.3, 0.3, 3e-4])
-"""Longest step: mm, mm, rad."""
-
 MOST_ROUNDS = 25
 FIRST_ROUNDS = 12
 """Rounds after which a lane is lost whose error has not come below `LOWERED`."""
 
-TOLERANCE = 1e-9
 SLOW = 0.2
 """Part of the error left by a round above which the tangent is made anew."""
 
@@ -236,19 +233,19 @@ class Lanes:
     def evaluate(self) -> tuple[Bools, Bools]:
         """Evaluate the equations; return which lanes are solved and which are lost."""
         self.age += 1
-        to_come = np.abs(self.targets.left(self.motion)) / CAP * CAP[0]
+        to_come = np.abs(self.targets.remaining(self.motion)) / MAX_STEP * MAX_STEP[0]
         with np.errstate(invalid="ignore"):
-            moved = np.abs(self.motion - self.looked_at) / CAP * CAP[0]
+            moved = np.abs(self.motion - self.looked_at) / MAX_STEP * MAX_STEP[0]
         anew = np.flatnonzero(~(moved.max(axis=1) <= MOVED_MM))
         self.looked_at[anew] = self.motion[anew]
         margins = MARGIN_MM + np.where(self.error > LOWERED, MARGIN_MM, 0.0)
-        residual = self.targets.loads(self.motion)
+        residual = self.targets.loads.on_axle(self.motion[:, 2])
         error = to_come.max(axis=1)
         for side in self.sides:
             side.evaluate(self.motion, anew, margins[anew])
             residual += np.einsum("lh,lhk->lk", side.loads.forces, resultants(side.stand, side.gaps, side.around))
             error = np.maximum(error, side.violation())
-        error = np.maximum(error, self.targets.errors(residual))
+        error = np.maximum(error, residual_norm(self.targets.loads.relative(residual), self.targets.free))
         done = error <= TOLERANCE
         if done.any():
             done &= ~self._is_missed(done)
@@ -283,7 +280,7 @@ class Lanes:
         self.tangent_age += 1
         windows = [Window.of(side) for side in self.sides]
         change, forces = linear_step(windows, self.targets, self.motion)
-        self.motion = self.targets.arrived(self.motion + change)
+        self.motion = self.targets.snapped(self.motion + change)
         for side, window, now in zip(self.sides, windows, forces, strict=True):
             side.loads = window.loads_after(now, change)
 
@@ -465,8 +462,8 @@ def _motion_change(
     windows: list[Window], lanes: Ints, answers: list[Floats], targets: Targets, motion: Floats
 ) -> Floats:
     """Change of the motion that balances the loads, within the longest step, shape (L, 3)."""
-    residual, stiffness = targets.loads(motion), np.zeros((len(lanes), 3, 3))
-    stiffness[:, 2, 2] = -targets.turning(motion)
+    residual, stiffness = targets.loads.on_axle(motion[:, 2]), np.zeros((len(lanes), 3, 3))
+    stiffness[:, 2, 2] = -targets.loads.moment_by_roll(motion[:, 2])
     for each, answer in zip(windows, answers, strict=True):
         change = answer.copy()
         change[..., 0] -= each.forces[lanes]
@@ -480,8 +477,8 @@ def _motion_change(
     lane, component = np.nonzero(held)
     stiffness[lane, component, component] = 1.0
     # what is given moves by what it has still to go, and the rest with it
-    to_come = targets.left(motion)
-    residual -= np.einsum("lij,lj->li", coupling, np.clip(to_come, -CAP, CAP))
-    step = np.linalg.solve(stiffness * CAP, np.where(held, to_come, residual)[..., None])[..., 0]
+    to_come = targets.remaining(motion)
+    residual -= np.einsum("lij,lj->li", coupling, np.clip(to_come, -MAX_STEP, MAX_STEP))
+    step = np.linalg.solve(stiffness * MAX_STEP, np.where(held, to_come, residual)[..., None])[..., 0]
     excess = np.abs(step).max(axis=1, keepdims=True)
-    return step / np.maximum(excess, 1.0) * CAP
+    return step / np.maximum(excess, 1.0) * MAX_STEP

@@ -15,13 +15,13 @@ from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.subsurface import SubsurfaceExtreme
-from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, region_of, wheel_rail_patch
+from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch, region_of, wheel_rail_patch
 from flangeway.types import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
 class PositionPatch:
-    """One region of contact; see `flangeway.railway.wheelset.wheelset_result.WheelRailPatch`.
+    """One region of contact; see `flangeway.railway.wheelset.wheel_rail_patch.WheelRailPatch`.
 
     Parameters
     ----------

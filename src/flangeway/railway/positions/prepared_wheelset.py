@@ -8,7 +8,7 @@ import numpy as np
 
 from flangeway.railway.positions.running_pair import RunningPair
 from flangeway.railway.positions.surface_positions import SidePose
-from flangeway.railway.track.placements import SIDES, WheelsetMotion, mirrored
+from flangeway.railway.track.placements import SIDES, WheelsetPosition, mirrored
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibrium
@@ -37,7 +37,7 @@ class PreparedWheelset:
         self,
         load: Load | None = None,
         prescribed: Prescribed | None = None,
-        start: WheelsetMotion | None = None,
+        start: WheelsetPosition | None = None,
     ) -> Equilibrium:
         """Find one position by the full search.
 

@@ -1,16 +1,13 @@
 """Where the surfaces of many positions of a wheelset stand and what they bear; a lane is one position."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from flangeway.railway.positions.running_pair import Candidates, Gaps, RunningPair
 from flangeway.railway.track.placements import Side
-from flangeway.railway.wheelset.residual import LATERAL_REFERENCE_N
+from flangeway.railway.wheelset.residual import AxleLoads
 from flangeway.types import Bools, Floats, Ints
-
-ARM_MM = 750.0
-"""What errors of the moment are measured by, times the weight."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,49 +65,40 @@ class SidePose:
 
 @dataclass(frozen=True, eq=False)
 class Targets:
-    """What each lane is asked for.
+    """Loads and prescribed components of each position.
 
     Parameters
     ----------
-    along, onto
-        Lateral forces in the track's plane and forces onto it, shape (L,).
-    weight
-        What errors of the vertical force are measured by, shape (L,).
-    given
-        Components of the motion that are prescribed, nan for those that are found, shape (L, 3).
-    centre_of_gravity_height
-        Height above the axle of the point where the forces act.
+    loads
+        Loads on the wheelset, each shape (L,).
+    prescribed
+        Prescribed components of the position, nan for those that are found, shape (L, 3).
 
     """
 
-    along: Floats
-    onto: Floats
-    weight: Floats
-    given: Floats
-    centre_of_gravity_height: float
+    loads: AxleLoads
+    prescribed: Floats
 
     @property
     def free(self) -> Bools:
-        """Which components of the motion are found, shape (L, 3)."""
-        return np.isnan(self.given)
+        """Which components of the position are found, shape (L, 3)."""
+        return np.isnan(self.prescribed)
 
-    def left(self, motion: Floats) -> Floats:
-        """How far what is prescribed has still to go, zero for what is found, shape (L, 3)."""
-        return np.where(self.free, 0.0, self.given - motion)
+    def remaining(self, position: Floats) -> Floats:
+        """Difference of what is prescribed and a position, zero for what is found, shape (L, 3)."""
+        return np.where(self.free, 0.0, self.prescribed - position)
 
-    def arrived(self, motion: Floats) -> Floats:
-        """Motion whose prescribed components are exact where round-off is left."""
-        left = self.left(motion)
-        return np.where(self.free | (np.abs(left) > 1e-9), motion, np.where(self.free, 0.0, self.given))
+    def snapped(self, position: Floats) -> Floats:
+        """Position whose prescribed components are exact where they are so but for round-off."""
+        exact = ~self.free & (np.abs(self.remaining(position)) <= 1e-9)
+        return np.where(exact, self.prescribed, position)
 
     def take(self, lanes: Ints | Bools) -> "Targets":
         """Those of some lanes."""
-        return Targets(
-            self.along[lanes], self.onto[lanes], self.weight[lanes], self.given[lanes], self.centre_of_gravity_height
-        )
+        return Targets(self.loads.take(lanes), self.prescribed[lanes])
 
     def changed(self, lane: int, other: "Targets", number: int, share: float, origin: int | None) -> "Targets":
-        """Those with another demand for one lane: a share of the way to it from another, or under a share of its load.
+        """Those with another target for one lane: a share of the way to it from another, or a share of its load.
 
         Parameters
         ----------
@@ -121,7 +109,7 @@ class Targets:
         share
             Part of the way or of the load.
         origin
-            Which of the other demands the way begins at; None: the same without load.
+            Which of the other targets the way begins at; None: the same without load.
 
         """
 
@@ -130,28 +118,15 @@ class Targets:
             result[lane] = theirs[number] if share == 1.0 else (1.0 - share) * start + share * theirs[number]
             return result
 
-        given = other.given[number if origin is None else origin]
+        ours, theirs = self.loads, other.loads
         along, onto, weight = (
-            part_way(mine, theirs, 0.0 if origin is None else theirs[origin])
-            for mine, theirs in ((self.along, other.along), (self.onto, other.onto), (self.weight, other.weight))
+            part_way(mine, target, 0.0 if origin is None else target[origin])
+            for mine, target in ((ours.along, theirs.along), (ours.onto, theirs.onto), (ours.weight, theirs.weight))
         )
-        return Targets(along, onto, weight, part_way(self.given, other.given, given), self.centre_of_gravity_height)
-
-    def loads(self, motion: Floats) -> Floats:
-        """Forces in the track's axes and moment about the axle's middle, shape (L, 3)."""
-        x = -self.centre_of_gravity_height * np.sin(motion[:, 2])
-        y = self.centre_of_gravity_height * np.cos(motion[:, 2])
-        return np.stack((self.along, -self.onto, -x * self.onto - y * self.along), axis=1)
-
-    def turning(self, motion: Floats) -> Floats:
-        """Derivative of the moment by roll, shape (L,)."""
-        cosine, sine = np.cos(motion[:, 2]), np.sin(motion[:, 2])
-        return self.centre_of_gravity_height * (cosine * self.onto + sine * self.along)
-
-    def errors(self, residual: Floats) -> Floats:
-        """Largest relative error of the balance of what is free, shape (L,)."""
-        scales = np.stack((np.full_like(self.weight, LATERAL_REFERENCE_N), self.weight, self.weight * ARM_MM), axis=1)
-        return np.abs(np.where(self.free, residual / scales, 0.0)).max(axis=1)
+        start = other.prescribed[number if origin is None else origin]
+        return Targets(
+            replace(ours, along=along, onto=onto, weight=weight), part_way(self.prescribed, other.prescribed, start)
+        )
 
 
 @dataclass(frozen=True, eq=False)

@@ -11,7 +11,7 @@ from flangeway.geometry import Placement
 from flangeway.railway.rigid.rigid_equilibrium import RigidEquilibrium, rigid_equilibrium
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.types import Floats
 
@@ -64,11 +64,11 @@ class RigidStart:
     """
 
     geometry: RigidGeometry
-    starts: tuple[WheelsetMotion, ...]
+    starts: tuple[WheelsetPosition, ...]
     equilibrium: RigidEquilibrium | None
 
     @property
-    def motion(self) -> WheelsetMotion:
+    def motion(self) -> WheelsetPosition:
         """Displacement of the axle's middle in the first start."""
         return self.starts[0]
 
@@ -159,14 +159,14 @@ def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None)
         found.insert(0, middle)
     else:
         found.insert(0, equilibrium.reached().motion)
-    starts: list[WheelsetMotion] = []
+    starts: list[WheelsetPosition] = []
     for motion in found:
         if all(abs(motion.lateral_mm - other.lateral_mm) > APART_MM for other in starts):
             starts.append(motion)
     return RigidStart(geometry, tuple(starts), equilibrium)
 
 
-def _prescribed_starts(geometry: RigidGeometry, lateral: float) -> tuple[WheelsetMotion, ...]:
+def _prescribed_starts(geometry: RigidGeometry, lateral: float) -> tuple[WheelsetPosition, ...]:
     """The position at a prescribed lateral displacement; before it, the last one in which the flange does not climb."""
     ends = geometry.locus([lateral, 0.0])
     at_it = ends.motion(0)

@@ -16,7 +16,7 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.solve import Status
 from flangeway.types import Floats
@@ -107,8 +107,8 @@ class RigidPosition:
 
     """
 
-    motion: WheelsetMotion
-    motion_in_space: WheelsetMotion
+    motion: WheelsetPosition
+    motion_in_space: WheelsetPosition
     contacts: tuple[RigidContactPoint, ...]
     stable: bool
     residual: float
@@ -363,7 +363,7 @@ def _position(
     forces, remainder = nnls(np.array(columns).T, np.array([-along, onto, 0.0]) / onto)
     loaded = (replace(point, normal_force_N=float(force) * onto) for point, force in zip(points, forces, strict=True))
     cosine, sine = math.cos(load.tilt_rad), math.sin(load.tilt_rad)
-    in_space = WheelsetMotion(
+    in_space = WheelsetPosition(
         cosine * motion.lateral_mm - sine * motion.vertical_mm,
         sine * motion.lateral_mm + cosine * motion.vertical_mm,
         motion.roll_rad,

@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.railway.track.placements import Side, WheelsetMotion
+from flangeway.railway.track.placements import Side, WheelsetPosition
 from flangeway.types import Floats
 
 
@@ -60,7 +60,7 @@ class ContactLocus:
     Parameters
     ----------
     lateral_mm, vertical_mm, roll_rad
-        Displacement of the axle's middle from its reference position, each (n,); see `WheelsetMotion`.
+        Displacement of the axle's middle from its reference position, each (n,); see `WheelsetPosition`.
     rail_level_mm
         Lateral displacement of the wheelset at the height of the rails, (n,).
     left, right
@@ -90,9 +90,9 @@ class ContactLocus:
         sides = self.left.part(chosen), self.right.part(chosen)
         return ContactLocus(lateral, vertical, roll, self.rail_level_mm[chosen], *sides)
 
-    def motion(self, number: int) -> WheelsetMotion:
+    def motion(self, number: int) -> WheelsetPosition:
         """Displacement of the wheelset in a position."""
-        return WheelsetMotion(
+        return WheelsetPosition(
             float(self.lateral_mm[number]), float(self.vertical_mm[number]), float(self.roll_rad[number])
         )
 
@@ -113,7 +113,7 @@ class ContactJump:
     """
 
     side: Side
-    motion: WheelsetMotion
+    motion: WheelsetPosition
     wheel_points_mm: tuple[tuple[float, float], tuple[float, float]]
     rail_points_mm: tuple[tuple[float, float], tuple[float, float]]
 

@@ -203,8 +203,8 @@ class Wheelset:
 
 
 @dataclass(frozen=True)
-class WheelsetMotion:
-    """Rigid motion of the wheelset from its reference position, axes of the track.
+class WheelsetPosition:
+    """Position of the wheelset: its rigid displacement from the reference position, axes of the track.
 
     Parameters
     ----------
@@ -223,33 +223,33 @@ class WheelsetMotion:
 
     def __post_init__(self) -> None:
         for name, value in zip(("lateral_mm", "vertical_mm", "roll_rad"), self.components, strict=True):
-            check_finite("WheelsetMotion", name, value)
+            check_finite("WheelsetPosition", name, value)
 
     @property
     def components(self) -> tuple[float, float, float]:
-        """Lateral and vertical motion and roll."""
+        """Lateral and vertical displacement and roll."""
         return self.lateral_mm, self.vertical_mm, self.roll_rad
 
-    def moved(self, other: "WheelsetMotion", part: float = 1.0) -> "WheelsetMotion":
-        """Add a part of another motion."""
-        return WheelsetMotion(
+    def moved(self, other: "WheelsetPosition", part: float = 1.0) -> "WheelsetPosition":
+        """Add a part of another displacement."""
+        return WheelsetPosition(
             self.lateral_mm + part * other.lateral_mm,
             self.vertical_mm + part * other.vertical_mm,
             self.roll_rad + part * other.roll_rad,
         )
 
     def axle(self, wheelset: Wheelset) -> tuple[float, float]:
-        """Place of the axle's middle."""
+        """Point in the middle of the axle."""
         return self.lateral_mm, wheelset.tape_radius_mm + self.vertical_mm
 
     def centre_of_gravity(self, wheelset: Wheelset) -> tuple[float, float]:
-        """Place of the point where the load acts."""
+        """Point where the load acts."""
         x, y = self.axle(wheelset)
         height = wheelset.centre_of_gravity_height_mm
         return x - height * math.sin(self.roll_rad), y + height * math.cos(self.roll_rad)
 
     def placement(self, wheelset: Wheelset, side: Side) -> Placement:
-        """Where the wheel of a side stands after the motion."""
+        """Placement of the wheel of a side."""
         turn = Placement.about((0.0, wheelset.tape_radius_mm), self.roll_rad)
         shift = Placement(0.0, (self.lateral_mm, self.vertical_mm))
         return shift.after(turn).after(wheelset.placement(side))

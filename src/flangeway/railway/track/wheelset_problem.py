@@ -19,7 +19,7 @@ class Prescribed:
     Parameters
     ----------
     lateral_mm, vertical_mm, roll_rad
-        As in `WheelsetMotion`.
+        As in `WheelsetPosition`.
 
     """
 

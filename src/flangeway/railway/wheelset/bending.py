@@ -12,7 +12,7 @@ from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post import force_through_cut
 from flangeway.problems import ElasticField
 from flangeway.railway.profiles.bundled import RailProfile
-from flangeway.railway.track.placements import Side, WheelsetMotion
+from flangeway.railway.track.placements import Side, WheelsetPosition
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 
@@ -92,7 +92,7 @@ class RailBending:
     """
 
     side: Side
-    head_motion: WheelsetMotion
+    head_motion: WheelsetPosition
     gauge_outward_mm: float
     web_height_mm: float
     web_thickness_mm: float
@@ -126,7 +126,7 @@ def rail_bending(result: WheelsetResult, side: Side) -> RailBending:
     faces = _faces(mesh, displacement, profile, middle, plane_modulus)
     return RailBending(
         side,
-        WheelsetMotion(float(lateral), float(vertical), -turn if placement.mirrored else turn),
+        WheelsetPosition(float(lateral), float(vertical), -turn if placement.mirrored else turn),
         outward,
         height,
         right - left,

@@ -1,35 +1,100 @@
-"""Forces and moment that are left on the wheelset, and how they change with its motion."""
+"""Residual of the wheelset's equilibrium, its norm, tolerance and step limits, for one position and for many."""
 
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike
 
-from flangeway.railway.track.placements import WheelsetMotion
+from flangeway.railway.track.placements import WheelsetPosition
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, ContactState
-from flangeway.solve.sensitivity import QUARTER_TURN, motion_derivatives
-from flangeway.types import Floats
+from flangeway.solve.sensitivity import motion_derivatives
+from flangeway.types import Bools, Floats, Ints
 
 LATERAL_REFERENCE_N = 28.4e3
-"""Reference of the lateral error in both situations: the centrifugal force of the curve (Moherdaui 2021, 7.2.2)."""
+"""Reference of the lateral residual in both situations: the centrifugal force of the curve (Moherdaui 2021, 7.2.2)."""
+
+TOLERANCE = 1e-9
+"""Equilibrium residual up to which a position is in equilibrium; a single one is iterated further, to round-off."""
+
+MAX_STEP = np.array([0.3, 0.3, 3e-4])
+"""Step limits in mm, mm and rad: the lateral stiffness jumps when a flange touches."""
+
+
+@dataclass(frozen=True, eq=False)
+class AxleLoads:
+    """Loads of one wheelset or of many, each shape (...).
+
+    Parameters
+    ----------
+    along, onto
+        Force in the track's plane, to the right, and force onto it, in N; they act at the centre of gravity.
+    weight
+        Reference of the vertical residual in N.
+    height
+        Height of the centre of gravity above the axle in mm.
+    arm
+        Arm of the reference moment in mm: half of the weight acts at half of the distance between the wheels.
+
+    """
+
+    along: Floats
+    onto: Floats
+    weight: Floats
+    height: float
+    arm: float
+
+    @classmethod
+    def of(cls, problem: WheelsetProblem, along: ArrayLike, onto: ArrayLike, weight: ArrayLike) -> "AxleLoads":
+        """Loads on the wheelset of a problem."""
+        wheelset = problem.wheelset
+        forces = [np.asarray(each, dtype=np.float64) for each in (along, onto, weight)]
+        return cls(
+            forces[0], forces[1], forces[2], wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm / 4.0
+        )
+
+    def take(self, chosen: Ints | Bools) -> "AxleLoads":
+        """Some of them."""
+        return AxleLoads(self.along[chosen], self.onto[chosen], self.weight[chosen], self.height, self.arm)
+
+    def on_axle(self, roll: ArrayLike) -> Floats:
+        """Forces in the track's axes and moment about the axle's middle at a roll (...), shape (..., 3)."""
+        x, y = -self.height * np.sin(roll), self.height * np.cos(roll)
+        return np.stack((self.along, -self.onto, -x * self.onto - y * self.along), axis=-1)
+
+    def moment_by_roll(self, roll: ArrayLike) -> Floats:
+        """Derivative of that moment, shape (...)."""
+        derivative: Floats = self.height * (np.cos(roll) * self.onto + np.sin(roll) * self.along)
+        return derivative
+
+    def relative(self, residual: Floats) -> Floats:
+        """Residual (..., 3) over its references."""
+        lateral = np.full_like(self.weight, LATERAL_REFERENCE_N)
+        return residual / np.stack((lateral, self.weight, self.weight * self.arm), axis=-1)
+
+
+def residual_norm(relative: Floats, free: Bools) -> Floats:
+    """Root of the sum of squares of what is free of a relative residual (..., 3), shape (...)."""
+    norm: Floats = np.sqrt(np.sum(np.where(free, relative, 0.0) ** 2, axis=-1))
+    return norm
 
 
 @dataclass(frozen=True)
 class RelativeResiduals:
-    """Relative errors of the equilibrium (Moherdaui 2021, 7.2.2).
+    """Relative residuals of the equilibrium (Moherdaui 2021, 7.2.2).
 
     Parameters
     ----------
     vertical_residual
-        Residual of the vertical force over the load.
+        Residual of the vertical force over the weight.
     lateral_residual
         Residual of the lateral force over 28.4 kN.
     moment_residual
-        Residual of the moment about the centre of gravity over the moment of one side's contact forces.
+        Residual of the moment about the axle's middle over that of half the weight at one wheel.
     free
-        Which of lateral and vertical motion and roll are found by balance; the others are prescribed, and their
-        residuals are what holds the wheelset.
+        Which of lateral and vertical displacement and roll are found; the others are prescribed, and their residuals
+        are what holds the wheelset.
 
     """
 
@@ -40,107 +105,71 @@ class RelativeResiduals:
 
     @property
     def equilibrium_residual(self) -> float:
-        """Root of the sum of squares of the errors of what is free."""
-        return self.error_of(np.array(self.free))
+        """Root of the sum of squares of the residuals of what is free."""
+        return self.norm_of(np.array(self.free))
 
-    def error_of(self, free: NDArray[np.bool_]) -> float:
-        """Root of the sum of squares of some errors, in the order of lateral and vertical motion and roll."""
-        return float(
-            np.linalg.norm(np.array([self.lateral_residual, self.vertical_residual, self.moment_residual])[free])
-        )
-
-
-def wheel_forces(model: WheelsetModel, response: BodyResponse, state: ContactState) -> Floats:
-    """Contact forces on the wheels' surface nodes, zero on the rails', shape (n_nodes, 2)."""
-    moves = model.moving[response.body_of_node]
-    return np.where(moves[:, None], state.nodal_forces, 0.0)
+    def norm_of(self, free: Bools) -> float:
+        """Root of the sum of squares of some, in the order of lateral and vertical displacement and roll."""
+        relative = np.array([self.lateral_residual, self.vertical_residual, self.moment_residual])
+        return float(residual_norm(relative, free))
 
 
 def residuals_of(
-    model: WheelsetModel, response: BodyResponse, motion: WheelsetMotion, state: ContactState
+    model: WheelsetModel, response: BodyResponse, position: WheelsetPosition, state: ContactState
 ) -> tuple[Floats, RelativeResiduals]:
-    """Residual of the wheelset's equilibrium and its relative errors, in the current configuration.
+    """Residual of the wheelset's equilibrium and its relative values, in the current configuration.
 
     Returns
     -------
     tuple
-        Lateral force, vertical force and moment about the centre of gravity in the track's axes (N, N, N mm), and the
-        errors. With a prescribed motion, the moment is that about the axle's middle, where the wheelset is held.
+        Lateral force, vertical force and moment about the axle's middle in the track's axes (N, N, N mm), and the
+        relative residuals.
 
     """
     problem = model.problem
-    along, onto = problem.load.in_track
-    forces = wheel_forces(model, response, state)
-    axle, centre_of_gravity = (
-        np.array(motion.axle(problem.wheelset)),
-        np.array(motion.centre_of_gravity(problem.wheelset)),
-    )
-    arms = state.positions - centre_of_gravity
-    moments = arms[:, 0] * forces[:, 1] - arms[:, 1] * forces[:, 0]
-    right = np.array([side == "right" for side in model.sides])[response.body_of_node]
-    lateral, vertical = forces.sum(axis=0) + np.array([along, -onto])
-    reference = float(np.abs(moments[right].sum())) or 1.0
-    moment = moments.sum()
-    if _is_held(model):
-        x, y = centre_of_gravity - axle
-        moment += x * vertical - y * lateral
-    free = [value is None for value in problem.prescribed.components]
-    balance = RelativeResiduals(
-        float(vertical / problem.load.vertical_N),
-        float(lateral / LATERAL_REFERENCE_N),
-        float(moment / reference),
-        (free[0], free[1], free[2]),
-    )
-    return np.array([lateral, vertical, moment]), balance
+    forces = np.where(model.moving[response.body_of_node][:, None], state.nodal_forces, 0.0)
+    arms = state.positions - position.axle(problem.wheelset)
+    moment = float(arms[:, 0] @ forces[:, 1] - arms[:, 1] @ forces[:, 0])
+    loads = _loads(problem)
+    residual = np.array([*forces.sum(axis=0), moment]) + loads.on_axle(position.roll_rad)
+    lateral, vertical, moment = loads.relative(residual).tolist()
+    free = tuple(value is None for value in problem.prescribed.components)
+    return residual, RelativeResiduals(vertical, lateral, moment, (free[0], free[1], free[2]))
 
 
-def _is_held(model: WheelsetModel) -> bool:
-    return any(value is not None for value in model.problem.prescribed.components)
-
-
-def jacobian_of(model: WheelsetModel, response: BodyResponse, motion: WheelsetMotion, state: ContactState) -> Floats:
-    """Exact derivatives of the residual by lateral and vertical motion and roll, shape (3, 3)."""
-    wheelset = model.problem.wheelset
-    axle, centre_of_gravity = np.array(motion.axle(wheelset)), np.array(motion.centre_of_gravity(wheelset))
+def jacobian_of(
+    model: WheelsetModel, response: BodyResponse, position: WheelsetPosition, state: ContactState
+) -> Floats:
+    """Exact derivatives of the residual by lateral and vertical displacement and roll, shape (3, 3)."""
+    axle = np.array(position.axle(model.problem.wheelset))
     derivatives = motion_derivatives(response, state, model.moving, axle)
     nodes = state.linearisation.nodes
     on_wheel = model.moving[response.body_of_node[nodes]]
-    force = state.nodal_forces[nodes[on_wheel]]
-    arm = state.positions[nodes[on_wheel]] - centre_of_gravity
-    carried = np.column_stack((np.eye(2), QUARTER_TURN @ (centre_of_gravity - axle)))
-    arm_change = derivatives.positions[on_wheel] - carried
+    force, arm = state.nodal_forces[nodes[on_wheel]], state.positions[nodes[on_wheel]] - axle
+    arm_change = derivatives.positions[on_wheel] - np.eye(2, 3)
     force_change = derivatives.nodal_forces[on_wheel]
-    moment = np.einsum("nq,n->q", arm_change[:, 0], force[:, 1])
-    moment -= np.einsum("nq,n->q", arm_change[:, 1], force[:, 0])
-    moment += np.einsum("n,nq->q", arm[:, 0], force_change[:, 1])
-    moment -= np.einsum("n,nq->q", arm[:, 1], force_change[:, 0])
-    total = force_change.sum(axis=0)
-    if _is_held(model):
-        residual = residuals_of(model, response, motion, state)[0]
-        x, y = centre_of_gravity - axle
-        moment += x * total[1] - y * total[0]
-        moment[2] += -y * residual[1] - x * residual[0]
-    return np.vstack((total, moment))
+    moment = force[:, 1] @ arm_change[:, 0] - force[:, 0] @ arm_change[:, 1]
+    moment += arm[:, 0] @ force_change[:, 1] - arm[:, 1] @ force_change[:, 0]
+    moment[2] += _loads(model.problem).moment_by_roll(position.roll_rad)
+    return np.vstack((force_change.sum(axis=0), moment))
 
 
-def is_stable(model: WheelsetModel, motion: WheelsetMotion, jacobian: Floats) -> bool:
-    """Whether a wheelset in balance comes back after a small push: contact and load have a potential.
+def is_stable(model: WheelsetModel, jacobian: Floats) -> bool:
+    """Whether a wheelset in equilibrium comes back after a small push: contact and load have a potential.
 
     Parameters
     ----------
     model
-        The wheelset.
-    motion
-        Where it is in balance, nothing prescribed.
+        The wheelset, nothing prescribed.
     jacobian
-        Derivatives of the residual there.
+        Derivatives of the residual at the equilibrium.
 
     """
-    wheelset = model.problem.wheelset
-    x, y = np.array(motion.centre_of_gravity(wheelset)) - np.array(motion.axle(wheelset))
-    about_axle = jacobian.copy()
-    about_axle[2] += x * jacobian[1] - y * jacobian[0]
-    # in units of one length, so that the roll weighs as much as the motions
-    scale = np.diag([1.0, 1.0, 1.0 / wheelset.back_to_back_mm])
-    stiffness = -scale @ about_axle @ scale
+    # in units of one length, so that the roll has the weight of the translations
+    scale = np.diag([1.0, 1.0, 1.0 / model.problem.wheelset.back_to_back_mm])
+    stiffness = -scale @ jacobian @ scale
     return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0)
+
+
+def _loads(problem: WheelsetProblem) -> AxleLoads:
+    return AxleLoads.of(problem, *problem.load.in_track, problem.load.vertical_N)

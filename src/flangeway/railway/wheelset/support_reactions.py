@@ -64,7 +64,7 @@ def support_reactions(result: WheelsetResult) -> tuple[SupportReaction, ...]:
         reaction = np.where(body.free.reshape(-1, 2), 0.0, moves)[held]
         surface, contact = on_surfaces[name]
         if name.startswith("wheel"):
-            reference = np.array(result.equilibrium.motion.axle(model.problem.wheelset))
+            reference = np.array(result.equilibrium.position.axle(model.problem.wheelset))
             eccentricity = float("nan")
         else:
             middle = _middle(body, held)
@@ -95,7 +95,7 @@ def support_reactions(result: WheelsetResult) -> tuple[SupportReaction, ...]:
 
 @dataclass(frozen=True)
 class HoldingForce:
-    """What holds the wheelset where its motion is prescribed, at the middle of the axle.
+    """Force and moment on the wheelset where its position is prescribed, at the middle of the axle.
 
     Parameters
     ----------
@@ -112,22 +112,13 @@ class HoldingForce:
 
 
 def holding_force(result: WheelsetResult) -> HoldingForce | None:
-    """Force and moment that, with the contact forces and the load, keep the wheelset in balance where it is held.
+    """Force and moment that, with the contact forces and the load, keep the wheelset in equilibrium where it is held.
 
-    The contact forces act where the deformed wheels are touched. Components that are not prescribed are zero but for
-    the error of the balance. None if nothing is prescribed.
+    Components that are not prescribed are zero but for the residual. None if nothing is prescribed.
     """
-    problem, motion = result.model.problem, result.equilibrium.motion
-    if all(value is None for value in problem.prescribed.components):
+    if all(value is None for value in result.model.problem.prescribed.components):
         return None
-    along, onto = problem.load.in_track
-    axle, centre_of_gravity = (np.array(place(problem.wheelset)) for place in (motion.axle, motion.centre_of_gravity))
-    of_node = np.repeat(result.model.moving, [len(surface.nodes) for surface in result.model.system.surface_nodes])
-    state = result.equilibrium.state
-    arms = np.vstack((state.positions[of_node], centre_of_gravity)) - axle
-    forces = np.vstack((state.nodal_forces[of_node], (along, -onto)))
-    lateral, vertical = -forces.sum(axis=0)
-    return HoldingForce(float(lateral), float(vertical), -float(_moments(arms, forces).sum()))
+    return HoldingForce(*(-result.equilibrium.residual).tolist())
 
 
 def _contact_forces(result: WheelsetResult) -> list[tuple[NDArray[np.int32], Floats]]:

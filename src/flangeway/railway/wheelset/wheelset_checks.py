@@ -1,23 +1,19 @@
-"""Whether a balance that was found is an answer: every check that stands between a result and its user."""
+"""Checks of a wheelset's result before a user sees it, and which of its stresses are valid."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from flangeway.contact.overlap import BodyOverlap
 from flangeway.post import cell_stresses, check_contact
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.validity import below_contacts
+from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import Status
-from flangeway.types import Floats
-
-if TYPE_CHECKING:
-    from flangeway.railway.wheelset.wheelset_result import WheelRailPatch
-
+from flangeway.types import Bools, Floats
 
 MAX_RESIDUAL = 1e-6
 """Difference of contact forces and load over the vertical load; the search stops below 1e-10."""
@@ -25,28 +21,38 @@ MAX_RESIDUAL = 1e-6
 YIELD_MPa = 510.0
 """Least yield strength of standard rail steel, 74 ksi (AREMA Manual for Railway Engineering, chapter 4)."""
 
-FARTHEST_WAY = 0.05
+MAX_DEFLECTION = 0.05
 """Displacement over the rail's height, a mean rotation, above which linear strains of a rotation, half its square, are
 no longer small against the elastic ones: 0.00125, 260 MPa in steel."""
 
 STEEL_MPa = (190e3, 220e3)
 """Young's moduli that are taken for those of steel, whose yield strength is assumed where none is given."""
 
+BELOW = 2.0
+"""Distance from a centre of pressure, over the contact's half width, that is below the contact: the maximum stresses of
+Hertz's contact are at 0.7 to 0.8 half widths."""
+
+SLICE = (
+    "Stresses in web, fillets and foot, the displacement of the rail's head and the approach are those of a prism of "
+    "{:g} mm that carries the whole load alone: compare them between runs, not with a rail in track."
+)
+"""Validity of a slice whose whole length is loaded, with its thickness in mm; see the page on limits."""
+
 
 def checked(
     model: WheelsetModel,
     equilibrium: Equilibrium,
-    patches: Sequence["WheelRailPatch"],
-    missed: Sequence[Side],
+    patches: Sequence[WheelRailPatch],
+    overlaps: Sequence[BodyOverlap],
     displacements: Mapping[str, Floats],
 ) -> tuple[Status, tuple[str, ...]]:
     """Return the final status, and warnings about what a converged iteration does not show.
 
-    Errors, which make the status that of a failure: forces that do not balance the load, numbers that are not finite,
-    contact that pulls, contact at the edge of the candidate zone or outside of it, and a penetration as large as the
-    elastic sinking. Warnings: an unstable balance, a wheel in the air, a mesh too coarse for the contact, a pressure
-    that oscillates, penetration that is not small, a rail that deflects more than linear bodies follow, and stresses
-    below the contacts beyond the yield strength of rail steel.
+    Errors, which make the status not converged: forces that are not in equilibrium with the load, numbers that are not
+    finite, tensile contact, contact at the edge of the candidate zone, bodies that overlap, and a penetration as large
+    as the elastic approach of the surfaces. Warnings: an unstable equilibrium, a wheel without contact, a mesh too
+    coarse for the contact, a pressure that oscillates, penetration that is not small, a rail that deflects farther than
+    linear bodies follow, and stresses below the contacts above the yield strength of rail steel.
 
     Parameters
     ----------
@@ -54,8 +60,8 @@ def checked(
         The wheelset and its position.
     patches
         Regions of contact.
-    missed
-        Sides on which wheel and rail overlap outside of the candidate zone.
+    overlaps
+        Overlaps of the deformed bodies, see `flangeway.contact.overlap.body_overlaps`.
     displacements
         Of all nodes of each part in its own frame, by name, each (n_dofs, 2).
 
@@ -67,7 +73,7 @@ def checked(
     if settings.enforcement == "augmented-lagrange":
         stiffer = "lower penetration_mm"
     checks = check_contact(model.system, equilibrium.state, regions, names, "lower size_scale", stiffer)
-    errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, missed)]
+    errors = [*_unbalanced(model, patches), *checks.errors, *_outside(patches, overlaps)]
     if not all(np.isfinite(each).all() for each in displacements.values()):
         errors.append("displacements are not finite numbers")
     status = equilibrium.status
@@ -75,7 +81,7 @@ def checked(
         status = Status(False, "; ".join(errors), status.iterations)
     warnings = list(checks.warnings)
     if equilibrium.stable is False:
-        warnings.append("the balance is unstable: a small push carries the wheelset away from it")
+        warnings.append("the equilibrium is unstable: a small push moves the wheelset away from it")
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
     if lost and status.converged:
         warnings.append(f"the {' and '.join(lost)} wheel does not touch its rail")
@@ -85,7 +91,7 @@ def checked(
     return status, tuple(warnings)
 
 
-def _unbalanced(model: WheelsetModel, patches: Iterable["WheelRailPatch"]) -> list[str]:
+def _unbalanced(model: WheelsetModel, patches: Iterable[WheelRailPatch]) -> list[str]:
     """Compare the sum of the regions' forces with the load, along what is not held."""
     problem = model.problem
     along, onto = problem.load.in_track
@@ -95,25 +101,29 @@ def _unbalanced(model: WheelsetModel, patches: Iterable["WheelRailPatch"]) -> li
         ("vertical", problem.prescribed.vertical_mm, total[1] - onto),
     )
     return [
-        f"{name} contact forces and load differ by {abs(rest):.3g} N; raise this with the case file as a fault"
-        for name, held, rest in rows
-        if held is None and not abs(rest) <= MAX_RESIDUAL * math.hypot(along, onto)
+        f"{name} contact forces and load differ by {abs(difference):.3g} N; report this as a fault, with the case file"
+        for name, prescribed, difference in rows
+        if prescribed is None and not abs(difference) <= MAX_RESIDUAL * math.hypot(along, onto)
     ]
 
 
-def _outside(patches: Iterable["WheelRailPatch"], missed: Sequence[Side]) -> list[str]:
-    sides = [side for side in SIDES if any(patch.side == side and patch.pressure.at_edge for patch in patches)]
+def _outside(patches: Iterable[WheelRailPatch], overlaps: Sequence[BodyOverlap]) -> list[str]:
+    sides = dict.fromkeys(patch.side for patch in patches if patch.pressure.at_edge)
     errors = [
         f"the {side} contact reaches the edge of the candidate zone, so contact outside of it is missing; check the "
         "profiles and the load"
         for side in sides
     ]
-    if missed:
-        errors.append(
-            f"wheel and rail overlap outside of the candidate zone on the {' and '.join(missed)} side; check the "
-            "profiles, the gauge and the load"
-        )
-    return errors
+    return errors + [overlap_error(each) for each in overlaps if not each.is_explained]
+
+
+def overlap_error(overlap: BodyOverlap) -> str:
+    """Sentence about an overlap that neither the contact law nor the mesh explains."""
+    x, y = overlap.place
+    return (
+        f"{' and '.join(overlap.parts)} overlap by {overlap.depth:.3g} mm at ({x:.4g}, {y:.4g}), in the track's axes; "
+        "check the profiles, the gauge and the load"
+    )
 
 
 def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) -> list[str]:
@@ -123,18 +133,18 @@ def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) ->
         points = model.parts[f"rail-{side}"].body.mesh.points
         way = float(np.linalg.norm(displacements[f"rail-{side}"], axis=1).max())
         share = way / float(np.ptp(points[:, 1]))
-        if share > FARTHEST_WAY:
+        if share > MAX_DEFLECTION:
             warnings.append(
-                f"the {side} rail gives way by {way:.1f} mm, {100.0 * share:.0f} % of its height, farther than linear "
-                "bodies follow: believe neither its stresses nor the wheelset's motion"
+                f"the {side} rail deflects by {way:.1f} mm, {100.0 * share:.0f} % of its height, more than linear "
+                "bodies allow: neither its stresses nor the wheelset's position are valid"
             )
     return warnings
 
 
 def _beyond_yield(
-    model: WheelsetModel, patches: Sequence["WheelRailPatch"], displacements: Mapping[str, Floats]
+    model: WheelsetModel, patches: Sequence[WheelRailPatch], displacements: Mapping[str, Floats]
 ) -> list[str]:
-    """Compare the cells' maximum von Mises stress below the contacts with the yield strength; see `validity`."""
+    """Compare the cells' maximum von Mises stress below the contacts with the yield strength."""
     given = model.problem.yield_MPa
     strength = YIELD_MPa if given is None else given
     beyond = []
@@ -156,3 +166,26 @@ def _beyond_yield(
         f"elastic von Mises stresses below the contacts exceed {strength:g} MPa, {source}: up to "
         f"{' and '.join(beyond)}; the material would yield, with less pressure on wider contact"
     ]
+
+
+def below_contacts(model: WheelsetModel, patches: Iterable[WheelRailPatch], name: str) -> Bools:
+    """Return which cells of a part lie below one of its contacts, within `BELOW` half widths, shape (n_cells,)."""
+    mesh = model.parts[name].body.mesh
+    near = np.zeros(mesh.n_cells, dtype=np.bool_)
+    for patch in patches:
+        if name.endswith(patch.side):
+            centre = patch.wheel_point_mm if name.startswith("wheel") else patch.rail_point_mm
+            distance = np.linalg.norm(mesh.cell_centroids - centre, axis=1)
+            near |= distance <= max(BELOW * patch.pressure.half_width, float(distance.min()))
+    return near
+
+
+def above_the_web(model: WheelsetModel, name: str) -> Bools:
+    """Return which cells of a part belong to a rail's head, as far down as its running surface, or to a wheel."""
+    mesh = model.parts[name].body.mesh
+    if name.startswith("wheel"):
+        return np.ones(mesh.n_cells, dtype=np.bool_)
+    side: Side = "left" if name.endswith("left") else "right"
+    lowest = float(model.problem.track.rail_of(side).running_surface.bounds()[0, 1])
+    above: Bools = mesh.cell_centroids[:, 1] >= lowest
+    return above

@@ -9,24 +9,17 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.contact import Contact, ContactSystem, Surface
-from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
-from flangeway.geometry import Contour, Outline, Placement
-from flangeway.mesh import Refinement
+from flangeway.geometry import Contour, Placement
 from flangeway.problems import Body, Part
 from flangeway.railway.profiles.curvature import conforming, relative_curvature
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
-from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
-from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
-from flangeway.railway.track.wheelset_load import Load
-from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.cached_mesh import meshed
-from flangeway.railway.wheelset.zones import Zone
+from flangeway.railway.track.discretisation import ROLES, Role
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.wheelset_mesh import Zone, meshed_body
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
-
-__all__ = ["Discretisation", "Load", "Prescribed", "WheelsetModel", "WheelsetProblem", "build_model"]
-
 
 BENDING_MM = 10.0
 """How far the bending of the rail may shift a contact."""
@@ -45,9 +38,9 @@ class WheelsetModel:
     problem
         What is modelled.
     rigid_start
-        Rigid equilibrium: the search for the elastic one starts there.
+        Equilibria of the rigid wheelset: the search for the elastic one starts there.
     hertz
-        Contact of one wheel by Hertz's theory for half the load and the curvatures at the start: sets the zones.
+        Hertz's contact of one wheel for half the load and the curvatures of the rigid contact: sets the zones.
     system
         The contacts of both sides.
     parts
@@ -65,8 +58,8 @@ class WheelsetModel:
     zones: dict[str, Zone]
 
     @property
-    def start_motion(self) -> WheelsetMotion:
-        """Displacement of the axle's middle in the rigid equilibrium."""
+    def rigid_position(self) -> WheelsetPosition:
+        """Position of the rigid wheelset in equilibrium."""
         return self.rigid_start.motion
 
     @property
@@ -111,11 +104,11 @@ class WheelsetModel:
         found = LineContact(force / self.problem.thickness_mm, curvature, self.hertz.modulus)
         return None if conforming(wheel, wheel_point, rail, rail_point, found.half_width) else found
 
-    def placements(self, motion: WheelsetMotion) -> tuple[Placement, ...]:
-        """Where the system's parts stand after a motion of the wheelset."""
+    def placements(self, position: WheelsetPosition) -> tuple[Placement, ...]:
+        """Placements of the system's parts at a position of the wheelset."""
         wheelset = self.problem.wheelset
         return tuple(
-            motion.placement(wheelset, side) if moves else part.placement
+            position.placement(wheelset, side) if moves else part.placement
             for part, side, moves in zip(self.system.parts, self.sides, self.moving, strict=True)
         )
 
@@ -170,7 +163,7 @@ def build_model(
             name = f"{role}-{side}"
             if (role, id(profile)) not in bodies:
                 progress(f"meshing the {role}" if not bodies or len(bodies) < 2 else f"meshing the other {role}")
-                bodies[role, id(profile)] = _body(problem, role, side, zones[name], cache)
+                bodies[role, id(profile)] = meshed_body(problem, role, side, zones[name], cache)
             body, edges[name], curves[name] = bodies[role, id(profile)]
             parts[name] = Part(name, body, placement)
     contacts = []
@@ -202,39 +195,3 @@ def _zones(problem: WheelsetProblem, near: Mapping[str, Floats], reach: float) -
     if problem.wheelset.left_wheel is None:
         places["wheel-left"] = places["wheel-right"] = places["wheel-left"] + places["wheel-right"]
     return {name: Zone(tuple(at), reach) for name, at in places.items()}
-
-
-def _body(
-    problem: WheelsetProblem, role: Role, side: Side, zone: Zone, cache: Cache | None
-) -> tuple[Body, NDArray[np.int32], Contour]:
-    """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
-    settings = problem.discretisation
-    held: tuple[str, ...]
-    outline: Outline
-    if role == "wheel":
-        wheel = problem.wheelset.wheel_of(side)
-        outline, names, held = wheel.outline, wheel.running_names, ("cut",)
-    else:
-        rail = problem.track.rail_of(side)
-        outline, names, held = rail.outline, rail.head_names, rail.base_names
-    size = settings.size_of(role)
-    body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
-    try:
-        refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
-        polygons = settings.method_of(role) == "vem"
-        mesh = meshed(outline, body_size, refinement, polygons=polygons, cache=cache)
-    except InputError as error:
-        raise InputError(
-            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
-            f" and no mesh comes of it ({error.given})",
-            error.allowed,
-            "change size_scale, contact_size_mm or body_size_mm",
-        ) from error
-    edges = zone.edges(mesh, names, role)
-    held_name = held[0]
-    if len(held) > 1:
-        mesh = mesh.with_edge_set("held", np.vstack([mesh.edge_set(part) for part in held]))
-        held_name = "held"
-    material, thickness = problem.material_of(role), problem.thickness_mm
-    body = Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness)
-    return body, edges, outline.part(names)

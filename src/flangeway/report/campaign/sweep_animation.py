@@ -11,7 +11,7 @@ from PIL import Image
 
 from flangeway.campaign import Campaign, CampaignTable
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.report.campaign.campaign_figures import COLOURS, numeric_keys
 from flangeway.report.figures.drawing import GREY, INK, new_figure
@@ -48,7 +48,7 @@ class SweepFrame:
 
     label: str
     problem: WheelsetProblem
-    motion: WheelsetMotion | None
+    motion: WheelsetPosition | None
     patches: tuple[dict[str, Any], ...]
 
 
@@ -83,7 +83,7 @@ def sweep_frames(campaign: Campaign, table: CampaignTable) -> list[SweepFrame]:
             known[row.bodies] = row.case.problem()
         motion = None
         if table.rows["status"][number] == "converged":
-            motion = WheelsetMotion(
+            motion = WheelsetPosition(
                 *(table.numbers(name)[number] for name in ("lateral_mm", "vertical_mm", "roll_rad"))
             )
         label = f"{key} = {table.rows[key][number]:g}"

@@ -10,7 +10,7 @@ from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, cell_stresses
 from flangeway.railway.track.placements import Side
-from flangeway.railway.wheelset.validity import above_the_web
+from flangeway.railway.wheelset.wheelset_checks import above_the_web
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 
@@ -70,7 +70,7 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
     at_touch = dict(
         zip(
             (part.name for part in model.system.parts),
-            model.placements(model.start_motion),
+            model.placements(model.rigid_position),
             strict=True,
         )
     )

@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from flangeway.cases import CaseRun
-from flangeway.railway.wheelset.equilibrium import ACCEPTED
+from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, power_of_ten
 
 SMALLEST = 1e-16
@@ -27,8 +27,8 @@ def convergence_figure(run: CaseRun) -> Figure:
             continue
         errors = np.maximum([abs(getattr(balance, f"{name}_residual")) for balance in history], SMALLEST)
         axes.semilogy(steps, errors, color=GREY, lw=1.1, ls=line, label=name)
-    axes.axhline(ACCEPTED, color=GREY, lw=0.8)
-    axes.annotate("accepted below", (0.0, ACCEPTED), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)
+    axes.axhline(TOLERANCE, color=GREY, lw=0.8)
+    axes.annotate("accepted below", (0.0, TOLERANCE), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set_xlabel("outer iteration: positions of the wheelset tried, each with its contact solved")
     axes.set_ylabel("relative error of the balance")

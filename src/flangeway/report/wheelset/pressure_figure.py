@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from flangeway.cases import CaseRun
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.wheelset.wheelset_result import WheelRailPatch
+from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
 from flangeway.report.figures.drawing import GREY, INK, Room, draw_title, figure_with_room
 from flangeway.report.page.page_tables import marked
 

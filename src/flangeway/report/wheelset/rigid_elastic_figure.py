@@ -11,7 +11,7 @@ from matplotlib.patches import Patch, Polygon
 
 from flangeway.cases import CaseRun
 from flangeway.cases.wheelset.wheelset_summary import ContactSummary, RigidContactSummary
-from flangeway.railway.track.placements import SIDES, Side, WheelsetMotion
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.report.figures.drawing import Room, boundary_loops, draw_title, equal_axes, figure_with_room
 from flangeway.report.figures.fields import PartFields
 from flangeway.types import Floats
@@ -79,7 +79,7 @@ def _top_of_rail(run: CaseRun, side: Side) -> Floats:
 def _rigid_outlines(run: CaseRun, side: Side) -> list[Floats]:
     """Wheel at the rigid position and undeformed rail, points (n, 2) in the track's axes."""
     problem, rigid = run.result.model.problem, run.summary.rigid
-    motion = WheelsetMotion(rigid.lateral_mm, rigid.vertical_mm, rigid.roll_rad)
+    motion = WheelsetPosition(rigid.lateral_mm, rigid.vertical_mm, rigid.roll_rad)
     bodies = (
         (problem.wheelset.wheel_of(side).outline, motion.placement(problem.wheelset, side)),
         (problem.track.rail_of(side).outline, problem.track.placement(side)),

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon, Rectangle
 
-from flangeway.railway.track.placements import SIDES, WheelsetMotion
+from flangeway.railway.track.placements import SIDES, WheelsetPosition
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import GREY, INK
 
@@ -17,7 +17,7 @@ def draw_sketch(axes: Axes, result: WheelsetResult) -> None:
     """Draw wheels, axle, rails, load and dimensions; what is not modelled is only outlined."""
     problem = result.model.problem
     wheelset, track = problem.wheelset, problem.track
-    motion = result.equilibrium.motion
+    motion = result.equilibrium.position
     axle = wheelset.tape_radius_mm
     inner, half_gauge = wheelset.back_to_back_mm / 2.0, track.gauge_mm / 2.0
     for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
@@ -64,7 +64,7 @@ def _draw_wheel(axes: Axes, sign: float, inner: float, axle: float, radius: floa
 def _draw_load(axes: Axes, result: WheelsetResult, axle: float) -> None:
     problem = result.model.problem
     wheelset, load = problem.wheelset, problem.load
-    x, y = WheelsetMotion().centre_of_gravity(wheelset)
+    x, y = WheelsetPosition().centre_of_gravity(wheelset)
     axes.plot([x], [y], marker="o", color=INK, ms=4)
     axes.annotate("", (x, y), (x, y + 330), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.4})
     along = load.in_track[0]

@@ -7,7 +7,8 @@ import numpy as np
 
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.railway.wheelset.subsurface import maximum_shear
-from flangeway.railway.wheelset.wheelset_result import WheelRailPatch, WheelsetResult
+from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 DIVISORS = (1, 2, 4)
 """What the element size in contact is divided by."""

@@ -46,7 +46,7 @@ class StiffenedWheelset:
     @cached_property
     def position_differences_mm(self) -> Floats:
         """Lateral and vertical motion in the track's axes, and roll times `ROLL_ARM_MM`, elastic less rigid."""
-        one, other = self.result.equilibrium.motion, self.rigid.motion
+        one, other = self.result.equilibrium.position, self.rigid.motion
         return np.array(
             (
                 one.lateral_mm - other.lateral_mm,

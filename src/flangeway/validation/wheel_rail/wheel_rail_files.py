@@ -109,13 +109,13 @@ def _rows_table(found: WheelRailReproduction) -> Table:
     for name in ("vertical, mm", "lateral, mm", "roll, mrad", "error", "seconds"):
         shown.add_column(name, justify="right")
     for row in found.rows:
-        motion = row.result.motion_in_space
+        motion = row.result.position_in_space
         shown.add_row(
             f"{row.situation} {row.code}",
             f"{motion.vertical_mm:.4f}",
             f"{motion.lateral_mm:.4f}",
             f"{1e3 * motion.roll_rad:.4f}",
-            f"{row.result.equilibrium.balance.equilibrium_residual:.0e}",
+            f"{row.result.equilibrium.residuals.equilibrium_residual:.0e}",
             f"{row.seconds:.1f}",
         )
         if not row.result.status.converged:

@@ -186,7 +186,7 @@ def _agreement(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
             )
         if row.situation == "tangent":
             continue  # zero, as is compared with the published
-        lateral, moved = reference.motion_in_space.lateral_mm, row.motion.lateral_mm
+        lateral, moved = reference.position_in_space.lateral_mm, row.motion.lateral_mm
         within, words = bool(abs(moved - lateral) <= lateral_offset), f"{lateral_offset:g} mm"
         difference = moved / lateral - 1.0
         yield ReproducedNumber(

@@ -18,7 +18,7 @@ from flangeway.railway.profiles.flange_root import (
     with_flange_root,
     with_wide_flange_root,
 )
-from flangeway.railway.track.placements import WheelsetMotion
+from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.validation.published_numbers import ReproducedNumber, percent, published_rows
@@ -83,9 +83,9 @@ class WheelRailRow:
         return self.run.result
 
     @property
-    def motion(self) -> WheelsetMotion:
+    def motion(self) -> WheelsetPosition:
         """Motion along horizontal and vertical."""
-        return self.result.motion_in_space
+        return self.result.position_in_space
 
     @property
     def seconds(self) -> float:
@@ -175,7 +175,7 @@ def identified_radius(known_mm: float, progress: Progress) -> float:
         radii.append(radii[-1] + step)
         progress(f"flange root of {radii[-1]:.3f} mm")
         profile = with_flange_root(wheel("AAR-1B"), radii[-1])
-        laterals.append(curve_with(profile, FITTED_CODE).motion_in_space.lateral_mm)
+        laterals.append(curve_with(profile, FITTED_CODE).position_in_space.lateral_mm)
         step = (wanted - laterals[-1]) * (radii[-1] - radii[-2]) / (laterals[-1] - laterals[-2])
         if abs(step) < 0.02 * FOUND_MM:
             break
@@ -191,12 +191,12 @@ def root_members(rows: Sequence[WheelRailRow], progress: Progress, *, quick: boo
             members.append(_member(family, IDENTIFIED_RADIUS_MM, at["curve"], at["tangent"]))
         for radius in MEMBERS_MM[family][: -1 if quick else None]:
             progress(f"flange root of {radius:g} mm, {family}")
-            motion = curve_with(make(wheel("AAR-1B"), radius), MEMBER_CODE).motion_in_space
+            motion = curve_with(make(wheel("AAR-1B"), radius), MEMBER_CODE).position_in_space
             members.append(_member(family, radius, motion, at["tangent"]))
     return tuple(sorted(members, key=lambda each: (each.family, each.radius_mm)))
 
 
-def _member(family: str, radius: float, curve: WheelsetMotion, tangent: WheelsetMotion) -> RootMember:
+def _member(family: str, radius: float, curve: WheelsetPosition, tangent: WheelsetPosition) -> RootMember:
     # on tangent track the root is not touched
     sunk = (curve.vertical_mm - tangent.vertical_mm) / 10.0
     return RootMember(family, radius, curve.lateral_mm / 10.0, curve.roll_rad, sunk)
@@ -272,7 +272,7 @@ def _number(
     )
 
 
-Motions = dict[tuple[str, str], WheelsetMotion]
+Motions = dict[tuple[str, str], WheelsetPosition]
 Printed = dict[tuple[str, str], dict[str, str]]
 
 
@@ -335,7 +335,7 @@ def coarse_numbers(progress: Progress, *, quick: bool) -> Iterator[ReproducedNum
     codes = (MEMBER_CODE, FITTED_CODE) if quick else CODES
     for code in codes:
         progress(f"curve, {code}, {COARSE_MM:g} mm away from contact")
-        motions["curve", code] = run_published("curve", code, COARSE_MM).result.motion_in_space
+        motions["curve", code] = run_published("curve", code, COARSE_MM).result.position_in_space
     for code in codes:
         if code != FITTED_CODE:
             yield from _apart(code, f"{code}, {COARSE_MM:g} mm away from contact", COARSE_MM, motions, printed)
@@ -359,7 +359,7 @@ def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Prin
 
 
 def _balance(row: WheelRailRow, printed: dict[str, str]) -> Iterator[ReproducedNumber]:
-    balance = row.result.equilibrium.balance
+    balance = row.result.equilibrium.residuals
     for column, value in (
         ("vertical_force_error", balance.vertical_residual),
         ("horizontal_force_error", balance.lateral_residual),

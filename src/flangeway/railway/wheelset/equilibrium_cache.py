@@ -1,51 +1,52 @@
-"""Equilibria that were found before: looked up by content, checked, and taken only if they still are in balance."""
+"""Equilibria of earlier runs in the user's cache: found by content, solved once more, and used if in equilibrium."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.railway.track.placements import WheelsetMotion
-from flangeway.railway.wheelset.equilibrium import ACCEPTED, Equilibrium
-from flangeway.railway.wheelset.residual import RelativeResiduals, residuals_of
+from flangeway.railway.track.placements import WheelsetPosition
+from flangeway.railway.wheelset.equilibrium import Equilibrium
+from flangeway.railway.wheelset.residual import TOLERANCE, residuals_of
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, ContactState, Status, solve_contact
 from flangeway.solve.condensed import body_key
 from flangeway.system.disk_cache import Arrays, Cache, content_key
 from flangeway.types import Floats
 
-SAME = 1e-10
-"""Difference of nodal forces over their largest up to which fields that are kept are theirs."""
+SAME_FORCES = 1e-10
+"""Difference of nodal forces over their maximum up to which stored fields are theirs."""
 
 
-@dataclass(frozen=True, eq=False)
-class CachedEquilibria:
-    """Equilibria of one model from some starts.
+@dataclass(frozen=True)
+class EquilibriumCache:
+    """Stored equilibria of one model from some starts.
 
     Parameters
     ----------
     cache
-        Where they are kept; None: nowhere.
+        The user's cache, or None.
     model, response
         The wheelset and its bodies.
     starts
-        Where the searches start.
+        Positions from which the searches start.
 
     """
 
     cache: Cache | None
     model: WheelsetModel
     response: BodyResponse
-    starts: tuple[WheelsetMotion, ...]
+    starts: tuple[WheelsetPosition, ...]
 
-    @property
-    def key(self) -> str | None:
-        """Key of all that determines them; None where that cannot be told."""
+    @cached_property
+    def _key(self) -> str | None:
+        """Key of all that determines them; None without a cache, or where there is no such key."""
         model, problem = self.model, self.model.problem
         bodies = [body_key("equilibrium", part.body) for part in model.system.parts]
-        if any(key is None for key in bodies):
+        if self.cache is None or any(key is None for key in bodies):
             return None
         contacts = [
             (each.secondary.part.name, each.secondary.edges, each.primary.part.name, each.primary.edges,
@@ -65,47 +66,43 @@ class CachedEquilibria:
             self.starts,
         )
 
-    def get(self, find: Callable[[], list[Equilibrium]]) -> list[Equilibrium]:
-        """Equilibria that are kept and still in balance; else those that ``find`` finds, which are then kept."""
-        key = self.key if self.cache is not None else None
-        if self.cache is None or key is None:
-            return find()
-        arrays = self.cache.load(key)
-        known = None if arrays is None else self._checked(arrays)
-        if known is not None:
-            return known
-        found = find()
-        if all(each.status.converged for each in found):
-            self.cache.store(key, _packed(found))
-        return found
-
-    def fields(self, state: ContactState, find: Callable[[], list[Floats]]) -> list[Floats]:
-        """Displacements of all bodies under the contact forces of a state, kept or found."""
-        key = self.key if self.cache is not None else None
-        if self.cache is None or key is None or not state.status.converged:
-            return find()
-        key = key.replace("equilibrium", "fields", 1)
-        arrays = self.cache.load(key)
-        if arrays is not None:
-            kept = np.asarray(arrays["forces"], dtype=np.float64)
-            size = float(np.abs(state.nodal_forces).max(initial=0.0))
-            if kept.shape == state.nodal_forces.shape and np.abs(kept - state.nodal_forces).max() <= SAME * size:
-                return [np.asarray(arrays[str(number)], dtype=np.float64) for number in range(len(arrays) - 1)]
-        found = find()
-        self.cache.store(key, {"forces": state.nodal_forces} | {str(i): each for i, each in enumerate(found)})
-        return found
-
-    def _checked(self, arrays: Arrays) -> list[Equilibrium] | None:
-        found = [self._restored(arrays, number) for number in range(len(arrays["motions"]))]
+    def load(self) -> list[Equilibrium] | None:
+        """Stored equilibria, if all of them still are."""
+        arrays = None if self.cache is None or self._key is None else self.cache.load(self._key)
+        if arrays is None:
+            return None
+        found = [self._restored(arrays, number) for number in range(len(arrays["positions"]))]
         return None if any(each is None for each in found) else [each for each in found if each is not None]
 
+    def store(self, found: Sequence[Equilibrium]) -> None:
+        """Keep equilibria that converged."""
+        if self.cache is not None and self._key is not None and all(each.status.converged for each in found):
+            self.cache.store(self._key, _packed(found))
+
+    def fields(self, state: ContactState) -> list[Floats]:
+        """Displacements of all bodies under the contact forces of a state, stored or solved for."""
+        key = self._key if state.status.converged else None
+        key = None if key is None else key.replace("equilibrium", "fields", 1)
+        arrays = None if self.cache is None or key is None else self.cache.load(key)
+        if arrays is not None:
+            forces = np.asarray(arrays["forces"], dtype=np.float64)
+            size = float(np.abs(state.nodal_forces).max(initial=0.0))
+            if forces.shape == state.nodal_forces.shape and np.abs(forces - state.nodal_forces).max() <= (
+                SAME_FORCES * size
+            ):
+                return [np.asarray(arrays[str(number)], dtype=np.float64) for number in range(len(arrays) - 1)]
+        found = self.response.fields(self.response.rotations(state.placements), state.nodal_forces)
+        if self.cache is not None and key is not None:
+            self.cache.store(key, {"forces": state.nodal_forces} | {str(i): each for i, each in enumerate(found)})
+        return found
+
     def _restored(self, arrays: Arrays, number: int) -> Equilibrium | None:
-        """One of them, solved once more from where it was; None if that is not in balance."""
+        """One of them, solved once more from where it was; None if that is no equilibrium."""
         if f"history_{number}" not in arrays:
             return None
         model, response = self.model, self.response
-        motion = WheelsetMotion(*(float(each) for each in arrays["motions"][number]))
-        placements = model.placements(motion)
+        position = WheelsetPosition(*(float(each) for each in arrays["positions"][number]))
+        placements = model.placements(position)
         nodal = np.asarray(arrays[f"nodal_{number}"], dtype=np.float64)
         rotations, reference = response.rotations(placements), response.reference(placements)
         displacements = response.displacements(rotations, np.arange(response.n_nodes), nodal)
@@ -119,21 +116,21 @@ class CachedEquilibria:
             Status(True, "", 0), placements, displacements, reference + displacements, lin, forces, nodal
         )
         state = solve_contact(response, model.system, placements, start=before)
-        _, balance = residuals_of(model, response, motion, state)
-        if not state.status.converged or balance.equilibrium_residual > ACCEPTED:
+        residual, residuals = residuals_of(model, response, position, state)
+        if not state.status.converged or residuals.equilibrium_residual > TOLERANCE:
             return None
         stable = int(arrays["stable"][number])
         status = Status(True, str(arrays["messages"][number]), int(arrays["iterations"][number]))
-        errors = np.asarray(arrays[f"history_{number}"], dtype=np.float64).tolist()
         history = tuple(
-            RelativeResiduals(vertical, lateral, moment, balance.free) for vertical, lateral, moment in errors
+            replace(residuals, vertical_residual=vertical, lateral_residual=lateral, moment_residual=moment)
+            for vertical, lateral, moment in arrays[f"history_{number}"].tolist()
         )
-        return Equilibrium(status, motion, balance, state, None if stable < 0 else bool(stable), history)
+        return Equilibrium(status, position, residuals, state, residual, None if stable < 0 else bool(stable), history)
 
 
 def _packed(found: Sequence[Equilibrium]) -> Arrays:
     arrays: dict[str, NDArray[Any]] = {
-        "motions": np.array([each.motion.components for each in found]),
+        "positions": np.array([each.position.components for each in found]),
         "stable": np.array([-1 if each.stable is None else int(each.stable) for each in found]),
         "messages": np.array([each.status.message for each in found], dtype=np.str_),
         "iterations": np.array([each.status.iterations for each in found]),

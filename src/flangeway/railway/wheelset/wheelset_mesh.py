@@ -1,0 +1,137 @@
+"""Meshes of wheels and rails, fine in the candidate zones of contact, kept from one process to the next."""
+
+from dataclasses import dataclass
+from importlib.metadata import version
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flangeway.errors import InputError
+from flangeway.geometry import Contour, Outline
+from flangeway.mesh import PolyMesh, Refinement, dual, triangulate
+from flangeway.problems import Body
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import Side
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.system.disk_cache import Arrays, Cache, content_key
+from flangeway.types import Bools, Floats
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A stretch of a curve about some points.
+
+    Parameters
+    ----------
+    centres
+        Points on or near the curve in its frame, at least one.
+    reach
+        Length of the stretch beyond the first and the last of them, along the curve; infinite: all of it.
+
+    """
+
+    centres: tuple[tuple[float, float], ...]
+    reach: float
+
+    def points(self, curve: Contour) -> Floats:
+        """Points of the curve inside of the zone, shape (n, 2)."""
+        points = curve.sampled(spacing=0.25)
+        return points[self._inside(points)]
+
+    def edges(self, mesh: PolyMesh, names: tuple[str, ...], body: str) -> NDArray[np.int32]:
+        """Edges of a mesh inside of the zone, along the named edge sets, shape (n, 2)."""
+        chain = mesh.chain(*names)
+        inside = np.flatnonzero(self._inside(mesh.points[chain]))
+        if len(inside) < 3:
+            raise InputError(
+                f"a mesh with {max(len(inside) - 1, 0)} edges in the contact zone of the {body}",
+                "at least two",
+                "lower size_scale or contact_size_mm",
+            )
+        nodes = chain[inside[0] : inside[-1] + 1]
+        return np.stack((nodes[:-1], nodes[1:]), axis=1).astype(np.int32)
+
+    def _inside(self, points: Floats) -> Bools:
+        steps = np.linalg.norm(np.diff(points, axis=0), axis=1)
+        along = np.concatenate(([0.0], np.cumsum(steps)))
+        at = [along[np.argmin(np.linalg.norm(points - centre, axis=1))] for centre in self.centres]
+        inside: Bools = (along >= min(at) - self.reach) & (along <= max(at) + self.reach)
+        return inside
+
+
+def meshed_body(
+    problem: WheelsetProblem, role: Role, side: Side, zone: Zone, cache: Cache | None
+) -> tuple[Body, NDArray[np.int32], Contour]:
+    """Mesh one body; return it with the edges of its candidate zone, and the drawn surface there."""
+    settings = problem.discretisation
+    held: tuple[str, ...]
+    outline: Outline
+    if role == "wheel":
+        wheel = problem.wheelset.wheel_of(side)
+        outline, names, held = wheel.outline, wheel.running_names, ("cut",)
+    else:
+        rail = problem.track.rail_of(side)
+        outline, names, held = rail.outline, rail.head_names, rail.base_names
+    size = settings.size_of(role)
+    body_size = settings.body_size_mm * settings.size_scale * settings.order_of(role)
+    try:
+        refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
+        polygons = settings.method_of(role) == "vem"
+        mesh = _meshed(outline, body_size, refinement, polygons=polygons, cache=cache)
+    except InputError as error:
+        raise InputError(
+            f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
+            f" and no mesh comes of it ({error.given})",
+            error.allowed,
+            "change size_scale, contact_size_mm or body_size_mm",
+        ) from error
+    edges = zone.edges(mesh, names, role)
+    held_name = held[0]
+    if len(held) > 1:
+        mesh = mesh.with_edge_set("held", np.vstack([mesh.edge_set(part) for part in held]))
+        held_name = "held"
+    material, thickness = problem.material_of(role), problem.thickness_mm
+    body = Body(role, mesh, settings.element_of(role), material, held_name, thickness=thickness)
+    return body, edges, outline.part(names)
+
+
+def _meshed(outline: Outline, size: float, refinement: Refinement, *, polygons: bool, cache: Cache | None) -> PolyMesh:
+    """Mesh an outline by triangles or the polygons dual to them, or take the mesh stored for the same input."""
+
+    def make() -> Arrays:
+        mesh = triangulate(outline, size=size, refinements=(refinement,))
+        return _packed(dual(mesh) if polygons else mesh)
+
+    key = content_key(
+        "mesh",
+        outline.segments,
+        outline.names,
+        size,
+        refinement.points,
+        refinement.size,
+        refinement.growth,
+        polygons,
+        version("gmsh"),
+    )
+    return _unpacked(make() if cache is None or key is None else cache.get(key, make))
+
+
+def _packed(mesh: PolyMesh) -> Arrays:
+    arrays: dict[str, NDArray[Any]] = {
+        "points": mesh.points,
+        "cell_offsets": mesh.cell_offsets,
+        "cell_points": mesh.cell_points,
+    }
+    for kind, sets in (("cell", mesh.cell_sets), ("edge", mesh.edge_sets)):
+        arrays[f"{kind}_names"] = np.array(list(sets), dtype=np.str_)
+        arrays |= {f"{kind}_{number}": values for number, values in enumerate(sets.values())}
+    return arrays
+
+
+def _unpacked(arrays: Arrays) -> PolyMesh:
+    sets = [
+        {str(name): np.asarray(arrays[f"{kind}_{number}"]) for number, name in enumerate(arrays[f"{kind}_names"])}
+        for kind in ("cell", "edge")
+    ]
+    return PolyMesh(arrays["points"], arrays["cell_offsets"], arrays["cell_points"], *sets)
