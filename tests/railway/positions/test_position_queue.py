@@ -52,7 +52,7 @@ def test_each_position_is_given_once_from_a_neighbour(dense: Targets) -> None:
             found.append(continuation.number)
             order.arrived(continuation.number, STATE)
             at[lane] = order.next(continuation.number)
-    assert sorted(found) == list(range(len(dense.onto)))
+    assert sorted(found) == list(range(len(dense.loads.onto)))
 
 
 def test_states_that_serve_no_more_are_dropped(dense: Targets) -> None:
@@ -109,7 +109,7 @@ def test_a_stop_lies_between_two_positions() -> None:
     targets = grid(np.array([0.0, 2.0]), np.array([100e3]))
     lane = targets.take(np.array([0]))
     stop = lane.changed(0, targets, 1, 0.25, 0)
-    assert (stop.onto[0], stop.weight[0], stop.given[0, 0]) == (100e3, 100e3, 0.5)
+    assert (stop.loads.onto[0], stop.loads.weight[0], stop.prescribed[0, 0]) == (100e3, 100e3, 0.5)
     begun = lane.changed(0, targets, 1, 0.25, None)
-    assert (begun.onto[0], begun.weight[0], begun.given[0, 0]) == (25e3, 25e3, 2.0)
-    assert lane.given[0, 0] == 0.0
+    assert (begun.loads.onto[0], begun.loads.weight[0], begun.prescribed[0, 0]) == (25e3, 25e3, 2.0)
+    assert lane.prescribed[0, 0] == 0.0

@@ -1,5 +1,6 @@
 """Many positions of a wheelset at once: the same answers as the full search."""
 
+from dataclasses import replace
 from functools import cache
 from typing import Any
 
@@ -14,6 +15,7 @@ from flangeway.railway.positions.many_positions import Positions, PositionTable,
 from flangeway.railway.positions.positions_patches import patches_of
 from flangeway.railway.positions.positions_shear import lines_below
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
+from flangeway.railway.positions.running_pair import Candidates, RunningPair
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import ROLES, Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
@@ -21,6 +23,8 @@ from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
 from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on
+from flangeway.railway.wheelset.wheelset_model import build_model
+from flangeway.solve import CondensedBodies
 
 STEEL = Elastic(210e3, 0.3)
 PAIRS = {"S1002 on 60E1": ("60E1", "S1002"), "AAR-1B on 136RE": ("136RE", "AAR-1B")}
@@ -186,3 +190,32 @@ def test_nonsense_is_refused() -> None:
     made = prepare(problem(PAIRS["AAR-1B on 136RE"], pairing="node-to-segment"))
     with pytest.raises(InputError, match="segment-to-segment"):
         solve_positions(made, Positions.grid([0.0], [1e5]))
+
+
+def test_overlap_off_the_contact_zone_is_not_converged() -> None:
+    """A flange that presses into the rail outside of the candidate zone makes the row not converged, with the place."""
+    model = build_model(problem(PAIRS["AAR-1B on 136RE"]))  # zones about the middle of the tread only
+    narrow = PreparedWheelset(model, CondensedBodies(model.system.surface_nodes))
+    table = solve_positions(narrow, Positions.grid([0.0, 9.5], [200e3]))
+    assert table.converged.tolist() == [True, False]
+    assert table.by_full_search.tolist() == [False, True]
+    assert "wheel-right and rail-right overlap by" in table.messages[1]
+
+
+def test_a_doubtful_position_is_solved_by_the_full_search(
+    north_american: PreparedWheelset, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Where the fast path did not look at the flange, its overlap is seen, and the full search finds the position."""
+    search = RunningPair.search
+
+    def blind(pair: RunningPair, *arguments: Any) -> Candidates:
+        found = search(pair, *arguments)
+        near_flange = pair.secondary.points[pair.hats.nodes, 0] < np.median(pair.secondary.points[:, 0])
+        return replace(found, window=found.window & ~near_flange)
+
+    expected = solve_positions(north_american, Positions.grid([9.5], [200e3]))
+    monkeypatch.setattr(RunningPair, "search", blind)
+    table = solve_positions(north_american, Positions.grid([9.5], [200e3]))
+    assert not expected.by_full_search[0]
+    assert (table.by_full_search[0], table.converged[0]) == (True, True)
+    np.testing.assert_allclose(table.forces_on_wheels_N, expected.forces_on_wheels_N, atol=0.2)

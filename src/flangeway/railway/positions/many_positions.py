@@ -201,6 +201,7 @@ class _Run:
     patches: dict[int, tuple[PositionPatch, ...]] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
     rests: dict[int, WheelsetPosition] = field(default_factory=dict)
+    overlapping: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         n = len(self.positions)
@@ -264,7 +265,7 @@ class _Run:
             for lane, continuation in enumerate(at):
                 lanes.ask(lane, self.targets, continuation.number, continuation.shares[0], continuation.origin)
             self._advance(lanes, at, front)
-        for number in np.flatnonzero(front.open):
+        for number in (*self.overlapping, *np.flatnonzero(front.open)):
             self._solve_slowly(int(number))
         self._find_shear()
 
@@ -288,13 +289,18 @@ class _Run:
         while True:
             done, lost = lanes.evaluate()
             lost &= ~done
+            overlapping = np.zeros(len(at), dtype=np.bool_)
             arrived = np.array([each.arrives for each in at])
+            for lane in np.flatnonzero(done & arrived):
+                if any(side.overlaps(int(lane)) for side in lanes.sides):
+                    done[lane], overlapping[lane] = False, True
+                    self.overlapping.append(at[lane].number)
             self._collect(lanes, np.flatnonzero(done & arrived), at)
             for lane in np.flatnonzero(done & arrived):
                 front.arrived(at[lane].number, lanes.state(int(lane)))
             moves: list[int] = []
             ends = np.zeros(len(at), dtype=np.bool_)
-            for lane in np.flatnonzero(done | lost):
+            for lane in np.flatnonzero(done | lost | overlapping):
                 before = at[lane]
                 if lost[lane]:
                     front.lost(before)

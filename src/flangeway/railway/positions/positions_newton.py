@@ -15,6 +15,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flangeway.railway.positions.overlap_check import ALLOWED_MM, overlap_depth
 from flangeway.railway.positions.positions_tangent import Tangent, restricted, tangents
 from flangeway.railway.positions.running_pair import Candidates, Gaps
 from flangeway.railway.positions.surface_positions import (
@@ -154,6 +155,20 @@ class PositionSide:
         violation = np.where(loads.forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
         violation[~allowed] = np.where(loads.forces > 0.0, LOST_MM, 0.0)[~allowed]
         return np.maximum(imbalance / total, violation.max(axis=1) / np.maximum(self.around.scale, LOST_MM))
+
+    def overlaps(self, lane: int) -> bool:
+        """Whether the bodies of a lane overlap by more than its penetration and `ALLOWED_MM`, anywhere."""
+        wheel, rail = (
+            boundary.positions(running[lane], turn)
+            for boundary, running, turn in zip(
+                self.pair.boundaries,
+                (self.around.wheel, self.around.rail),
+                (self.around.turns[lane], np.eye(2)),
+                strict=True,
+            )
+        )
+        penetration = 2.0 * float(-self.gaps.gaps[lane].min(initial=0.0))
+        return overlap_depth(self.pair.boundaries[0], wheel, self.pair.boundaries[1], rail) > penetration + ALLOWED_MM
 
     def renewed(self) -> list[Tangent]:
         """Tangents of all lanes; those that are missing, or lack a constraint that may come to bear, are made."""

@@ -6,14 +6,16 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.overlap import body_overlaps
 from flangeway.railway.positions.running_pair import RunningPair
 from flangeway.railway.positions.surface_positions import SidePose
 from flangeway.railway.track.placements import SIDES, WheelsetPosition, mirrored
 from flangeway.railway.track.wheelset_load import Load
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.wheelset.wheelset_checks import overlap_error
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
-from flangeway.solve import CondensedBodies
+from flangeway.solve import CondensedBodies, Status
 from flangeway.system.disk_cache import Cache
 
 
@@ -51,11 +53,18 @@ class PreparedWheelset:
 
         """
         changed = replace(self.model, problem=self.problem_with(load, prescribed))
-        found = find_equilibrium(changed, self.response, start=start)
+        found = self._without_overlap(find_equilibrium(changed, self.response, start=start))
         if start is None or found.status.converged:
             return found
-        second = find_equilibrium(changed, self.response)
+        second = self._without_overlap(find_equilibrium(changed, self.response))
         return second if second.status.converged else found
+
+    def _without_overlap(self, found: Equilibrium) -> Equilibrium:
+        """Return an equilibrium; it is not converged where the bodies overlap, anywhere."""
+        overlaps = body_overlaps(self.model.system, self.response, found.state) if found.status.converged else ()
+        errors = [overlap_error(each) for each in overlaps if not each.is_explained]
+        status = Status(False, "; ".join(errors), found.status.iterations) if errors else found.status
+        return replace(found, status=status)
 
     def problem_with(self, load: Load | None, prescribed: Prescribed | None) -> WheelsetProblem:
         """Return the problem that was prepared, with another load and prescribed motion."""

@@ -17,6 +17,7 @@ from flangeway.contact.segment_to_segment import DUAL, LEAST_COVERED
 from flangeway.contact.surface import node_normals
 from flangeway.errors import InputError
 from flangeway.problems import Part
+from flangeway.railway.positions.overlap_check import BoundaryNodes
 from flangeway.solve import CondensedBodies
 from flangeway.types import Bools, Floats, Ints
 
@@ -155,6 +156,8 @@ class RunningPair:
         See `SegmentToSegment`.
     rail_edge
         Mean length of the rail's edges.
+    boundaries
+        Whole boundaries of wheel and rail.
 
     """
 
@@ -169,6 +172,7 @@ class RunningPair:
     reach: float
     depth: float
     rail_edge: float
+    boundaries: tuple[BoundaryNodes, BoundaryNodes]
     _tree: cKDTree
     _normals: tuple[Floats, Floats]
 
@@ -200,6 +204,7 @@ class RunningPair:
         ]
         wheel_first = contact.secondary.part.name.startswith("wheel")
         wheel, rail = chains if wheel_first else chains[::-1]
+        boundaries = [BoundaryNodes.of(each) for each in (surfaces if wheel_first else surfaces[::-1])]
         extents = [float(np.linalg.norm(np.ptp(chain.points, axis=0))) for chain in chains]
         chords = np.linalg.norm(np.diff(chains[1].points[chains[1].ends], axis=0), axis=1)
         return cls(
@@ -214,6 +219,7 @@ class RunningPair:
             pairing.reach or 2.0 * float(chords.mean()),
             pairing.depth or min(extents) / 2.0,
             float(np.linalg.norm(np.diff(rail.points[rail.ends], axis=0), axis=1).mean()),
+            (boundaries[0], boundaries[1]),
             cKDTree(rail.points[rail.ends]),
             (wheel.outward(), rail.outward()),
         )

@@ -35,7 +35,7 @@ class AxleLoads:
     height
         Height of the centre of gravity above the axle in mm.
     arm
-        Arm of the reference moment in mm: half of the weight acts at half of the distance between the wheels.
+        Arm of the weight in the reference moment in mm: half of the distance between the wheels.
 
     """
 
@@ -51,7 +51,7 @@ class AxleLoads:
         wheelset = problem.wheelset
         forces = [np.asarray(each, dtype=np.float64) for each in (along, onto, weight)]
         return cls(
-            forces[0], forces[1], forces[2], wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm / 4.0
+            forces[0], forces[1], forces[2], wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm / 2.0
         )
 
     def take(self, chosen: Ints | Bools) -> "AxleLoads":
@@ -91,7 +91,7 @@ class RelativeResiduals:
     lateral_residual
         Residual of the lateral force over 28.4 kN.
     moment_residual
-        Residual of the moment about the axle's middle over that of half the weight at one wheel.
+        Residual of the moment about the axle's middle over the weight times half of the distance between the wheels.
     free
         Which of lateral and vertical displacement and roll are found; the others are prescribed, and their residuals
         are what holds the wheelset.
