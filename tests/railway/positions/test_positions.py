@@ -70,7 +70,7 @@ def agree(prepared: PreparedWheelset, table: PositionTable, number: int) -> None
     expected = patches_of(prepared, found)
     got = table.patches[number]
     assert [(patch.side, patch.region) for patch in got] == [(patch.side, patch.region) for patch in expected]
-    np.testing.assert_allclose(table.motion[number], found.motion.components, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(table.motion[number], found.position.components, rtol=0.0, atol=1e-7)
     weight = load.vertical_N
     for mine, theirs in zip(got, expected, strict=True):
         np.testing.assert_allclose(mine.force_on_wheel_N, theirs.force_on_wheel_N, rtol=0.0, atol=1e-6 * weight)
