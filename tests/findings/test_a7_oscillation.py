@@ -10,7 +10,7 @@ import pytest
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.post.pressure import oscillation_of
-from flangeway.report.bodies.bodies_text import case_rows
+from flangeway.report.bodies.bodies_page import case_rows
 from flangeway.report.case_outputs import write_case
 
 

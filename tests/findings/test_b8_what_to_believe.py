@@ -70,7 +70,7 @@ def test_b8_the_first_picture_shows_what_may_be_believed(pushed):
     assert web > shown * 1.05
     assert "hatched: web and foot" in bar.get_xlabel()
     assert sum(patch.get_hatch() is not None for axes in figure.axes for patch in axes.patches) == 2
-    assert "not to be believed" in _pictures(pushed, fields, subsurface_lines(pushed.result))[0].caption
+    assert "not valid for a rail" in _pictures(pushed, fields, subsurface_lines(pushed.result))[0].caption
 
 
 def test_b8_the_report_says_what_the_limits_say(usual):

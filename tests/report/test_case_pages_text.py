@@ -15,11 +15,9 @@ from flangeway.cases.section.torsion_case import TorsionCase
 from flangeway.post import corner_stresses
 from flangeway.report import scenes
 from flangeway.report.bodies.bodies_page import bodies_page
-from flangeway.report.bodies.body_fields import bodies_fields, body_fields
-from flangeway.report.bodies.body_steps import body_steps
+from flangeway.report.bodies.body_fields import bodies_fields, body_fields, body_steps
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
-from flangeway.report.page.case_text import case_text
-from flangeway.report.page.command import command_line, section_command
+from flangeway.report.page.case_text import case_text, command_line, section_command
 from flangeway.report.page.html_page import report_page
 from flangeway.report.section.section_page import section_page
 from flangeway.solve import Status
@@ -53,7 +51,7 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     wanted = [each for each in HEADINGS if each != "Warnings" or hertz.summary.notices]
     assert headings(hertz_text) == wanted
     words = unescape(hertz_text)
-    for text in (*hertz.summary.notices, "Plane strain", "without friction", "upper on lower", "load"):
+    for text in (*hertz.summary.notices, "Plane strain", "Frictionless", "upper on lower", "load"):
         assert text in words
     assert f"{hertz.summary.results['hertz_max_pressure_MPa']:.5g} MPa" in words
     assert f"numpy {hertz.summary.versions['numpy']}" in words

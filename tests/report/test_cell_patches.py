@@ -9,7 +9,7 @@ from matplotlib.patches import PathPatch
 
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.report.figures.cell_patches import cells_path, draw_lines, fill_cells
-from flangeway.report.figures.drawing import StressColours
+from flangeway.report.figures.drawing import ColourSteps
 
 SIDE = 400
 VALUES = np.array([0.0, 900.0])
@@ -50,7 +50,7 @@ def mesh(request):
 def test_each_cell_has_its_colour(mesh, seed):
     """Of values that jump at random from cell to cell, each shows its step of colour, with no gap between cells."""
     values = np.random.default_rng(seed).choice([50.0, 250.0, 450.0, 850.0], mesh.n_cells)
-    colours = StressColours(VALUES)
+    colours = ColourSteps(VALUES, from_zero=True)
     axes = empty()
     fill_cells(axes, mesh, mesh.points, values, colours)
     pixels = drawn(axes)
@@ -62,7 +62,7 @@ def test_each_cell_has_its_colour(mesh, seed):
 
 def test_checkerboard_and_hole(mesh):
     """Cells that meet in a point only, and one that all others enclose, have their colours."""
-    axes, colours = empty(), StressColours(VALUES)
+    axes, colours = empty(), ColourSteps(VALUES, from_zero=True)
     middle = mesh.cell_centroids
     values = np.where((np.floor(middle * 5.0).sum(axis=1) % 2).astype(bool), 850.0, 150.0)
     values[np.argmin(np.hypot(*(middle - 0.5).T))] = 450.0
@@ -73,7 +73,7 @@ def test_checkerboard_and_hole(mesh):
 def test_only_chosen_cells_are_drawn(mesh):
     """Cells that are not chosen stay white; with lines, edges of the chosen ones are drawn over them."""
     chosen = mesh.cell_centroids[:, 0] < 0.6
-    values, colours = np.full(mesh.n_cells, 850.0), StressColours(VALUES)
+    values, colours = np.full(mesh.n_cells, 850.0), ColourSteps(VALUES, from_zero=True)
     axes = empty()
     fill_cells(axes, mesh, mesh.points, values, colours, chosen=chosen)
     plain = drawn(axes)
@@ -92,7 +92,9 @@ def test_no_chosen_cell_draws_nothing(mesh):
     """A window in which a body has no cell stays white."""
     axes, nothing = empty(), np.zeros(mesh.n_cells, dtype=bool)
     values = np.full(mesh.n_cells, 850.0)
-    fill_cells(axes, mesh, mesh.points, values, StressColours(VALUES), chosen=nothing, lines=(0.0, 0.0, 0.0, 1.0))
+    fill_cells(
+        axes, mesh, mesh.points, values, ColourSteps(VALUES, from_zero=True), chosen=nothing, lines=(0.0, 0.0, 0.0, 1.0)
+    )
     assert (drawn(axes) == 1.0).all()
 
 

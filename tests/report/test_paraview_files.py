@@ -8,8 +8,8 @@ import pytest
 
 from flangeway.post import Stresses
 from flangeway.report import part_fields
+from flangeway.report.figures.fields import write_part
 from flangeway.report.figures.series import write_collection
-from flangeway.report.wheelset.paraview import write_part
 
 COMPONENTS = [f"stress_{name}_MPa" for name in ("xx", "yy", "xy", "zz")]
 

@@ -7,10 +7,9 @@ import pytest
 from matplotlib.text import Text
 
 from flangeway.report import part_fields
-from flangeway.report.figures.drawing import Room, StressColours, figure_with_room, png, power_of_ten
+from flangeway.report.figures.drawing import ColourSteps, Room, figure_with_room, png, power_of_ten
 from flangeway.report.wheelset.bending_figure import bending_figure
-from flangeway.report.wheelset.contact_figure import contact_figure
-from flangeway.report.wheelset.pressure_figure import pressure_figure
+from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.subsurface_figure import subsurface_figure, subsurface_lines
 from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
@@ -65,13 +64,13 @@ def test_axes_bear_units_and_names(drawn):
     for words, wanted in zip(
         said,
         (
-            ("AAR-1B (approximate)", "von Mises stress in MPa", "times as large", "x in mm", "gauge 1600", "300 kN"),
+            ("AAR-1B (approximate)", "von Mises stress in MPa", "deformation x", "x in mm", "gauge 1600", "300 kN"),
             ("elastic", "rigid", "kN at", "x in mm", "y in mm"),
             (*zones, "Left contact"),
             (*zones, "Right contact"),
             ("contact pressure in MPa", "in mm", "Hertz"),
             ("stress in MPa", "depth in mm", "Hertz", "von Mises", "maximum in-plane shear", "Rail: left"),
-            ("tension", "compression", "MPa", "mrad", "mm down", "x in mm", "times as large"),
+            ("tension", "compression", "MPa", "mrad", "mm down", "x in mm", "deformation x"),
         ),
         strict=True,
     ):
@@ -120,7 +119,7 @@ def luminance(colours):
 @pytest.mark.parametrize("values", [(0.0, 930.0), (-1500.0, 0.0)])
 def test_colours_stay_apart_in_grey(values):
     """Each step of colour is clearly darker than the one before, away from zero stress."""
-    colours = StressColours(np.array(values))
+    colours = ColourSteps(np.array(values), from_zero=True)
     middles = (colours.levels[1:] + colours.levels[:-1]) / 2.0
     steps = luminance(colours.map(colours.norm(middles)))
     order = np.argsort(np.abs(middles))
@@ -131,7 +130,7 @@ def test_colours_stay_apart_in_grey(values):
 
 def test_colours_of_a_body_without_stress():
     """A body without any stress can be drawn too."""
-    assert len(StressColours(np.zeros(3)).levels) > 1
+    assert len(ColourSteps(np.zeros(3), from_zero=True).levels) > 1
 
 
 def test_the_factor_makes_the_motion_visible(runs):

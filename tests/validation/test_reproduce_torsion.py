@@ -5,7 +5,7 @@ import csv
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.validation.published_numbers import ReproducedNumber, write_rows
+from flangeway.validation.published_numbers import write_numbers
 from flangeway.validation.registry import REPRODUCTIONS
 from flangeway.validation.reproduction import find_reproductions
 from flangeway.validation.torsion.torsion_reproduced import LIMITS, reproduce_torsion
@@ -69,7 +69,7 @@ def test_quick_computes_the_coarser_half(tmp_path):
     assert found.rates == ()
     assert found.passed
     file = tmp_path / "table.csv"
-    write_rows(file, found.numbers, ReproducedNumber)
+    write_numbers(file, found.numbers)
     header, *lines = file.read_text(encoding="utf-8").splitlines()
     assert header == "table,code,quantity,unit,published,computed,relative_difference,limit,within,note"
     rows = list(csv.DictReader([header, *lines]))

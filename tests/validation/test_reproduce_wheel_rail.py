@@ -11,8 +11,7 @@ import pytest
 from rich.console import Console
 
 from flangeway.validation.registry import REPRODUCTIONS
-from flangeway.validation.wheel_rail.contact_refinement import contact_name
-from flangeway.validation.wheel_rail.rigid_limit import extrapolated_differences_mm
+from flangeway.validation.wheel_rail.variations import contact_name, extrapolated_differences_mm
 from flangeway.validation.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
 from flangeway.validation.wheel_rail.wheel_rail_tables import CASES, CODES
 
@@ -23,8 +22,8 @@ def found() -> WheelRailReproduction:
     return reproduce_wheel_rail(quick=True)
 
 
-def test_rows_are_in_balance_from_a_cold_start(found: WheelRailReproduction) -> None:
-    """The resulting error of every row is below 1e-9; the curve has contact on tread and flange root outside."""
+def test_rows_are_in_equilibrium_from_a_cold_start(found: WheelRailReproduction) -> None:
+    """The equilibrium residual of every row is below 1e-9; the curve has contact on tread and flange root outside."""
     assert [(row.situation, row.code) for row in found.rows] == list(itertools.product(CASES, CODES))
     for row in found.rows:
         assert row.result.equilibrium.residuals.equilibrium_residual < 1e-9

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from flangeway.validation import registry as reproductions
-from flangeway.validation.published_numbers import ReproducedNumber
+from flangeway.validation.published_numbers import Reproduced, compare
 from flangeway.validation.registry import REPRODUCTIONS
 from flangeway.validation.reproduction import Reproduction
 from flangeway.validation.validation_page import Chapter, PagePicture, section_text
@@ -95,26 +95,19 @@ def test_differences_have_two_digits(difference, text):
     assert relative(difference) == text
 
 
-@dataclass(frozen=True)
-class Found:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Found(Reproduced):
     """What a made-up reproduction leaves."""
 
-    numbers: tuple
-    passed: bool = True
     seconds: float = 0.0
 
 
-def number(code, published, computed, limit, *, within=True, note="a | reason"):
-    """One number of Table 7."""
-    difference = computed / published - 1.0
-    return ReproducedNumber(7, code, "depth, left", "mm", published, computed, difference, limit, within, note)
+def number(code, published, computed, note="a | reason", words=None):
+    """One number of Table 7 with a limit of 5 %."""
+    return compare(7, code, "depth, left", "mm", (published, computed), 0.05, note, words=words)
 
 
-NUMBERS = (
-    number("A", 2.0, 2.02, "5 %"),
-    number("B", 2.0, 2.5, "5 %", within=False),
-    number("C", 2.0, 4.0, "", within=False, note="not comparable"),
-)
+NUMBERS = (number("A", 2.0, 2.02), number("B", 2.0, 2.5), number("C", 2.0, 4.0, "not comparable", ""))
 
 
 def made_up(found, asked, *, brief=False):
@@ -131,13 +124,14 @@ def made_up(found, asked, *, brief=False):
 
     table = PageTable("More", ("a",), (("b",),))
     chapter = Chapter("Title", "Some\ntext.", (PagePicture("drawn", "A line", draw),), lambda _: [table])
-    return Reproduction(compute, lambda *_: [], lambda *_: None, (), chapter, brief)
+    return Reproduction(compute, chapter, {"line.png": draw}, {"more.csv": lambda _: [{"a": 0.1, "b": 2}]}, brief)
 
 
 def test_a_section_shows_what_fails():
     """A number that is not within stands in bold with its reason; one without a limit has no verdict."""
-    chapter = made_up(Found(()), []).chapter
-    text = section_text(chapter, Found(NUMBERS, passed=False), ["images/x.png"])
+    found = Found(numbers=NUMBERS)
+    assert not found.passed
+    text = section_text(made_up(found, []).chapter, found, ["images/x.png"])
     assert "1 of 2 numbers with a limit are within; 1 more are shown only. **Not passed.**" in text
     assert "| Table 7: depth, mm | B, left | 2 | 2.500 | +25 % | 5 % | **1 of 2** |" in text
     assert "| Table 7: depth, left, mm | B | 2 | 2.500 | +25 % | 5 % | **no** |" in text
@@ -152,7 +146,8 @@ def test_a_section_shows_what_fails():
 def test_the_command_writes_page_pictures_and_a_summary(call, monkeypatch, tmp_path):
     """`all --page` writes the page with its pictures beside it, prints a line for each, and ends with their verdict."""
     asked = []
-    one, two = made_up(Found(NUMBERS), asked), made_up(Found(NUMBERS[:1], passed=False), asked, brief=True)
+    one = made_up(Found(numbers=NUMBERS[::2]), asked)
+    two = made_up(Found(numbers=NUMBERS[:2]), asked, brief=True)
     two = replace(two, chapter=replace(two.chapter, title="Second", pictures=()))
     monkeypatch.setattr(reproductions, "REPRODUCTIONS", {"one": one, "two": two})
     status, out, _ = call("reproduce", "all", "--quick", "--page", "pages/mine.md")
@@ -160,18 +155,24 @@ def test_the_command_writes_page_pictures_and_a_summary(call, monkeypatch, tmp_p
     assert asked == [True, False], "what takes seconds is whole"
     text = (tmp_path / "pages" / "mine.md").read_text(encoding="utf-8")
     assert "flangeway reproduce all --quick --page pages/mine.md" in text
-    assert "| Title | 2 | 1 | 1 | passed |\n| Second | 1 | 1 | 0 | **not passed** |" in text
+    assert "| Title | 1 | 1 | 1 | passed |\n| Second | 2 | 1 | 0 | **not passed** |" in text
     assert "![A line](images/mine-drawn.png)" in text
     assert (tmp_path / "pages" / "images" / "mine-drawn.png").read_bytes().startswith(b"\x89PNG")
-    assert re.search(r"one +2 +1 +1 +passed", out)
-    assert re.search(r"two +1 +1 +0 +not passed", out)
+    assert re.search(r"one +1 +1 +1 +passed", out)
+    assert re.search(r"two +2 +1 +0 +not passed", out)
+    assert "Second: 1 of 2 numbers with a limit are within. Not passed." in out
+    assert "Table 7: depth, left, mm, B, 2.500 for 2; a | reason" in out
+    folder = tmp_path / "out" / "reproduce" / "one"
+    assert (folder / "line.png").read_bytes().startswith(b"\x89PNG")
+    assert (folder / "more.csv").read_text(encoding="utf-8") == "a,b\n0.1,2\n"
+    assert len((folder / "table.csv").read_text(encoding="utf-8").splitlines()) == 3
 
 
 @pytest.mark.parametrize(("name", "page"), [("one", "mine.md"), ("all", "folder"), ("all", "file/mine.md")])
 def test_a_page_that_cannot_be_is_refused_first(call, monkeypatch, tmp_path, name, page):
     """A page of one reproduction, in the place of a folder or below a file is status 2 before anything is computed."""
     asked = []
-    made = {key: made_up(Found(NUMBERS), asked) for key in ("one", "two")}
+    made = {key: made_up(Found(numbers=NUMBERS), asked) for key in ("one", "two")}
     monkeypatch.setattr(reproductions, "REPRODUCTIONS", made)
     (tmp_path / "folder").mkdir()
     (tmp_path / "file").write_text("")

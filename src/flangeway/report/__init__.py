@@ -4,7 +4,7 @@ from flangeway.report.case_outputs import write_case
 from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.figures.plots import plot_deformed, plot_displacement, plot_function, plot_mesh, plot_stress
 from flangeway.report.figures.series import Frame, solution_frame, write_frame, write_series
-from flangeway.report.page.command import command_line
+from flangeway.report.page.case_text import command_line
 
 __all__ = [
     "Frame",

@@ -13,7 +13,7 @@ from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.section.torsion_case import TorsionCase, TorsionRun
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.report.bodies import bodies_outputs
-from flangeway.report.page.command import command_line
+from flangeway.report.page.case_text import command_line
 from flangeway.report.section import section_outputs
 from flangeway.report.wheelset import wheelset_outputs
 from flangeway.report.wheelset.terminal import print_summary

@@ -8,8 +8,7 @@ from flangeway.cases.bodies.bodies_run import BodiesRun
 from flangeway.cases.section.section_run import SectionRun
 from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.post import shear_stresses
-from flangeway.report.bodies.body_fields import BodyFields, body_fields
-from flangeway.report.bodies.body_steps import BodySteps, body_steps
+from flangeway.report.bodies.body_fields import BodyFields, BodySteps, body_fields, body_steps
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.page.page_tables import contact_name
 from flangeway.report.section.section_figures import warping_about_shear_centre
@@ -20,13 +19,13 @@ from flangeway.types import Floats
 VIEW_WIDTHS = 8.0
 """Width of the view of a contact over the half width of the contact."""
 MOST_POINTS = 400_000
-"""Points of all bodies above which the page shows their cells whole, with values at their corners."""
+"""Points of all bodies above which the page shows whole elements, with values at their corners."""
 
 _STRESSES: tuple[tuple[str, str, Formula], ...] = (
     ("von_mises_MPa", "von Mises stress", "von-mises"),
-    ("principal_1_MPa", "principal stress 1 (greatest)", "principal-1"),
+    ("principal_1_MPa", "principal stress 1 (maximum)", "principal-1"),
     ("principal_2_MPa", "principal stress 2", "principal-2"),
-    ("principal_3_MPa", "principal stress 3 (least)", "principal-3"),
+    ("principal_3_MPa", "principal stress 3 (minimum)", "principal-3"),
     ("max_in_plane_shear_MPa", "maximum in-plane shear", "in-plane-shear"),
     ("stress_xx_MPa", "stress xx", "xx"),
     ("stress_yy_MPa", "stress yy", "yy"),
@@ -55,13 +54,13 @@ def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[ContactSummar
         for part in parts
     ]
     notes = (
-        "Stresses are means of cells in the axes of the picture, tension positive, as in the cell arrays of the VTU "
-        "files. Displacements are elastic, as the points of the VTU files have them. The deformation slider multiplies "
-        "all motion since the wheels first touched the rails, rigid and elastic: 0 is first touch, 1 is true. Where "
-        "the sides are drawn closer together, only the picture is changed: coordinates stay true. In web, fillets and "
-        "foot of the rails stresses are those of a slice that carries the load alone, and not to be believed.",
+        "Stresses are element averages in the axes of the picture, tension positive, as in the cell arrays of the VTU "
+        "files. Displacements are elastic nodal displacements, as in their point arrays. The deformation factor scales "
+        "all displacements since first touch of wheels and rails, rigid and elastic: 0 is first touch, 1 is true. Left "
+        "and right brought together changes the picture only, not the coordinates. Stresses in web, fillets and foot "
+        "of the rails are those of a slice that carries the load alone: they are not valid for a rail in track.",
     )
-    fields = _fields("Stresses, means of cells", "Elastic displacement of points")
+    fields = _fields("Stresses, element averages", "Elastic nodal displacements")
     return Scene(shown, fields, views, notes=notes)
 
 
@@ -77,22 +76,21 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
         steps = body_steps(run, [body_fields(name, body, 1) for name, body in run.bodies.items()])
     shown = [_shown_body(of_body) for of_body in zip(*steps.fields, strict=True)]
     notes = [
-        "Stresses are in the axes of the picture, tension positive, each from its own cell, as in the VTU files: in "
-        "elements of order 1 they are the same all over a cell, in others they are read at the points that the VTU "
-        "files have. Displacements are whole motions from the first place, rigid and elastic; the deformation slider "
-        "multiplies them: 0 is the first place, 1 is true.",
+        "Stresses are in the axes of the picture, tension positive, not averaged between elements, as in the VTU "
+        "files: constant in elements of order 1, otherwise evaluated at the points of the files. Displacements are "
+        "total, rigid and elastic, from the initial position; the deformation factor scales them: 0 is the initial "
+        "position, 1 is true.",
     ]
     several = len(steps.names) > 1
     if several:
         notes.append(
-            "The values of each load step are those at its end. The one scale for all "
-            "steps reaches over the ranges of each of them."
+            "The values of each load step are those at its end. All steps have one scale over the range of all."
         )
     if whole:
-        notes.append("There are so many cells that only the values at their corners are shown; the files have more.")
+        notes.append("Because of the number of elements only values at their corners are shown; the files have more.")
     return Scene(
         shown,
-        _fields("Stresses", "Motion of points"),
+        _fields("Stresses", "Total displacements"),
         _patch_views(run),
         notes=notes,
         steps=steps.names if several else (),
@@ -150,17 +148,17 @@ def section_scene(run: SectionRun) -> Scene:
         {name: values[:, None] for name, values in points.items()},
         cells,
     )
-    at_points, means, per_area = "Functions of torsion, at points", "Shear stress, means of cells", f"1/{unit}³"
+    at_points, means, per_area = "Functions of torsion, at nodes", "Shear stress, element averages", f"1/{unit}³"
     fields = [
-        ShownField(shear, "shear stress over torque, magnitude", per_area, means, shear, "magnitude"),
-        ShownField(f"{shear}:x", "shear stress over torque, xz", per_area, means, shear, "x"),
-        ShownField(f"{shear}:y", "shear stress over torque, yz", per_area, means, shear, "y"),
-        ShownField(warping, "warping over rate of twist", f"{unit}²", at_points, warping, "value"),
-        ShownField(prandtl, "Prandtl's function over G times rate of twist", f"{unit}²", at_points, prandtl, "value"),
+        ShownField(shear, "shear stress / torque, magnitude", per_area, means, shear, "magnitude"),
+        ShownField(f"{shear}:x", "shear stress / torque, xz", per_area, means, shear, "x"),
+        ShownField(f"{shear}:y", "shear stress / torque, yz", per_area, means, shear, "y"),
+        ShownField(warping, "warping / rate of twist", f"{unit}²", at_points, warping, "value"),
+        ShownField(prandtl, "Prandtl's function / (G times rate of twist)", f"{unit}²", at_points, prandtl, "value"),
     ]
     notes = (
-        "Shear stresses are means of cells for a torque of one; warping is about the shear centre, for a rate of twist "
-        "of one; all as in section.vtu.",
+        "Shear stresses are element averages for a unit torque; warping is about the shear centre, for a unit rate of "
+        "twist; all as in section.vtu.",
     )
     return Scene([shown], fields, unit=unit, notes=notes)
 

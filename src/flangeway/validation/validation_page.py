@@ -22,18 +22,19 @@ DPI = 80
 
 HEAD = """# Validation
 
-*Written by `{command}`; no number and no picture on this page is made by hand.*
+*Written by `{command}`; all numbers and pictures on this page are generated.*
 
-What flangeway computes, beside what was published or is known exactly. "Moherdaui (2021)" is T. F. Moherdaui, *The
-Virtual Element Method for Wheel-Rail Contact Problems*, São Paulo, 2021. Nothing is taken from an earlier run: meshes
-are made anew, and nothing comes from the cache. The same command writes all numbers with eight digits and more pictures
-into `out/reproduce`, and ends with status 1 if a part is not passed.
+Numbers computed by flangeway, compared with published numbers and with exact solutions. "Moherdaui (2021)" is T. F.
+Moherdaui, *The Virtual Element Method for Wheel-Rail Contact Problems*, São Paulo, 2021. Everything is computed anew:
+the cache is not used. The same command writes all numbers with eight digits and more pictures into `out/reproduce`, and
+ends with status 1 if a part is not passed.
 
 {extent}
 
-A *difference* is that of the computed number over the published one, or the computed number itself beside a zero. A
-number with a *limit* must be within. One that is *shown only* need not be: the reason is below the table, if it is far
-off. Round-off is shown as `< 1e-10`, a difference that is as small as `< 0.001 %`.
+A *difference* is the relative difference of the computed number from the published one; beside a published zero it is
+the computed number. A number with a *limit* must be within this limit. A number that is *shown only* has no limit; the
+reason for a large difference is given below the table. Round-off is shown as `< 1e-10`, a relative difference below
+1e-5 as `< 0.001 %`.
 """
 WHOLE = "All meshes of all parts are computed."
 QUICK = (
@@ -44,7 +45,7 @@ QUICK = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """How a reproduction ended.
+    """The result of a reproduction.
 
     Parameters
     ----------
@@ -80,7 +81,7 @@ class PagePicture:
     name
         Name of its file, without ending.
     alt
-        What it shows, for those who do not see it.
+        Description for readers who cannot see it.
     draw
         Called with what was computed.
 
@@ -93,18 +94,18 @@ class PagePicture:
 
 @dataclass(frozen=True)
 class Chapter:
-    """What the page says of a reproduction.
+    """Texts, pictures and tables of a reproduction on the page.
 
     Parameters
     ----------
     title
         Heading.
     text
-        What is claimed, and where the published numbers stand; one paragraph.
+        What is compared, and the source of the published numbers; one paragraph.
     pictures
         Pictures.
     tables
-        Called with what was computed: what else is worth a table, beside the numbers.
+        Called with what was computed; returns further tables.
 
     """
 
@@ -137,25 +138,22 @@ class Section:
     pictures: Mapping[str, bytes] = field(repr=False)
 
 
+def summary_sentence(found: Reproduced) -> str:
+    """Return how many numbers are within their limits, and whether it has passed."""
+    counts = Verdict.of(found)
+    shown = f"; {counts.n_shown} more are shown only" if counts.n_shown else ""
+    verdict = "Passed." if counts.passed else "Not passed."
+    return f"{counts.n_within} of {counts.n_required} numbers with a limit are within{shown}. {verdict}"
+
+
 def section_text(chapter: Chapter, found: Reproduced, pictures: Sequence[str]) -> str:
-    """Return a section: claim, verdict, the numbers farthest off, reasons, pictures, tables, and all numbers folded.
-
-    Parameters
-    ----------
-    chapter
-        What is said of it.
-    found
-        What was computed.
-    pictures
-        Paths of the chapter's pictures from the page.
-
-    """
+    """Return a section: claim, verdict, largest deviations, reasons, pictures at the given paths, tables, numbers."""
     every = numbers_table(found.numbers)
     images = [f"![{each.alt}]({path})" for each, path in zip(chapter.pictures, pictures, strict=True)]
     parts = [
         f"## {chapter.title}",
         textwrap.fill(" ".join(chapter.text.split()), 120),
-        _sentence(Verdict.of(found)),
+        summary_sentence(found).replace("Not passed.", "**Not passed.**"),
         worst_table(found.numbers).markdown(),
         "\n".join(f"- {line}" for line in reasons(found.numbers)),
         *images,
@@ -181,21 +179,7 @@ def check_page(page: Path, chapters: Sequence[Chapter]) -> None:
 
 
 def write_page(page: Path, sections: Sequence[Section], *, quick: bool) -> list[Path]:
-    """Write the page, and its pictures in the folder `PICTURES` beside it.
-
-    Parameters
-    ----------
-    page
-        File.
-    sections
-        All sections.
-    quick
-        Whether they were computed so.
-
-    Returns
-    -------
-    list of Path
-        The files.
+    """Write the page, and its pictures in the folder `PICTURES` beside it; return the files.
 
     Raises
     ------
@@ -224,9 +208,3 @@ def _verdicts(sections: Sequence[Section]) -> str:
         rows.append((section.title, *map(str, counts), "passed" if found.passed else "**not passed**"))
     head = ("part", "numbers with a limit", "within", "shown only", "verdict")
     return PageTable("", head, tuple(rows)).markdown()
-
-
-def _sentence(found: Verdict) -> str:
-    shown = f"; {found.n_shown} more are shown only" if found.n_shown else ""
-    verdict = "Passed." if found.passed else "**Not passed.**"
-    return f"{found.n_within} of {found.n_required} numbers with a limit are within{shown}. {verdict}"

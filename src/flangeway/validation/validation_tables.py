@@ -1,4 +1,4 @@
-"""Published and computed numbers as tables of Markdown, with so many digits as another machine finds again."""
+"""Published and computed numbers as tables, with as many digits as are the same on other machines."""
 
 import re
 from collections.abc import Iterable, Sequence
@@ -8,11 +8,11 @@ from flangeway.validation.published_numbers import ReproducedNumber
 
 ROUND_OFF = 1e-10
 """Numbers below it are shown as such, not with digits that change with the machine."""
-LEAST_CHANGE = 1e-5
+MIN_CHANGE = 1e-5
 """Relative differences below it are shown as such."""
 
 SHOWN_ONLY = "shown only"
-NAMES = {"n_dof": "unknowns", "h": "maximum diameter of a cell"}
+NAMES = {"n_dof": "unknowns", "h": "maximum element diameter"}
 """Quantities that have another name on the page."""
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 
@@ -63,8 +63,8 @@ def share(value: float) -> str:
 
 def relative(difference: float) -> str:
     """Return a relative difference in per cent with its sign and two digits, or that it is small."""
-    if abs(difference) < LEAST_CHANGE:
-        return f"< {100.0 * LEAST_CHANGE:g} %"
+    if abs(difference) < MIN_CHANGE:
+        return f"< {100.0 * MIN_CHANGE:g} %"
     return f"+{share(difference)}" if difference > 0.0 else share(difference)
 
 
@@ -75,14 +75,14 @@ def numbers_table(numbers: Sequence[ReproducedNumber]) -> PageTable:
 
 
 def worst_table(numbers: Iterable[ReproducedNumber]) -> PageTable:
-    """Return the number that is farthest off for each quantity of each table, and how many of all are within."""
+    """Return the largest deviation of each quantity of each table, and how many of all are within."""
     groups: dict[tuple[str, bool], list[ReproducedNumber]] = {}
     for number in numbers:
         name = _quantity(number, number.quantity.partition(", ")[0])
         groups.setdefault((name, number.required), []).append(number)
     rows = []
     for (name, _), members in groups.items():
-        # without digits that change with the machine, which would choose among equals
+        # rounded, so that the choice among equals is the same on all machines
         worst = min(members, key=lambda n: (n.within, -round(abs(n.relative_difference), 6)))
         of = worst.quantity.partition(", ")[2]
         code = f"{worst.code}, {of}" if of else worst.code
@@ -92,30 +92,32 @@ def worst_table(numbers: Iterable[ReproducedNumber]) -> PageTable:
             within = within if all(n.within for n in members) else f"**{within}**"
             limit = " or ".join(dict.fromkeys(_compared(n)[3] for n in members))
         rows.append((name, code, *values, limit, within))
-    head = ("quantity", "farthest off", *COMPARED)
+    head = ("quantity", "largest deviation", *COMPARED)
     # those with a limit first
     rows.sort(key=lambda row: row[-2] == SHOWN_ONLY)
-    return PageTable("The number that is farthest off, for each quantity", head, tuple(rows))
+    return PageTable("Largest deviation of each quantity", head, tuple(rows))
 
 
 def reasons(numbers: Iterable[ReproducedNumber]) -> list[str]:
-    """Return a line for each number that is not within its limit, and for each reason to show one without a limit.
+    """Return a line of Markdown for each of the numbers `outside` with its reason."""
+    return [f"{'**Not within:**' if number.required else 'Shown only:'} {text}" for number, text in outside(numbers)]
 
-    Of notes that end in the same reason, after their last colon, the first stands for all.
+
+def outside(numbers: Iterable[ReproducedNumber]) -> list[tuple[ReproducedNumber, str]]:
+    """Return each number that is not within its limit, and one for each reason to show one without a limit.
+
+    Of notes with the same reason, the text after their last colon, the first is returned. Beside each number is a
+    sentence on it.
     """
-    lines, known = [], set()
+    found, known = [], set()
     for n in numbers:
         reason = n.note.rpartition(": ")[2]
         if n.within or (not n.required and reason in known):
             continue
         known.add(reason)
         values = f"{digits(n.computed)} for {published(n)}"
-        what = f"{_quantity(n, n.quantity)}, {n.code}, {values}"
-        if n.required:
-            lines.append(_short(f"**Not within:** {what}; {n.note}"))
-        else:
-            lines.append(_short(f"Shown only: {what}; {n.note}"))
-    return lines
+        found.append((n, _short(f"{_quantity(n, n.quantity)}, {n.code}, {values}; {n.note}")))
+    return found
 
 
 def _short(text: str) -> str:

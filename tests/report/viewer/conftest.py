@@ -11,9 +11,9 @@ from matplotlib.image import imread
 from playwright.sync_api import sync_playwright
 
 from flangeway.report import part_fields, write_case
+from flangeway.report.figures.fields import write_part
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.viewer import field_viewer
-from flangeway.report.wheelset.paraview import write_part
 
 NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 REQUIRED = "FLANGEWAY_NEEDS_BROWSER"

@@ -11,8 +11,8 @@ from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.cases.case_file import read_case
 from flangeway.railway.wheelset.equilibrium import ROUND_OFF
 from flangeway.report.figures.drawing import png
+from flangeway.report.figures.newton_history import convergence_figure
 from flangeway.report.page.case_text import case_text
-from flangeway.report.wheelset.convergence_figure import convergence_figure
 
 
 def test_it_loads_without_complaints_and_without_network(open_page, folder):
@@ -92,7 +92,9 @@ def test_tables_copy_as_text_with_tabs(open_page, folder):
     for name, start in (("the command", "flangeway run wheelset-tangent"), ("the case file", "flangeway = 1\ncase = ")):
         button = page.get_by_role("button", name=f"Copy: {name}")
         button.click()
-        page.wait_for_function("name => document.querySelector('#told').textContent === `Copied: ${name}`", arg=name)
+        page.wait_for_function(
+            "name => document.querySelector('#announcement').textContent === `Copied: ${name}`", arg=name
+        )
         assert page.evaluate("navigator.clipboard.readText()").replace("\r\n", "\n").startswith(start)
     assert opened.errors() == []
 
@@ -123,7 +125,7 @@ def test_the_search_is_kept_and_drawn(runs):
         assert max(min(errors), equilibrium.residuals.equilibrium_residual) <= ROUND_OFF < errors[-2] < errors[0]
         axes = convergence_figure(run).axes[0]
         drawn = {line.get_label(): line.get_ydata() for line in axes.lines}
-        assert np.array_equal(drawn["resulting error"], np.maximum(errors, 1e-16))
+        assert np.array_equal(drawn["equilibrium residual"], np.maximum(errors, 1e-16))
         assert {"vertical", "lateral", "moment"} <= set(drawn)
 
 

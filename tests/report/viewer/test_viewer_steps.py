@@ -11,7 +11,7 @@ import pytest
 
 from flangeway.cases import CASES
 from flangeway.post import Stresses
-from flangeway.report.bodies import body_steps
+from flangeway.report.bodies import body_fields as body_steps
 from flangeway.report.bodies.bodies_page import bodies_page
 from flangeway.report.bodies.body_fields import bodies_fields
 from flangeway.report.case_outputs import write_case
@@ -123,7 +123,7 @@ def test_the_slider_changes_picture_and_values(open_page, page):
     seen = set()
     for number in range(N_STEPS):
         choose(opened, number)
-        words = f"{number + 1} of 4: {25 * (number + 1)} % of loads and motions"
+        words = f"{number + 1} of 4: {25 * (number + 1)} % of loads and displacements"
         assert slider.get_attribute("aria-valuetext") == words
         assert opened.page.inner_text("#viewer-step-name") == f"Load step {words}"
         assert (opened.changed(last) > 0.05) == (number < N_STEPS - 1)
@@ -248,7 +248,7 @@ def test_paper_has_the_last_step(open_page, page):
         "addEventListener('beforeprint', () => (window.seen = document.querySelector('#viewer-step-name').textContent))"
     )
     opened.page.pdf()
-    assert opened.page.evaluate("window.seen") == "Load step 4 of 4: 100 % of loads and motions"
+    assert opened.page.evaluate("window.seen") == "Load step 4 of 4: 100 % of loads and displacements"
     assert opened.page.input_value("#viewer-step") == "1"
     opened.page.emulate_media(media="print")
     assert opened.page.locator("#viewer-step-name").is_visible()
@@ -355,5 +355,5 @@ def test_where_a_run_ended_without_success_is_its_last_step(run):
     ended = replace(run, contact=failed, status=status)
     scene = bodies_scene(ended, steps_of(ended))
     assert [re.sub(r".*: ", "", name) for name in scene.steps] == [
-        "25 % of loads and motions", "50 % of loads and motions", "not converged",
+        "25 % of loads and displacements", "50 % of loads and displacements", "not converged",
     ]  # fmt: skip

@@ -16,7 +16,7 @@ from flangeway.report.page.page_tables import marked
 from flangeway.types import Floats
 
 BRIGHTEST_SHARE = 0.999
-"""Share of the corners that the colours resolve: stresses at sharp corners grow without limit."""
+"""Fraction of the values within the colour range: stresses at sharp corners are singular."""
 MAX_SIDE_IN, SMALLEST_SIDE_IN = 9.0, 3.0
 MARGIN = 0.04
 
@@ -65,13 +65,13 @@ def pressure_figure(run: BodiesRun) -> Figure:
         label = f"{contact.secondary.part.name} on {contact.primary.part.name}"
         axes.plot(
             patch.along, patch.pressures, color=INK, lw=1.0, ls=("-", "-.", ":", "--")[number % 4], marker="o", ms=3.0,
-            mfc="white", label=f"{label}: largest {marked(f'{patch.pressures.max():.4g} MPa', patch.remark)}",
+            mfc="white", label=f"{label}: maximum {marked(f'{patch.pressures.max():.4g} MPa', patch.remark)}",
         )  # fmt: skip
     if run.theory is not None:
         x = run.theory.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
         axes.plot(
             x, run.theory.pressure(x), color=GREY, lw=1.8, ls="--", zorder=1,
-            label=f"Hertz, same force: largest {run.theory.max_pressure:.4g} MPa",
+            label=f"Hertz, same force: maximum {run.theory.max_pressure:.4g} MPa",
         )  # fmt: skip
     axes.set_xlabel("length along the surface from the centre of pressure in mm")
     axes.set_ylabel("contact pressure in MPa")

@@ -7,10 +7,8 @@ from rich.console import Console
 
 from flangeway.cases.bodies.bodies_run import BodiesRun
 from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure
-from flangeway.report.bodies.bodies_page import bodies_page
-from flangeway.report.bodies.bodies_text import case_rows
-from flangeway.report.bodies.body_fields import bodies_fields
-from flangeway.report.bodies.body_steps import body_steps
+from flangeway.report.bodies.bodies_page import bodies_page, case_rows
+from flangeway.report.bodies.body_fields import bodies_fields, body_steps
 from flangeway.report.figures.drawing import png
 from flangeway.report.figures.newton_history import newton_figure
 from flangeway.report.figures.series import write_collection

@@ -1,24 +1,15 @@
 """The report of a case of bodies that are pressed, pulled and held."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
-from flangeway.cases.bodies.bodies_run import BodiesRun, BodiesSummary
+from flangeway.cases.bodies.bodies_run import BodiesRun, BodiesSummary, PairSummary
 from flangeway.cases.case import RunnableCase
 from flangeway.elements import Element, Lagrange
 from flangeway.materials import Elastic, Material
-from flangeway.report.bodies.bodies_text import (
-    contacts_of_bodies,
-    forces_table,
-    remark_of,
-    result_rows,
-    sizes_table,
-    supports_table,
-    words_of,
-)
-from flangeway.report.bodies.body_steps import BodySteps
+from flangeway.report.bodies.body_fields import BodySteps
 from flangeway.report.figures.newton_history import steps_table
-from flangeway.report.page.case_text import case_text, has_tables, inputs_tables
-from flangeway.report.page.command import command_line
+from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture
 from flangeway.report.page.page_tables import Table, marked, timings_table
 from flangeway.report.scenes import bodies_scene
@@ -26,32 +17,21 @@ from flangeway.space import Space
 
 MOST_FACTS = 6
 HYPOTHESES = {
-    "plane_strain": "Plane strain: the bodies do not stretch out of the plane.",
-    "plane_stress": "Plane stress: nothing holds the bodies out of the plane.",
+    "plane_strain": "Plane strain: no strain out of the plane.",
+    "plane_stress": "Plane stress: no stress out of the plane.",
     "axisymmetric": "Axisymmetric: x is the radius, y the axis.",
 }
 AXES = {
     "x, y": "to the right and up",
     "stresses": "tension is positive; the axes are those of the picture",
     "pressure": "of contact, positive in compression",
-    "forces": "contact forces are those on the first body of a pair",
+    "forces": "contact forces are those on the secondary body of a pair",
 }
 ORDERS = {1: "linear", 2: "quadratic", 3: "cubic"}
 
 
 def bodies_page(run: BodiesRun, pictures: Sequence[Picture], steps: BodySteps) -> Page:
-    """Return what the report of a case of bodies says.
-
-    Parameters
-    ----------
-    run
-        The run.
-    pictures
-        Pictures, the most telling first.
-    steps
-        Fields of the bodies in their load steps.
-
-    """
+    """Return the report of a case of bodies, its most informative picture first."""
     case, summary = run.case, run.summary
     assert isinstance(case, RunnableCase)
     axes = dict(AXES)
@@ -148,15 +128,14 @@ def _assumptions(run: BodiesRun) -> list[str]:
     thicknesses = sorted({problem.thickness for problem in problems})
     sentences = [
         *(HYPOTHESES[name] for name in dict.fromkeys(material.hypothesis for material in materials)),
-        f"Thickness {', '.join(f'{each:g}' for each in thicknesses)} mm: forces act on this length out of the plane.",
+        f"Thickness {', '.join(f'{each:g}' for each in thicknesses)} mm: forces refer to this length out of the plane.",
         *(
             f"Linear elastic, isotropic: Young's modulus {each.young:g} MPa, Poisson's ratio {each.poisson:g}; no "
             "yielding, however high the stress."
             for each in materials
             if isinstance(each, Elastic)
         ),
-        "Small strains; stresses at sharp inner corners and under point forces grow without limit as the mesh gets "
-        "finer.",
+        "Small strains. Stresses at re-entrant corners and under point forces are singular: they grow with refinement.",
     ]
     if run.contact is None:
         return sentences
@@ -164,4 +143,117 @@ def _assumptions(run: BodiesRun) -> list[str]:
         f"{each.primary.part.name} is the primary surface for {each.secondary.part.name}"
         for each in run.contact.system.contacts
     )
-    return [*sentences, "Contact without friction.", f"Contact: {pairs}."]
+    return [*sentences, "Frictionless contact.", f"Contact pairs: {pairs}."]
+
+
+UNITS = {"_N_mm_per_mm": "N mm per mm", "_MPa": "MPa", "_mm": "mm", "_N": "N", "_rad": "rad", "_deg": "degrees"}
+
+REMARK = "_remark"
+
+
+def case_rows(summary: BodiesSummary) -> list[tuple[str, str]]:
+    """Names with units and values of what a case of bodies found, as shown."""
+    rows = result_rows(summary)
+    for each in summary.contacts:
+        name = f"{each.secondary} on {each.primary}"
+        rows.append((f"{name}: force on {each.secondary} (x, y), N", value_text(each.force_on_secondary_N)))
+        rows.append((f"{name}: maximum pressure, MPa", _pressure(each)))
+        rows.append((f"{name}: half width of contact, mm", _half_widths(each)))
+    for body in summary.bodies:
+        rows.append((f"{body.name}: maximum displacement, mm", value_text(body.max_displacement_mm)))
+        rows.append((f"{body.name}: maximum von Mises stress, MPa", value_text(body.max_von_mises_MPa)))
+        rows.append((f"{body.name}: elements, unknowns", f"{body.elements}, {body.unknowns}"))
+    return rows
+
+
+def result_rows(summary: BodiesSummary) -> list[tuple[str, str]]:
+    """Names with units and values of what a case is about."""
+    results = summary.results
+    return [
+        (", ".join(words_of(key)), marked(value_text(value), remark_of(results, key)))
+        for key, value in results.items()
+        if not key.endswith(REMARK)
+    ]
+
+
+def remark_of(results: Mapping[str, Any], key: str) -> str | None:
+    """Why the value of a key is not reliable; None without a remark."""
+    remark = results.get(key.removesuffix("_MPa") + REMARK)
+    return None if remark is None else str(remark)
+
+
+def contacts_of_bodies(summary: BodiesSummary) -> Table:
+    """Forces, pressures and regions of the contacts, one column a contact."""
+    contacts = summary.contacts
+    quantities: list[tuple[str, Callable[[PairSummary], str]]] = [
+        ("force on the secondary body (x, y), N", lambda c: value_text(c.force_on_secondary_N)),
+        ("maximum pressure, MPa", _pressure),
+        ("half width of contact, mm", _half_widths),
+        ("centre of pressure (x, y), mm", lambda c: _of_patches(c, "centre_mm")),
+        ("reaches an end of the surface", lambda c: _of_patches(c, "reaches_an_end")),
+        ("initial overlap, mm", lambda c: value_text(c.initial_penetration_mm)),
+    ]
+    header = ("", *(f"{each.secondary} on {each.primary}" for each in contacts))
+    rows = tuple((name, *(text(each) for each in contacts)) for name, text in quantities)
+    return Table("Contacts", header, rows)
+
+
+def forces_table(summary: BodiesSummary) -> Table:
+    """Forces on the bodies in contact."""
+    rows = [
+        (row.body, value_text(row.contact_N), value_text(row.loads_N), value_text(row.supports_N))
+        for row in summary.forces
+    ]
+    return Table("Forces on the bodies (x, y)", ("", "contact, N", "loads, N", "supports, N"), tuple(rows))
+
+
+def supports_table(summary: BodiesSummary) -> Table:
+    """Force of each support on its body."""
+    rows = [(f"{row.number}", row.body, value_text(row.force_N)) for row in summary.supports]
+    return Table("Supports", ("", "body", "force on it (x, y), N"), tuple(rows))
+
+
+def sizes_table(summary: BodiesSummary) -> Table:
+    """Sizes of the bodies' meshes, and their extreme values."""
+    header = (
+        *("", "elements", "unknowns", "maximum displacement, mm", "maximum von Mises, MPa"),
+        *("minimum principal, MPa", "maximum in-plane shear, MPa"),
+    )
+    rows = [
+        (
+            *(body.name, f"{body.elements:,}", f"{body.unknowns:,}"),
+            *(value_text(body.max_displacement_mm), value_text(body.max_von_mises_MPa)),
+            *(value_text(body.min_principal_MPa), value_text(body.max_in_plane_shear_MPa)),
+        )
+        for body in summary.bodies
+    ]
+    return Table("Bodies", header, tuple(rows))
+
+
+def words_of(key: str) -> tuple[str, ...]:
+    """A key as words, and its unit if it has one."""
+    for ending, unit in UNITS.items():
+        if key.endswith(ending):
+            return key[: -len(ending)].replace("_", " "), unit
+    return (key.replace("_", " "),)
+
+
+def value_text(value: Any) -> str:
+    """Write a value for people: six digits, lists in brackets."""
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, list):
+        return f"({', '.join(value_text(each) for each in value)})"
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _pressure(contact: PairSummary) -> str:
+    return marked(value_text(contact.max_pressure_MPa), contact.max_pressure_remark)
+
+
+def _half_widths(contact: PairSummary) -> str:
+    return _of_patches(contact, "half_width_mm") if contact.patches else "no contact"
+
+
+def _of_patches(contact: PairSummary, key: str) -> str:
+    return ", ".join(value_text(getattr(patch, key)) for patch in contact.patches) or "–"

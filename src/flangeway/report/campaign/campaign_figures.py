@@ -22,7 +22,7 @@ NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
 
 COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 MOST_LABELLED = 8
-ROUGH = "not to be relied on, see its remark"
+ROUGH = "not reliable, see its remark"
 SMALLEST_POINT, MAX_POINT = 3.0, 40.0
 
 
@@ -37,15 +37,7 @@ def numeric_keys(table: CampaignTable) -> list[str]:
 
 
 def campaign_figures(table: CampaignTable) -> dict[str, Callable[[], Figure]]:
-    """Return functions that draw the pictures, by the files' names; which there are depends on what varies.
-
-    Parameters
-    ----------
-    table
-        Results of a campaign of a wheelset; of other cases, or where no number varies or no row converged, there is no
-        picture.
-
-    """
+    """Functions that draw the figures of a campaign of wheelsets, by file name; none if no number varies."""
     if "left_max_pressure_MPa" not in table.rows and "right_max_pressure_MPa" not in table.rows:
         return {}
     keys = numeric_keys(table)
@@ -71,7 +63,7 @@ def campaign_figures(table: CampaignTable) -> dict[str, Callable[[], Figure]]:
 
 
 def locus_figure(table: CampaignTable, key: str) -> Figure:
-    """Draw the points of contact on wheels and rails over an input; the larger the dot, the larger the force."""
+    """Draw the points of contact on wheels and rails over an input; dot size by force."""
     figure = new_figure(9.0, 6.4)
     axes = figure.subplots(2, 2, sharex=True)
     of_row = dict(zip(table.rows["row"], table.numbers(key), strict=True))
@@ -81,19 +73,19 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
     size = SMALLEST_POINT + (MAX_POINT - SMALLEST_POINT) * force / max(force.max(initial=0.0), 1e-300)
     for column, side in enumerate(SIDES):
         mine = patches["side"] == side
-        for line, (body, where) in enumerate((("wheel", "from the tape line"), ("rail", "from its middle"))):
+        for line, (body, where) in enumerate((("wheel", "from the tape line"), ("rail", "from its centre line"))):
             panel = axes[line, column]
             y = patches[f"{body}_x_mm"][mine].astype(float)
             panel.scatter(x[mine], y, s=size[mine], color=COLOURS[side], alpha=0.6, lw=0)
             panel.set_ylabel(f"{side} {body}: mm {where}")
             panel.grid(color="#dddddd", lw=0.5)
         axes[1, column].set_xlabel(key)
-    figure.suptitle(f"Contact locus: {table.name}. The larger the dot, the larger the force", fontsize=10)
+    figure.suptitle(f"Contact locus: {table.name}; dot size by force", fontsize=10)
     return figure
 
 
 def pressure_map(table: CampaignTable, first: str, second: str) -> Figure:
-    """Draw the maximum pressure over two inputs; where others vary as well, the largest over these."""
+    """Draw the maximum pressure over two inputs; the maximum over all other inputs."""
     figure = new_figure(9.4, 4.2)
     panels = figure.subplots(1, 2, sharey=True)
     places, groups = np.unique(
@@ -181,7 +173,7 @@ def _series(table: CampaignTable, x: str) -> Iterator[_Series]:
 
 
 def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
-    """Rows whose value in a column is not to be relied on, shape (n_rows,)."""
+    """Rows whose value in a column is not reliable, shape (n_rows,)."""
     remarks = table.rows.get(f"{column.removesuffix('_MPa')}_remark", [None] * len(table.rows["row"]))
     return np.array([remark is not None for remark in remarks], dtype=np.bool_)
 
@@ -216,7 +208,7 @@ def curves_figure(table: CampaignTable, key: str, quantity: str, name: str) -> F
 
 def ratio_figure(table: CampaignTable, x: str) -> Figure:
     """Draw L/V of both wheels over the lateral shift of the wheelset."""
-    figure = curves_figure(table, x, "lateral_over_vertical", "L/V, positive where the wheel pushes its rail out")
+    figure = curves_figure(table, x, "lateral_over_vertical", "L/V, positive if the wheel pushes its rail outwards")
     for panel in figure.axes:
         panel.axhline(0.0, color=GREY, lw=0.6)
         if x == "lateral_mm":

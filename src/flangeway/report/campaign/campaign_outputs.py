@@ -12,7 +12,7 @@ from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.sweep_animation import NAME as SWEEP
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames, sweep_gif
-from flangeway.report.figures.picture_files import picture_writers
+from flangeway.report.figures.drawing import picture_writers
 from flangeway.report.page.console import print_files, print_notices
 from flangeway.system.output_folder import bytes_writer, refuse_unwritable, write_together
 
@@ -39,22 +39,7 @@ def write_campaign(
     kind: str = "csv",
     progress: Callable[[str], None] = lambda _: None,
 ) -> list[Path]:
-    """Write all files of a campaign that is done, together or not at all.
-
-    Parameters
-    ----------
-    campaign
-        The campaign.
-    table
-        Its results.
-    folder
-        Where the files go; made if needed.
-    kind
-        Format of the tables besides CSV.
-    progress
-        Called with a sentence at each stage.
-
-    """
+    """Write all files of a finished campaign, tables as CSV and as `kind`, together or not at all."""
     writers = export_writers(table, "csv") | (export_writers(table, kind) if kind != "csv" else {})
     progress("drawing the pictures")
     writers |= picture_writers({name: draw() for name, draw in campaign_figures(table).items()})

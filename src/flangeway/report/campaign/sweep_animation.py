@@ -35,9 +35,9 @@ class SweepFrame:
     Parameters
     ----------
     label
-        What it is called.
+        Name of the frame.
     problem
-        Profiles and where they stand.
+        Profiles and their positions.
     motion
         Of the wheelset; None where there is no result.
     patches
@@ -92,19 +92,10 @@ def sweep_frames(campaign: Campaign, table: CampaignTable) -> list[SweepFrame]:
 
 
 def sweep_gif(frames: list[SweepFrame], title: str) -> bytes:
-    """Draw an animation as the contents of a GIF file.
+    """Draw an animation as the contents of a GIF file; at least one frame must have a result.
 
-    Each frame shows both sides in the track's axes: the outlines of wheel and rail, undeformed, and on the rail the
-    pressure as an ellipse with the maximum pressure and the width of each region of contact. Below are L/V and the
-    vertical forces of all frames, with a line where the frame is.
-
-    Parameters
-    ----------
-    frames
-        Frames, at least one with a result.
-    title
-        What stands above.
-
+    Each frame shows both sides in the track's axes: the undeformed outlines of wheel and rail, and on the rail an
+    ellipse with the maximum pressure and the width of each region of contact. Below are L/V and the vertical forces.
     """
     figure = new_figure(9.6, 6.4)
     grid = figure.add_gridspec(2, 2, height_ratios=(1.3, 1.0))
@@ -125,7 +116,7 @@ def sweep_gif(frames: list[SweepFrame], title: str) -> bytes:
             mark.set_xdata([number, number])
         canvas.draw()
         if number == 0:
-            figure.set_layout_engine("none")  # panels keep their places
+            figure.set_layout_engine("none")  # fixed panels
         pictures.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("P", palette=Image.Palette.ADAPTIVE))
     buffer = io.BytesIO()
     pictures[0].save(buffer, "GIF", save_all=True, append_images=pictures[1:], duration=1000 // FRAMES_A_SECOND, loop=0)
@@ -144,16 +135,16 @@ def _draw_side(axes: Axes, frame: SweepFrame, side: Side, highest: float) -> Non
         place = frame.motion.placement(problem.wheelset, side)
         wheel = place.points(problem.wheelset.wheel_of(side).outline.sampled(max_deviation=0.1))
         axes.fill(wheel[:, 0], wheel[:, 1], facecolor="#eef0f3", edgecolor=INK, lw=1.0, alpha=0.8)
-    told = []
+    shown = []
     for patch in frame.patches:
         if patch["side"] == side:
             _draw_patch(axes, frame, side, patch, highest)
-            told.append(marked(f"{patch['max_pressure_MPa']:.0f} MPa", patch["max_pressure_remark"]))
+            shown.append(marked(f"{patch['max_pressure_MPa']:.0f} MPa", patch["max_pressure_remark"]))
     middle = float(on_rail.points(np.array([[0.0, 0.0]]))[0, 0])
     axes.set_xlim(middle - WIDTH_MM, middle + WIDTH_MM)
     axes.set_ylim(-BELOW_MM, ABOVE_MM)
     axes.set_aspect("equal", adjustable="box")
-    axes.set_title(f"{side}: {', '.join(told) or 'no contact'}", fontsize=9)
+    axes.set_title(f"{side}: {', '.join(shown) or 'no contact'}", fontsize=9)
     axes.set_xlabel("x in the track's axes, mm")
 
 

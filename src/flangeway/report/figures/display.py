@@ -145,21 +145,7 @@ def edge_weights(order: int, pieces: int) -> Floats:
 
 
 def display(space: Space, pieces: int | None = None) -> Display:
-    """Cut the cells of a space for display.
-
-    Parameters
-    ----------
-    space
-        The space.
-    pieces
-        Number of pieces of each side, by default the order of the elements.
-
-    Raises
-    ------
-    InputError
-        If the number is below one.
-
-    """
+    """Cut the elements of a space into small triangles, each side into `pieces`, by default the order."""
     pieces = space.order if pieces is None else pieces
     if pieces < 1:
         raise InputError(f"pieces={pieces}", "1 or more", "leave it out for the order of the elements")

@@ -1,7 +1,7 @@
 """What all pictures share: sizes, colours that stay apart in grey, cells, contour lines, outlines."""
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,10 +16,11 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import MaxNLocator
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
+from PIL import Image
 
 from flangeway.mesh import PolyMesh
-from flangeway.report.figures.few_colours import few_colours
 from flangeway.report.figures.fields import PartFields
+from flangeway.system.output_folder import Writer, bytes_writer
 from flangeway.types import Floats
 
 DPI = 160
@@ -27,7 +28,6 @@ INK = "#1a1a1a"
 GREY = "#777777"
 HALO = withStroke(linewidth=2.0, foreground="white")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-N_LEVELS = 10
 CONTOUR = "contour"
 LABELS_APART = 0.11  # of the width of the axes
 
@@ -112,33 +112,43 @@ def power_of_ten(value: float, _position: int | None = None) -> str:
 
 
 def png(figure: Figure, dpi: int = DPI) -> bytes:
-    """Return a figure as the contents of a PNG file with at most 256 colours of its own.
-
-    Figures have few, and shades hardly change: a third of the size, and drawn and packed once for file and report.
-    """
+    """Return a figure as the contents of a PNG file of 256 colours: less than half the size of one of all colours."""
     canvas: Any = FigureCanvasAgg(figure)
     figure.set_dpi(dpi)
     canvas.draw()
+    pixels = Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB")
     buffer = io.BytesIO()
-    few_colours(np.asarray(canvas.buffer_rgba())).save(buffer, "PNG")
+    pixels.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG")
     return buffer.getvalue()
 
 
-class StressColours:
-    """Steps of colour from light, unloaded, to dark, most loaded: in grey too.
+def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Writer]:
+    """Draw figures now, and return functions that write them as PNG files, by the files' names."""
+    return {name: bytes_writer(png(figure)) for name, figure in figures.items()}
+
+
+class ColourSteps:
+    """Steps of colour from light to dark, in grey too.
 
     Parameters
     ----------
     values
-        All values to be shown in MPa: none below zero, or none above.
+        All values to be shown.
+    from_zero
+        For values none of which is below zero, or none above: from light at zero to dark at the extreme.
 
     """
 
-    def __init__(self, values: Floats) -> None:
-        low, high = float(values.min(initial=0.0)), float(values.max(initial=0.0))
-        self.compressive = -low > high
-        span = (low, 0.0) if self.compressive else (0.0, max(high, 1e-6))
-        self.levels: Floats = np.asarray(MaxNLocator(nbins=N_LEVELS, steps=[1, 2, 2.5, 5, 10]).tick_values(*span))
+    def __init__(self, values: Floats, *, from_zero: bool = False) -> None:
+        values = np.append(values, 0.0) if from_zero else values
+        low, high = float(values.min()), float(values.max())
+        self.compressive = from_zero and -low > high
+        if from_zero:
+            low, high = (low, 0.0) if self.compressive else (0.0, max(high, 1e-6))
+        elif not high - low > 1e-12 * max(abs(low), abs(high)):
+            low, high = low - 0.5, high + 0.5
+        locator = MaxNLocator(nbins=10 if from_zero else 12, steps=[1, 2, 2.5, 5, 10])
+        self.levels: Floats = np.asarray(locator.tick_values(low, high))
         shades = mpl.colormaps["magma_r"](np.linspace(0.0, 0.9, 256))
         self.map = ListedColormap(shades[::-1] if self.compressive else shades)
         self.norm = BoundaryNorm(self.levels.tolist(), self.map.N)
@@ -149,7 +159,7 @@ class StressColours:
 
     @property
     def lines(self) -> Floats:
-        """Levels worth a contour line: every second one, without zero."""
+        """Levels with a contour line: every second one, without zero."""
         levels = self.levels[::-1] if self.compressive else self.levels
         return np.sort(levels[2:-1:2])
 
@@ -159,7 +169,7 @@ def draw_contours(
     part: PartFields,
     points: Floats,
     values: Floats,
-    colours: StressColours,
+    colours: ColourSteps,
     chosen: NDArray[np.bool_] | None = None,
 ) -> None:
     """Draw lines of equal value, from means about the points, with numbers that keep apart; set the axes first.
@@ -253,3 +263,20 @@ def triangles(mesh: PolyMesh) -> NDArray[np.int32]:
         corners = mesh.batch_points(n_vertices, cells)
         fans += [corners[:, [0, i, i + 1]] for i in range(1, n_vertices - 1)]
     return np.vstack(fans)
+
+
+def draw_field(axes: Axes, mesh: PolyMesh, values: Floats, shades: ColourSteps, *, lines: bool = True) -> None:
+    """Fill between contour lines of values at a mesh's points (n_points,); dashed lines are negative."""
+    surface = Triangulation(mesh.points[:, 0], mesh.points[:, 1], triangles(mesh))
+    # rounding below the first level would leave a hole
+    values = np.clip(values, shades.levels[0], shades.levels[-1])
+    axes.tricontourf(surface, values, levels=shades.levels, cmap=shades.map, norm=shades.norm)
+    if lines:
+        styles = ["dashed" if level < 0.0 else "solid" for level in shades.levels]
+        axes.tricontour(surface, values, levels=shades.levels, colors=INK, linewidths=0.5, linestyles=styles)
+
+
+def draw_boundary(axes: Axes, mesh: PolyMesh) -> None:
+    """Draw the outer boundary and the holes'."""
+    for loop in boundary_loops(mesh):
+        axes.plot(*mesh.points[loop].T, color=INK, linewidth=0.9)

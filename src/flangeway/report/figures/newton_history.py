@@ -1,19 +1,21 @@
-"""How Newton's iterations of the load steps of a case of bodies went: a picture and a table."""
+"""Convergence: the Newton iterations of load steps as a figure and a table, and the equilibrium of a wheelset."""
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from flangeway.cases import CaseRun
 from flangeway.contact import ContactSolution
+from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, power_of_ten
 from flangeway.report.page.page_tables import Table
 from flangeway.solve import ContactState
 
-SMALLEST = 1e-17
-"""Errors of exactly zero are drawn here: the axis is logarithmic."""
-ERRORS = {"residual": "imbalance over the total force", "change": "change over the maximum displacement"}
+MIN_ERROR = 1e-17
+"""Value for errors of exactly zero on the logarithmic axis."""
+ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}
 MOST_NAMED = 12
-"""Number of steps up to which each has its name in the picture."""
+"""Maximum number of steps with names in the figure."""
 
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
@@ -36,7 +38,7 @@ def newton_figure(contact: ContactSolution) -> Figure:
     for number, (name, history) in enumerate(steps):
         at = np.arange(start + 1, start + 1 + len(history))
         for key, colour, line, marker in (("residual", INK, "-", "o"), ("change", GREY, "--", "s")):
-            errors = np.maximum([getattr(iteration, key) for iteration in history], SMALLEST)
+            errors = np.maximum([getattr(iteration, key) for iteration in history], MIN_ERROR)
             axes.semilogy(
                 at, errors, color=colour, lw=1.4, ls=line, marker=marker, ms=4.0, mfc="white",
                 label=None if number else ERRORS[key],
@@ -45,7 +47,7 @@ def newton_figure(contact: ContactSolution) -> Figure:
             axes.axvline(start + 0.5, color=GREY, lw=0.6)
         corrections = np.array([iteration.correction for iteration in history])
         for place in np.flatnonzero(np.diff(corrections)):
-            label = "correction of the forces" if not corrected else None
+            label = "force correction" if not corrected else None
             axes.axvline(at[place] + 0.5, color=GREY, lw=0.8, ls=":", label=label)
             corrected = True
         if 1 < len(steps) <= MOST_NAMED:
@@ -55,7 +57,7 @@ def newton_figure(contact: ContactSolution) -> Figure:
         start += len(history)
     axes.set_xlim(0.5, max(start, 1) + 0.5)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    axes.set_xlabel("Newton's iterations" + (", load step by load step" if len(steps) > 1 else ""))
+    axes.set_xlabel("Newton iterations" + (", load step by load step" if len(steps) > 1 else ""))
     axes.set_ylabel("relative error")
     axes.yaxis.set_major_formatter(power_of_ten)
     axes.grid(color="#dddddd", linewidth=0.6)
@@ -72,5 +74,31 @@ def steps_table(contact: ContactSolution) -> Table:
             f"{last.residual:.1e}", f"{last.change:.1e}", f"{last.n_active}"
         )  # fmt: skip
         rows.append((name, f"{len(state.history)}", *errors))
-    header = ("share of loads and motions", "iterations", "imbalance", "change", "constraints under force")
+    header = ("fraction of loads and displacements", "iterations", "residual", "change", "active constraints")
     return Table("Load steps", header, tuple(rows))
+
+
+def convergence_figure(run: CaseRun) -> Figure:
+    """Draw the residuals (Moherdaui 2021, 7.2.2) at each position that was tried, and the accepted one."""
+    history = run.result.equilibrium.history
+    figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(top=0.15))
+    steps = np.arange(len(history))
+    resulting = np.maximum([balance.equilibrium_residual for balance in history], MIN_ERROR)
+    axes.semilogy(steps, resulting, color=INK, lw=1.6, marker="o", ms=4.5, mfc="white", label="equilibrium residual")
+    free = history[-1].free if history else ()
+    if not any(free):
+        axes.text(0.5, 0.5, "the position is prescribed: there is no search", ha="center", transform=axes.transAxes)
+    for name, line, is_free in zip(("lateral", "vertical", "moment"), ("-.", "--", ":"), free, strict=False):
+        if not is_free:
+            continue
+        errors = np.maximum([abs(getattr(balance, f"{name}_residual")) for balance in history], MIN_ERROR)
+        axes.semilogy(steps, errors, color=GREY, lw=1.1, ls=line, label=name)
+    axes.axhline(TOLERANCE, color=GREY, lw=0.8)
+    axes.annotate("tolerance", (0.0, TOLERANCE), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
+    axes.set_xlabel("iteration: positions of the wheelset, each with its contact solved")
+    axes.set_ylabel("relative residual")
+    axes.yaxis.set_major_formatter(power_of_ten)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    axes.legend(loc="upper right", fontsize=8, framealpha=1.0)
+    return figure

@@ -20,7 +20,7 @@ from flangeway.space import Space
 from flangeway.types import Floats
 
 Factor: TypeAlias = float | Literal["auto"]
-"""How many times as large as it is a deformation is drawn; ``"auto"`` makes it a twentieth of the body's size."""
+"""Factor on the displacements in the figure; ``"auto"`` makes the maximum a twentieth of the body's size."""
 
 Quantity = Literal["von_mises", "xx", "yy", "xy", "zz", "in_plane_shear", "principal_1", "principal_2", "principal_3"]
 Component = Literal["magnitude", "x", "y"]
@@ -33,7 +33,7 @@ DEFORMATION_SHARE = 0.05
 SET_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 SET_LINES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
 COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
-"""From light, the least value, to dark, the greatest: in grey too."""
+"""From light, the minimum, to dark, the maximum, in grey too."""
 
 
 def plot_mesh(
@@ -147,11 +147,11 @@ def plot_displacement(
     axes
         Where to draw; a new figure by default.
     factor
-        How many times as large the displacements are drawn: 0 for the undeformed body, or ``"auto"``.
+        Factor on the displacements: 0 for the undeformed body, or ``"auto"``.
     unit
         Unit of lengths.
     limits
-        Displacements of the first and last colour; the least and greatest by default.
+        Displacements of the first and last colour; minimum and maximum by default.
     edges
         Whether the cells' edges are drawn.
 
@@ -184,18 +184,18 @@ def plot_stress(
     solution
         The solution.
     quantity
-        A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (greatest) to ``"principal_3"``, the
+        A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (maximum) to ``"principal_3"``, the
         normal stress out of the plane among them.
     axes
         Where to draw; a new figure by default.
     averaged
         Whether the components are averaged over the cells at each place of their edges, which hides the jumps.
     factor
-        How many times as large the displacements are drawn: 0 for the undeformed body, or ``"auto"``.
+        Factor on the displacements: 0 for the undeformed body, or ``"auto"``.
     unit, length_unit
         Units of stresses and lengths.
     limits
-        Stresses of the first and last colour, as where they grow without limit at a corner.
+        Stresses of the first and last colour, for instance where they are singular at a corner.
     edges
         Whether the cells' edges are drawn.
 
@@ -255,7 +255,7 @@ def _with_unit(label: str, unit: str | None) -> str:
 
 
 def _drawn_as(scale: float) -> str:
-    return f"displacements drawn {scale:.3g} times as large"
+    return f"deformation x{scale:.3g}"
 
 
 def _prepared(axes: Axes | None, length_unit: str | None) -> Axes:

@@ -1,11 +1,13 @@
 """The inputs of a case as the text of a case file, and as tables of the page."""
 
+import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any
 
 from flangeway.cases.case import Case, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
+from flangeway.cases.section.torsion_case import TorsionCase
 from flangeway.report.page.page_tables import Table
 
 LONGEST = 60
@@ -15,8 +17,8 @@ LONGEST = 60
 def case_text(case: RunnableCase) -> str:
     """Return a case file that computes a case again: every input that is set, with all digits, defaults too.
 
-    Names of files stand as they were given; in a case file they are read from its own folder. Inputs in tables stand
-    there if they are not the defaults.
+    Names of files are as given; a case file reads them from its own folder. Tables have the inputs that are not the
+    defaults.
     """
     if has_tables(case):
         return write_case_file(case)
@@ -35,7 +37,7 @@ def inputs_tables(case: Case) -> list[Table]:
         for key, field in type(case).model_fields.items()
         if table_in(field.annotation) is None
     ]
-    found = [Table("Every key bears its unit", ("", "value", "meaning"), tuple(plain), of_words=True)]
+    found = [Table("Inputs (units in the names)", ("", "value", "meaning"), tuple(plain), of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
         if table_in(type(case).model_fields[key].annotation) is None:
             continue
@@ -47,7 +49,7 @@ def inputs_tables(case: Case) -> list[Table]:
 
 
 def has_tables(case: Case) -> bool:
-    """Whether a case has inputs inside of tables, which no command has room for."""
+    """Whether a case has inputs inside of tables, which a command cannot give."""
     return any(table_in(field.annotation) is not None for field in type(case).model_fields.values())
 
 
@@ -67,3 +69,51 @@ def _plain(value: object) -> str:
         text = toml_value(value)
         return text if len(text) <= LONGEST else f"{text[: LONGEST - 4]} ..."
     return f"{value:.10g}" if isinstance(value, float) else str(value)
+
+
+OPTIONS = {
+    "method": "--method",
+    "order": "--order",
+    "size_scale": "--size-scale",
+    "primary": "--primary",
+    "crown_radius_in": "--crown-radius",
+}
+"""Inputs of a case with an option of their own; all others go through ``--set``."""
+SECTION_OPTIONS = {
+    "size": "--size",
+    "order": "--order",
+    "method": "--method",
+    "poisson": "--poisson",
+    "unit": "--unit",
+    "half": "--mirror",
+}
+"""Options of ``flangeway section`` by the inputs of a case of torsion."""
+
+
+def command_line(case: RunnableCase) -> str:
+    """Return the command that runs a case, with what differs from the defaults; cases with tables have none."""
+    words = ["flangeway", "run", case.name]
+    for key, text in _changed(case).items():
+        words += [OPTIONS[key], text] if key in OPTIONS else ["--set", f"{key}={text}"]
+    return shlex.join(words)
+
+
+def section_command(case: TorsionCase) -> str:
+    """Return the command that computes the same section with ``flangeway section``."""
+    words = ["flangeway", "section", case.section]
+    for key, text in _changed(case).items():
+        if key == "half":
+            words.append(SECTION_OPTIONS[key])
+        elif key != "section":
+            words += [SECTION_OPTIONS[key], text]
+    return shlex.join(words)
+
+
+def _changed(case: RunnableCase) -> Mapping[str, str]:
+    """Values that are not the defaults, as text with all digits."""
+    found = {}
+    for key, field in type(case).model_fields.items():
+        value = getattr(case, key)
+        if value != field.default:
+            found[key] = value if isinstance(value, str) else toml_value(value)
+    return found

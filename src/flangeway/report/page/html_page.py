@@ -13,7 +13,7 @@ from flangeway.report.viewer import Scene, field_viewer
 
 SHOWN_SIZE = 0.55
 """Pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures."""
-INSTEAD = "The pictures further down show the most important fields."
+INSTEAD = "The figures below show the most important fields."
 
 
 @dataclass(frozen=True)

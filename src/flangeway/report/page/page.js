@@ -32,7 +32,7 @@
       } catch {
         button.textContent = "Not copied";
       }
-      document.getElementById("told").textContent = `${button.textContent}: ${what}`;
+      document.getElementById("announcement").textContent = `${button.textContent}: ${what}`;
       setTimeout(() => (button.textContent = "Copy"), 2000);
     });
     if (place.tagName === "PRE") place.prepend(button);

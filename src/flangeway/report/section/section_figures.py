@@ -12,8 +12,7 @@ from flangeway.cases.section.section_run import SectionRun
 from flangeway.mesh import PolyMesh
 from flangeway.post import corner_shear_stresses, shear_stresses
 from flangeway.report.figures.cell_patches import cells_path, draw_lines
-from flangeway.report.figures.contours import Shades, draw_boundary, draw_field
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_boundary, draw_field, new_figure
 from flangeway.types import Floats
 
 WIDTH_IN, LOWEST_IN, HIGHEST_IN = 7.2, 3.4, 9.0
@@ -54,14 +53,14 @@ def mesh_figure(run: SectionRun) -> Figure:
     axes.plot(*centroid, "o", ms=7, mfc="white", mec=INK, mew=1.4, ls="none", label="centroid")
     axes.plot(*shear_centre, "X", ms=9, mfc=INK, mec="white", mew=0.8, ls="none", label="shear centre")
     title = textwrap.shorten(run.drawn.title, TITLE_LETTERS, placeholder=" ...")
-    axes.set_title(f"{title}\n{mesh.n_cells} cells, principal axes 1 and 2", fontsize=10)
+    axes.set_title(f"{title}\n{mesh.n_cells} elements, principal axes 1 and 2", fontsize=10)
     figure.legend(loc="outside lower center", ncols=4, fontsize=8, frameon=False)
     return figure
 
 
 def warping_figure(run: SectionRun) -> Figure:
     """Draw the warping about Trefftz's shear centre, for a rate of twist of one."""
-    title = f"Warping about the shear centre over the rate of twist, in {run.drawn.unit}²"
+    title = f"Warping about the shear centre / rate of twist, in {run.drawn.unit}²"
     return _contours(run, warping_about_shear_centre(run), title)
 
 
@@ -69,7 +68,7 @@ def prandtl_figure(run: SectionRun) -> Figure:
     """Draw Prandtl's function for ``G theta' = 1``."""
     problem = run.constants.prandtl.problem
     values = run.constants.prandtl.function[: run.space.mesh.n_points] / problem.mean_modulus
-    return _contours(run, values, f"Prandtl's function over Gθ′, in {run.drawn.unit}²; lines of shear flow")
+    return _contours(run, values, f"Prandtl's function / Gθ′, in {run.drawn.unit}², with lines of shear flow")
 
 
 def shear_figure(run: SectionRun) -> Figure:
@@ -80,7 +79,7 @@ def shear_figure(run: SectionRun) -> Figure:
     corner_sizes = factor * np.hypot(*corner_shear_stresses(solution).T)
     figure, axes = _new(run)
     parts = [_point_means(mesh, cells, corner_sizes) for cells in mesh.cell_sets.values()]
-    shades = Shades(np.concatenate([[0.0], *(values[used] for used, values in parts)]))
+    shades = ColourSteps(np.concatenate([[0.0], *(values[used] for used, values in parts)]))
     for cells, (_, values) in zip(mesh.cell_sets.values(), parts, strict=True):
         draw_field(axes, _part(mesh, cells), values, shades, lines=False)
     _outline(axes, mesh)
@@ -132,7 +131,7 @@ def warping_about_shear_centre(run: SectionRun) -> Floats:
 def _contours(run: SectionRun, values: Floats, title: str) -> Figure:
     mesh = run.space.mesh
     figure, axes = _new(run)
-    shades = Shades(values)
+    shades = ColourSteps(values)
     draw_field(axes, mesh, values, shades)
     _outline(axes, mesh)
     _frame(axes, run)

@@ -13,19 +13,18 @@ from flangeway.cases.section.section_run import SectionRun
 from flangeway.cases.section.torsion_case import TorsionCase
 from flangeway.formats import write_vtu
 from flangeway.report.figures.drawing import png
-from flangeway.report.page.command import section_command
+from flangeway.report.page.case_text import section_command
 from flangeway.report.page.console import print_files, print_notices, print_rows
 from flangeway.report.page.html_page import Picture, report_page
 from flangeway.report.scenes import section_arrays
 from flangeway.report.section.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
-from flangeway.report.section.section_page import section_page
-from flangeway.report.section.section_tables import section_rows, weights_sentences
+from flangeway.report.section.section_page import section_page, section_rows, weights_sentences
 from flangeway.system.output_folder import Writer, bytes_writer, text_writer, write_together
 
 PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
-    "warping.png": (warping_figure, "Warping about the shear centre over the rate of twist, with lines of equal value"),
-    "shear_stress.png": (shear_figure, "Size of the shear stress for a torque of one, with arrows along it"),
-    "prandtl.png": (prandtl_figure, "Prandtl's function, whose lines of equal value are lines of shear flow"),
+    "warping.png": (warping_figure, "Warping about the shear centre over the rate of twist, with contour lines"),
+    "shear_stress.png": (shear_figure, "Shear stress for a unit torque, with arrows in its direction"),
+    "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
     "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
 }
 """Functions that draw the pictures, the most telling first, and what they show, by the files' names."""
@@ -36,25 +35,7 @@ NAMES = (*PICTURES, FIELDS, REPORT, SUMMARY)
 def write_section(
     run: SectionRun, case: TorsionCase, folder: Path, progress: Callable[[str], None] = lambda _: None
 ) -> list[Path]:
-    """Write the pictures, the fields, the report and ``section.json``, together or not at all.
-
-    Parameters
-    ----------
-    run
-        The section.
-    case
-        Its inputs, as those of a case of torsion.
-    folder
-        Where the files go; made if needed.
-    progress
-        Called with a sentence at each stage.
-
-    Raises
-    ------
-    InputError
-        If the folder cannot be written.
-
-    """
+    """Write figures, fields, report and ``section.json`` of a section and its inputs, together or not at all."""
     progress("drawing the pictures and writing the files")
     writers = section_writers(run, case, command=section_command(case), summary_file=SUMMARY)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)
@@ -62,20 +43,7 @@ def write_section(
 
 
 def section_writers(run: SectionRun, case: TorsionCase, *, command: str, summary_file: str) -> dict[str, Writer]:
-    """Return functions that write the pictures, the fields and the report of a section, by the files' names.
-
-    Parameters
-    ----------
-    run
-        The section.
-    case
-        Its inputs.
-    command
-        The command that computes it again.
-    summary_file
-        Name of the file with its numbers.
-
-    """
+    """Functions that write the figures, the fields and the report of a section, by file name."""
     pictures = [
         Picture(png(draw(run)), f"{words}: {run.drawn.title}.", f"{words}.") for draw, words in PICTURES.values()
     ]
@@ -97,7 +65,7 @@ def _write_fields(run: SectionRun, path: Path) -> None:
 
 
 def print_section(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print the constants with their units, what was mended or is uncertain, and the files."""
+    """Print the constants with their units, notices and uncertainty, and the files."""
     console.print(summary["title"], style="bold", markup=False)
     print_rows(console, section_rows(summary))
     print_notices(console, summary["notices"])

@@ -1,4 +1,4 @@
-// The value under the pointer, or at the cross in the middle for those who use keys; told to screen readers at rest.
+// The value under the pointer, or at the cross in the middle for keyboard users; announced to screen readers when it stops.
 
 const REST_MS = 500;
 
@@ -55,7 +55,7 @@ class Reading {
     }, REST_MS);
   }
 
-  // Tell some words before the value that is told next.
+  // Announce some words before the next value.
   tellFirst(words) {
     this.first = words;
     this.tell();

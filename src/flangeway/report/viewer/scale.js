@@ -58,6 +58,6 @@ class Scale {
     const kind = this.mode.value === "robust" ? "Robust range, without the outermost 0.5 % of values at each end. " : "";
     const values = `${kind}${where ? `${where} the` : "The"} shown parts have ${shown(range.least, 5)} to ${shown(range.greatest, 5)} ${field.unit}`;
     const cut = range.least < range.low || range.greatest > range.high;
-    this.note.textContent = cut ? `${values}; what lies beyond the scale has its end colour.` : `${values}.`;
+    this.note.textContent = cut ? `${values}; out-of-range values are clipped.` : `${values}.`;
   }
 }

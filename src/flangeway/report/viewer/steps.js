@@ -2,7 +2,7 @@
 
 const PLAY_MS = 6000;
 const SHORTEST_MS = 100;
-// below the rest after which values are told, so that only the last step's are
+// below the delay of announced values, so that only the last step's are
 const LONGEST_MS = 0.9 * REST_MS;
 
 class Steps {

@@ -25,7 +25,7 @@ from flangeway.report.figures.fields import PartFields
 from flangeway.report.wheelset.wheelset_figure import FACTORS
 
 DEFORMATION_SHARE = 0.06
-"""Maximum motion that is drawn, over the height of the rail."""
+"""Maximum displacement in the figure over the height of the rail."""
 
 ORDINATE_MM = 18.0
 """Length of the maximum stress: less than the radius of the fillets, so that ordinates do not cross."""
@@ -37,7 +37,7 @@ WEB_MM = 15.0
 """Height above and below the web's narrowest place that belongs to no fillet."""
 
 LEAST_LABEL = 0.08
-"""Stress over the largest one below which an extreme bears no number."""
+"""Minimum ratio of an extreme to the maximum stress for a label."""
 
 
 def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
@@ -62,7 +62,7 @@ def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
         handles=[
             Patch(facecolor=TENSION, edgecolor=INK, hatch="////", label="tension"),
             Patch(facecolor=COMPRESSION, edgecolor=INK, label="compression along the free surface, MPa"),
-            Patch(facecolor="none", edgecolor=GREY, ls="--", label=f"deformed, motion drawn {factor} times as large"),
+            Patch(facecolor="none", edgecolor=GREY, ls="--", label=f"deformation x{factor}"),
         ],
         loc="lower center", ncols=3, fontsize=9, frameon=False,
     )  # fmt: skip

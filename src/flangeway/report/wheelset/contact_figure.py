@@ -10,14 +10,15 @@ from numpy.typing import NDArray
 
 from flangeway.cases import CaseRun
 from flangeway.post import Stresses
-from flangeway.railway.track.placements import Side
+from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
 from flangeway.report.figures.cell_patches import fill_cells
 from flangeway.report.figures.drawing import (
+    GREY,
     HALO,
     INK,
+    ColourSteps,
     Room,
-    StressColours,
     box,
     draw_outline,
     draw_title,
@@ -25,6 +26,7 @@ from flangeway.report.figures.drawing import (
     figure_with_room,
 )
 from flangeway.report.figures.fields import PartFields
+from flangeway.report.page.page_tables import marked
 from flangeway.types import Floats
 
 WINDOW = 2.2  # in half widths of the contact
@@ -65,7 +67,7 @@ def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Fig
     height = 1.1 + (PANEL_IN - 0.2) * len(windows)
     figure, rows = figure_with_room(3.0 * PANEL_IN, height, ROOM, len(windows), len(COLUMNS))
     for column, (label, values) in enumerate(COLUMNS):
-        colours = StressColours(np.concatenate([values(zone.stresses) for row in shown for zone in row]))
+        colours = ColourSteps(np.concatenate([values(zone.stresses) for row in shown for zone in row]), from_zero=True)
         for number, (window, row) in enumerate(zip(windows, zones, strict=True)):
             axes = rows[number, column]
             equal_axes(axes, window)
@@ -76,7 +78,7 @@ def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Fig
         place = rows[0, column].get_position()
         below = figure.add_axes((place.x0, BAR_IN[0] / height, place.width, BAR_IN[1] / height))
         bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
-        bar.set_label(f"{label}, means of cells", fontsize=9)
+        bar.set_label(f"{label}, element averages", fontsize=9)
         bar.ax.tick_params(labelsize=8)
     stride = _stride(run.result.patches)
     for row, patch in zip(rows, patches, strict=False):
@@ -107,7 +109,7 @@ def _zones(parts: Sequence[PartFields], side: Side, window: Floats) -> list[_Zon
     return zones
 
 
-def _draw(axes: Axes, zone: _Zone, values: Callable[[Stresses], Floats], colours: StressColours) -> None:
+def _draw(axes: Axes, zone: _Zone, values: Callable[[Stresses], Floats], colours: ColourSteps) -> None:
     part, points = zone.part, zone.part.points()
     fill_cells(axes, part.mesh, points, values(part.stresses), colours, chosen=zone.inside, lines=MESH_LINES)
     draw_outline(axes, part.mesh, points)
@@ -161,3 +163,39 @@ def _on_wheel(patch: WheelRailPatch) -> Floats:
     """Forces on the wheel: those on the secondary side, or their reactions."""
     sign = 1.0 if patch.force_on_wheel_N @ patch.pressure.force > 0.0 else -1.0
     return sign * patch.pressure.forces
+
+
+def pressure_figure(run: CaseRun) -> Figure:
+    """Draw the nodes' pressures (Moherdaui 2021, Figure 63) against the length along the surface, side by side."""
+    figure, ((*both,),) = figure_with_room(13.0, 4.6, Room(across=0.3), n_columns=2, sharey=True)
+    for axes, side in zip(both, SIDES, strict=True):
+        mine = [patch for patch in run.result.patches if patch.side == side]
+        for patch, line in zip(mine, ("-", "-.", ":", "--"), strict=False):
+            _draw_patch(axes, patch, line, patch.region if len(mine) > 1 else "nodes")
+        outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"
+        draw_title(axes, f"{side} contact ({outwards})".capitalize())
+        axes.set_xlabel("length along the surface from the centre of pressure in mm")
+        axes.grid(color="#dddddd", linewidth=0.6)
+        if axes.has_data():
+            axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+    both[0].set_ylim(bottom=0.0)  # once both are drawn: the axis is shared
+    both[0].set_ylabel("contact pressure in MPa")
+    return figure
+
+
+def _draw_patch(axes: Axes, patch: WheelRailPatch, line: str, name: str) -> None:
+    pressure = patch.pressure
+    along = np.copysign(1.0, pressure.points[-1, 0] - pressure.points[0, 0]) * pressure.along
+    axes.plot(
+        along, pressure.pressures, color=INK, lw=1.0, ls=line, marker="o", ms=3.5, mfc="white",
+        label=f"{name}: maximum {marked(f'{pressure.pressures.max():.0f} MPa', pressure.remark)}, half width "
+        f"{pressure.half_width:.2f} mm",
+    )  # fmt: skip
+    if patch.hertz is None:
+        return
+    hertz = patch.hertz
+    x = hertz.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+    axes.plot(
+        x, hertz.pressure(x), color=GREY, lw=1.8, ls="--", zorder=1,
+        label=f"Hertz, same force: maximum {hertz.max_pressure:.0f} MPa, half width {hertz.half_width:.2f} mm",
+    )  # fmt: skip

@@ -119,8 +119,8 @@ def _title(side: Side, elastic: _Forces, rigid: _Forces) -> str:
 
 def _legend() -> list[Patch | Line2D]:
     return [
-        Patch(facecolor=STEEL, edgecolor=ELASTIC, label="elastic, in balance, deformed"),
-        Line2D([], [], color=RIGID, ls=(0, (5, 2.5)), label="rigid, in balance"),
+        Patch(facecolor=STEEL, edgecolor=ELASTIC, label="elastic equilibrium, deformed"),
+        Line2D([], [], color=RIGID, ls=(0, (5, 2.5)), label="rigid equilibrium"),
         Line2D([], [], ls="none", marker="o", mfc="white", mec=ELASTIC, label="elastic: centre of pressure, force"),
         Line2D([], [], ls="none", marker="D", mfc="white", mec=RIGID, label="rigid: point of contact, force"),
     ]

@@ -99,10 +99,10 @@ def _draw(axes: Axes, line: SubsurfaceLine) -> None:
         axes.plot([], [], color=INK, lw=1.0, ls=(0, (4, 2)), label="Hertz, half plane, same force")
     top = maximum_on(depths, line.found.in_plane_shear, SEARCHED)
     axes.plot([top.value_MPa], [top.depth_mm], marker="o", color=INK, mfc="white", ms=5, zorder=4)
-    said = f"maximum in-plane shear\n{top.value_MPa:.0f} MPa at {top.depth_mm:.1f} mm"
+    text = f"maximum in-plane shear\n{top.value_MPa:.0f} MPa at {top.depth_mm:.1f} mm"
     if theory is not None:
-        said += f"\nHertz: {theory.max_shear:.0f} MPa at {DEPTH_OF_MAX_SHEAR * theory.half_width:.1f} mm"
-    axes.text(0.02, 0.04, said, transform=axes.transAxes, fontsize=9, va="bottom")
+        text += f"\nHertz: {theory.max_shear:.0f} MPa at {DEPTH_OF_MAX_SHEAR * theory.half_width:.1f} mm"
+    axes.text(0.02, 0.04, text, transform=axes.transAxes, fontsize=9, va="bottom")
     axes.set_ylim(float(depths[-1]), 0.0)
     axes.axvline(0.0, color="#999999", lw=0.6)
     axes.grid(color="#dddddd", lw=0.5)

@@ -6,14 +6,12 @@ from functools import partial
 from flangeway.cases import CaseRun
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import png
-from flangeway.report.figures.fields import PartFields, part_fields
+from flangeway.report.figures.fields import PartFields, part_fields, write_part
+from flangeway.report.figures.newton_history import convergence_figure
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.html_page import Picture, report_page
 from flangeway.report.wheelset.bending_figure import bending_figure
-from flangeway.report.wheelset.contact_figure import contact_figure
-from flangeway.report.wheelset.convergence_figure import convergence_figure
-from flangeway.report.wheelset.paraview import write_part
-from flangeway.report.wheelset.pressure_figure import pressure_figure
+from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.subsurface_figure import (
     SubsurfaceLine,
@@ -59,36 +57,35 @@ def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine
             "wheelset, its load and its dimensions between them.",
             "The wheelset on its rails: von Mises stress on the deformed parts. Dark is most loaded; numbers on the "
             "lines are MPa. Web and foot of the rails are hatched: their stresses are those of a slice that carries "
-            "the load alone, and not to be believed.",
+            "the load alone and are not valid for a rail.",
         ),
         Picture(
             png(rigid_elastic_figure(run, fields)),
-            "Outlines of the elastic wheels and rails in balance over those of the rigid ones, with points and forces "
-            "of contact of both, whole heads above and the zones of contact enlarged below.",
-            "Elastic over rigid, in true shape and scale: where the deformed wheelset is in balance, and where rigid "
-            "wheels on rigid rails would be.",
+            "Outlines of the elastic wheels and rails in equilibrium over those of the rigid ones, with contact points "
+            "and forces of both, whole heads above and the contact zones enlarged below.",
+            "Elastic and rigid equilibrium positions, true to scale.",
         ),
         *(
             Picture(
                 png(contact_figure(run, fields, side)),
-                f"The zones of contact of the {side} side, deformed, with the mesh, coloured by von Mises stress, by "
-                "the minimum principal stress with the contact forces on the wheel as arrows, and by the largest "
-                "in-plane shear stress.",
-                f"The {side} side's zones of contact, deformed: von Mises stress, minimum principal stress and largest "
-                "in-plane shear stress of each cell. Both sides have the same colours.",
+                f"The contact zones of the {side} side, deformed, with the mesh, coloured by von Mises stress, by the "
+                "minimum principal stress with the contact forces on the wheel as arrows, and by the maximum in-plane "
+                "shear stress.",
+                f"Contact zones of the {side} side, deformed: von Mises stress, minimum principal stress and maximum "
+                "in-plane shear stress of each element. Both sides have the same colours.",
             )
             for side in SIDES
         ),
         Picture(
             png(pressure_figure(run)),
             "Contact pressure along the surface of both sides: nodes of the mesh and Hertz's ellipse.",
-            "Contact pressure along the surface: the nodes' forces over their areas, and Hertz's theory for the same "
-            "force and the profiles' radii at the contact, where the profiles do not conform.",
+            "Contact pressure along the surface: nodal forces over their areas, and Hertz's theory for the same force "
+            "and the profiles' radii at the contact, where the profiles are not conforming.",
         ),
         Picture(
             png(convergence_figure(run)),
-            "Relative errors of the balance of forces over the outer iterations, on a logarithmic axis.",
-            "Convergence: errors of the balance of forces and moment at each position of the wheelset that was tried.",
+            "Relative residuals of the equilibrium over the iterations, on a logarithmic axis.",
+            "Convergence: residuals of forces and moment at each position of the wheelset in the iteration.",
         ),
         Picture(
             png(subsurface_figure(below)),
@@ -102,6 +99,7 @@ def _pictures(run: CaseRun, fields: list[PartFields], below: list[SubsurfaceLine
             "Sections of both rails with the stresses along their free surface as ordinates, and their deformed "
             "outlines dashed.",
             "Bending of the rails, held along their bases: stresses along the surface of web and fillets in MPa, and "
-            "the deformed outlines. They are those of the slice: compare them between runs, not with a rail in track.",
+            "the deformed outlines. The stresses are those of the slice: compare runs with each other, not with a rail "
+            "in track.",
         ),
     ]

@@ -6,8 +6,7 @@ from flangeway.cases import CaseRun
 from flangeway.cases.wheelset.wheelset_summary import WheelsetSummary
 from flangeway.railway.track.discretisation import Role
 from flangeway.report.figures.fields import PartFields
-from flangeway.report.page.case_text import case_text, inputs_tables
-from flangeway.report.page.command import command_line
+from flangeway.report.page.case_text import case_text, command_line, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture
 from flangeway.report.page.page_tables import (
     bending_table,

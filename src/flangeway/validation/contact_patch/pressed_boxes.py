@@ -110,22 +110,9 @@ def pressed_boxes(
 ) -> ContactCase:
     """Two equal boxes of which the upper is pressed upon the lower (contact patch test, Moherdaui (2021) Figure 64).
 
-    The far sides are held upright to themselves and slide along; one point of each, the left corner, is held both ways.
-    So the boxes spread freely and the exact solution is a uniform pressure, whatever the meshes.
-
-    Parameters
-    ----------
-    upper, lower
-        Discretisations of the secondary and of the primary box.
-    pairing, enforcement
-        Of the contact.
-    width, height
-        Sides of each box.
-    approach
-        How much nearer the far sides come.
-    rotation_rad
-        Turn of everything, the direction of the motion included.
-
+    The far sides slide along their supports; the left corner of each is fixed. So the boxes expand freely and the exact
+    solution is a uniform pressure, whatever the meshes. The upper box is the secondary one, `approach` the relative
+    displacement of the far sides, and `rotation_rad` rotates everything, the direction of the approach included.
     """
     place = Placement(rotation_rad)
     parts = []

@@ -23,7 +23,7 @@ from flangeway.solve import Status
 from flangeway.types import Floats
 from flangeway.validation.hertz.half_disc import Cells, HalfDisc, Method
 from flangeway.validation.hertz.hertz_discs import HertzProblem, HertzSolution, SurfacePressure, solve_hertz
-from flangeway.validation.published_numbers import ReproducedNumber, percent, published_rows
+from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, compare, published_rows
 
 Variant = Literal["printed", "halved", "segments"]
 """Node-to-segment with the penalty printed, or halved with each refinement; segment-to-segment with multipliers."""
@@ -45,16 +45,16 @@ EXTREMES = {
 """Published tables of extreme stresses: name among `HertzSolution.extremes`, and quantity."""
 
 STRESS_LIMIT = 0.03
-"""Largest relative difference from a published extreme that counts as within."""
+"""Maximum relative difference from a published extreme."""
 STRESS_CODES = ("VVO1", "VVO2")
-"""Rows whose extremes must be within; those of the others carry the noise of their meshes and oscillations."""
+"""Rows whose extremes have a limit; those of the others depend on the mesh through their oscillations."""
 FORCE_LIMITS = {1: 0.01, 2: 0.005}
-"""Largest relative difference of the force by order; of order 2 at M1 and M2 it is that of order 1."""
+"""Maximum relative difference of the force by order; of order 2 at M1 and M2 it is that of order 1."""
 EXACT_LIMITS = {"force": 0.005, "sigma_3": 0.01, "half width": 0.02, "pressure": 0.015, "oscillation": 0.005}
 """Limits of segment-to-segment contact against Hertz's theory, at order 2 on M3 and M4."""
 
 AS_PRINTED = "(penalty as printed)"
-"""Ends the quantities of Tables 12 to 14 that were computed with the penalty as Table 10 prints it."""
+"""Suffix of the quantities of Tables 12 to 14 computed with the penalty as Table 10 prints it."""
 VARIANTS: dict[Variant, str] = {
     "printed": "node-to-segment, penalty as printed",
     "halved": "node-to-segment, penalty halved with each refinement",
@@ -63,7 +63,7 @@ VARIANTS: dict[Variant, str] = {
 """Names of the variants."""
 
 SLACK = 0.02
-"""Nodes stay with the edge that they faced, by this part of it: else some configurations go round in circles."""
+"""Nodes keep the edge that they faced within this fraction of it; otherwise some configurations cycle."""
 LINE_POINTS = 201
 
 
@@ -135,64 +135,28 @@ class HertzRow:
         return self.pressure.maximum_difference(self.theory, self.size)
 
 
-@dataclass(frozen=True, eq=False)
-class HertzReproduction:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HertzReproduction(Reproduced):
     """The Hertz problem computed again.
 
     Parameters
     ----------
     rows
         Configurations in the order of the tables; node-to-segment first.
-    numbers
-        Published, or exact, and computed numbers side by side.
-    seconds
-        Wall-clock time.
 
     """
 
     rows: tuple[HertzRow, ...]
-    numbers: tuple[ReproducedNumber, ...]
-    seconds: float
 
     def of(self, variant: Variant) -> tuple[HertzRow, ...]:
         """Rows of one variant."""
         return tuple(row for row in self.rows if row.variant == variant)
 
     @property
-    def forces(self) -> tuple[ReproducedNumber, ...]:
-        """Forces with the penalty printed."""
-        return tuple(number for number in self.numbers if number.table == "6.2.2" and number.quantity == "force")
-
-    @property
-    def extremes(self) -> tuple[ReproducedNumber, ...]:
-        """Extremes with the penalty halved."""
-        return tuple(n for n in self.numbers if n.table in EXTREMES and not n.quantity.endswith(AS_PRINTED))
-
-    @property
-    def bounded_extremes(self) -> tuple[ReproducedNumber, ...]:
-        """Those of `STRESS_CODES`."""
-        return tuple(number for number in self.extremes if number.code[:4] in STRESS_CODES)
-
-    @property
-    def other_extremes(self) -> tuple[ReproducedNumber, ...]:
-        """Those of the other codes, shown without a bound."""
-        return tuple(number for number in self.extremes if number.code[:4] not in STRESS_CODES)
-
-    @property
-    def printed_extremes(self) -> tuple[ReproducedNumber, ...]:
-        """Extremes with the penalty printed, shown without a bound."""
-        return tuple(n for n in self.numbers if n.table in EXTREMES and n.quantity.endswith(AS_PRINTED))
-
-    @property
-    def exact(self) -> tuple[ReproducedNumber, ...]:
-        """Segment-to-segment contact against Hertz's theory where limits hold: M3 and M4."""
-        return tuple(n for n in self.numbers if n.table == "Hertz" and int(n.code[5]) >= FINE)
-
-    @property
-    def passed(self) -> bool:
-        """Whether all converged, and all forces, bounded extremes and exact numbers are within."""
-        required = (*self.forces, *self.bounded_extremes, *self.exact)
-        return all(row.status.converged for row in self.rows) and all(number.within for number in required)
+    def failures(self) -> tuple[str, ...]:
+        """Configurations that did not converge."""
+        failed = [row for row in self.rows if not row.status.converged]
+        return tuple(f"{row.name}, {VARIANTS[row.variant]}: {row.status.message}" for row in failed)
 
 
 @cache
@@ -245,18 +209,7 @@ def published_problem(code: str, level: int, variant: Variant = "printed") -> He
 def reproduce_hertz(
     *, quick: bool = False, levels: Sequence[int] = LEVELS, progress: Progress = lambda _: None
 ) -> HertzReproduction:
-    """Compute all configurations again, and those of order 2 with segment-to-segment contact.
-
-    Parameters
-    ----------
-    quick
-        Leave out the finest mesh, M4.
-    levels
-        Meshes, 1 to 4.
-    progress
-        Called with a sentence at each stage.
-
-    """
+    """Compute all configurations again, and those of order 2 with segment-to-segment contact; without M4 if `quick`."""
     start = time.perf_counter()
     chosen = [level for level in levels if not quick or level in QUICK_LEVELS]
     rows: list[HertzRow] = []
@@ -268,18 +221,11 @@ def reproduce_hertz(
                 row = hertz_row(code, level, variant)
                 rows.append(row)
                 numbers += _exact_numbers(row) if variant == "segments" else _published_numbers(row)
-    return HertzReproduction(tuple(rows), tuple(numbers), time.perf_counter() - start)
+    return HertzReproduction(rows=tuple(rows), numbers=tuple(numbers), seconds=time.perf_counter() - start)
 
 
 def hertz_row(code: str, level: int, variant: Variant) -> HertzRow:
-    """Compute one configuration; see `published_problem`.
-
-    Raises
-    ------
-    FlangewayError
-        If not even the first load step finds contact.
-
-    """
+    """Compute one configuration; see `published_problem`. Without any contact it is a `FlangewayError`."""
     solution = solve_hertz(published_problem(code, level, variant))
     if solution.patch is None:
         raise FlangewayError(f"{code}M{level}, {VARIANTS[variant]}: {solution.status.message}")
@@ -305,29 +251,10 @@ def hertz_row(code: str, level: int, variant: Variant) -> HertzRow:
 
 
 def _symmetry_line(solution: HertzSolution) -> StressLine:
-    """Down into the primary disc from below its straight edge at the apex, which a chord cuts off."""
+    """Down into the primary disc from below the chord that its mesh has at the apex."""
     disc = solution.model.problem.primary
     below = 1.1 * disc.size**2 / (8.0 * disc.radius)
     return stresses_along(solution.fields[1], (0.0, -below), (0.0, -1.0), LINE_POINTS)
-
-
-def _number(
-    table: int | str,
-    code: str,
-    quantity: str,
-    unit: str,
-    published: float,
-    computed: float,
-    limit: float,
-    note: str,
-    *,
-    required: bool,
-) -> ReproducedNumber:
-    """Row of the table; beside a published zero the difference is the computed number itself."""
-    difference = computed / published - 1.0 if published else computed
-    within = bool(abs(difference) <= limit)
-    words = (percent(limit) if published else f"{limit:g}") if required else ""
-    return ReproducedNumber(table, code, quantity, unit, published, computed, difference, words, within, note)
 
 
 def _published_numbers(row: HertzRow) -> Iterator[ReproducedNumber]:
@@ -336,29 +263,28 @@ def _published_numbers(row: HertzRow) -> Iterator[ReproducedNumber]:
     limit = FORCE_LIMITS[int(row.code[3])] if row.level >= FINE else FORCE_LIMITS[1]
     note = f"published for the reference solution; {sum(row.iterations)} Newton iterations"
     if not printed:
-        note += ": the softer penalty gives way"
+        note += ": the lower penalty is more compliant"
     name = "force" if printed else "force (penalty halved with each refinement)"
-    yield _number("6.2.2", row.name, name, "kN", REFERENCE_FORCE, row.force, limit, note, required=printed)
+    words = None if printed else ""
+    yield compare("6.2.2", row.name, name, "kN", (REFERENCE_FORCE, row.force), limit, note, words=words)
     for table, (key, quantity) in EXTREMES.items():
         published = published_value(str(table), row.code, row.level)
         reference = published_value(str(table), "ABAQUS", row.level)
         note = _deviation(row, published, reference, row.extremes[key])
         name = f"{quantity} {AS_PRINTED}" if printed else quantity
-        bound = not printed and row.code in STRESS_CODES
-        yield _number(
-            table, row.name, name, "kN/cm^2", published, row.extremes[key], STRESS_LIMIT, note, required=bound
-        )
+        values, words = (published, row.extremes[key]), None if not printed and row.code in STRESS_CODES else ""
+        yield compare(table, row.name, name, "kN/cm^2", values, STRESS_LIMIT, note, words=words)
 
 
 def _deviation(row: HertzRow, published: float, reference: float, computed: float) -> str:
-    """Say how far the pressure oscillates, and name what is behind a difference."""
+    """Pressure oscillation, and the reason for a difference."""
     oscillation = f"pressure oscillates by {100.0 * row.pressure.oscillation:.1f} % rms"
     if abs(computed / published - 1.0) <= STRESS_LIMIT:
         return oscillation
     theirs, ours = (100.0 * (value / reference - 1.0) for value in (published, computed))
     against = f"published is {theirs:+.1f} %, computed {ours:+.1f} % from the published reference {reference:g}"
     if row.variant == "printed":
-        reason = "a penalty halved with each refinement comes nearer"
+        reason = "a penalty halved with each refinement gives a smaller difference"
     elif row.code == "FDO1":
         reason = "the extreme is one triangle's constant and changes by several per cent with the mesh"
     else:
@@ -379,5 +305,5 @@ def _exact_numbers(row: HertzRow) -> Iterator[ReproducedNumber]:
         ("maximum difference from Hertz's pressure", "over p0", 0.0, row.pressure_difference, "pressure"),
         ("oscillation of the pressure", "over p0", 0.0, row.pressure.oscillation, "oscillation"),
     ):
-        limit = EXACT_LIMITS[key]
-        yield _number("Hertz", row.name, quantity, unit, published, computed, limit, note, required=fine)
+        words = None if fine else ""
+        yield compare("Hertz", row.name, quantity, unit, (published, computed), EXACT_LIMITS[key], note, words=words)

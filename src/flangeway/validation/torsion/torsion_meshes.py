@@ -148,18 +148,7 @@ def torsion_row(
     formulation: Formulation,
     load: Load = "projected",
 ) -> TorsionRow:
-    """Compute one row.
-
-    Parameters
-    ----------
-    code
-        Mesh and element.
-    formulation
-        Unknown function.
-    load
-        Reading of Prandtl's load; the published VVO1 rows of Tables 6 and 7 come out with ``"vertex_mean"``.
-
-    """
+    """Compute one row; the published VVO1 rows of Tables 6 and 7 come out with the load ``"vertex_mean"``."""
     mesh = torsion_mesh(code.section, code.cells, code.level)
     space = Space(mesh, Virtual(code.order) if code.method == "V" else Lagrange(code.order))
     problem = Torsion(space, formulation=formulation, load=load)
@@ -181,12 +170,6 @@ def torsion_rows(*, levels: tuple[int, ...] = (1, 2, 3, 4)) -> Iterator[TorsionR
     """Rows of Tables 4 to 7 in their order: 96 in the published reading, and 8 more in the other one.
 
     The other reading, the projected load of Prandtl's function on dual polygons of order 1, follows its row.
-
-    Parameters
-    ----------
-    levels
-        Refinements to compute.
-
     """
     formulations: tuple[Formulation, ...] = ("warping", "prandtl")
     for formulation in formulations:

@@ -3,7 +3,7 @@
 import math
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from flangeway.mesh import dual, triangulate
 from flangeway.problems import Torsion
 from flangeway.solve import solve_torsion
 from flangeway.space import Space
-from flangeway.validation.published_numbers import ReproducedNumber, percent, published_rows
+from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, published_rows
 from flangeway.validation.torsion.torsion_meshes import (
     SQUARE_EDGES,
     TRIANGLE_EDGES,
@@ -24,17 +24,17 @@ from flangeway.validation.torsion.torsion_meshes import (
 )
 
 LIMITS = {"h": 0.15, "n_dof": 0.05, "torsion_constant": 1e-3, "relative_error": 0.15}
-"""Largest relative difference from the published number that counts as within, by quantity."""
+"""Maximum relative difference from the published number, by quantity."""
 
 LEAST_WITHIN = 90 / 96
-"""Part of the published errors that must be within their limit."""
+"""Fraction of the published errors that must be within their limit."""
 
 MAX_RATE_DIFFERENCE = 0.15
 """Maximum difference of a rate of convergence over unknowns from that of the published errors."""
 
 _NEIGHBOURS = np.linspace(0.96, 1.04, 9)
-_OTHER_READING = "load and constant by the projection (3.81), more accurate than the means of vertices published"
-_PUBLISHED_READING = "load and constant by the means of vertices: the reading of the published column"
+_OTHER_READING = "load and constant by the projection (3.81), more accurate than the published vertex averages"
+_PUBLISHED_READING = "load and constant by vertex averages, as in the published column"
 _UNITS = {"h": "side of area 1", "n_dof": "1", "torsion_constant": "area squared", "relative_error": "1"}
 
 
@@ -43,7 +43,7 @@ class ReproducedRate:
     """Rates of convergence, fitted to the errors of four refinements: a row of ``rates.csv``.
 
     Over unknowns, ``error = c n^(-p/2)``, and over h, ``error = c h^p``. That over unknowns is compared: h is the
-    diameter of one cell, the largest, which depends on the mesh generator's mood.
+    maximum diameter of an element, which depends on details of the mesh generator.
 
     Parameters
     ----------
@@ -72,8 +72,8 @@ class ReproducedRate:
     within: bool
 
 
-@dataclass(frozen=True, eq=False)
-class TorsionReproduction:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class TorsionReproduction(Reproduced):
     """Tables 4 to 7 computed again.
 
     Parameters
@@ -82,20 +82,14 @@ class TorsionReproduction:
         Solutions in the order of the tables, both readings of Prandtl's load.
     published
         Published h, number of unknowns, constant and error of each.
-    numbers
-        Published and computed numbers side by side.
     rates
         Rates of convergence; none if not all refinements were computed.
-    seconds
-        Wall-clock time.
 
     """
 
     computed: tuple[TorsionRow, ...]
     published: tuple[dict[str, float], ...]
-    numbers: tuple[ReproducedNumber, ...]
     rates: tuple[ReproducedRate, ...]
-    seconds: float
 
     @property
     def errors(self) -> tuple[ReproducedNumber, ...]:
@@ -115,16 +109,7 @@ class TorsionReproduction:
 
 
 def reproduce_torsion(*, quick: bool = False, progress: Progress = lambda _: None) -> TorsionReproduction:
-    """Compute Tables 4 to 7 again.
-
-    Parameters
-    ----------
-    quick
-        Compute the two coarser of the four refinements only, without rates.
-    progress
-        Called with a sentence at each stage.
-
-    """
+    """Compute Tables 4 to 7 again; if `quick`, the two coarser of the four refinements, without rates."""
     start = time.perf_counter()
     published = _published()
     computed: list[TorsionRow] = []
@@ -135,7 +120,18 @@ def reproduce_torsion(*, quick: bool = False, progress: Progress = lambda _: Non
         numbers += _numbers(row, published[row.table, str(row.code)])
     found = tuple(published[row.table, str(row.code)] for row in computed)
     rates = () if quick else tuple(_rates(computed, found))
-    return TorsionReproduction(tuple(computed), found, tuple(numbers), rates, time.perf_counter() - start)
+    return TorsionReproduction(
+        computed=tuple(computed),
+        published=found,
+        rates=rates,
+        numbers=tuple(numbers),
+        seconds=time.perf_counter() - start,
+    )
+
+
+def rate_rows(found: TorsionReproduction) -> list[Row]:
+    """Rows of ``rates.csv``."""
+    return [asdict(rate) for rate in found.rates]
 
 
 def _published() -> dict[tuple[int, str], dict[str, float]]:
@@ -148,16 +144,13 @@ def _numbers(row: TorsionRow, published: dict[str, float]) -> Iterator[Reproduce
     for quantity, value in _values(row).items():
         if not main and quantity in ("h", "n_dof"):
             continue
-        difference = value / published[quantity] - 1.0
-        within = abs(difference) <= LIMITS[quantity]
+        within = abs(value / published[quantity] - 1.0) <= LIMITS[quantity]
         note = _PUBLISHED_READING if row.load == "vertex_mean" else "" if main else _OTHER_READING
         if main and quantity == "relative_error" and not within:
             note = _reason(row, published[quantity])
         name = quantity if main else f"{quantity} (projected load)"
-        yield ReproducedNumber(
-            row.table, str(row.code), name, _UNITS[quantity], published[quantity], value, difference,
-            percent(LIMITS[quantity]) if main else "", within, note,
-        )  # fmt: skip
+        values, words = (published[quantity], value), None if main else ""
+        yield compare(row.table, str(row.code), name, _UNITS[quantity], values, LIMITS[quantity], note, words=words)
 
 
 def _values(row: TorsionRow) -> dict[str, float]:

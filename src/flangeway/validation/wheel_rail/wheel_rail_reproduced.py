@@ -1,8 +1,8 @@
 """The published wheelset (chapter 7, Tables 15 and 16) on tangent track and in a curve, computed again from cold.
 
 One number of the tables, the lateral translation of VO2 in the curve, identifies the flange root of the wheel; the
-other positions are predicted. Beside them there must hold the equilibrium, the agreement of the methods, where the
-rails are touched, the rigid limit, and that a finer mesh in contact changes little.
+other positions are predicted. Checked as well: equilibrium, agreement of the methods, contact regions, the rigid limit,
+and refinement in contact.
 """
 
 import itertools
@@ -20,13 +20,16 @@ from flangeway.railway.profiles.flange_root import IDENTIFIED
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
-from flangeway.validation.published_numbers import ReproducedNumber, percent
-from flangeway.validation.wheel_rail.contact_refinement import DIVISORS, RefinedContact, contact_name, refine_contact
+from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare
 from flangeway.validation.wheel_rail.one_arc import OneArcContact, approach_curvature, one_arc_contacts
-from flangeway.validation.wheel_rail.rigid_limit import (
+from flangeway.validation.wheel_rail.variations import (
+    DIVISORS,
     FACTORS,
+    RefinedContact,
     StiffenedWheelset,
+    contact_name,
     extrapolated_differences_mm,
+    refine_contact,
     rigid_limit,
 )
 from flangeway.validation.wheel_rail.wheel_rail_tables import (
@@ -44,7 +47,7 @@ from flangeway.validation.wheel_rail.wheel_rail_tables import (
 )
 
 AGREEMENT = {"VO2": (0.01, 0.05), "FO1": (0.04, 0.5), "VO1": (0.04, 0.5)}
-"""Largest relative difference of a patch's force, and of the lateral motion in mm, from FO2."""
+"""Maximum relative difference of a patch's force, and difference of the lateral displacement in mm, from FO2."""
 REGIONS = ("left tread", "right flange root", "right tread")
 """Contacts of the curve: one on the inner rail, tread and flange root on the outer one."""
 RIGID_MM, RIGID_POINT_MM = 0.01, 0.5
@@ -52,7 +55,7 @@ RIGID_MM, RIGID_POINT_MM = 0.01, 0.5
 REQUIRED_FACTOR = 100.0
 """Factor on Young's modulus from which the contact points must be the rigid ones."""
 ONE_ARC = 0.01
-"""Largest relative difference of one arc on one arc from Hertz's theory."""
+"""Maximum relative difference of one arc on one arc from Hertz's theory."""
 ONE_ARC_MESH = Discretisation(order=2, contact_size_mm=0.1, body_size_mm=4.0, enforcement="multiplier")
 REFINED = {
     "force": 0.005,
@@ -60,13 +63,13 @@ REFINED = {
     "maximum shear in the rail": 0.03,
     "maximum shear in the wheel": 0.03,
 }
-"""Largest relative change by one more halving of the elements in contact."""
+"""Maximum relative change by one more halving of the elements in contact."""
 
-FO2_NOTE = "computed with FO2 in place of published"
+FO2_NOTE = "reference: FO2"
 
 
-@dataclass(frozen=True, eq=False)
-class WheelRailReproduction:
+@dataclass(frozen=True, eq=False, kw_only=True)
+class WheelRailReproduction(Reproduced):
     """Tables 15 and 16 computed again.
 
     Parameters
@@ -74,17 +77,13 @@ class WheelRailReproduction:
     rows
         The eight rows.
     members
-        Flange roots of two families, and where the wheelset of the curve stands with them.
+        Flange roots of two families, and the position of the wheelset of the curve with them.
     limit
         The curve with raised Young's modulus.
     refined
         The curve with finer meshes in contact.
     one_arc
         A wheel of one arc on a rail of one arc under two loads.
-    numbers
-        Published, or required, and computed numbers side by side.
-    seconds
-        Wall-clock time.
 
     """
 
@@ -93,22 +92,15 @@ class WheelRailReproduction:
     limit: tuple[StiffenedWheelset, ...]
     refined: tuple[RefinedContact, ...]
     one_arc: tuple[OneArcContact, ...]
-    numbers: tuple[ReproducedNumber, ...]
-    seconds: float
 
     @property
-    def passed(self) -> bool:
-        """Whether all converged and all that has a limit is within."""
-        results = [row.result for row in self.rows] + [each.result for each in self.limit]
-        results += [each.result for each in self.refined] + [each.result for each in self.one_arc]
-        return all(result.status.converged for result in results) and all(
-            number.within for number in self.numbers if number.required
-        )
-
-
-def n_predicted(found: WheelRailReproduction) -> int:
-    """How many numbers of the tables are predicted, with a limit."""
-    return sum(number.note.startswith("predicted") for number in found.numbers)
+    def failures(self) -> tuple[str, ...]:
+        """Solutions that did not converge."""
+        named = [(f"{row.situation} {row.code}", row.result) for row in self.rows]
+        named += [(f"Young's modulus x {each.factor:g}", each.result) for each in self.limit]
+        named += [(f"element size / {each.divisor}", each.result) for each in self.refined]
+        named += [(f"one arc on one arc, {each.load_N:g} N", each.result) for each in self.one_arc]
+        return tuple(f"{name}: {result.status.message}" for name, result in named if not result.status.converged)
 
 
 def patch_forces(result: WheelsetResult) -> dict[str, float]:
@@ -123,17 +115,9 @@ def patch_forces(result: WheelsetResult) -> dict[str, float]:
 def reproduce_wheel_rail(*, quick: bool = False, progress: Progress = lambda _: None) -> WheelRailReproduction:
     """Compute Tables 15 and 16 from a cold start, other crowns, the rigid limit, refinement, and one arc on one arc.
 
-    The rows are of the published kind: node-to-segment with a penalty per node, one mesh for both orders. What follows
-    is segment-to-segment on flangeway's usual mesh, with the same wheel.
-
-    Parameters
-    ----------
-    quick
-        The flange root is not searched for again; fewer roots beside it, two values of Young's modulus, one
-        refinement, no other crowns.
-    progress
-        Called with a sentence at each stage.
-
+    The rows are of the published kind: node-to-segment with a penalty per node, one mesh for both orders. The others
+    are segment-to-segment on flangeway's usual mesh, with the same wheel. If `quick`, the flange root is not identified
+    again, and there are fewer roots, two values of Young's modulus, one refinement, and no other crowns.
     """
     start = time.perf_counter()
     rows = []
@@ -165,7 +149,10 @@ def reproduce_wheel_rail(*, quick: bool = False, progress: Progress = lambda _: 
         *_refined(refined),
         *_one_arc(one_arc),
     )
-    return WheelRailReproduction(tuple(rows), members, limit, refined, one_arc, numbers, time.perf_counter() - start)
+    return WheelRailReproduction(
+        rows=tuple(rows), members=members, limit=limit, refined=refined, one_arc=one_arc, numbers=numbers,
+        seconds=time.perf_counter() - start,
+    )  # fmt: skip
 
 
 def _agreement(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
@@ -178,50 +165,42 @@ def _agreement(rows: list[WheelRailRow]) -> Iterator[ReproducedNumber]:
         limit, lateral_offset = AGREEMENT[row.code]
         code = f"{row.situation} {row.code}"
         for name in sorted(expected.keys() | forces.keys()):
-            one, other = expected.get(name, 0.0) / 1e3, forces.get(name, 0.0) / 1e3
-            difference = other / one - 1.0 if one else float("inf")
-            within = abs(difference) <= limit
-            yield ReproducedNumber(
-                "agreement", code, f"force, {name}", "kN", one, other, difference, percent(limit), within, FO2_NOTE
-            )
+            values = expected.get(name, 0.0) / 1e3, forces.get(name, 0.0) / 1e3
+            within = None if values[0] else False
+            yield compare("agreement", code, f"force, {name}", "kN", values, limit, FO2_NOTE, within=within)
         if row.situation == "tangent":
             continue  # zero, as is compared with the published
         lateral, moved = reference.position_in_space.lateral_mm, row.motion.lateral_mm
-        within, words = bool(abs(moved - lateral) <= lateral_offset), f"{lateral_offset:g} mm"
-        difference = moved / lateral - 1.0
-        yield ReproducedNumber(
-            "agreement", code, "lateral motion", "mm", lateral, moved, difference, words, within, FO2_NOTE
-        )
+        yield compare(
+            "agreement", code, "lateral displacement", "mm", (lateral, moved), lateral_offset, FO2_NOTE,
+            words=f"{lateral_offset:g} mm", within=abs(moved - lateral) <= lateral_offset,
+        )  # fmt: skip
 
 
 def _limit(limit: tuple[StiffenedWheelset, ...]) -> Iterator[ReproducedNumber]:
-    names = ("lateral motion", "vertical motion", "roll x 750 mm")
+    names = ("lateral displacement", "vertical displacement", "roll x 750 mm")
     for each in limit:
         code = f"curve FO1, E x {each.factor:g}"
+        note = "elastic minus rigid; the elastic displacement remains, which falls as 1/E"
         for name, value in zip(names, each.position_differences_mm.tolist(), strict=True):
-            note = "elastic less rigid, of which the elastic motion is left, which falls as 1/E"
-            within = abs(value) <= RIGID_MM
-            yield ReproducedNumber("rigid limit", code, name, "mm", 0.0, value, value, "", within, note)
-        value, note = float(each.point_distances_mm.max()), "maximum distance on the rail"
+            yield compare("rigid limit", code, name, "mm", (0.0, value), RIGID_MM, note, words="")
         words = f"{RIGID_POINT_MM:g} mm" if each.factor >= REQUIRED_FACTOR else ""
-        within = value <= RIGID_POINT_MM
-        yield ReproducedNumber("rigid limit", code, "contact points", "mm", 0.0, value, value, words, within, note)
+        values, note = (0.0, each.point_distances_mm.max()), "maximum distance on the rail"
+        yield compare("rigid limit", code, "contact points", "mm", values, RIGID_POINT_MM, note, words=words)
+    note, words = "elastic minus rigid, extrapolated from the last two as 1/E", f"{RIGID_MM:g} mm"
     for name, value in zip(names, extrapolated_differences_mm(limit).tolist(), strict=True):
-        note, code = "elastic less rigid, extrapolated from the last two as 1/E", "curve FO1, E to infinity"
-        words, within = f"{RIGID_MM:g} mm", abs(value) <= RIGID_MM
-        yield ReproducedNumber("rigid limit", code, name, "mm", 0.0, value, value, words, within, note)
+        values = (0.0, value)
+        yield compare("rigid limit", "curve FO1, E to infinity", name, "mm", values, RIGID_MM, note, words=words)
 
 
 def _refined(refined: tuple[RefinedContact, ...]) -> Iterator[ReproducedNumber]:
     for coarse, fine in itertools.pairwise(refined):
-        before, after = coarse.quantities, fine.quantities
-        for (name, quantity), value in after.items():
-            old = before.get((name, quantity), float("nan"))
-            change = value / old - 1.0
-            limit, unit = REFINED[quantity], "N" if quantity == "force" else "MPa"
-            yield ReproducedNumber(
-                "refinement", f"curve, size over {fine.divisor}", f"{quantity}, {name}", unit, old, value, change,
-                percent(limit), bool(abs(change) <= limit), "coarser mesh in place of published",
+        before = coarse.quantities
+        for (name, quantity), value in fine.quantities.items():
+            values, unit = (before.get((name, quantity), math.nan), value), "N" if quantity == "force" else "MPa"
+            yield compare(
+                "refinement", f"curve, size over {fine.divisor}", f"{quantity}, {name}", unit, values,
+                REFINED[quantity], "reference: the coarser mesh",
             )  # fmt: skip
 
 
@@ -229,11 +208,10 @@ def _regions(results: dict[float, WheelsetResult]) -> Iterator[ReproducedNumber]
     for crown, result in results.items():
         regions = sorted(contact_name(result, patch) for patch in result.patches)
         order = result.model.problem.discretisation.order
-        n_found, code = float(len(regions)), f"curve FO{order}, crown {crown:g} in"
+        code, values = f"curve FO{order}, crown {crown:g} in", (3.0, float(len(regions)))
         within = regions == sorted(REGIONS) and result.status.converged
         note = ", ".join(regions) + "; inner rail one contact, outer rail two"
-        change = n_found / 3.0 - 1.0
-        yield ReproducedNumber("regions", code, "contacts", "", 3.0, n_found, change, "these three", within, note)
+        yield compare("regions", code, "contacts", "", values, 0.0, note, words="these three", within=within)
 
 
 def _one_arc(contacts: tuple[OneArcContact, ...]) -> Iterator[ReproducedNumber]:
@@ -246,74 +224,33 @@ def _one_arc(contacts: tuple[OneArcContact, ...]) -> Iterator[ReproducedNumber]:
         ("approach under twice the load less twice the approach", "mm", exact, bend),
     )
     for quantity, unit, theory, computed in quantities:
-        difference = computed / theory - 1.0
-        yield ReproducedNumber(
-            "Hertz", "one arc on one arc", quantity, unit, theory, computed, difference, percent(ONE_ARC),
-            abs(difference) <= ONE_ARC, "Hertz's line contact in place of published",
-        )  # fmt: skip
+        note = "reference: Hertz's line contact"
+        yield compare("Hertz", "one arc on one arc", quantity, unit, (theory, computed), ONE_ARC, note)
 
 
-@dataclass(frozen=True)
-class WheelRailPatchRow:
-    """A row of ``patches.csv``: one contact of one row of the tables.
-
-    Parameters
-    ----------
-    situation, code
-        As `WheelRailRow`.
-    contact, region
-        Side and part of the wheel, and part of the rail.
-    angle_deg
-        Angle of the force from the track's vertical, in degrees.
-    force_kN, max_pressure_MPa, half_width_mm
-        Its force, maximum pressure and half width.
-    rail_x_mm, rail_y_mm, wheel_x_mm, wheel_y_mm
-        Centre of pressure in the frames of the profiles.
-    max_shear_rail_MPa, shear_depth_mm
-        Maximum in-plane shear stress in the rail below it, and its depth.
-
-    """
-
-    situation: str
-    code: str
-    contact: str
-    region: str
-    angle_deg: float
-    force_kN: float  # noqa: N815 (units)
-    max_pressure_MPa: float  # noqa: N815
-    half_width_mm: float
-    rail_x_mm: float
-    rail_y_mm: float
-    wheel_x_mm: float
-    wheel_y_mm: float
-    max_shear_rail_MPa: float  # noqa: N815
-    shear_depth_mm: float
-
-
-def patch_rows(rows: tuple[WheelRailRow, ...]) -> list[WheelRailPatchRow]:
-    """Contacts of all rows."""
-    found = []
-    for row in rows:
-        for patch in row.result.patches:
-            shear = maximum_shear(row.result, patch, "rail")
-            lateral, vertical = patch.force_on_wheel_N.tolist()
-            (rail_x, rail_y), (wheel_x, wheel_y) = patch.rail_point_mm.tolist(), patch.wheel_point_mm.tolist()
-            found.append(
-                WheelRailPatchRow(
-                    row.situation,
-                    row.code,
-                    contact_name(row.result, patch),
-                    patch.region,
-                    math.degrees(math.atan2(abs(lateral), vertical)),
-                    float(np.hypot(*patch.force_on_wheel_N)) / 1e3,
-                    float(patch.pressure.pressures.max()),
-                    patch.pressure.half_width,
-                    rail_x,
-                    rail_y,
-                    wheel_x,
-                    wheel_y,
-                    shear.value_MPa,
-                    shear.depth_mm,
-                )
-            )
-    return found
+def patch_rows(found: WheelRailReproduction) -> list[Row]:
+    """Rows of ``patches.csv``: one contact of one row of the tables; angles of the force from the track's vertical."""
+    rows: list[Row] = []
+    for row, patch in ((each, patch) for each in found.rows for patch in each.result.patches):
+        shear = maximum_shear(row.result, patch, "rail")
+        lateral, vertical = patch.force_on_wheel_N.tolist()
+        (rail_x, rail_y), (wheel_x, wheel_y) = patch.rail_point_mm.tolist(), patch.wheel_point_mm.tolist()
+        rows.append(
+            {
+                "situation": row.situation,
+                "code": row.code,
+                "contact": contact_name(row.result, patch),
+                "region": patch.region,
+                "angle_deg": math.degrees(math.atan2(abs(lateral), vertical)),
+                "force_kN": float(np.hypot(*patch.force_on_wheel_N)) / 1e3,
+                "max_pressure_MPa": float(patch.pressure.pressures.max()),
+                "half_width_mm": patch.pressure.half_width,
+                "rail_x_mm": rail_x,
+                "rail_y_mm": rail_y,
+                "wheel_x_mm": wheel_x,
+                "wheel_y_mm": wheel_y,
+                "max_shear_rail_MPa": shear.value_MPa,
+                "shear_depth_mm": shear.depth_mm,
+            }
+        )
+    return rows

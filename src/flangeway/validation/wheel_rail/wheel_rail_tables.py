@@ -21,7 +21,7 @@ from flangeway.railway.profiles.flange_root import (
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
-from flangeway.validation.published_numbers import ReproducedNumber, percent, published_rows
+from flangeway.validation.published_numbers import ReproducedNumber, compare, percent, published_rows
 
 CASES: dict[str, type[WheelsetCase]] = {"tangent": WheelsetTangentCase, "curve": WheelsetCurveCase}
 TABLES = {"tangent": 15, "curve": 16}
@@ -35,15 +35,15 @@ NODAL_PENALTY_N_PER_MM = {"F": 1e7, "V": 5e6}
 RAIL_MM, WHEEL_MM, BODY_MM = 0.6, 0.5, 5.0
 """Sizes of triangles where rail and wheel touch, and elsewhere (Moherdaui 2021, Table 9, mesh 1; none in chapter 7)."""
 
-BALANCED = 1e-9
-"""Largest resulting error of the balance."""
+MAX_RESIDUAL = 1e-9
+"""Maximum equilibrium residual."""
 FIT = 1e-3
-"""Largest relative difference of the fitted lateral translation."""
+"""Maximum relative difference of the fitted lateral translation."""
 PREDICTED = 0.05
-"""Largest relative difference of what is predicted: one part in twenty."""
+"""Maximum relative difference of predicted numbers."""
 SYMMETRIC_CM, SYMMETRIC_RAD = 1e-4, 1e-6
 """Maximum lateral translation and rotation on tangent track, where they vanish by symmetry."""
-ALIKE_CM = 3e-4
+SAME_CM = 3e-4
 """Maximum error of a difference of two vertical translations on tangent track: they are published to 1e-4, and the size
 of elements away from contact, which is not given, changes it by another 2e-4."""
 FOUND_MM = 0.05
@@ -54,8 +54,8 @@ MEMBERS_MM = {"arcs moved": (54.0, 44.0), "narrow arc in place": (68.0, 80.0, 56
 """Radii of the wide arc that are computed beside the identified one, the last of each only without ``quick``."""
 MEMBER_CODE = "FO1"
 COARSE_MM = 10.0
-"""Another size of triangles away from contact, which shows what the published differences of the rows tell of it."""
-SEED_NOTE = "published was balanced by hand"
+"""Another size of triangles away from contact, to show its influence on the differences of the rows."""
+BY_HAND = "the published equilibrium was found by hand"
 
 
 @dataclass(frozen=True, eq=False)
@@ -84,7 +84,7 @@ class WheelRailRow:
 
     @property
     def motion(self) -> WheelsetPosition:
-        """Motion along horizontal and vertical."""
+        """Displacement along horizontal and vertical."""
         return self.result.position_in_space
 
     @property
@@ -95,7 +95,7 @@ class WheelRailRow:
 
 @dataclass(frozen=True)
 class RootMember:
-    """A flange root of a family and where the wheelset of the curve stands with it.
+    """A flange root of a family and the position of the wheelset of the curve with it.
 
     Parameters
     ----------
@@ -153,21 +153,14 @@ def curve_with(profile: WheelProfile, code: str) -> WheelsetResult:
     problem = replace(published_problem(case), wheelset=replace(case.wheelset(), wheel=profile))
     found = solve_wheelset(problem, cold=True)
     if not found.status.converged:
-        raise InputError(f"the curve with {profile.title}", "a wheel with a balance", found.status.message)
+        raise InputError(
+            f"the curve with {profile.title}", "a wheel with an equilibrium position", found.status.message
+        )
     return found
 
 
 def identified_radius(known_mm: float, progress: Progress) -> float:
-    """Find the radius with which VO2 has the published lateral translation, by secants, in mm.
-
-    Parameters
-    ----------
-    known_mm
-        Lateral translation with the bundled radius, where the search ends if it is right.
-    progress
-        Called with a sentence at each stage.
-
-    """
+    """Find the radius in mm with which VO2 has the published lateral translation, by secants from the bundled one."""
     wanted = 10.0 * float(_printed()["curve", FITTED_CODE]["horizontal_translation_cm"])
     radii, laterals = [IDENTIFIED_RADIUS_MM], [known_mm]
     step = 2.0
@@ -203,13 +196,12 @@ def _member(family: str, radius: float, curve: WheelsetPosition, tangent: Wheels
 
 
 def root_numbers(members: Sequence[RootMember], found_mm: float | None) -> Iterator[ReproducedNumber]:
-    """Radius found again, and each family where it has the published lateral translation."""
+    """Radius found again, and each family at the published lateral translation."""
     if found_mm is not None:
-        difference = found_mm / IDENTIFIED_RADIUS_MM - 1.0
-        yield ReproducedNumber(
-            "flange root", FITTED_CODE, "radius of the wide arc", "mm", IDENTIFIED_RADIUS_MM, found_mm, difference,
-            f"{FOUND_MM:g} mm", abs(found_mm - IDENTIFIED_RADIUS_MM) <= FOUND_MM,
-            "found again; the bundled one in place of published",
+        yield compare(
+            "flange root", FITTED_CODE, "radius of the wide arc", "mm", (IDENTIFIED_RADIUS_MM, found_mm), FOUND_MM,
+            "identified again; reference: the bundled radius", words=f"{FOUND_MM:g} mm",
+            within=abs(found_mm - IDENTIFIED_RADIUS_MM) <= FOUND_MM,
         )  # fmt: skip
     printed = _printed()
     row = printed["curve", MEMBER_CODE]
@@ -220,15 +212,11 @@ def root_numbers(members: Sequence[RootMember], found_mm: float | None) -> Itera
         places = np.array([(m.lateral_cm, m.rotation_rad, m.vertical_difference_cm, m.radius_mm) for m in mine]).T
         rotation, vertical, radius = (float(np.interp(lateral, places[0], values)) for values in places[1:])
         note = f"interpolated to the published lateral translation, at a wide arc of {radius:.1f} mm"
-        for quantity, unit, published, computed in (
-            ("rotation", "rad", float(row["rotation_rad"]), rotation),
-            ("vertical translation, curve less tangent", "cm", sunk, vertical),
+        for quantity, unit, values in (
+            ("rotation", "rad", (float(row["rotation_rad"]), rotation)),
+            ("vertical translation, curve less tangent", "cm", (sunk, vertical)),
         ):
-            difference = computed / published - 1.0
-            yield ReproducedNumber(
-                "flange root", f"{MEMBER_CODE}, {family}", quantity, unit, published, computed, difference, "",
-                abs(difference) <= PREDICTED, note,
-            )  # fmt: skip
+            yield compare("flange root", f"{MEMBER_CODE}, {family}", quantity, unit, values, PREDICTED, note, words="")
 
 
 def _printed() -> dict[tuple[str, str], dict[str, str]]:
@@ -241,13 +229,13 @@ def _vertical(printed: dict[tuple[str, str], dict[str, str]], situation: str, co
 
 
 def table_numbers(rows: Sequence[WheelRailRow]) -> Iterator[ReproducedNumber]:
-    """Positions, their differences, and errors of the balance beside the published ones."""
+    """Positions, their differences, and equilibrium residuals beside the published ones."""
     printed = _printed()
     motions = {(row.situation, row.code): row.motion for row in rows}
     for row in rows:
         key = (row.situation, row.code)
         yield from (_tangent if row.situation == "tangent" else _curve)(row.code, motions, printed)
-        yield from _balance(row, printed[key])
+        yield from _residuals(row, printed[key])
 
 
 def _number(
@@ -261,15 +249,9 @@ def _number(
     *,
     within: bool | None = None,
 ) -> ReproducedNumber:
-    """One number; without ``within`` it is so where the relative difference is at most `PREDICTED`."""
-    published, computed = values
-    difference = computed / published - 1.0 if published else computed
-    if within is None:
-        within = abs(difference) <= PREDICTED
+    """Row of the tables; without ``within`` the limit is `PREDICTED`."""
     name = f"{situation} {code}"
-    return ReproducedNumber(
-        TABLES[situation], name, quantity, unit, published, computed, difference, limit, bool(within), note
-    )
+    return compare(TABLES[situation], name, quantity, unit, values, PREDICTED, note, words=limit, within=within)
 
 
 Motions = dict[tuple[str, str], WheelsetPosition]
@@ -279,7 +261,10 @@ Printed = dict[tuple[str, str], dict[str, str]]
 def _shown_vertical(situation: str, code: str, motions: Motions, printed: Printed) -> ReproducedNumber:
     values = (_vertical(printed, situation, code), motions[situation, code].vertical_mm / 10.0)
     apart = 10.0 * (values[1] - values[0])
-    note = f"{apart:.3f} mm less: the published reference position is not given; the gap is the same in all eight rows"
+    note = (
+        f"difference {apart:.3f} mm: the published reference position is not given; the same difference in all eight "
+        "rows"
+    )
     return _number(situation, code, "vertical translation", "cm", values, "", note)
 
 
@@ -291,11 +276,11 @@ def _tangent(code: str, motions: Motions, printed: Printed) -> Iterator[Reproduc
         published = _vertical(printed, "tangent", code) - _vertical(printed, "tangent", FITTED_CODE)
         values = (published, (motion.vertical_mm - first) / 10.0)
         yield _number(
-            "tangent", code, f"vertical translation less that of {FITTED_CODE}", "cm", values, f"{ALIKE_CM:g} cm",
-            "predicted", within=abs(values[1] - values[0]) <= ALIKE_CM,
+            "tangent", code, f"vertical translation less that of {FITTED_CODE}", "cm", values, f"{SAME_CM:g} cm",
+            "predicted", within=abs(values[1] - values[0]) <= SAME_CM,
         )  # fmt: skip
     lateral, roll = motion.lateral_mm / 10.0, motion.roll_rad
-    note = "predicted: zero by symmetry; the published one is of the asymmetry of its meshes"
+    note = "predicted: zero by symmetry; the published value comes from the asymmetry of its meshes"
     yield _number(
         "tangent", code, "horizontal translation", "cm", (float(row["horizontal_translation_cm"]), lateral),
         f"{SYMMETRIC_CM:g} cm", note, within=abs(lateral) <= SYMMETRIC_CM,
@@ -346,7 +331,7 @@ def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Prin
     row, motion = printed["curve", code], motions["curve", code]
     base, first = printed["curve", FITTED_CODE], motions["curve", FITTED_CODE]
     given = body_mm == BODY_MM
-    note = "the size of elements away from contact is not given, and decides these differences"
+    note = "the element size away from contact is not given and determines these differences"
     for quantity, unit, column, computed in (
         ("horizontal translation", "cm", "horizontal_translation_cm", (motion.lateral_mm - first.lateral_mm) / 10.0),
         ("rotation", "rad", "rotation_rad", motion.roll_rad - first.roll_rad),
@@ -358,15 +343,15 @@ def _apart(code: str, name: str, body_mm: float, motions: Motions, printed: Prin
         )  # fmt: skip
 
 
-def _balance(row: WheelRailRow, printed: dict[str, str]) -> Iterator[ReproducedNumber]:
-    balance = row.result.equilibrium.residuals
-    for column, value in (
-        ("vertical_force_error", balance.vertical_residual),
-        ("horizontal_force_error", balance.lateral_residual),
-        ("moment_residual", balance.moment_residual),
-        ("equilibrium_residual", balance.equilibrium_residual),
+def _residuals(row: WheelRailRow, printed: dict[str, str]) -> Iterator[ReproducedNumber]:
+    residuals = row.result.equilibrium.residuals
+    for column, quantity, value in (
+        ("vertical_force_error", "vertical residual", residuals.vertical_residual),
+        ("horizontal_force_error", "lateral residual", residuals.lateral_residual),
+        ("moment_error", "moment residual", residuals.moment_residual),
+        ("resulting_error", "equilibrium residual", residuals.equilibrium_residual),
     ):
         yield _number(
-            row.situation, row.code, column.replace("_", " "), "", (float(printed[column]), value),
-            f"below {BALANCED:g}", SEED_NOTE, within=abs(value) < BALANCED,
+            row.situation, row.code, quantity, "", (float(printed[column]), value), f"below {MAX_RESIDUAL:g}", BY_HAND,
+            within=abs(value) < MAX_RESIDUAL,
         )  # fmt: skip

@@ -1,6 +1,7 @@
-"""Pictures of the contact patch test: forces, pressures, and vertical stresses (Moherdaui 2021, Figures 70 to 75)."""
+"""Figures and chapter of the contact patch test (Moherdaui 2021, Figures 70 to 75): forces, pressures, stresses."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -16,7 +17,21 @@ from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, new_figure
 from flangeway.report.figures.plots import COLOURS
 from flangeway.types import Floats
-from flangeway.validation.contact_patch.contact_patch_reproduced import PUBLISHED, ContactPatchReproduction, PatchRun
+from flangeway.validation.contact_patch.contact_patch_reproduced import (
+    LAWS,
+    OFF,
+    PASSED,
+    PUBLISHED,
+    SAME_STRESS,
+    ContactPatchReproduction,
+    PatchRun,
+    pass_rows,
+    reproduce_contact_patch,
+)
+from flangeway.validation.published_numbers import percent
+from flangeway.validation.reproduction import Reproduction
+from flangeway.validation.validation_page import Chapter, PagePicture
+from flangeway.validation.validation_tables import PageTable, digits, share
 
 KINDS = {
     "FO1": "linear triangles",
@@ -27,9 +42,10 @@ KINDS = {
 """Names by the letter of the method and the order."""
 DETAIL = (0.6, 1.4)
 """Part of the interface in the picture of the contact forces, over its half width."""
-MARKERS = ("s", "o", "^")
-LINES = ((0, (1, 1)), (0, (5, 1.5)), "solid")
-PIECES = 3  # small triangles along each side of a cell's triangles
+STYLES = (("s", (0, (1, 1))), ("o", (0, (5, 1.5))), ("^", "solid"))
+"""Marker and line by refinement."""
+PIECES = 3  # subdivisions along each side of an element's triangles
+EXACT = "#d55e00"
 
 
 def forces_figure(found: ContactPatchReproduction) -> Figure:
@@ -43,14 +59,13 @@ def forces_figure(found: ContactPatchReproduction) -> Figure:
             mine = np.flatnonzero(np.abs(part.body.space.nodes[:, 1]) < 1e-9)
             x, length = part.body.space.nodes[mine, 0], np.abs(forces[mine])
             shown = (x >= DETAIL[0]) & (x <= DETAIL[1])
-            axes.vlines(x[shown], 0.0, sign * length[shown], color=INK if sign > 0.0 else GREY, linewidth=1.1)
-            axes.plot(
-                x[shown], sign * length[shown], ls="none", marker=marker, ms=3.5, color=INK if sign > 0.0 else GREY,
-                label=f"{'secondary' if sign > 0.0 else 'primary'} box, {name}",
-            )  # fmt: skip
+            side, colour = ("secondary", INK) if name == "upper" else ("primary", GREY)
+            axes.vlines(x[shown], 0.0, sign * length[shown], color=colour, linewidth=1.1)
+            label = f"{side} box, {name}"
+            axes.plot(x[shown], sign * length[shown], ls="none", marker=marker, ms=3.5, color=colour, label=label)
         axes.axhline(0.0, color=INK, linewidth=0.6)
         axes.set_title(f"{run.code}: {KINDS[kind]}", fontsize=10)
-        axes.set_ylabel("contact force of a node in kN", fontsize=9)
+        axes.set_ylabel("nodal contact force in kN", fontsize=9)
         axes.set_xlabel("x in cm", fontsize=9)
         axes.yaxis.set_major_formatter(lambda value, _: f"{abs(value):g}")
         axes.label_outer()
@@ -64,20 +79,20 @@ def pressures_figure(found: ContactPatchReproduction) -> Figure:
     figure = new_figure(10.0, 6.8)
     rows = figure.subplots(2, 2, sharex=True, sharey="row")
     for axes, (kind, name) in zip(rows.flat, KINDS.items(), strict=True):
-        for level, marker, line in zip(_levels(found), MARKERS, LINES, strict=False):
+        for level, (marker, line) in zip(_levels(found), STYLES, strict=False):
             run = _level(found, level)[kind]
             x = _reference_x(run)
             axes.plot(x, run.patch.pressures, color=INK, marker=marker, ms=3, mfc="white", ls=line, lw=0.8)
-        axes.axhline(-PUBLISHED, color="#d55e00", linewidth=1.6, zorder=1)
+        axes.axhline(-PUBLISHED, color=EXACT, linewidth=1.6, zorder=1)
         axes.set_title(name, fontsize=10)
         axes.set_xlabel("x in cm", fontsize=9)
         axes.set_ylabel("pressure in kN/cm²", fontsize=9)
         axes.label_outer()
     handles = [
         Line2D([], [], color=INK, marker=marker, ms=4, mfc="white", ls=line, lw=0.8, label=f"node-to-segment, M{level}")
-        for level, marker, line in zip(_levels(found), MARKERS, LINES, strict=False)
+        for level, (marker, line) in zip(_levels(found), STYLES, strict=False)
     ]
-    handles.append(Line2D([], [], color="#d55e00", lw=1.6, label="(6.1), and segment-to-segment with multipliers"))
+    handles.append(Line2D([], [], color=EXACT, lw=1.6, label="(6.1), and segment-to-segment with multipliers"))
     figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False, fontsize=9)
     return figure
 
@@ -119,8 +134,7 @@ def _draw_stresses(
         for field, (points, stress) in zip(pair, drawn, strict=True):
             colours = axes.tripcolor(points, stress, shading="gouraud", cmap=COLOURS.reversed(), norm=norm)
             mesh = field.problem.space.mesh
-            lines = LineCollection(list(mesh.points[mesh.edges]), colors=INK, linewidths=0.2, alpha=0.6)
-            axes.add_collection(lines)
+            axes.add_collection(LineCollection(list(mesh.points[mesh.edges]), colors=INK, linewidths=0.2, alpha=0.6))
             axes.add_collection(LineCollection(list(mesh.points[mesh.boundary_edges]), colors=INK, linewidths=0.8))
         axes.set_aspect("equal")
         axes.set_title(title, fontsize=10)
@@ -136,7 +150,7 @@ def _draw_stresses(
 
 
 def _stress(field: ElasticField) -> tuple[Triangulation, Floats]:
-    """Small triangles of a body and the vertical stress at their points."""
+    """Small triangles of a body and the vertical stress at their corners."""
     shown = display(field.problem.space, PIECES)
     points = shown.points
     return Triangulation(points[:, 0], points[:, 1], shown.triangles), displayed_stresses(field, shown).components[:, 1]
@@ -168,11 +182,75 @@ def _proper(found: ContactPatchReproduction, like: PatchRun) -> PatchRun:
 
 
 def _reference_x(run: PatchRun) -> Floats:
-    """Where the loaded nodes stood before the deformation."""
+    """Undeformed positions x of the loaded nodes."""
     surface = run.solution.system.contacts[0].secondary
     nodes = surface.part.body.space.nodes[surface.nodes]
     moved = run.solution.state.positions[run.solution.system.nodes_of(surface)]
     order = np.argsort(moved[:, 0])
-    places = np.searchsorted(moved[order, 0], run.patch.points[:, 0] - 1e-12)
-    x: Floats = nodes[order[places], 0]
-    return x
+    loaded = order[np.searchsorted(moved[order, 0], run.patch.points[:, 0] - 1e-12)]
+    return np.asarray(nodes[loaded, 0])
+
+
+def _tables(found: ContactPatchReproduction) -> list[PageTable]:
+    """Errors of node-to-segment, and in how many cases segment-to-segment passes, by elements."""
+    errors = tuple((run.code, share(run.stress_error), share(run.stress_oscillation)) for run in found.published)
+    kinds: dict[str, list[PatchRun]] = {}
+    for run in found.proper:
+        kinds.setdefault(run.code.partition(" M")[0], []).append(run)
+    return [
+        PageTable(
+            "Node-to-segment: maximum difference of a stress from the uniform one, and root mean square over both "
+            "boxes. Moherdaui (2021) states that oscillations are smaller on finer meshes and for polygons; the root "
+            "mean square confirms it",
+            ("code", "maximum", "root mean square"),
+            errors,
+        ),
+        PageTable(
+            f"Segment-to-segment: cases in which pressures and stresses are uniform to {digits(PASSED, 1)}. Cases are "
+            "meshes, matching and not, rotated by 30 degrees or not, with standard and dual weights",
+            ("elements above on below", *LAWS),
+            tuple((kind, *(_passing(runs, law) for law in LAWS)) for kind, runs in kinds.items()),
+        ),
+    ]
+
+
+def _passing(runs: list[PatchRun], law: str) -> str:
+    mine = [run.passes for run in runs if run.law == law]
+    counted = f"{sum(mine)} of {len(mine)}"
+    return counted if all(mine) else f"**{counted}**"
+
+
+CONTACT_PATCH = Reproduction(
+    reproduce_contact_patch,
+    Chapter(
+        "Contact patch test",
+        f"""Two boxes pressed together have one uniform stress: {PUBLISHED:g} kN/cm² by Moherdaui's equation (6.1),
+        section 6.2.1. Its node-to-segment results fail the test, in pictures without numbers (Figures 70 to 75, pages
+        165 to 170): no stress is exact. The computed results must fail in the same way: a mean stress within
+        {percent(SAME_STRESS)}, and stress errors above {percent(OFF)}. Segment-to-segment contact must pass the test
+        in every case. Codes such as VPTM3O2: F or V, finite or virtual elements; the mesh; the order.""",
+        (
+            PagePicture(
+                "contact-patch-pressures",
+                "Pressures over the interface by node-to-segment contact for four kinds of elements: they oscillate "
+                "about the uniform pressure, which segment-to-segment contact meets",
+                pressures_figure,
+            ),
+            PagePicture(
+                "contact-patch-stresses",
+                "Vertical stresses in both boxes for four kinds of elements: uneven above with node-to-segment "
+                "contact, uniform below with segment-to-segment contact",
+                comparison_figure,
+            ),
+        ),
+        _tables,
+    ),
+    {
+        "contact_forces.png": forces_figure,
+        "pressures.png": pressures_figure,
+        "comparison.png": comparison_figure,
+        **{f"stresses_{kind.lower()}.png": partial(stresses_figure, kind=kind) for kind in KINDS},
+    },
+    {"passes.csv": pass_rows},
+    brief=True,
+)

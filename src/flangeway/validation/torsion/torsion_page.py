@@ -1,6 +1,7 @@
-"""Pictures of the reproduced torsion tables: convergence over h and unknowns, warping and Prandtl's function."""
+"""Figures and chapter of the reproduced torsion tables: convergence over h and unknowns, both functions."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Literal
 
 import numpy as np
@@ -8,10 +9,20 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from flangeway.report.figures.contours import Shades, draw_boundary, draw_field
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_boundary, draw_field, new_figure
+from flangeway.validation.published_numbers import percent
+from flangeway.validation.reproduction import Reproduction
 from flangeway.validation.torsion.torsion_meshes import TorsionRow, published_reading, torsion_section
-from flangeway.validation.torsion.torsion_reproduced import TorsionReproduction
+from flangeway.validation.torsion.torsion_reproduced import (
+    LEAST_WITHIN,
+    LIMITS,
+    MAX_RATE_DIFFERENCE,
+    TorsionReproduction,
+    rate_rows,
+    reproduce_torsion,
+)
+from flangeway.validation.validation_page import Chapter, PagePicture
+from flangeway.validation.validation_tables import PageTable
 
 Over = Literal["h", "n_dof"]
 
@@ -26,7 +37,7 @@ METHODS = {
     "VD": ("virtual triangles", "s", (0, (6, 2))),
     "VV": ("virtual polygons", "o", (0, (2, 1.5))),
 }
-"""Name, marker and line by the first two letters of a code: they stay apart in grey."""
+"""Name, marker and line by the first two letters of a code, to be distinguished in grey too."""
 
 
 def convergence_figure(found: TorsionReproduction, over: Over) -> Figure:
@@ -35,10 +46,7 @@ def convergence_figure(found: TorsionReproduction, over: Over) -> Figure:
     for axes, table in zip(figure.subplots(2, 2, sharex=True, sharey=True).flat, TITLES, strict=True):
         _draw_table(axes, found, table, over)
     handles = [
-        *(
-            Line2D([], [], color=INK, marker=marker, ls=line, ms=6, label=name)
-            for name, marker, line in METHODS.values()
-        ),
+        *(Line2D([], [], color=INK, marker=mark, ls=line, ms=6, label=name) for name, mark, line in METHODS.values()),
         Line2D([], [], color=INK, marker="D", ls="none", ms=6, label="computed"),
         Line2D([], [], color=GREY, marker="D", mfc="white", ls="none", ms=9, label="published"),
         Line2D([], [], color=GREY, marker="o", mfc=GREY, ls="dotted", ms=5, label="polygons, projected load (3.81)"),
@@ -59,16 +67,16 @@ def fields_figure(found: TorsionReproduction, formulation: Literal["warping", "p
         given = exact.warping(finest.points) if formulation == "warping" else exact.stress_function(finest.points)
         shown = [(str(row.code), row.solution.problem.space.mesh, _values(row)) for row in pair]
         shown.append(("exact", finest, given))
-        shades = Shades(np.concatenate([values for _, _, values in shown]))
+        shades = ColourSteps(np.concatenate([values for _, _, values in shown]))
         for axes, (name, mesh, values) in zip(line, shown, strict=True):
             draw_field(axes, mesh, values, shades)
             draw_boundary(axes, mesh)
             axes.set_aspect("equal")
             axes.set_title(name, fontsize=10)
-            axes.set_xlabel("x over the root of the area", fontsize=8)
+            axes.set_xlabel("x / √area", fontsize=8)
             axes.tick_params(labelsize=8)
-        line[0].set_ylabel("y over the root of the area", fontsize=8)
-        label = "warping over θ′ and area" if formulation == "warping" else "Prandtl's function over Gθ′ and area"
+        line[0].set_ylabel("y / √area", fontsize=8)
+        label = "warping / (θ′ area)" if formulation == "warping" else "Prandtl's function / (Gθ′ area)"
         bar = figure.colorbar(shades.mappable(), ax=line.tolist(), label=label, ticks=shades.levels.tolist())
         bar.ax.tick_params(labelsize=8)
     return figure
@@ -102,7 +110,7 @@ def _draw_table(axes: Axes, found: TorsionReproduction, table: int, over: Over) 
     axes.set_yscale("log")
     axes.grid(which="both", color="#e4e4e4", linewidth=0.5)
     axes.set_title(TITLES[table], fontsize=10)
-    axes.set_xlabel("maximum diameter of a cell h" if over == "h" else "number of unknowns")
+    axes.set_xlabel("maximum element diameter h" if over == "h" else "number of unknowns")
     axes.set_ylabel("relative error of the torsion constant")
     axes.label_outer()
     _draw_slopes(axes, over)
@@ -114,7 +122,7 @@ def _curve(rows: Sequence[TorsionRow], over: Over) -> tuple[list[float], list[fl
 
 
 def _draw_slopes(axes: Axes, over: Over) -> None:
-    """Draw lines of the rates 2 and 4 for the eye."""
+    """Draw reference lines of the rates 2 and 4."""
     start, factor = (0.05, 2.0) if over == "h" else (1500.0, 3.0)
     for order, error in ((1, 5e-4), (2, 1.2e-8)):
         rate = 2.0 * order if over == "h" else -float(order)
@@ -122,3 +130,54 @@ def _draw_slopes(axes: Axes, over: Over) -> None:
         axes.plot(x, error * (x / start) ** rate, color=INK, lw=0.8)
         text = f"h{'²' if order == 1 else '⁴'}" if over == "h" else f"1/n{'' if order == 1 else '²'}"
         axes.annotate(text, (x[1], error * factor**rate), textcoords="offset points", xytext=(4, -4), fontsize=8)
+
+
+def _tables(found: TorsionReproduction) -> list[PageTable]:
+    """Rates of convergence, if all refinements were computed."""
+    rows = tuple(
+        (
+            f"Table {rate.table}",
+            rate.code,
+            f"{rate.expected}",
+            f"{rate.published:.2f}",
+            f"{rate.computed:.2f}",
+            "yes" if rate.within else "**no**",
+        )
+        for rate in found.rates
+    )
+    caption = (
+        "Rates of convergence over the square root of the number of unknowns; the theoretical rate is twice the order. "
+        f"Limit: a difference of {MAX_RATE_DIFFERENCE:g} from the published rate"
+    )
+    return [PageTable(caption, ("table", "code", "theory", "published", "computed", "within"), rows)] if rows else []
+
+
+TORSION = Reproduction(
+    reproduce_torsion,
+    Chapter(
+        "Torsion of a square and a triangle",
+        f"""Torsion constants of a square and of an equilateral triangle of area one, on the meshes of Moherdaui's
+        Table 3: Tables 4 and 5 by the warping function (pages 136 and 137), Tables 6 and 7 by Prandtl's function (pages
+        138 and 139). The relative error of the constant against the exact one must be the published one to
+        {percent(LIMITS["relative_error"])}, in at least {100.0 * LEAST_WITHIN:.0f} % of the rows, because only the
+        numbers of unknowns of the published meshes are known. Codes such as VVSM3O2: F or V, finite or virtual
+        elements; D or V, triangles or polygons; S or T, square or triangle; the mesh; the order.""",
+        (
+            PagePicture(
+                "torsion",
+                "Error of the torsion constant over the number of unknowns for Tables 4 to 7, published and computed: "
+                "the computed marks lie in the published ones, and fall along lines of the slopes 1 and 2",
+                partial(convergence_figure, over="n_dof"),
+            ),
+        ),
+        _tables,
+    ),
+    {
+        "convergence_h.png": partial(convergence_figure, over="h"),
+        "convergence_unknowns.png": partial(convergence_figure, over="n_dof"),
+        "warping.png": partial(fields_figure, formulation="warping"),
+        "prandtl.png": partial(fields_figure, formulation="prandtl"),
+    },
+    {"rates.csv": rate_rows},
+    brief=True,
+)
