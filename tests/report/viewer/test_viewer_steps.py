@@ -345,7 +345,7 @@ def test_steps_of_a_body_that_its_loads_press_are_not_shown():
     assert len(sliding.contact.steps) == N_STEPS + 1
     scene = bodies_scene(sliding, steps_of(sliding))
     assert scene.steps == ()
-    assert "before the balance" in scene.steps_note
+    assert "before equilibrium" in scene.steps_note
 
 
 def test_where_a_run_ended_without_success_is_its_last_step(run):
