@@ -94,7 +94,7 @@ def _make_ready(name: str, folder: str, barrier: Barrier) -> None:
 
 
 def _is_ready(name: str) -> int:
-    return len(_prepared[name].stands)
+    return len(_prepared[name].poses)
 
 
 def _solve(name: str, positions: Positions, *, shear: bool) -> tuple[PositionTable, float]:
@@ -115,7 +115,7 @@ def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[f
         found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), where)
         times.append(time.perf_counter() - start)
         if not found.status.converged:  # once more, from the motion that is to be checked
-            motion = WheelsetPosition(*table.motion[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
+            motion = WheelsetPosition(*table.position[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
             found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), motion)
         expected, got = patches_of(prepared, found), table.patches[number]
         if len(expected) != len(got) or not found.status.converged:

@@ -88,7 +88,7 @@ def _lateral(prescribed: Prescribed) -> float:
 
 def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: float) -> RowResult:
     if not table.converged[place]:
-        message = "; ".join(line.strip() for line in table.messages.get(place, "no balance").splitlines())
+        message = "; ".join(line.strip() for line in table.messages.get(place, "no equilibrium").splitlines())
         return RowResult("not converged", message, seconds=seconds)
     patches = table.patches[place]
     edges = [patch.side for patch in patches if patch.at_edge]
@@ -102,9 +102,9 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
     warnings = [f"the {' and '.join(lost)} wheel does not touch its rail"] if lost else []
     for patch in patches:
         warnings += roughness(patch.n_segments, patch.oscillation, f"the {patch.side} contact", "lower size_scale")
-    lateral, vertical, roll = table.motion[place].tolist()
+    lateral, vertical, roll = table.position[place].tolist()
     values, rows = numbers_of((lateral, vertical, roll), [_numbers(prepared, patch) for patch in patches])
-    return RowResult("converged", "contact forces balance the load", tuple(warnings), values, rows, seconds)
+    return RowResult("converged", "contact forces and load are in equilibrium", tuple(warnings), values, rows, seconds)
 
 
 def _numbers(prepared: PreparedWheelset, patch: PositionPatch) -> PatchNumbers:

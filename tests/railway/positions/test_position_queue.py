@@ -25,23 +25,23 @@ def grid(lateral_mm: np.ndarray, loads_N: np.ndarray) -> Targets:
     return Targets(AxleLoads(np.zeros(len(load)), load, load, 0.0, 1.0), given)
 
 
-def front(targets: Targets, n_first: int = 1) -> PositionQueue:
+def queue(targets: Targets, n_first: int = 1) -> PositionQueue:
     return PositionQueue(targets, np.ones(len(targets.loads.onto), dtype=np.bool_), n_first)
 
 
 @pytest.fixture
 def dense() -> Targets:
-    """Thirty lateral motions by sixty loads, neighbours less than three steps apart."""
+    """Thirty lateral positions by sixty loads, neighbours less than three steps apart."""
     return grid(np.linspace(0.0, 5.8, 30), np.linspace(100e3, 300e3, 60))
 
 
 def test_each_position_is_given_once_from_a_neighbour(dense: Targets) -> None:
     """Where all are found, each position is given once, from one found before; only the first are begun anew."""
-    order = front(dense, n_first=4)
+    order = queue(dense, n_first=4)
     at: list[Continuation | None] = [order.next(None) for _ in range(4)]
     found: list[int] = []
     while any(at):
-        for lane, continuation in enumerate(at):
+        for slot, continuation in enumerate(at):
             if continuation is None:
                 continue
             assert continuation.origin in found or (continuation.origin is None and len(found) < 4)
@@ -51,13 +51,13 @@ def test_each_position_is_given_once_from_a_neighbour(dense: Targets) -> None:
                 assert continuation.follows or continuation.origin in order.states
             found.append(continuation.number)
             order.arrived(continuation.number, STATE)
-            at[lane] = order.next(continuation.number)
+            at[slot] = order.next(continuation.number)
     assert sorted(found) == list(range(len(dense.loads.onto)))
 
 
 def test_states_that_serve_no_more_are_dropped(dense: Targets) -> None:
     """Of 1800 positions fewer states than that are kept, and those of the nearest found are among them."""
-    order = front(dense)
+    order = queue(dense)
     continuation, most = order.next(None), 0
     while continuation is not None:
         order.arrived(continuation.number, STATE)
@@ -68,8 +68,8 @@ def test_states_that_serve_no_more_are_dropped(dense: Targets) -> None:
 
 
 def test_a_lane_goes_on_to_the_nearest() -> None:
-    """A lane that has found a position goes on from it to the nearest that is open, without being moved."""
-    order = front(grid(np.array([0.0]), np.array([100e3, 101e3, 103e3])))
+    """A slot that has found a position goes on from it to the nearest that is open, without being moved."""
+    order = queue(grid(np.array([0.0]), np.array([100e3, 101e3, 103e3])))
     first = order.next(None)
     assert first is not None
     assert (first.number, first.origin) == (1, None)
@@ -81,7 +81,7 @@ def test_a_lane_goes_on_to_the_nearest() -> None:
 
 def test_ways_to_a_lost_position() -> None:
     """A lost position is begun from other neighbours, then with stops, then by small loads, and then left."""
-    order = front(grid(np.array([0.0]), 100e3 + 1e3 * np.arange(5.0)))
+    order = queue(grid(np.array([0.0]), 100e3 + 1e3 * np.arange(5.0)))
     lost: list[Continuation] = []
     continuation = order.next(None)
     while continuation is not None:
@@ -105,11 +105,11 @@ def test_ways_to_a_lost_position() -> None:
 
 
 def test_a_stop_lies_between_two_positions() -> None:
-    """A stop at a quarter of the way has a quarter of the difference in load and motion; from rigid wheels, of load."""
+    """A stop at a quarter of the way has a quarter of the difference in load and position, or of the load alone."""
     targets = grid(np.array([0.0, 2.0]), np.array([100e3]))
-    lane = targets.take(np.array([0]))
-    stop = lane.changed(0, targets, 1, 0.25, 0)
+    slot = targets.take(np.array([0]))
+    stop = slot.changed(0, targets, 1, 0.25, 0)
     assert (stop.loads.onto[0], stop.loads.weight[0], stop.prescribed[0, 0]) == (100e3, 100e3, 0.5)
-    begun = lane.changed(0, targets, 1, 0.25, None)
+    begun = slot.changed(0, targets, 1, 0.25, None)
     assert (begun.loads.onto[0], begun.loads.weight[0], begun.prescribed[0, 0]) == (25e3, 25e3, 2.0)
-    assert lane.prescribed[0, 0] == 0.0
+    assert slot.prescribed[0, 0] == 0.0

@@ -60,17 +60,17 @@ def table(prepared: PreparedWheelset) -> PositionTable:
 
 
 def agree(prepared: PreparedWheelset, table: PositionTable, number: int) -> None:
-    """Compare one position with the full search, which starts without contact forces from the motion that was found."""
+    """Compare a position with the full search, which starts without contact forces from where it was found."""
     positions = table.positions
     lateral = float(positions.lateral_mm[number])
-    where = WheelsetPosition(*table.motion[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
+    where = WheelsetPosition(*table.position[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
     load = Load(float(positions.vertical_N[number]), float(positions.lateral_N[number]))
     found = prepared.solve(load, Prescribed(lateral_mm=None if np.isnan(lateral) else lateral), where)
     assert found.status.converged, found.status.message
     expected = patches_of(prepared, found)
     got = table.patches[number]
     assert [(patch.side, patch.region) for patch in got] == [(patch.side, patch.region) for patch in expected]
-    np.testing.assert_allclose(table.motion[number], found.position.components, rtol=0.0, atol=1e-7)
+    np.testing.assert_allclose(table.position[number], found.position.components, rtol=0.0, atol=1e-7)
     weight = load.vertical_N
     for mine, theirs in zip(got, expected, strict=True):
         np.testing.assert_allclose(mine.force_on_wheel_N, theirs.force_on_wheel_N, rtol=0.0, atol=1e-6 * weight)
@@ -117,14 +117,14 @@ def test_the_flange_is_reached(table: PositionTable) -> None:
 
 
 def test_left_mirrors_right(prepared: PreparedWheelset, table: PositionTable) -> None:
-    """A motion to the left gives the mirror image of one to the right: forces to 1e-6."""
+    """A position to the left gives the mirror image of one to the right: forces to 1e-6."""
     lateral, vertical = table.positions.lateral_mm, table.positions.vertical_N
     forces = table.forces_on_wheels_N
     for number in range(9):
         (mirror,) = np.flatnonzero((lateral == -lateral[number]) & (vertical == vertical[number]))
         flipped = forces[mirror, ::-1] * [-1.0, 1.0]
         np.testing.assert_allclose(forces[number], flipped, rtol=0.0, atol=1e-6 * vertical[number])
-        np.testing.assert_allclose(table.motion[number] * [-1.0, 1.0, -1.0], table.motion[mirror], atol=1e-7)
+        np.testing.assert_allclose(table.position[number] * [-1.0, 1.0, -1.0], table.position[mirror], atol=1e-7)
 
 
 @pytest.mark.parametrize(
@@ -142,7 +142,7 @@ def test_other_discretisations_agree(settings: dict[str, Any]) -> None:
 
 
 def test_a_lateral_motion_is_found(north_american: PreparedWheelset) -> None:
-    """With a lateral force the wheelset finds its lateral motion, as in the full search."""
+    """With a lateral force the wheelset finds its lateral position, as in the full search."""
     forces = np.array([4e3, 8e3])
     table = solve_positions(north_american, Positions(np.full(2, np.nan), np.full(2, 200e3), forces))
     assert table.converged.all(), table.messages
@@ -175,11 +175,11 @@ def test_the_maximum_shear_is_that_of_the_fields(north_american: PreparedWheelse
 
 
 def test_positions_out_of_reach_are_told(north_american: PreparedWheelset) -> None:
-    """A lateral motion that rigid wheels do not reach is not found, and the message says so; others are found."""
+    """A lateral position that rigid wheels do not reach is not found, and the message says so; others are found."""
     table = solve_positions(north_american, Positions.grid([0.0, 400.0], 100e3))
     assert table.converged.tolist() == [True, False]
     assert "400" in table.messages[1]
-    assert np.isnan(table.motion[1]).all()
+    assert np.isnan(table.position[1]).all()
     assert table.patches[1] == ()
 
 

@@ -1,7 +1,7 @@
-"""Thousands of positions of one wheelset: lateral motion by load, each in balance.
+"""Thousands of positions of one wheelset: lateral position by load, each in equilibrium.
 
-A number of positions is solved side by side (`Lanes`), each from a neighbour that has been found (`PositionQueue`).
-What does not converge there is solved by the full search.
+Some positions are solved side by side (`PositionBatch`), each from a neighbour that was found (`PositionQueue`). What
+does not converge there is solved by the full search.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.railway.positions.position_queue import Continuation, PositionQueue
-from flangeway.railway.positions.positions_newton import Lanes
+from flangeway.railway.positions.positions_newton import PositionBatch
 from flangeway.railway.positions.positions_patches import PositionPatch, patches_of, position_patches
 from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_shears
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
@@ -30,7 +30,7 @@ AT_ONCE = 32
 """Positions that are solved side by side."""
 
 PRESSED_MM = 0.01
-"""How deep rigid wheels are pressed on the rails at first: little, so that no more touches than what bears the load."""
+"""Depth to which rigid wheels are pressed on the rails at first: small, so that only what carries the load touches."""
 
 MOST_WAITING = 128
 """Regions of contact that may wait for the stresses below them, which are found together."""
@@ -46,7 +46,7 @@ class Positions:
     Parameters
     ----------
     lateral_mm
-        Lateral motion of the axle's middle, not-a-number where it is found by balance, shape (n,).
+        Lateral position of the axle's middle, not-a-number where it is found from equilibrium, shape (n,).
     vertical_N, lateral_N
         Weight and lateral force as in `Load`, shape (n,).
 
@@ -83,7 +83,7 @@ class Positions:
 
     @classmethod
     def grid(cls, lateral_mm: ArrayLike, vertical_N: ArrayLike, lateral_N: float = 0.0) -> Self:
-        """All lateral motions (n,) with all weights (m,), lateral motion by lateral motion: n m positions."""
+        """All lateral positions (n,) with all weights (m,), lateral position by lateral position: n m positions."""
         lateral, vertical = (
             each.ravel() for each in np.meshgrid(np.asarray(lateral_mm), np.asarray(vertical_N), indexing="ij")
         )
@@ -113,8 +113,8 @@ class PositionTable:
         Whether the full search was needed, shape (n,).
     rounds
         Newton iterations of the fast path, shape (n,).
-    motion
-        Lateral and vertical motion in mm and roll in rad; nan where it was not found, shape (n, 3).
+    position
+        Lateral and vertical position in mm and roll in rad; nan where it was not found, shape (n, 3).
     patches
         Regions of contact of each position, left side first.
     messages
@@ -126,7 +126,7 @@ class PositionTable:
     converged: Bools
     by_full_search: Bools
     rounds: Ints
-    motion: Floats
+    position: Floats
     patches: tuple[tuple[PositionPatch, ...], ...]
     messages: dict[int, str]
 
@@ -156,11 +156,11 @@ def solve_positions(
     shear: bool = False,
     n_alike: int | None = None,
 ) -> PositionTable:
-    """Bring the wheelset into balance in each of many positions.
+    """Bring the wheelset into equilibrium in each of many positions.
 
-    Vertical motion and roll are found, or as the prepared problem prescribes them; the track's tilt is that of its
-    load. Where a lateral motion is to be found and several positions are in balance, it is the one that is reached
-    from a neighbouring load.
+    Vertical position and roll are found, or as the prepared problem prescribes them; the track's tilt is that of its
+    load. Where a lateral position is to be found and there are several equilibria, it is the one that is reached from a
+    neighbouring load.
 
     Parameters
     ----------
@@ -200,14 +200,14 @@ class _Run:
     waiting: list[tuple[int, LoadedPatch]] = field(default_factory=list)
     patches: dict[int, tuple[PositionPatch, ...]] = field(default_factory=dict)
     messages: dict[int, str] = field(default_factory=dict)
-    rests: dict[int, WheelsetPosition] = field(default_factory=dict)
+    rigid_positions: dict[int, WheelsetPosition] = field(default_factory=dict)
     overlapping: list[int] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         n = len(self.positions)
-        self.stands = self.prepared.stands
+        self.poses = self.prepared.poses
         self.converged, self.by_full_search = np.zeros(n, dtype=np.bool_), np.zeros(n, dtype=np.bool_)
-        self.rounds, self.motion = np.zeros(n, dtype=np.int64), np.full((n, 3), np.nan)
+        self.rounds, self.position = np.zeros(n, dtype=np.int64), np.full((n, 3), np.nan)
         problem = self.prepared.model.problem
         loads = [self._load(number).in_track for number in range(n)]
         along, onto = np.array(loads).T
@@ -229,7 +229,7 @@ class _Run:
         return Prescribed(None if np.isnan(lateral) else lateral, given.vertical_mm, given.roll_rad)
 
     def _guesses(self) -> dict[float, WheelsetPosition]:
-        """Where rigid wheels stand at each lateral motion that is asked for; without those that cannot be reached."""
+        """Rigid equilibrium at each lateral position that is asked for and can be reached."""
         wanted = np.unique(self.positions.lateral_mm[~np.isnan(self.positions.lateral_mm)])
         geometry = self.prepared.model.rigid_start.geometry
         try:
@@ -239,33 +239,35 @@ class _Run:
             return _reachable(self.prepared, wanted)
 
     def _start(self, number: int) -> WheelsetPosition | None:
-        """Where rigid wheels stand; None and a message if they do not."""
+        """Rigid position; None and a message if there is none."""
         lateral = float(self.positions.lateral_mm[number])
         if not np.isnan(lateral):
             found = self.guesses.get(lateral)
             if found is None:
-                self.messages[number] = f"the wheels do not stand on both rails at a lateral motion of {lateral:g} mm"
+                self.messages[number] = f"the wheels are not on both rails at a lateral position of {lateral:g} mm"
             return found
-        if number in self.rests or number in self.messages:
-            return self.rests.get(number)
+        if number in self.rigid_positions or number in self.messages:
+            return self.rigid_positions.get(number)
         try:
             problem = self.prepared.problem_with(self._load(number), self._prescribed(number))
-            self.rests[number] = rigid_start(problem, self.prepared.model.rigid_start.geometry).motion
-            return self.rests[number]
+            self.rigid_positions[number] = rigid_start(problem, self.prepared.model.rigid_start.geometry).motion
+            return self.rigid_positions[number]
         except InputError as error:
             self.messages[number] = str(error)
             return None
 
     def go(self) -> None:
         """Solve all."""
-        front = PositionQueue(self.targets, self._possible(), AT_ONCE)
-        at = [each for each in (self._next(front, None) for _ in range(AT_ONCE)) if each is not None]
+        queue = PositionQueue(self.targets, self._possible(), AT_ONCE)
+        at = [each for each in (self._next(queue, None) for _ in range(AT_ONCE)) if each is not None]
         if at:
-            lanes = Lanes(self.stands, self.targets.take(np.array([each.number for each in at])), self._pressed(at))
-            for lane, continuation in enumerate(at):
-                lanes.ask(lane, self.targets, continuation.number, continuation.shares[0], continuation.origin)
-            self._advance(lanes, at, front)
-        for number in (*self.overlapping, *np.flatnonzero(front.open)):
+            slots = PositionBatch(
+                self.poses, self.targets.take(np.array([each.number for each in at])), self._pressed(at)
+            )
+            for slot, continuation in enumerate(at):
+                slots.ask(slot, self.targets, continuation.number, continuation.shares[0], continuation.origin)
+            self._advance(slots, at, queue)
+        for number in (*self.overlapping, *np.flatnonzero(queue.open)):
             self._solve_slowly(int(number))
         self._find_shear()
 
@@ -276,84 +278,84 @@ class _Run:
             possible[number] = self._start(int(number)) is not None
         return possible
 
-    def _next(self, front: PositionQueue, at: int | None) -> Continuation | None:
-        """What a lane does next; positions that rigid wheels cannot begin are left to their neighbours."""
-        while (continuation := front.next(at)) is not None:
+    def _next(self, queue: PositionQueue, at: int | None) -> Continuation | None:
+        """What a slot does next; positions that rigid wheels cannot begin are left to their neighbours."""
+        while (continuation := queue.next(at)) is not None:
             if continuation.origin is not None or self._start(continuation.number) is not None:
                 return continuation
-            front.lost(continuation)
+            queue.lost(continuation)
         return None
 
-    def _advance(self, lanes: Lanes, at: list[Continuation], front: PositionQueue) -> None:
-        """Solve in lanes what can be solved there."""
+    def _advance(self, slots: PositionBatch, at: list[Continuation], queue: PositionQueue) -> None:
+        """Solve in the batch what can be solved there."""
         while True:
-            done, lost = lanes.evaluate()
+            done, lost = slots.evaluate()
             lost &= ~done
             overlapping = np.zeros(len(at), dtype=np.bool_)
             arrived = np.array([each.arrives for each in at])
-            for lane in np.flatnonzero(done & arrived):
-                if any(side.overlaps(int(lane)) for side in lanes.sides):
-                    done[lane], overlapping[lane] = False, True
-                    self.overlapping.append(at[lane].number)
-            self._collect(lanes, np.flatnonzero(done & arrived), at)
-            for lane in np.flatnonzero(done & arrived):
-                front.arrived(at[lane].number, lanes.state(int(lane)))
+            for slot in np.flatnonzero(done & arrived):
+                if any(side.overlaps(int(slot)) for side in slots.sides):
+                    done[slot], overlapping[slot] = False, True
+                    self.overlapping.append(at[slot].number)
+            self._collect(slots, np.flatnonzero(done & arrived), at)
+            for slot in np.flatnonzero(done & arrived):
+                queue.arrived(at[slot].number, slots.state(int(slot)))
             moves: list[int] = []
             ends = np.zeros(len(at), dtype=np.bool_)
-            for lane in np.flatnonzero(done | lost | overlapping):
-                before = at[lane]
-                if lost[lane]:
-                    front.lost(before)
-                if done[lane] and not before.arrives:
+            for slot in np.flatnonzero(done | lost | overlapping):
+                before = at[slot]
+                if lost[slot]:
+                    queue.lost(before)
+                if done[slot] and not before.arrives:
                     continuation: Continuation | None = before.on()
                 else:
-                    continuation = self._next(front, before.number if done[lane] else None)
+                    continuation = self._next(queue, before.number if done[slot] else None)
                 if continuation is None:
-                    ends[lane] = True
+                    ends[slot] = True
                     continue
-                at[lane] = continuation
-                lanes.ask(int(lane), self.targets, continuation.number, continuation.shares[0], continuation.origin)
+                at[slot] = continuation
+                slots.ask(int(slot), self.targets, continuation.number, continuation.shares[0], continuation.origin)
                 if not continuation.follows:
-                    moves.append(int(lane))
+                    moves.append(int(slot))
             if ends.all():
                 break
-            lanes.step()
-            self._move(lanes, np.array(moves, dtype=np.int64), at, front)
+            slots.step()
+            self._move(slots, np.array(moves, dtype=np.int64), at, queue)
             if ends.any():
                 at[:] = [each for each, end in zip(at, ends, strict=True) if not end]
-                lanes.keep(~ends)
+                slots.keep(~ends)
 
-    def _move(self, lanes: Lanes, moves: Ints, at: list[Continuation], front: PositionQueue) -> None:
-        """Put lanes where their journeys begin."""
-        cold = np.array([lane for lane in moves if at[lane].origin is None], dtype=np.int64)
+    def _move(self, slots: PositionBatch, moves: Ints, at: list[Continuation], queue: PositionQueue) -> None:
+        """Put slots at the start of their continuations."""
+        cold = np.array([slot for slot in moves if at[slot].origin is None], dtype=np.int64)
         if len(cold):
-            lanes.restart(cold, self._pressed([at[lane] for lane in cold]))
-        for lane in moves:
-            origin = at[lane].origin
+            slots.restart(cold, self._pressed([at[slot] for slot in cold]))
+        for slot in moves:
+            origin = at[slot].origin
             if origin is not None:
-                lanes.take_up(int(lane), front.states[origin])
+                slots.take_up(int(slot), queue.states[origin])
 
-    def _pressed(self, journeys: list[Continuation]) -> Floats:
+    def _pressed(self, continuations: list[Continuation]) -> Floats:
         """Where the searches for positions begin: rigid wheels a little pressed on the rails, shape (n, 3)."""
-        motions = [self._start(each.number) for each in journeys]
-        rest = np.array([motion.components for motion in motions if motion is not None])
-        given = self.targets.prescribed[[each.number for each in journeys]]
+        positions = [self._start(each.number) for each in continuations]
+        rest = np.array([position.components for position in positions if position is not None])
+        given = self.targets.prescribed[[each.number for each in continuations]]
         return np.where(np.isnan(given), rest - [0.0, PRESSED_MM, 0.0], given)
 
-    def _collect(self, lanes: Lanes, found: Ints, at: list[Continuation]) -> None:
+    def _collect(self, slots: PositionBatch, found: Ints, at: list[Continuation]) -> None:
         if len(found) == 0:
             return
-        sides = [position_patches(side, found) for side in lanes.sides]
-        for place, lane in enumerate(found):
-            number = at[lane].number
+        sides = [position_patches(side, found) for side in slots.sides]
+        for place, slot in enumerate(found):
+            number = at[slot].number
             self.patches[number] = tuple(patch for side in sides for patch in side[place])
             if self.shear:
-                for side, patches in zip(lanes.sides, sides, strict=True):
-                    wheel = side.pair.wheel.in_own_order(side.loads.wheel[lane])
-                    rail = side.pair.rail.in_own_order(side.loads.rail[lane])
+                for side, patches in zip(slots.sides, sides, strict=True):
+                    wheel = side.pair.wheel.in_own_order(side.loads.wheel[slot])
+                    rail = side.pair.rail.in_own_order(side.loads.rail[slot])
                     self.waiting += [(number, LoadedPatch(patch, wheel, rail)) for patch in patches[place]]
-            self.motion[number], self.converged[number] = lanes.motion[lane], True
-            self.rounds[number] = lanes.age[lane]
+            self.position[number], self.converged[number] = slots.position[slot], True
+            self.rounds[number] = slots.age[slot]
         self.progress(int(self.converged.sum()), len(self.positions))
         if len(self.waiting) > MOST_WAITING:
             self._find_shear()
@@ -377,7 +379,7 @@ class _Run:
         if not found.status.converged:
             self.messages[number] = found.status.message
             return
-        self.motion[number] = found.position.components
+        self.position[number] = found.position.components
         self.patches[number] = patches_of(self.prepared, found)
         if self.shear:
             response, state = self.prepared.response, found.state
@@ -391,21 +393,21 @@ class _Run:
 
     def table(self) -> PositionTable:
         """Return what was found."""
-        for values in (self.converged, self.by_full_search, self.rounds, self.motion):
+        for values in (self.converged, self.by_full_search, self.rounds, self.position):
             values.setflags(write=False)
         return PositionTable(
             self.positions,
             self.converged,
             self.by_full_search,
             self.rounds,
-            self.motion,
+            self.position,
             tuple(self.patches.get(number, ()) for number in range(len(self.positions))),
             {number: text for number, text in self.messages.items() if not self.converged[number]},
         )
 
 
 def _reachable(prepared: PreparedWheelset, wanted: Floats) -> dict[float, WheelsetPosition]:
-    """Where rigid wheels stand at those lateral motions that they reach."""
+    """Rigid positions at those lateral positions that can be reached."""
     found = {}
     for lateral in wanted:
         try:

@@ -10,10 +10,10 @@ from flangeway.railway.positions.surface_positions import Targets
 from flangeway.types import Bools, Floats
 
 NEAR = np.array([0.1, 0.02, 0.02])
-"""What counts as one step: lateral motion in mm, relative load, lateral over vertical force."""
+"""One step: lateral position in mm, relative load, lateral over vertical force."""
 
 NEXT = 3.0
-"""Steps within which a lane goes on from the position where it is, and between stops on a way."""
+"""Steps within which a slot goes on from the position where it is, and between stops on a way."""
 
 FARTHEST = 8.0
 """Steps beyond which a position is not begun from another at once."""
@@ -34,7 +34,7 @@ SMALL_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 
 @dataclass(frozen=True)
 class Continuation:
-    """How a lane comes to a position.
+    """How a slot comes to a position.
 
     Parameters
     ----------
@@ -45,7 +45,7 @@ class Continuation:
     shares
         Parts of the way at which it is stopped, the last is 1.
     follows
-        Whether the lane is already where the next part of the way begins.
+        Whether the slot is already where the next part of the way begins.
 
     """
 
@@ -73,7 +73,7 @@ class PositionQueue:
 
     Parameters
     ----------
-    demands
+    targets
         All positions.
     possible
         Which of them are wanted, shape (n,).
@@ -114,7 +114,7 @@ class PositionQueue:
             self.lost_from[continuation.number] = continuation.origin
 
     def next(self, at: int | None) -> Continuation | None:
-        """How a lane goes on.
+        """How a slot goes on.
 
         Parameters
         ----------

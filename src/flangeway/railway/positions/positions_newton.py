@@ -1,6 +1,6 @@
 """Newton's method for many positions of a wheelset at once.
 
-Unknowns of a lane are the contact forces of both sides and the free components of its motion. With the displacements
+Unknowns of a slot are the contact forces of both sides and the free components of its position. With the displacements
 ``u = F B^T p`` of the surfaces (F: flexibility, B: derivatives of the gaps g) the equations are those of
 `flangeway.solve.newton` and `flangeway.railway.wheelset.equilibrium`:
 
@@ -30,7 +30,7 @@ from flangeway.railway.wheelset.residual import MAX_STEP, TOLERANCE, residual_no
 from flangeway.types import Bools, Floats, Ints
 
 MARGIN_MM = 0.12
-"""Gap below which a place is looked at; with a motion still to come, this much more."""
+"""Gap below which contact is evaluated; with a displacement still to come, this much more."""
 
 SURE_MM = 0.02
 """Gap, as measured at nodes, above which a place that was not looked at is sure not to touch."""
@@ -49,7 +49,7 @@ STALE_MM = 0.2
 
 MOST_ROUNDS = 25
 FIRST_ROUNDS = 12
-"""Rounds after which a lane is lost whose error has not come below `LOWERED`."""
+"""Rounds after which a slot is lost whose error has not come below `LOWERED`."""
 
 SLOW = 0.2
 """Part of the error left by a round above which the tangent is made anew."""
@@ -67,31 +67,31 @@ LOST_MM = 1e-3
 """What a force on a node that faces nothing violates, and the least displacement that violations are measured by."""
 
 RIDGE = np.array([1e-3, 1e-3, 1e3])
-"""Stiffness that stands in where no wheel touches: N/mm, N/mm, N mm."""
+"""Stiffness where no wheel touches: N/mm, N/mm, N mm."""
 
 
 @dataclass(frozen=True, eq=False)
 class PositionState:
-    """A position that a lane has found.
+    """A position that a slot has found.
 
     Parameters
     ----------
-    motion
+    position
         Motion of the wheelset, shape (3,).
     loads
         Of both sides; see `Loads.packed`.
 
     """
 
-    motion: Floats
+    position: Floats
     loads: tuple[tuple[Ints, Floats], ...]
 
 
 class PositionSide:
-    """One side of all lanes: loads, tangents and gaps."""
+    """One side of all slots: loads, tangents and gaps."""
 
-    def __init__(self, stand: SidePose, n_positions: int) -> None:
-        self.stand, self.pair = stand, stand.pair
+    def __init__(self, pose: SidePose, n_positions: int) -> None:
+        self.pose, self.pair = pose, pose.pair
         empty = np.zeros(0, dtype=np.int64)
         window = np.zeros((n_positions, len(self.pair.hats.nodes)), dtype=np.bool_)
         self.candidates = Candidates(window, empty, empty)
@@ -103,33 +103,33 @@ class PositionSide:
         self.carried_load: Loads
 
     def keep(self, stays: Bools) -> None:
-        """Drop lanes; what `evaluate` finds has to be found anew."""
+        """Drop slots; what `evaluate` finds has to be found anew."""
         self.tangents = [each for each, stay in zip(self.tangents, stays, strict=True) if stay]
         self.in_tangent, self.loads = self.in_tangent[stays], self.loads.take(stays)
         self.candidates = restricted(self.candidates, self.pair, stays)
 
-    def forget(self, lanes: Ints) -> None:
+    def forget(self, slots: Ints) -> None:
         """Make tangents anew when they are needed."""
-        for lane in lanes:
-            self.tangents[lane] = None
-        self.in_tangent[lanes] = False
+        for slot in slots:
+            self.tangents[slot] = None
+        self.in_tangent[slots] = False
 
-    def evaluate(self, motion: Floats, anew: Ints, margins: Floats) -> None:
-        """Find gaps and what the contact forces load the bodies with; look anew for candidates of some lanes."""
-        self.around = SurfacePositions.at(self.stand, motion, self.loads)
+    def evaluate(self, position: Floats, anew: Ints, margins: Floats) -> None:
+        """Find gaps and what the contact forces load the bodies with; look anew for candidates of some slots."""
+        self.around = SurfacePositions.at(self.pose, position, self.loads)
         if len(anew):
             self._look(anew, margins)
         self.gaps = self.pair.gaps(self.around.wheel, self.around.rail, self.candidates)
-        self.carried_load = carried(self.stand, self.gaps, self.around, self.loads.forces)
+        self.carried_load = carried(self.pose, self.gaps, self.around, self.loads.forces)
 
-    def _look(self, lanes: Ints, margins: Floats) -> None:
-        found = self.around.take(lanes).search(self.pair, margins)
+    def _look(self, slots: Ints, margins: Floats) -> None:
+        found = self.around.take(slots).search(self.pair, margins)
         n_second, n_first = len(self.pair.secondary.edges), len(self.pair.primary.edges)
-        old = ~np.isin(self.candidates.edges // n_second, lanes)
+        old = ~np.isin(self.candidates.edges // n_second, slots)
         within = found.edges // n_second
         window = self.candidates.window.copy()
-        window[lanes] = found.window | (self.loads.forces[lanes] > 0.0)
-        moved = lanes[within] - within
+        window[slots] = found.window | (self.loads.forces[slots] > 0.0)
+        moved = slots[within] - within
         self.candidates = Candidates(
             window,
             np.concatenate((self.candidates.edges[old], found.edges + moved * n_second)),
@@ -156,109 +156,109 @@ class PositionSide:
         violation[~allowed] = np.where(loads.forces > 0.0, LOST_MM, 0.0)[~allowed]
         return np.maximum(imbalance / total, violation.max(axis=1) / np.maximum(self.around.scale, LOST_MM))
 
-    def overlaps(self, lane: int) -> bool:
-        """Whether the bodies of a lane overlap by more than its penetration and `ALLOWED_MM`, anywhere."""
+    def overlaps(self, slot: int) -> bool:
+        """Whether the bodies of a slot overlap by more than its penetration and `ALLOWED_MM`, anywhere."""
         wheel, rail = (
-            boundary.positions(running[lane], turn)
+            boundary.positions(running[slot], turn)
             for boundary, running, turn in zip(
                 self.pair.boundaries,
                 (self.around.wheel, self.around.rail),
-                (self.around.turns[lane], np.eye(2)),
+                (self.around.turns[slot], np.eye(2)),
                 strict=True,
             )
         )
-        penetration = 2.0 * float(-self.gaps.gaps[lane].min(initial=0.0))
+        penetration = 2.0 * float(-self.gaps.gaps[slot].min(initial=0.0))
         return overlap_depth(self.pair.boundaries[0], wheel, self.pair.boundaries[1], rail) > penetration + ALLOWED_MM
 
     def renewed(self) -> list[Tangent]:
-        """Tangents of all lanes; those that are missing, or lack a constraint that may come to bear, are made."""
+        """Tangents of all slots; those that are missing, or lack a constraint that may become active, are made."""
         slack, allowed = self.law()
         lacks = ((slack < NEAR_MM) & allowed & ~self.in_tangent).any(axis=1)
         missing = lacks | np.array([each is None for each in self.tangents])
         if missing.any():
             chosen = allowed & ((slack < IN_TANGENT_MM) | (self.loads.forces > 0.0))
-            made = tangents(self.stand, self.around, self.candidates, self.loads.forces, chosen, missing)
-            for lane, tangent in zip(np.flatnonzero(missing), made, strict=True):
-                self.tangents[lane] = tangent
-                self.in_tangent[lane] = False
-                self.in_tangent[lane, tangent.rows] = True
+            made = tangents(self.pose, self.around, self.candidates, self.loads.forces, chosen, missing)
+            for slot, tangent in zip(np.flatnonzero(missing), made, strict=True):
+                self.tangents[slot] = tangent
+                self.in_tangent[slot] = False
+                self.in_tangent[slot, tangent.rows] = True
         return [each for each in self.tangents if each is not None]
 
 
-class Lanes:
-    """Positions that are solved side by side; a lane that has found its position is given another one.
+class PositionBatch:
+    """Positions that are solved side by side; a slot that has found its position is given another one.
 
     Parameters
     ----------
-    stands
+    poses
         Both sides.
-    demands
-        What the lanes are asked for.
-    motion
+    targets
+        What the slots are asked for.
+    position
         First guess, shape (L, 3).
 
     """
 
-    def __init__(self, stands: tuple[SidePose, ...], targets: Targets, motion: Floats) -> None:
-        self.targets, self.motion = targets, motion.copy()
-        self.sides = [PositionSide(stand, len(motion)) for stand in stands]
-        n_positions = len(motion)
+    def __init__(self, poses: tuple[SidePose, ...], targets: Targets, position: Floats) -> None:
+        self.targets, self.position = targets, position.copy()
+        self.sides = [PositionSide(pose, len(position)) for pose in poses]
+        n_positions = len(position)
         self.looked_at = np.full((n_positions, 3), np.inf)
         self.renewed_at = np.full(n_positions, np.inf)
         self.age, self.tangent_age = np.zeros(n_positions, dtype=np.int64), np.zeros(n_positions, dtype=np.int64)
         self.error = np.full(n_positions, np.inf)
 
-    def state(self, lane: int) -> PositionState:
-        """What a lane has found."""
-        loads = [side.loads.packed(lane) for side in self.sides]
-        return PositionState(self.motion[lane].copy(), tuple(loads))
+    def state(self, slot: int) -> PositionState:
+        """What a slot has found."""
+        loads = [side.loads.packed(slot) for side in self.sides]
+        return PositionState(self.position[slot].copy(), tuple(loads))
 
-    def take_up(self, lane: int, state: PositionState) -> None:
-        """Let a lane be where a position was found."""
-        self._move(np.array([lane]), state.motion)
+    def take_up(self, slot: int, state: PositionState) -> None:
+        """Put a slot at a position that was found."""
+        self._move(np.array([slot]), state.position)
         for side, loads in zip(self.sides, state.loads, strict=True):
-            side.loads.unpack(lane, loads)
+            side.loads.unpack(slot, loads)
 
     def keep(self, stays: Bools) -> None:
-        """Drop lanes."""
-        self.targets, self.motion, self.error = self.targets.take(stays), self.motion[stays], self.error[stays]
+        """Drop slots."""
+        self.targets, self.position, self.error = self.targets.take(stays), self.position[stays], self.error[stays]
         self.looked_at, self.renewed_at = self.looked_at[stays], self.renewed_at[stays]
         self.age, self.tangent_age = self.age[stays], self.tangent_age[stays]
         for side in self.sides:
             side.keep(stays)
 
-    def restart(self, lanes: Ints, motion: Floats) -> None:
+    def restart(self, slots: Ints, position: Floats) -> None:
         """Begin anew without any contact."""
-        self._move(lanes, motion)
-        self.error[lanes] = np.inf
+        self._move(slots, position)
+        self.error[slots] = np.inf
         for side in self.sides:
             for each in (side.loads.forces, side.loads.wheel, side.loads.rail):
-                each[lanes] = 0.0
+                each[slots] = 0.0
 
-    def _move(self, lanes: Ints, motion: Floats) -> None:
-        self.motion[lanes], self.looked_at[lanes], self.renewed_at[lanes] = motion, np.inf, np.inf
+    def _move(self, slots: Ints, position: Floats) -> None:
+        self.position[slots], self.looked_at[slots], self.renewed_at[slots] = position, np.inf, np.inf
         for side in self.sides:
-            side.forget(lanes)
+            side.forget(slots)
 
-    def ask(self, lane: int, targets: Targets, number: int, share: float, origin: int | None) -> None:
-        """Ask a lane for a position, or a place on the way; see `Targets.changed`. It goes on from where it is."""
-        self.targets = self.targets.changed(lane, targets, number, share, origin)
-        self.age[lane], self.error[lane] = 0, np.nan
+    def ask(self, slot: int, targets: Targets, number: int, share: float, origin: int | None) -> None:
+        """Ask a slot for a position, or a place on the way; see `Targets.changed`. It goes on from where it is."""
+        self.targets = self.targets.changed(slot, targets, number, share, origin)
+        self.age[slot], self.error[slot] = 0, np.nan
 
     def evaluate(self) -> tuple[Bools, Bools]:
-        """Evaluate the equations; return which lanes are solved and which are lost."""
+        """Evaluate the equations; return which slots are solved and which are lost."""
         self.age += 1
-        to_come = np.abs(self.targets.remaining(self.motion)) / MAX_STEP * MAX_STEP[0]
+        to_come = np.abs(self.targets.remaining(self.position)) / MAX_STEP * MAX_STEP[0]
         with np.errstate(invalid="ignore"):
-            moved = np.abs(self.motion - self.looked_at) / MAX_STEP * MAX_STEP[0]
+            moved = np.abs(self.position - self.looked_at) / MAX_STEP * MAX_STEP[0]
         anew = np.flatnonzero(~(moved.max(axis=1) <= MOVED_MM))
-        self.looked_at[anew] = self.motion[anew]
+        self.looked_at[anew] = self.position[anew]
         margins = MARGIN_MM + np.where(self.error > LOWERED, MARGIN_MM, 0.0)
-        residual = self.targets.loads.on_axle(self.motion[:, 2])
+        residual = self.targets.loads.on_axle(self.position[:, 2])
         error = to_come.max(axis=1)
         for side in self.sides:
-            side.evaluate(self.motion, anew, margins[anew])
-            residual += np.einsum("lh,lhk->lk", side.loads.forces, resultants(side.stand, side.gaps, side.around))
+            side.evaluate(self.position, anew, margins[anew])
+            residual += np.einsum("lh,lhk->lk", side.loads.forces, resultants(side.pose, side.gaps, side.around))
             error = np.maximum(error, side.violation())
         error = np.maximum(error, residual_norm(self.targets.loads.relative(residual), self.targets.free))
         done = error <= TOLERANCE
@@ -274,19 +274,19 @@ class Lanes:
         slow = (error > SLOW * self.error) & (error > TOLERANCE) & (self.tangent_age >= FEWEST_ROUNDS)
         slow |= error > LOWERED
         with np.errstate(invalid="ignore"):
-            slow |= ~(np.abs(self.motion[:, 0] - self.renewed_at) <= STALE_MM)
-        lanes = np.flatnonzero(slow)
-        self.renewed_at[lanes], self.tangent_age[lanes] = self.motion[lanes, 0], 0
+            slow |= ~(np.abs(self.position[:, 0] - self.renewed_at) <= STALE_MM)
+        slots = np.flatnonzero(slow)
+        self.renewed_at[slots], self.tangent_age[slots] = self.position[slots, 0], 0
         for side in self.sides:
-            side.forget(lanes)
+            side.forget(slots)
 
     def _is_missed(self, done: Bools) -> Bools:
-        """Whether lanes may touch where they were not looked at; these are looked at anew."""
+        """Whether slots may touch where contact was not evaluated; these are searched anew."""
         missed = np.zeros(len(done), dtype=np.bool_)
-        lanes = np.flatnonzero(done)
+        slots = np.flatnonzero(done)
         for side in self.sides:
-            near = side.around.take(lanes).search(side.pair, SURE_MM).window
-            missed[lanes] |= (near & ~side.candidates.window[lanes]).any(axis=1)
+            near = side.around.take(slots).search(side.pair, SURE_MM).window
+            missed[slots] |= (near & ~side.candidates.window[slots]).any(axis=1)
         self.looked_at[missed] = np.inf
         return missed
 
@@ -294,19 +294,19 @@ class Lanes:
         """Solve the linearised equations and move on."""
         self.tangent_age += 1
         windows = [Window.of(side) for side in self.sides]
-        change, forces = linear_step(windows, self.targets, self.motion)
-        self.motion = self.targets.snapped(self.motion + change)
+        change, forces = linear_step(windows, self.targets, self.position)
+        self.position = self.targets.snapped(self.position + change)
         for side, window, now in zip(self.sides, windows, forces, strict=True):
             side.loads = window.loads_after(now, change)
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """Linearised equations of one side in the lanes' windows, filled up to one size m.
+    """Linearised equations of one side in the slots' windows, filled up to one size m.
 
     Parameters
     ----------
-    stand, gaps, around, tangents
+    pose, gaps, around, tangents
         Where the side is.
     rows
         Hat functions, shape (L, m).
@@ -315,21 +315,21 @@ class Window:
     matrix
         Tangents' matrices, shape (L, m, m).
     forces, slack, compliance
-        Current forces, left side of the law with what is out of balance, and penetration per force, shape (L, m).
-    by_motion
-        Derivatives of the gaps by the motion, shape (L, m, 3).
-    to_balance
+        Current forces, left side of the law with forces not in equilibrium, and penetration per force, shape (L, m).
+    by_position
+        Derivatives of the gaps by the position, shape (L, m, 3).
+    to_resultant
         Forces and moment on the wheelset by the forces, shape (L, m, 3).
-    balance
+    resultant
         Those now, shape (L, 3).
     stiffness
-        Their derivatives by the motion with forces that stay, shape (L, 3, 3).
-    out_of_balance, moved
+        Their derivatives by the position with forces that stay, shape (L, 3, 3).
+    imbalance, moved
         T P F h and T Q of the tangents, shapes (L, 4) and (L, 4, 3).
 
     """
 
-    stand: SidePose
+    pose: SidePose
     gaps: Gaps
     around: SurfacePositions
     tangents: list[Tangent]
@@ -339,11 +339,11 @@ class Window:
     forces: Floats
     slack: Floats
     compliance: Floats
-    by_motion: Floats
-    to_balance: Floats
-    balance: Floats
+    by_position: Floats
+    to_resultant: Floats
+    resultant: Floats
     stiffness: Floats
-    out_of_balance: Floats
+    imbalance: Floats
     moved: Floats
 
     @classmethod
@@ -357,24 +357,24 @@ class Window:
         matrix = np.zeros((n_positions, size, size))
         by_turning, turned_by = np.zeros((n_positions, size, 4)), np.zeros((n_positions, 4, size))
         moved, out = np.zeros((n_positions, 4, 3)), np.zeros((n_positions, 4))
-        gap_shift, on_wheel, on_rail = _out_of_balance(side)
-        for lane, tangent in enumerate(all_tangents):
+        gap_shift, on_wheel, on_rail = _imbalance(side)
+        for slot, tangent in enumerate(all_tangents):
             n = len(tangent.rows)
-            rows[lane, :n], is_real[lane, :n], matrix[lane, :n, :n] = tangent.rows, True, tangent.matrix
-            by_turning[lane, :n], turned_by[lane, :, :n] = tangent.by_turning, tangent.turned_by
-            moved[lane] = tangent.moved(side.stand, side.around.axles[lane])
-            out[lane] = tangent.fitted(on_wheel[lane], on_rail[lane])
+            rows[slot, :n], is_real[slot, :n], matrix[slot, :n, :n] = tangent.rows, True, tangent.matrix
+            by_turning[slot, :n], turned_by[slot, :, :n] = tangent.by_turning, tangent.turned_by
+            moved[slot] = tangent.moved(side.pose, side.around.axles[slot])
+            out[slot] = tangent.fitted(on_wheel[slot], on_rail[slot])
         inverse = np.stack([each.inverse for each in all_tangents])
         total = np.stack([each.resultants for each in all_tangents])
         slack, allowed = side.law()
         is_real &= np.take_along_axis(allowed, rows, axis=1)
         areas = np.take_along_axis(side.gaps.areas, rows, axis=1)
-        unit = resultants(side.stand, side.gaps, side.around)
+        unit = resultants(side.pose, side.gaps, side.around)
         in_window = np.where(is_real[..., None], np.take_along_axis(unit, rows[..., None], axis=1), 0.0)
         shift = np.take_along_axis(slack + gap_shift, rows, axis=1) + np.einsum("lma,la->lm", by_turning, out)
         out = np.einsum("lab,lb->la", inverse, out)
         return cls(
-            side.stand, side.gaps, side.around, all_tangents,
+            side.pose, side.gaps, side.around, all_tangents,
             rows,
             is_real,
             matrix,
@@ -390,12 +390,12 @@ class Window:
         )  # fmt: skip
 
     def loads_after(self, forces: Floats, change: Floats) -> Loads:
-        """Loads of the bodies with new forces (L, m) and after a change of the motion (L, 3)."""
+        """Loads of the bodies with new forces (L, m) and after a change of the position (L, 3)."""
         result = np.zeros_like(self.gaps.gaps)
-        lane, place = np.nonzero(self.is_real)
-        result[lane, self.rows[lane, place]] = forces[lane, place]
-        loads = carried(self.stand, self.gaps, self.around, result)
-        turn = self.out_of_balance + np.einsum("lak,lk->la", self.moved, change)
+        slot, place = np.nonzero(self.is_real)
+        result[slot, self.rows[slot, place]] = forces[slot, place]
+        loads = carried(self.pose, self.gaps, self.around, result)
+        turn = self.imbalance + np.einsum("lak,lk->la", self.moved, change)
         step = forces - self.forces
         for number, tangent in enumerate(self.tangents):
             n = len(tangent.rows)
@@ -404,39 +404,39 @@ class Window:
             loads.rail[number] += np.einsum("a,anx->nx", by, tangent.rail_turning)
         return loads
 
-    def respond(self, lanes: Ints, active: Bools) -> Floats:
-        """Solve for the active forces: those of an unmoved wheelset, and their changes by its motion, (L, m, 4)."""
-        forces = self.forces[lanes]
-        right = self.slack[lanes] - self._times(lanes, np.where(active, 0.0, forces))
+    def respond(self, slots: Ints, active: Bools) -> Floats:
+        """Solve for the active forces: those of an unmoved wheelset, and their changes by its position, (L, m, 4)."""
+        forces = self.forces[slots]
+        right = self.slack[slots] - self._times(slots, np.where(active, 0.0, forces))
         size = int(active.sum(axis=1).max(initial=0))
         places = np.argsort(~active, axis=1, kind="stable")[:, :size]  # the active ones first
         mine = np.take_along_axis(active, places, axis=1)
-        matrix = self.matrix[lanes[:, None, None], places[:, :, None], places[:, None, :]]
+        matrix = self.matrix[slots[:, None, None], places[:, :, None], places[:, None, :]]
         matrix[~(mine[:, :, None] & mine[:, None, :])] = 0.0
         diagonal = np.arange(size)
-        compliance = np.take_along_axis(self.compliance[lanes], places, axis=1)
+        compliance = np.take_along_axis(self.compliance[slots], places, axis=1)
         matrix[:, diagonal, diagonal] += np.where(mine, compliance, 1.0)
-        columns = np.concatenate((right[..., None], self.by_motion[lanes]), axis=2)
+        columns = np.concatenate((right[..., None], self.by_position[slots]), axis=2)
         columns = np.take_along_axis(columns, places[..., None], axis=1) * mine[..., None]
         answer = np.zeros((*active.shape, 4))
         np.put_along_axis(answer, places[..., None], -np.linalg.solve(matrix, columns), axis=1)
         answer[..., 0] += np.where(active, forces, 0.0)
         return answer
 
-    def slack_after(self, lanes: Ints, forces: Floats, motion: Floats) -> Floats:
-        """Left side of the law after a change of forces (L, m) and motion (L, 3)."""
-        change = forces - self.forces[lanes]
-        moved = np.einsum("lmk,lk->lm", self.by_motion[lanes], motion)
-        return self.slack[lanes] + self._times(lanes, change) + self.compliance[lanes] * change + moved
+    def slack_after(self, slots: Ints, forces: Floats, position: Floats) -> Floats:
+        """Left side of the law after a change of forces (L, m) and position (L, 3)."""
+        change = forces - self.forces[slots]
+        moved = np.einsum("lmk,lk->lm", self.by_position[slots], position)
+        return self.slack[slots] + self._times(slots, change) + self.compliance[slots] * change + moved
 
-    def _times(self, lanes: Ints, forces: Floats) -> Floats:
-        matrix = self.matrix if len(lanes) == len(self.matrix) else self.matrix[lanes]
+    def _times(self, slots: Ints, forces: Floats) -> Floats:
+        matrix = self.matrix if len(slots) == len(self.matrix) else self.matrix[slots]
         product: Floats = np.matmul(matrix, forces[..., None])[..., 0]
         return product
 
 
-def _out_of_balance(side: PositionSide) -> tuple[Floats, Floats, Floats]:
-    """Changes of the gaps (L, n_hats) and displacements (L, n, 2) in the rail's frame by what is out of balance."""
+def _imbalance(side: PositionSide) -> tuple[Floats, Floats, Floats]:
+    """Changes of the gaps (L, n_hats) and displacements (L, n, 2) in the rail's frame by forces not in equilibrium."""
     turns = side.around.turns.swapaxes(1, 2)
     on_wheel = side.pair.wheel.displacements(side.carried_load.wheel - side.loads.wheel) @ turns
     on_rail = side.pair.rail.displacements(side.carried_load.rail - side.loads.rail)
@@ -450,49 +450,49 @@ def _out_of_balance(side: PositionSide) -> tuple[Floats, Floats, Floats]:
     return shift.reshape(side.gaps.gaps.shape), on_wheel, on_rail
 
 
-def linear_step(windows: list[Window], targets: Targets, motion: Floats) -> tuple[Floats, list[Floats]]:
-    """Change of the motion (L, 3) and new forces (L, m) of both sides by the complementarity problem of this round."""
+def linear_step(windows: list[Window], targets: Targets, position: Floats) -> tuple[Floats, list[Floats]]:
+    """Change of the position (L, 3) and new forces (L, m) of both sides by the complementarity problem of a round."""
     active = [each.is_real & np.where(each.forces > 0.0, True, each.slack < 0.0) for each in windows]
     forces = [np.zeros_like(each.forces) for each in windows]
-    change = np.zeros_like(motion)
-    lanes = np.arange(len(motion))
+    change = np.zeros_like(position)
+    slots = np.arange(len(position))
     for _ in range(SWAPS):
-        answers = [each.respond(lanes, mine[lanes]) for each, mine in zip(windows, active, strict=True)]
-        change[lanes] = _motion_change(windows, lanes, answers, targets.take(lanes), motion[lanes])
-        swapped = np.zeros(len(lanes), dtype=np.bool_)
+        answers = [each.respond(slots, mine[slots]) for each, mine in zip(windows, active, strict=True)]
+        change[slots] = _position_change(windows, slots, answers, targets.take(slots), position[slots])
+        swapped = np.zeros(len(slots), dtype=np.bool_)
         for number, (each, answer) in enumerate(zip(windows, answers, strict=True)):
-            now = answer[..., 0] + np.einsum("lmk,lk->lm", answer[..., 1:], change[lanes])
-            forces[number][lanes] = now
-            before = active[number][lanes]
-            after = each.is_real[lanes] & np.where(before, now > 0.0, each.slack_after(lanes, now, change[lanes]) < 0.0)
-            active[number][lanes] = after
+            now = answer[..., 0] + np.einsum("lmk,lk->lm", answer[..., 1:], change[slots])
+            forces[number][slots] = now
+            before = active[number][slots]
+            after = each.is_real[slots] & np.where(before, now > 0.0, each.slack_after(slots, now, change[slots]) < 0.0)
+            active[number][slots] = after
             swapped |= (after != before).any(axis=1)
-        lanes = lanes[swapped]
-        if len(lanes) == 0:
+        slots = slots[swapped]
+        if len(slots) == 0:
             break
     return change, [np.maximum(each, 0.0) for each in forces]
 
 
-def _motion_change(
-    windows: list[Window], lanes: Ints, answers: list[Floats], targets: Targets, motion: Floats
+def _position_change(
+    windows: list[Window], slots: Ints, answers: list[Floats], targets: Targets, position: Floats
 ) -> Floats:
-    """Change of the motion that balances the loads, within the longest step, shape (L, 3)."""
-    residual, stiffness = targets.loads.on_axle(motion[:, 2]), np.zeros((len(lanes), 3, 3))
-    stiffness[:, 2, 2] = -targets.loads.moment_by_roll(motion[:, 2])
+    """Change of the position that brings the loads into equilibrium, within the longest step, shape (L, 3)."""
+    residual, stiffness = targets.loads.on_axle(position[:, 2]), np.zeros((len(slots), 3, 3))
+    stiffness[:, 2, 2] = -targets.loads.moment_by_roll(position[:, 2])
     for each, answer in zip(windows, answers, strict=True):
         change = answer.copy()
-        change[..., 0] -= each.forces[lanes]
-        products = np.einsum("lmk,lmj->lkj", each.to_balance[lanes], change)
-        residual += each.balance[lanes] + products[..., 0]
-        stiffness -= products[..., 1:] + each.stiffness[lanes]
+        change[..., 0] -= each.forces[slots]
+        products = np.einsum("lmk,lmj->lkj", each.to_resultant[slots], change)
+        residual += each.resultant[slots] + products[..., 0]
+        stiffness -= products[..., 1:] + each.stiffness[slots]
     stiffness += np.diag(RIDGE)
     held = ~targets.free
     coupling = np.where(held[:, None, :], stiffness, 0.0)
     stiffness[held[:, :, None] | held[:, None, :]] = 0.0
-    lane, component = np.nonzero(held)
-    stiffness[lane, component, component] = 1.0
-    # what is given moves by what it has still to go, and the rest with it
-    to_come = targets.remaining(motion)
+    slot, component = np.nonzero(held)
+    stiffness[slot, component, component] = 1.0
+    # prescribed components move by what remains, and the others with them
+    to_come = targets.remaining(position)
     residual -= np.einsum("lij,lj->li", coupling, np.clip(to_come, -MAX_STEP, MAX_STEP))
     step = np.linalg.solve(stiffness * MAX_STEP, np.where(held, to_come, residual)[..., None])[..., 0]
     excess = np.abs(step).max(axis=1, keepdims=True)

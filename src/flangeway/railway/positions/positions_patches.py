@@ -79,14 +79,14 @@ class PositionPatch:
         )
 
 
-def position_patches(side: PositionSide, lanes: Ints) -> list[list[PositionPatch]]:
-    """Regions of contact of one side of some lanes, along the secondary surface as it stands."""
+def position_patches(side: PositionSide, slots: Ints) -> list[list[PositionPatch]]:
+    """Regions of contact of one side of some slots, along the secondary surface."""
     pair, gaps, forces = side.pair, side.gaps, side.loads.forces
     n_hats = forces.shape[1]
-    unit = resultants(side.stand, gaps, side.around)
+    unit = resultants(side.pose, gaps, side.around)
     secondary, primary = pair.secondary, pair.primary
     of_piece = gaps.rows[:, 0] // n_hats
-    chosen = np.isin(of_piece, lanes)
+    chosen = np.isin(of_piece, slots)
     rows = gaps.rows[chosen].ravel()
     edges = gaps.pieces.partners[chosen] % len(primary.edges)
     moments = np.einsum("pra,pai->pri", gaps.shapes[chosen], primary.mesh_points[primary.edges[edges]])
@@ -94,21 +94,21 @@ def position_patches(side: PositionSide, lanes: Ints) -> list[list[PositionPatch
     covered = np.bincount(rows, gaps.covered[chosen].ravel(), minlength=forces.size)
     widths = _node_lengths(side)
     found: list[list[PositionPatch]] = []
-    for lane in lanes:
-        loaded = np.flatnonzero(forces[lane] > 0.0)
+    for slot in slots:
+        loaded = np.flatnonzero(forces[slot] > 0.0)
         groups = np.split(loaded, np.flatnonzero(np.diff(loaded) > CONSTRAINTS_APART) + 1)
         patches = []
         for group in groups:
             if len(group) == 0:
                 continue
-            force = forces[lane, group]
+            force = forces[slot, group]
             share = force / force.sum()
-            x, y, _ = force @ unit[lane, group]
+            x, y, _ = force @ unit[slot, group]
             nodes = pair.hats.nodes[group]
-            there = np.stack([each[lane * n_hats + group] for each in sums], axis=1)
-            points = share @ secondary.mesh_points[nodes], share @ (there / covered[lane * n_hats + group][:, None])
+            there = np.stack([each[slot * n_hats + group] for each in sums], axis=1)
+            points = share @ secondary.mesh_points[nodes], share @ (there / covered[slot * n_hats + group][:, None])
             on_wheel, on_rail = points if pair.wheel_is_secondary else points[::-1]
-            mine = (of_piece == lane) & np.isin(gaps.rows - lane * n_hats, group).any(axis=1)
+            mine = (of_piece == slot) & np.isin(gaps.rows - slot * n_hats, group).any(axis=1)
             touched = gaps.pieces.partners[mine] % len(primary.edges)
             at_edge = (
                 nodes.min() == 0
@@ -116,11 +116,11 @@ def position_patches(side: PositionSide, lanes: Ints) -> list[list[PositionPatch
                 or touched.min() == 0
                 or touched.max() == len(primary.edges) - 1
             )
-            pressures = force / gaps.areas[lane, group]
+            pressures = force / gaps.areas[slot, group]
             patches.append(
                 PositionPatch(
-                    side.stand.side,
-                    region_of(side.stand.side, x, y),
+                    side.pose.side,
+                    region_of(side.pose.side, x, y),
                     (float(x), float(y)),
                     float(pressures.max()),
                     float(widths[nodes[0] : nodes[-1] + 1].sum()) / 2.0,
@@ -132,7 +132,7 @@ def position_patches(side: PositionSide, lanes: Ints) -> list[list[PositionPatch
                 )
             )
         # the left side mirrors the right-hand form, and its chain runs the other way
-        found.append(patches[::-1] if side.stand.side == "left" else patches)
+        found.append(patches[::-1] if side.pose.side == "left" else patches)
     return found
 
 

@@ -1,14 +1,14 @@
 """Tangents of many positions of a wheelset.
 
 With the displacements u of the surfaces, forces ``f = B^T p`` on them and the flexibility F, a change of the contact
-forces p and of the wheelset's motion q leads to
+forces p and of the wheelset's displacement q leads to
 
     du = F (B^T dp + h + E r),   r = P du + Q dq,   dg = B du + W dq,
 
-where h is what is out of balance. ``E r`` is how the forces on the nodes turn where p stays. Forces of a hundredth of
-Young's modulus turn little by what the surfaces strain, but much by what the rail's web bends: so r is the motion of
-both surfaces as a whole, the rail's against the wheel's (two translations and a rotation) and the wheel's rotation,
-fitted to the loaded nodes by P. E is found by differences.
+where h are the forces not in equilibrium. ``E r`` is how the forces on the nodes turn with p constant. Forces of a
+hundredth of Young's modulus turn little by the strain of the surfaces, but much by the bending of the rail's web: so r
+is the displacement of both surfaces as a whole, the rail's against the wheel's (two translations and a rotation) and
+the wheel's rotation, fitted to the loaded nodes by P. E is found by differences.
 """
 
 from dataclasses import dataclass
@@ -22,7 +22,7 @@ from flangeway.types import Bools, Floats, Ints
 DIFFERENCE_MM = 1e-5
 
 MOST_TURNED = 0.8
-"""Largest eigenvalue of P F E that is taken: where forces out of balance turn more, the tangent would lead astray."""
+"""Maximum eigenvalue of P F E that is used: where forces turn more, the tangent would mislead."""
 
 ARM_MM = 10.0
 """Length by which rotations are multiplied, so that all modes move points alike."""
@@ -30,7 +30,7 @@ ARM_MM = 10.0
 
 @dataclass(frozen=True, eq=False)
 class Tangent:
-    """Tangent of one side of one lane, in the rail's frame.
+    """Tangent of one side of one slot, in the rail's frame.
 
     Parameters
     ----------
@@ -45,13 +45,13 @@ class Tangent:
     inverse
         T, shape (4, 4).
     centre
-        Point about which motions are counted, shape (2,).
+        Point about which displacements are counted, shape (2,).
     wheel_fit, rail_fit
         Motion of each surface by its nodes' displacements, shape (3, n, 2).
     wheel_turning, rail_turning
         E on the nodes, shape (4, n, 2).
     resultants
-        Forces in the track's axes and moment about the axle of E on the wheel, for the motion's signs, shape (3, 4).
+        Forces in the track's axes and moment about the axle of E on the wheel, with the side's signs, shape (3, 4).
 
     """
 
@@ -73,24 +73,24 @@ class Tangent:
         result: Floats = _SELECTED[0] @ wheel + _SELECTED[1] @ rail
         return result
 
-    def moved(self, stand: SidePose, axle: Floats) -> Floats:
-        """Q: the wheel's motion as a whole by that of the wheelset, shape (4, 3)."""
-        back = stand.rail_turn.T
-        motion = np.zeros((3, 3))
-        motion[:2, 0], motion[:2, 1] = back @ [stand.sign, 0.0], back @ [0.0, 1.0]
+    def moved(self, pose: SidePose, axle: Floats) -> Floats:
+        """Q: the wheel's displacement as a whole by that of the wheelset, shape (4, 3)."""
+        back = pose.rail_turn.T
+        displacement = np.zeros((3, 3))
+        displacement[:2, 0], displacement[:2, 1] = back @ [pose.sign, 0.0], back @ [0.0, 1.0]
         arm = self.centre - axle
-        motion[:, 2] = stand.sign * np.array([-arm[1], arm[0], ARM_MM])
-        result: Floats = _SELECTED[0] @ motion
+        displacement[:, 2] = pose.sign * np.array([-arm[1], arm[0], ARM_MM])
+        result: Floats = _SELECTED[0] @ displacement
         return result
 
 
 def restricted(candidates: Candidates, pair: RunningPair, stays: Bools) -> Candidates:
-    """Candidates of some lanes, numbered anew."""
+    """Candidates of some slots, numbered anew."""
     number = np.cumsum(stays) - 1
     n_second, n_first = len(pair.secondary.edges), len(pair.primary.edges)
-    lanes = candidates.edges // n_second
-    mine = stays[lanes]
-    moved = number[lanes[mine]] - lanes[mine]
+    slots = candidates.edges // n_second
+    mine = stays[slots]
+    moved = number[slots[mine]] - slots[mine]
     return Candidates(
         candidates.window[stays],
         candidates.edges[mine] + moved * n_second,
@@ -99,49 +99,49 @@ def restricted(candidates: Candidates, pair: RunningPair, stays: Bools) -> Candi
 
 
 def tangents(
-    stand: SidePose, around: SurfacePositions, candidates: Candidates, forces: Floats, chosen: Bools, wanted: Bools
+    pose: SidePose, around: SurfacePositions, candidates: Candidates, forces: Floats, chosen: Bools, wanted: Bools
 ) -> list[Tangent]:
-    """Tangents of the lanes that are wanted, under contact forces (L, n_hats), of the constraints that are chosen."""
-    pair = stand.pair
+    """Tangents of the slots that are wanted, under contact forces (L, n_hats), of the constraints that are chosen."""
+    pair = pose.pair
     around, candidates, forces = around.take(wanted), restricted(candidates, pair, wanted), forces[wanted]
     chosen = chosen[wanted]
     gaps = pair.gaps(around.wheel, around.rail, candidates)
-    carried_load = carried(stand, gaps, around, forces)
+    carried_load = carried(pose, gaps, around, forces)
     size = np.abs(carried_load.rail).sum(axis=2)
     total = size.sum(axis=1)
     centre = np.einsum("ln,lnx->lx", size, around.rail) / np.maximum(total, 1e-300)[:, None]
-    turning = _turning(stand, around, candidates, forces, carried_load, centre)
+    turning = _turning(pose, around, candidates, forces, carried_load, centre)
     found = []
     bounds = _bounds(gaps, len(forces))
     order = np.argsort(gaps.rows[:, 0] // forces.shape[1], kind="stable")
     gradients, nodes = (gaps.on_wheel, gaps.on_rail), gaps.nodes
-    for lane in range(len(forces)):
-        rows = np.flatnonzero(chosen[lane])
+    for slot in range(len(forces)):
+        rows = np.flatnonzero(chosen[slot])
         place = np.full(forces.shape[1], len(rows))
         place[rows] = np.arange(len(rows))
-        mine = order[bounds[lane] : bounds[lane + 1]]
-        at_rows = place[gaps.rows[mine] - lane * forces.shape[1]]
+        mine = order[bounds[slot] : bounds[slot + 1]]
+        at_rows = place[gaps.rows[mine] - slot * forces.shape[1]]
         touched = (at_rows < len(rows)).any(axis=1)
         mine, at_rows = mine[touched], at_rows[touched]
         matrix, fit_turned = np.zeros((len(rows), len(rows))), np.zeros((4, 4))
         by_turning, turned_by = np.zeros((len(rows), 4)), np.zeros((4, len(rows)))
         fits = []
         bodies = (
-            (pair.wheel, around.wheel[lane], np.linalg.norm(carried_load.wheel[lane], axis=1), around.turns[lane]),
-            (pair.rail, around.rail[lane], np.linalg.norm(carried_load.rail[lane], axis=1), np.eye(2)),
+            (pair.wheel, around.wheel[slot], np.linalg.norm(carried_load.wheel[slot], axis=1), around.turns[slot]),
+            (pair.rail, around.rail[slot], np.linalg.norm(carried_load.rail[slot], axis=1), np.eye(2)),
         )
         for number, (chain, positions, weights, turn) in enumerate(bodies):
-            within, columns = np.unique(nodes[number][mine] - lane * len(chain.points), return_inverse=True)
+            within, columns = np.unique(nodes[number][mine] - slot * len(chain.points), return_inverse=True)
             jacobian = _jacobian(gradients[number][mine] @ turn, at_rows, columns, len(rows), len(within))
             dofs = (2 * within[:, None] + np.arange(2)).ravel()
             flexibility = chain.flexibility[np.ix_(dofs, dofs)]
             by_force = flexibility @ jacobian.T
             matrix += jacobian @ by_force
-            fit = _fit(positions[within], weights[within], centre[lane])
+            fit = _fit(positions[within], weights[within], centre[slot])
             fits.append((within, fit))
-            if total[lane] == 0.0:
+            if total[slot] == 0.0:
                 continue
-            local = (turning[number][lane][:, within] @ turn).reshape(4, -1)
+            local = (turning[number][slot][:, within] @ turn).reshape(4, -1)
             sign = _SELECTED[number] @ (fit @ turn).reshape(3, -1)
             by_turn = flexibility @ local.T
             by_turning += jacobian @ by_turn
@@ -157,9 +157,9 @@ def tangents(
         matrix += by_turning @ turned_by
         found.append(
             Tangent(
-                rows, matrix, by_turning, inverse @ turned_by, inverse, centre[lane], full[0], full[1],
-                share * turning[0][lane], share * turning[1][lane],
-                _resultants(stand, around.wheel[lane] - around.axles[lane], share * turning[0][lane]),
+                rows, matrix, by_turning, inverse @ turned_by, inverse, centre[slot], full[0], full[1],
+                share * turning[0][slot], share * turning[1][slot],
+                _resultants(pose, around.wheel[slot] - around.axles[slot], share * turning[0][slot]),
             )
         )  # fmt: skip
     return found
@@ -169,12 +169,12 @@ _SELECTED = (
     np.array([[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, -1.0], [0.0, 0.0, 1.0]]),
     np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0, 0.0, 0.0]]),
 )
-"""Relative motion and the wheel's rotation by the motions of the wheel and of the rail."""
+"""Relative displacement and the wheel's rotation by the displacements of the wheel and of the rail."""
 
 
 def _bounds(gaps: Gaps, n_positions: int) -> Ints:
-    lanes = np.sort(gaps.rows[:, 0] // gaps.gaps.shape[1], kind="stable")
-    return np.searchsorted(lanes, np.arange(n_positions + 1))
+    slots = np.sort(gaps.rows[:, 0] // gaps.gaps.shape[1], kind="stable")
+    return np.searchsorted(slots, np.arange(n_positions + 1))
 
 
 def _modes(positions: Floats, centre: Floats) -> Floats:
@@ -197,20 +197,20 @@ def _fit(positions: Floats, weights: Floats, centre: Floats) -> Floats:
     return np.einsum("ab,bnx->anx", np.linalg.inv(normal), weighted)
 
 
-def _resultants(stand: SidePose, arms: Floats, loads: Floats) -> Floats:
+def _resultants(pose: SidePose, arms: Floats, loads: Floats) -> Floats:
     """Forces and moments (3, 4) of loads (4, n, 2) on the wheel.
 
     The moment does not change where the wheel's rotation turns forces and arms alike.
     """
-    forces = loads.sum(axis=1) @ stand.rail_turn.T
+    forces = loads.sum(axis=1) @ pose.rail_turn.T
     moments = np.einsum("n,an->a", arms[:, 0], loads[..., 1]) - np.einsum("n,an->a", arms[:, 1], loads[..., 0])
     moments[3] = 0.0
-    result: Floats = np.vstack((forces.T, moments)) * stand.signs[:, None]
+    result: Floats = np.vstack((forces.T, moments)) * pose.signs[:, None]
     return result
 
 
 def _jacobian(gradients: Floats, rows: Ints, columns: Ints, n_rows: int, n_nodes: int) -> Floats:
-    """Derivatives of the gaps of a lane's window by the positions of some nodes, shape (n_rows, 2 n_nodes)."""
+    """Derivatives of the gaps of a slot's window by the positions of some nodes, shape (n_rows, 2 n_nodes)."""
     columns = columns.reshape(len(gradients), 1, gradients.shape[2])
     flat = np.broadcast_to(rows[:, :, None] * n_nodes + columns, gradients.shape[:3]).ravel()
     size = (n_rows + 1) * n_nodes  # one more row: what is not evaluated
@@ -219,14 +219,14 @@ def _jacobian(gradients: Floats, rows: Ints, columns: Ints, n_rows: int, n_nodes
 
 
 def _turning(
-    stand: SidePose,
+    pose: SidePose,
     around: SurfacePositions,
     candidates: Candidates,
     forces: Floats,
     carried_load: Loads,
     centre: Floats,
 ) -> tuple[Floats, Floats]:
-    """Changes of the loads by motions of the rail against the wheel, and by rotation of both, in the rail's frame.
+    """Changes of the loads by displacements of the rail against the wheel, and by rotation of both, in its frame.
 
     Two arrays (L, 4, n, 2).
     """
@@ -239,7 +239,7 @@ def _turning(
             around.wheel, around.rail + DIFFERENCE_MM * np.stack(mode, axis=2), around.turns, around.axles,
             around.lowered, around.scale,
         )  # fmt: skip
-        after = carried(stand, stand.pair.gaps(moved.wheel, moved.rail, candidates), moved, forces)
+        after = carried(pose, pose.pair.gaps(moved.wheel, moved.rail, candidates), moved, forces)
         found[0].append((after.wheel @ around.turns.swapaxes(1, 2) - wheel) / DIFFERENCE_MM)
         found[1].append((after.rail - rail) / DIFFERENCE_MM)
     for each, load in zip(found, (wheel, rail), strict=True):

@@ -48,8 +48,8 @@ class PreparedWheelset:
         load, prescribed
             What differs from the problem that was prepared.
         start
-            Where rigid wheels stand; where the prepared ones rest if left out. That is the second try if nothing is
-            found from a start that is given: rigid flanges climb where elastic rails give way.
+            A rigid equilibrium; that of the prepared problem if left out. That is the second try if nothing is found
+            from the first: rigid flanges climb where elastic rails deflect.
 
         """
         changed = replace(self.model, problem=self.problem_with(load, prescribed))
@@ -67,12 +67,12 @@ class PreparedWheelset:
         return replace(found, status=status)
 
     def problem_with(self, load: Load | None, prescribed: Prescribed | None) -> WheelsetProblem:
-        """Return the problem that was prepared, with another load and prescribed motion."""
+        """Return the problem that was prepared, with another load and prescribed position."""
         problem = self.model.problem
         return replace(problem, load=load or problem.load, prescribed=prescribed or problem.prescribed)
 
     @cached_property
-    def stands(self) -> tuple[SidePose, ...]:
+    def poses(self) -> tuple[SidePose, ...]:
         """Both sides in the form for many positions.
 
         Raises
@@ -83,14 +83,14 @@ class PreparedWheelset:
         """
         track, wheelset = self.model.problem.track, self.model.problem.wheelset
         pairs: dict[tuple[int, int], RunningPair] = {}
-        stands = []
+        poses = []
         for side in SIDES:
             key = id(self.model.parts[f"wheel-{side}"].body), id(self.model.parts[f"rail-{side}"].body)
             if key not in pairs:
                 pairs[key] = RunningPair.of(self.model.system, self.model.contact(side), self.response)
             placements = [track.placement(side), wheelset.placement(side)]
             rail, wheel = placements if side == "right" else [mirrored(each) for each in placements]
-            stands.append(
+            poses.append(
                 SidePose(
                     side,
                     pairs[key],
@@ -101,7 +101,7 @@ class PreparedWheelset:
                     wheelset.tape_radius_mm,
                 )
             )
-        return tuple(stands)
+        return tuple(poses)
 
 
 def prepare(

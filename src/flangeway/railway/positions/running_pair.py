@@ -1,7 +1,7 @@
-"""A wheel over a rail as the fast path sees them: running surfaces, flexibilities and the gaps of many lanes at once.
+"""A wheel over a rail: running surfaces, flexibilities and the gaps of many positions at once.
 
-A lane is one position of the wheelset. All is in the right-hand form and in the frame of the rail; a side of the track
-is the same pair with its motion mirrored. What depends on the lane has it as its first axis.
+A slot of the batch holds one position of the wheelset. All is in the right-hand form and in the frame of the rail; a
+side of the track is the same pair with its position mirrored. The slot is the first axis of arrays.
 """
 
 import math
@@ -84,14 +84,14 @@ class Chain:
 
 @dataclass(frozen=True, eq=False)
 class Candidates:
-    """Where lanes are looked at.
+    """Where the contact of slots is evaluated.
 
     Parameters
     ----------
     window
         Hat functions whose constraints are evaluated, shape (L, n_hats).
     edges, partners
-        Edges of the secondary and of the primary that may face each other, numbered through all lanes.
+        Edges of the secondary and of the primary that may face each other, numbered through all slots.
 
     """
 
@@ -102,18 +102,18 @@ class Candidates:
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """Gaps of lanes about some positions.
+    """Gaps of slots about some positions.
 
     Parameters
     ----------
     gaps, areas
         Of all hat functions, zero outside of windows, shape (L, n_hats); areas are length times thickness.
     pieces
-        Pieces of the secondary, edges numbered through all lanes.
+        Pieces of the secondary, edges numbered through all slots.
     rows
-        Constraints of each piece, numbered through all lanes, shape (p, 2).
+        Constraints of each piece, numbered through all slots, shape (p, 2).
     nodes
-        Nodes of each piece's wheel's edge and rail's edge, numbered through all lanes, each (p, order + 1).
+        Nodes of each piece's wheel's edge and rail's edge, numbered through all slots, each (p, order + 1).
     on_wheel, on_rail
         Derivatives of the gaps of its constraints by their positions, each (p, 2, order + 1, 2).
     shapes
@@ -261,20 +261,20 @@ class RunningPair:
         apart = points - there
         across = apart[..., 0] * normals[..., 0] + apart[..., 1] * normals[..., 1]
         near = found & (across < np.reshape(margin, (-1, 1)))
-        lanes, edges, partners = self._edges_between(near, found, facing)
+        slots, edges, partners = self._edges_between(near, found, facing)
         window = np.zeros((n_positions, len(self.hats.nodes)), dtype=np.bool_)
         if self.wheel_is_secondary:
             window[:] = self._at_hats(near)
             secondary, primary = edges, partners
         else:
             near_rail = np.zeros((n_positions, len(rail_ends)), dtype=np.bool_)
-            lane, end = np.nonzero(near)
-            near_rail[lane, facing[lane, end]] = True
+            slot, end = np.nonzero(near)
+            near_rail[slot, facing[slot, end]] = True
             near_rail = _widened(near_rail, 1)
             window[:] = self._at_hats(near_rail)
             secondary, primary = partners, edges
         return Candidates(
-            window, lanes * len(self.secondary.edges) + secondary, lanes * len(self.primary.edges) + primary
+            window, slots * len(self.secondary.edges) + secondary, slots * len(self.primary.edges) + primary
         )
 
     def _at_hats(self, ends: Bools) -> Bools:
@@ -285,19 +285,19 @@ class RunningPair:
         return chosen
 
     def _edges_between(self, near: Bools, found: Bools, facing: Ints) -> tuple[Ints, Ints, Ints]:
-        """Lanes, wheel's edges and rail's edges of all pairs that may make a gap."""
+        """Slots, wheel's edges and rail's edges of all pairs that may make a gap."""
         wide = _widened(near, 1 if self.wheel_is_secondary else 4)
         start, end = found[:, :-1], found[:, 1:]
-        lanes, edges = np.nonzero((wide[:, :-1] | wide[:, 1:]) & (start | end))
-        first = np.where(start, facing[:, :-1], facing[:, 1:])[lanes, edges]
-        last = np.where(end, facing[:, 1:], facing[:, :-1])[lanes, edges]
+        slots, edges = np.nonzero((wide[:, :-1] | wide[:, 1:]) & (start | end))
+        first = np.where(start, facing[:, :-1], facing[:, 1:])[slots, edges]
+        last = np.where(end, facing[:, 1:], facing[:, :-1])[slots, edges]
         beside = math.ceil(BESIDE_MM / self.rail_edge)
         low = np.maximum(np.minimum(first, last) - 1 - beside, 0)
         high = np.minimum(np.maximum(first, last) + beside, len(self.rail.edges) - 1)
         counts = high - low + 1
         starts = np.cumsum(counts) - counts
         partners = np.arange(counts.sum()) - np.repeat(starts - low, counts)
-        return np.repeat(lanes, counts), np.repeat(edges, counts), partners
+        return np.repeat(slots, counts), np.repeat(edges, counts), partners
 
     def gaps(self, wheel: Floats, rail: Floats, candidates: Candidates) -> Gaps:
         """Gaps and their derivatives at positions (L, n, 2) in the rail's frame."""
@@ -308,11 +308,11 @@ class RunningPair:
             for nodes, chain in zip(positions, chains, strict=True)
         ]
         pieces = find_pieces(sides[0], sides[1], (candidates.edges, candidates.partners), self.reach, self.depth)
-        lanes, edges = np.divmod(pieces.edges, len(self.secondary.edges))
+        slots, edges = np.divmod(pieces.edges, len(self.secondary.edges))
         lengths = self.edge_lengths[edges]
         found = integrate(pieces, sides[0][pieces.edges], sides[1][pieces.partners], lengths, second=False)
         n_hats = len(self.hats.nodes)
-        rows = lanes[:, None] * n_hats + self.hats.of_edge[edges]
+        rows = slots[:, None] * n_hats + self.hats.of_edge[edges]
         n_rows = len(wheel) * n_hats
         covered = np.bincount(rows.ravel(), found.lengths.ravel(), minlength=n_rows)
         thickness = self.thickness
@@ -329,8 +329,8 @@ class RunningPair:
         width = chains[0].edges.shape[1]
         parts = gradients[:, :, :width], gradients[:, :, width:]
         nodes = (
-            lanes[:, None] * len(chains[0].points) + chains[0].edges[edges],
-            lanes[:, None] * len(chains[1].points) + chains[1].edges[pieces.partners % len(chains[1].edges)],
+            slots[:, None] * len(chains[0].points) + chains[0].edges[edges],
+            slots[:, None] * len(chains[1].points) + chains[1].edges[pieces.partners % len(chains[1].edges)],
         )
         if not self.wheel_is_secondary:
             nodes, parts = nodes[::-1], parts[::-1]

@@ -1,4 +1,4 @@
-"""Where the surfaces of many positions of a wheelset stand and what they bear; a lane is one position."""
+"""Surfaces of many positions of a wheelset and their loads; a slot of the batch holds one position."""
 
 from dataclasses import dataclass, replace
 
@@ -12,12 +12,12 @@ from flangeway.types import Bools, Floats, Ints
 
 @dataclass(frozen=True, eq=False)
 class SidePose:
-    """Where the pair of a side stands, in the right-hand form.
+    """Placement of the pair of a side, in the right-hand form.
 
     Parameters
     ----------
     side
-        The side; motions of the left one are mirrored.
+        The side; positions of the left one are mirrored.
     pair
         Its wheel and rail.
     rail_angle, rail_place
@@ -44,7 +44,7 @@ class SidePose:
 
     @property
     def signs(self) -> Floats:
-        """What mirrors a motion or a force and moment."""
+        """What mirrors a position or a force and moment."""
         return np.array([self.sign, 1.0, self.sign])
 
     @property
@@ -52,13 +52,13 @@ class SidePose:
         """Matrix from the rail's axes to the track's."""
         return _turn(np.array(self.rail_angle))
 
-    def wheels(self, motion: Floats) -> tuple[Floats, Floats, Floats]:
+    def wheels(self, position: Floats) -> tuple[Floats, Floats, Floats]:
         """Matrices (L, 2, 2) from the wheel's frame to the rail's, its places and the axle's middles there (L, 2)."""
-        motion = motion * self.signs
+        position = position * self.signs
         centre = np.array([0.0, self.axle_height])
-        axle = centre + motion[:, :2]
-        place = axle + np.einsum("lij,j->li", _turn(motion[:, 2]), self.wheel_place - centre)
-        turn = _turn(motion[:, 2] + self.wheel_angle - self.rail_angle)
+        axle = centre + position[:, :2]
+        place = axle + np.einsum("lij,j->li", _turn(position[:, 2]), self.wheel_place - centre)
+        turn = _turn(position[:, 2] + self.wheel_angle - self.rail_angle)
         back = self.rail_turn
         return turn, (place - self.rail_place) @ back, (axle - self.rail_place) @ back
 
@@ -93,17 +93,17 @@ class Targets:
         exact = ~self.free & (np.abs(self.remaining(position)) <= 1e-9)
         return np.where(exact, self.prescribed, position)
 
-    def take(self, lanes: Ints | Bools) -> "Targets":
-        """Those of some lanes."""
-        return Targets(self.loads.take(lanes), self.prescribed[lanes])
+    def take(self, slots: Ints | Bools) -> "Targets":
+        """Those of some slots."""
+        return Targets(self.loads.take(slots), self.prescribed[slots])
 
-    def changed(self, lane: int, other: "Targets", number: int, share: float, origin: int | None) -> "Targets":
-        """Those with another target for one lane: a share of the way to it from another, or a share of its load.
+    def changed(self, slot: int, other: "Targets", number: int, share: float, origin: int | None) -> "Targets":
+        """Those with another target for one slot: a share of the way to it from another, or a share of its load.
 
         Parameters
         ----------
-        lane
-            The lane.
+        slot
+            The slot.
         other, number
             Targets, and which of them.
         share
@@ -115,7 +115,7 @@ class Targets:
 
         def part_way(mine: Floats, theirs: Floats, start: Floats | float) -> Floats:
             result = mine.copy()
-            result[lane] = theirs[number] if share == 1.0 else (1.0 - share) * start + share * theirs[number]
+            result[slot] = theirs[number] if share == 1.0 else (1.0 - share) * start + share * theirs[number]
             return result
 
         ours, theirs = self.loads, other.loads
@@ -131,7 +131,7 @@ class Targets:
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """Contact forces on one side of lanes.
+    """Contact forces on one side of slots.
 
     Parameters
     ----------
@@ -155,24 +155,24 @@ class Loads:
             np.zeros((n_positions, *pair.rail.points.shape)),
         )
 
-    def take(self, lanes: Ints | Bools) -> "Loads":
-        """Those of some lanes."""
-        return Loads(self.forces[lanes], self.wheel[lanes], self.rail[lanes])
+    def take(self, slots: Ints | Bools) -> "Loads":
+        """Those of some slots."""
+        return Loads(self.forces[slots], self.wheel[slots], self.rail[slots])
 
-    def packed(self, lane: int) -> tuple[Ints, Floats]:
-        """Loads of a lane that are not zero: places among all, and values."""
-        values = np.concatenate((self.forces[lane], self.wheel[lane].ravel(), self.rail[lane].ravel()))
+    def packed(self, slot: int) -> tuple[Ints, Floats]:
+        """Loads of a slot that are not zero: places among all, and values."""
+        values = np.concatenate((self.forces[slot], self.wheel[slot].ravel(), self.rail[slot].ravel()))
         places = np.flatnonzero(values)
         return places, values[places]
 
-    def unpack(self, lane: int, packed: tuple[Ints, Floats]) -> None:
-        """Set the loads of a lane to what was packed."""
-        size, on_wheel = self.forces.shape[1], self.wheel[lane].size
-        values = np.zeros(size + on_wheel + self.rail[lane].size)
+    def unpack(self, slot: int, packed: tuple[Ints, Floats]) -> None:
+        """Set the loads of a slot to what was packed."""
+        size, on_wheel = self.forces.shape[1], self.wheel[slot].size
+        values = np.zeros(size + on_wheel + self.rail[slot].size)
         values[packed[0]] = packed[1]
-        self.forces[lane] = values[:size]
-        self.wheel[lane] = values[size : size + on_wheel].reshape(-1, 2)
-        self.rail[lane] = values[size + on_wheel :].reshape(-1, 2)
+        self.forces[slot] = values[:size]
+        self.wheel[slot] = values[size : size + on_wheel].reshape(-1, 2)
+        self.rail[slot] = values[size + on_wheel :].reshape(-1, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -202,10 +202,10 @@ class SurfacePositions:
     scale: Floats
 
     @classmethod
-    def at(cls, stand: SidePose, motion: Floats, loads: Loads) -> "SurfacePositions":
-        """Positions after a motion (L, 3) under loads."""
-        pair = stand.pair
-        turns, places, axles = stand.wheels(motion)
+    def at(cls, pose: SidePose, position: Floats, loads: Loads) -> "SurfacePositions":
+        """Positions of the surfaces at positions of the wheelset (L, 3) under loads."""
+        pair = pose.pair
+        turns, places, axles = pose.wheels(position)
         on_wheel, on_rail = pair.wheel.displacements(loads.wheel), pair.rail.displacements(loads.rail)
         wheel = (pair.wheel.points + on_wheel) @ turns.swapaxes(1, 2) + places[:, None]
         size = np.abs(loads.rail).sum(axis=2)
@@ -217,42 +217,42 @@ class SurfacePositions:
         """See `RunningPair.search`."""
         return pair.search(self.wheel, self.rail, self.turns, self.lowered, margin)
 
-    def take(self, lanes: Ints | Bools) -> "SurfacePositions":
-        """Those of some lanes."""
+    def take(self, slots: Ints | Bools) -> "SurfacePositions":
+        """Those of some slots."""
         return SurfacePositions(
-            self.wheel[lanes], self.rail[lanes], self.turns[lanes], self.axles[lanes], self.lowered[lanes],
-            self.scale[lanes],
+            self.wheel[slots], self.rail[slots], self.turns[slots], self.axles[slots], self.lowered[slots],
+            self.scale[slots],
         )  # fmt: skip
 
 
-def resultants(stand: SidePose, gaps: Gaps, around: SurfacePositions) -> Floats:
+def resultants(pose: SidePose, gaps: Gaps, around: SurfacePositions) -> Floats:
     """Forces in the track's axes and moment about the axle's middle of unit contact forces, shape (L, n_hats, 3).
 
-    They are those on the wheel, for the motion's signs, and as well the derivatives of the gaps by the motion.
+    They are those on the wheel, with the signs of the position, and also the derivatives of the gaps by the position.
     """
     nodes, on_wheel = gaps.nodes[0], gaps.on_wheel
-    lanes = gaps.rows[:, 0] // gaps.gaps.shape[1]
-    arms = around.wheel.reshape(-1, 2)[nodes] - around.axles[lanes][:, None]
+    slots = gaps.rows[:, 0] // gaps.gaps.shape[1]
+    arms = around.wheel.reshape(-1, 2)[nodes] - around.axles[slots][:, None]
     x, y = (sum(on_wheel[:, :, number, axis] for number in range(nodes.shape[1])) for axis in range(2))
     moments = sum(
         arms[:, None, number, 0] * on_wheel[:, :, number, 1] - arms[:, None, number, 1] * on_wheel[:, :, number, 0]
         for number in range(nodes.shape[1])
     )
-    turn = stand.rail_turn
+    turn = pose.rail_turn
     rows, size = gaps.rows.ravel(), gaps.gaps.size
     columns = [
         np.bincount(rows, np.ravel(each), minlength=size)
         for each in (turn[0, 0] * x + turn[0, 1] * y, turn[1, 0] * x + turn[1, 1] * y, moments)
     ]
-    return np.stack(columns, axis=1).reshape(*gaps.gaps.shape, 3) * stand.signs
+    return np.stack(columns, axis=1).reshape(*gaps.gaps.shape, 3) * pose.signs
 
 
-def carried(stand: SidePose, gaps: Gaps, around: SurfacePositions, forces: Floats) -> Loads:
+def carried(pose: SidePose, gaps: Gaps, around: SurfacePositions, forces: Floats) -> Loads:
     """Loads of the bodies under contact forces (L, n_hats)."""
     first, second = (forces.ravel()[gaps.rows[:, number], None, None] for number in range(2))
     found = []
     for chain, gradients, nodes in zip(
-        (stand.pair.wheel, stand.pair.rail), (gaps.on_wheel, gaps.on_rail), gaps.nodes, strict=True
+        (pose.pair.wheel, pose.pair.rail), (gaps.on_wheel, gaps.on_rail), gaps.nodes, strict=True
     ):
         values = first * gradients[:, 0] + second * gradients[:, 1]
         size = len(forces) * len(chain.points)
