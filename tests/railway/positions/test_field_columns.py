@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from flangeway.railway.positions import field_columns
-from flangeway.railway.positions.field_columns import FieldColumns
+from flangeway.railway.positions import line_stresses
+from flangeway.railway.positions.line_stresses import FieldColumns
 
 Floats = NDArray[np.float64]
 
@@ -73,13 +73,13 @@ def test_memory_is_bounded(
 ) -> None:
     """With room for two of three blocks some are made again and fields stay right; without room each is solved for."""
     most = 8 * 2 * N_DOFS * 64
-    monkeypatch.setattr(field_columns, "MOST_BYTES", most)
+    monkeypatch.setattr(line_stresses, "MOST_BYTES", most)
     columns, solve = FieldColumns(N_NODES, N_DOFS), Counted()
     for first in (0, 20, 35, 35, 20, 0):
         ask(columns, solve, 30, first)
         assert columns.n_bytes <= most
     assert solve.n_solved == 32 + 32 + 16 + 32 + 32
-    monkeypatch.setattr(field_columns, "MOST_BYTES", 0)
+    monkeypatch.setattr(line_stresses, "MOST_BYTES", 0)
     columns, solve = FieldColumns(N_NODES, N_DOFS), Counted()
     for _ in range(5):
         ask(columns, solve, 40, 0)
