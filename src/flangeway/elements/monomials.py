@@ -16,19 +16,10 @@ from flangeway.types import Floats, Ints
 
 @dataclass(frozen=True)
 class Frame:
-    """Local coordinates of a batch of cells: ``xi = map @ (x - origin)``.
+    """Local coordinates of a batch of cells: ``xi = map @ (x - origin)``."""
 
-    Parameters
-    ----------
-    origin
-        Centroids, shape (2, n_cells).
-    map
-        Linear maps from space to local coordinates, shape (2, 2, n_cells).
-
-    """
-
-    origin: Floats
-    map: Floats
+    origin: Floats  # centroids, (2, n_cells)
+    map: Floats  # linear maps from space to local coordinates, (2, 2, n_cells)
 
     def local(self, points: Floats) -> Floats:
         """Local coordinates of points in space, both of shape (..., 2, n_cells)."""

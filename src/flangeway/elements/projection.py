@@ -12,28 +12,13 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True, eq=False)
 class Polygons:
-    """Geometry of a batch of polygons and the monomials' integrals over them.
+    """Geometry of a batch of polygons and the monomials' integrals over them."""
 
-    Parameters
-    ----------
-    order
-        Order k of the element.
-    frame
-        Local coordinates of the monomials.
-    local
-        Vertices in local coordinates, shape (n_vertices, 2, n_cells).
-    normals
-        Outward normals in space times the lengths of the edges, shape (n_vertices, 2, n_cells).
-    moments
-        Integrals of the monomials up to degree 2 k, shape (n_monomials(2 k), n_cells).
-
-    """
-
-    order: int
-    frame: Frame
-    local: Floats
-    normals: Floats
-    moments: Floats
+    order: int  # order k of the element
+    frame: Frame  # local coordinates of the monomials
+    local: Floats  # vertices in local coordinates, (n_vertices, 2, n_cells)
+    normals: Floats  # outward normals in space times the lengths of the edges, (n_vertices, 2, n_cells)
+    moments: Floats  # integrals of the monomials up to degree 2 k, (n_monomials(2 k), n_cells)
 
     @classmethod
     def of(cls, vertices: Floats, order: int, frame: Frame) -> "Polygons":

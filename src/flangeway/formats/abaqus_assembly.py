@@ -15,22 +15,7 @@ MAX_COORDINATE = 1e30
 
 @dataclass(frozen=True)
 class DeckBlock:
-    """A keyword with its parameters and data lines.
-
-    Parameters
-    ----------
-    keyword
-        Its name in capitals.
-    parameters
-        Values by their names in capitals.
-    rows
-        Words of each data line.
-    line
-        Its line in the text.
-    lines
-        The line of each row in the text, where rows come from there.
-
-    """
+    """A keyword in capitals, parameters by their names in capitals, words of its data lines, and the lines of all."""
 
     keyword: str
     parameters: dict[str, str]
@@ -83,13 +68,8 @@ def flat_blocks(text: str) -> list[DeckBlock]:
     """Return the keywords of a deck of parts and instances as those of one without; others as they are.
 
     Each keeps its line. Every instance gets its own numbers and an element set of its name. Sets and surfaces keep
-    their names; those whose name several instances have are called ``instance:name``.
-
-    Raises
-    ------
-    InputError
-        If an instance is of a part that is not there, or is moved out of the plane.
-
+    their names; those whose name several instances have are called ``instance:name``. An `InputError` if an instance is
+    of a part that is not there, or is moved out of the plane.
     """
     blocks = list(_blocks(text))
     if not {"PART", "INSTANCE"} <= {block.keyword for block in blocks}:

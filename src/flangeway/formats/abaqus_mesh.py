@@ -49,15 +49,11 @@ def read_abaqus(path: Path) -> DrawnMesh:
     """Read nodes, plane elements, sets and surfaces, of parts and instances too (see `flat_blocks`).
 
     Element sets become cell sets. Surfaces of elements (``S1`` to ``S4``, or the whole rim), sets of line elements, and
-    the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name.
-    Elements of second order are read as their corners.
-
-    Raises
-    ------
-    InputError
-        If the file generates, includes or moves nodes, has elements that are not plane, or is broken;
-        and if a keyword that is read has a parameter that is not. Keywords that are not read are named in a notice.
-
+    the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name. Elements
+    of second order are read as their corners. An `InputError` if the file generates, includes or moves nodes, has
+    elements that are not plane, or is broken, and for unknown parameters of a keyword; other keywords are named in a
+    notice. Numbers of the nodes (n_edges, n_nodes), points (n_edges, n_points, 2), weights with the edge's length
+    (n_edges, n_points), shape functions (n_points, n_nodes), and unit normals out of the body (n_edges, 2).
     """
     try:
         text = path.read_text(encoding="utf-8-sig", errors="strict")

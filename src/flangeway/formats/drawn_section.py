@@ -99,22 +99,9 @@ def refuse_unit(unit: str) -> None:
 
 
 def agreed_unit(in_file: str | None, given: str | None, how: str) -> str:
-    """Return the unit of a file, or the one given for a file that names none.
+    """Return the unit of a file, or the one given for a file that names none, which it can do as `how` says.
 
-    Parameters
-    ----------
-    in_file
-        Unit that the file names.
-    given
-        Unit that the user names.
-    how
-        How a file of this kind names its unit.
-
-    Raises
-    ------
-    InputError
-        If both differ, or there is neither.
-
+    An `InputError` if both differ, or there is neither.
     """
     if given is not None:
         refuse_unit(given)

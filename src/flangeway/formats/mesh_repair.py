@@ -33,23 +33,9 @@ _FAULTS = {
 class DrawnMesh:
     """A mesh as a file gives it: not checked yet.
 
-    Parameters
-    ----------
-    points
-        Coordinates (n_points, 2) or (n_points, 3).
-    cells
-        Points of each cell.
-    cell_sets
-        Numbers of cells by name.
-    edge_sets
-        Pairs of points (m, 2) by name, in any direction.
-    point_sets
-        Numbers of points by name: sets of the boundary edges with both ends among them.
-    notices
-        What reading left out or changed.
-    middles
-        Numbers of the points inside edges and cells of second or higher order.
-
+    Points (n, 2) or (n, 3), the points of each cell, sets of cells, of pairs of points and of points by name (the last
+    ones are the boundary edges with both ends among them), what reading left out or changed, and the numbers of the
+    points inside edges and cells of second or higher order.
     """
 
     points: Floats
@@ -81,20 +67,9 @@ class MeshFile:
 def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     """Return the mesh in the plane with counter-clockwise cells, each once, and points that are used, each once.
 
-    Points that hang on edges of cells are added to these, unless points at one place stay apart.
-
-    Parameters
-    ----------
-    drawn
-        What was read.
-    merge_points
-        Whether points at the same place become one: nearer than `touching_distance` of the longest side at either.
-
-    Raises
-    ------
-    InputError
-        If there is no cell, the mesh is not plane, or `check` refuses what cannot be repaired.
-
+    With `merge_points`, points nearer than `touching_distance` of the longest side at either become one, and points
+    that hang on edges of cells are added to these. An `InputError` if there is no cell, the mesh is not plane, or
+    `check` refuses what cannot be repaired.
     """
     notices = list(drawn.notices)
     if not drawn.cells:

@@ -25,22 +25,9 @@ _MIRROR_ADVICE = "close it; if it is one half, add a line '# mirror' or --mirror
 
 
 def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
-    """Return the section that a CSV file holds; see the module for the columns.
+    """Return the section of a CSV file's text, see the module for the columns; an `InputError` if it is wrong.
 
-    Parameters
-    ----------
-    text
-        Contents of the file.
-    unit
-        Unit of length if the file names none.
-    mirrored
-        Whether the outline is one half, from x = 0 to x = 0, to be mirrored.
-
-    Raises
-    ------
-    InputError
-        If a column or number is missing, or an outline is wrong.
-
+    The unit is needed if the file names none; a mirrored outline is one half, from x = 0 to x = 0.
     """
     comments = [line.strip()[1:].strip() for line in text.splitlines() if line.strip().startswith("#")]
     lines = [

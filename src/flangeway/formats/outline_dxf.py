@@ -28,20 +28,9 @@ _HOW = "a drawing with $INSUNITS of inches, feet, mm, cm or m, or the input unit
 
 
 def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
-    """Return the section that the model space of a DXF drawing shows.
+    """Return the section that the model space of a DXF drawing shows; the unit is needed if the drawing names none.
 
-    Parameters
-    ----------
-    content
-        Contents of the file.
-    unit
-        Unit of length if the drawing names none.
-
-    Raises
-    ------
-    InputError
-        If it is no DXF drawing, holds curves that are neither lines nor arcs, or an outline is wrong.
-
+    An `InputError` if it is no drawing, holds curves that are neither lines nor arcs, or an outline is wrong.
     """
     drawing = open_drawing(content)
     if not len(drawing.modelspace()):

@@ -18,20 +18,7 @@ MAX_COORDINATE = 1e30
 
 @dataclass(frozen=True)
 class DrawnSegment:
-    """Line, or arc if it has a centre, as a file gives it: not checked yet.
-
-    Parameters
-    ----------
-    start, end
-        Ends.
-    centre
-        Centre of an arc.
-    counter_clockwise
-        Direction of an arc.
-    name
-        Name of the segment.
-
-    """
+    """Line, or arc if it has a centre, as a file gives it: not checked yet."""
 
     start: Point
     end: Point
@@ -65,24 +52,11 @@ def drawn_circle(centre: Point, radius: float, name: str = "circle") -> list[Dra
 def repaired_outline(
     drawn: Sequence[DrawnSegment], what: str, *, direction_matters: bool = True
 ) -> tuple[Outline, tuple[str, ...]]:
-    """Return a counter-clockwise outline, and a notice of each thing that was repaired.
+    """Return a counter-clockwise outline of segments in order, and a notice of each thing that was repaired.
 
-    Mended are points given twice (lines shorter than `JOINT_TOLERANCE` of the whole) and a clockwise direction.
-
-    Parameters
-    ----------
-    drawn
-        Segments in order; the last ends where the first starts.
-    what
-        Name of the loop in messages.
-    direction_matters
-        Whether to report that a clockwise loop was reversed.
-
-    Raises
-    ------
-    InputError
-        If a number is not finite, the loop is open, meets itself or has no area; the message names the place.
-
+    Repaired are points given twice (lines shorter than `JOINT_TOLERANCE` of the whole) and a clockwise direction, with
+    a notice if it matters. An `InputError` if a number is not finite, the loop is open, meets itself or has no area; it
+    calls the loop `what` and names the position.
     """
     if not drawn:
         raise InputError(f"{what}: no segment", "two segments or more", "draw the loop")

@@ -20,20 +20,9 @@ _HOW = 'a line such as unit = "mm" at the top of the file'
 
 
 def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
-    """Return the section that a TOML file describes.
+    """Return the section of a TOML file's text; an `InputError` if a key is unknown or missing, or an outline is wrong.
 
-    Parameters
-    ----------
-    text
-        Contents of the file.
-    unit
-        Unit of length; it must be the file's.
-
-    Raises
-    ------
-    InputError
-        If the text is not TOML, a key is unknown or missing, or an outline is wrong.
-
+    The unit must be the file's.
     """
     data = toml_data(text, 'lines such as unit = "mm", tables such as [outer]')
     several = "parts" in data
@@ -56,22 +45,9 @@ def toml_section(text: str, *, unit: str | None = None) -> DrawnSection:
 
 
 def outline_region(table: Mapping[str, Any], what: str, notices: list[str]) -> Region:
-    """Return the region that a table describes, with points, path or circle in `outer` or by itself, and holes.
+    """Return the region of a table with points, path or circle, by itself or in `outer`, and holes.
 
-    Parameters
-    ----------
-    table
-        The table.
-    what
-        What messages start with.
-    notices
-        Gets what was repaired.
-
-    Raises
-    ------
-    InputError
-        If a key is unknown or missing, or an outline is wrong.
-
+    Repairs are added to the notices.
     """
     keys = (*_LOOP_KEYS, "outer", "holes")
     _refuse_unknown(table, keys, f"{what}the table")

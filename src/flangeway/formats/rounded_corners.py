@@ -15,24 +15,10 @@ from flangeway.geometry.arrays import Point, point_text
 def rounded_polygon(
     corners: Sequence[Point], radii: Sequence[float], names: Sequence[str], what: str
 ) -> list[DrawnSegment]:
-    """Return the sides of a polygon with an arc of the given radius at each corner, none for zero.
+    """Return the sides of a polygon with an arc at each corner, of the radius there; none for zero.
 
-    Parameters
-    ----------
-    corners
-        Corners, neighbours differing.
-    radii
-        Radius at each corner.
-    names
-        Name of the side from each corner to the next; an arc is named after its corner.
-    what
-        Name of the loop in messages.
-
-    Raises
-    ------
-    InputError
-        If a radius is negative or too large for its sides.
-
+    An arc is named after its corner, a side after the corner where it starts. An `InputError` if a radius is negative
+    or too large for its sides.
     """
     n = len(corners)
     arcs = [

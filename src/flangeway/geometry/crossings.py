@@ -60,22 +60,9 @@ def meetings(a: Segment, b: Segment, tolerance: float) -> Floats:
 
 
 def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: float) -> tuple[int, int, Floats] | None:
-    """Return two segments of a chain that meet elsewhere than at their joint, and where.
+    """Return the numbers of two segments of a chain that meet elsewhere than at their joint, and where (2,); or None.
 
-    Parameters
-    ----------
-    segments
-        Chain of segments, each starting where the one before ends.
-    closed
-        Whether the last one ends where the first starts.
-    tolerance
-        Distance below which points count as the same.
-
-    Returns
-    -------
-    tuple or None
-        Numbers of both segments and the place (2,), or None for a simple chain.
-
+    The tolerance is the distance below which points count as the same.
     """
     n = len(segments)
     boxes = np.array([segment.bounds for segment in segments])

@@ -40,17 +40,9 @@ def offsets_of(counts: Ints) -> IntArray:
 class EdgeNumbers:
     """Numbers of the edges that cells travel.
 
-    Parameters
-    ----------
-    keys
-        ``low * n_points + high`` of each edge's points (n_edges,), rising.
-    numbers
-        Edge of each side of a cell (n_sides,).
-    single
-        Sides that are alone at their edge, rising.
-    doubled
-        Edges that two cells travel in the same direction, or more than two cells.
-
+    The keys ``low * n_points + high`` of the edges' points (n_edges,), rising; the edge of each side of a cell
+    (n_sides,); the sides that are alone at their edge, rising; and the edges that two cells travel in the same
+    direction, or more than two cells.
     """
 
     keys: Ints
@@ -101,16 +93,10 @@ def chain_starts(pairs: IntArray) -> Ints:
 
 
 def ordered_pairs(pairs: IntArray, name: str) -> IntArray:
-    """Return directed pairs (m, 2) in order along their chains.
+    """Return directed pairs (m, 2) in order along their chains; an `InputError` names the edge set where they branch.
 
-    Open chains come first, in the order in which their first pairs are given, then closed ones,
-    each from its first given pair. Pairs that are in order stay as they are.
-
-    Raises
-    ------
-    InputError
-        If a point has two pairs that leave it or two that reach it.
-
+    Open chains come first, in the order in which their first pairs are given, then closed ones, each from its first
+    given pair. Pairs that are in order stay as they are.
     """
     for column, what in ((0, "leave"), (1, "reach")):
         values, counts = np.unique(pairs[:, column], return_counts=True)

@@ -28,14 +28,7 @@ _LOCK = threading.RLock()
 
 
 def load_gmsh() -> Any:
-    """Return the module gmsh.
-
-    Raises
-    ------
-    MissingLibraryError
-        If a shared library of the system is missing; the message names the packages.
-
-    """
+    """Return the module gmsh; a `MissingLibraryError` names the packages of a shared library that is missing."""
     try:
         return importlib.import_module("gmsh")
     except OSError as reason:
@@ -53,18 +46,10 @@ def load_gmsh() -> Any:
 
 @contextmanager
 def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
-    """Give gmsh with a new, empty model that is removed at the end.
+    """Give gmsh with a new, empty model that is removed at the end, and options by name for its time.
 
-    If the caller has initialised Gmsh, the options and the current model are restored; if not, Gmsh
-    is finalised. One thread at a time.
-
-    Parameters
-    ----------
-    name
-        Name of the model.
-    options
-        Numbers by option name, for the time of the model.
-
+    If the caller has initialised Gmsh, the options and the current model are restored; if not, Gmsh is finalised. One
+    thread at a time.
     """
     with _LOCK:
         gmsh = load_gmsh()
@@ -92,14 +77,7 @@ def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
 
 
 def generate(gmsh: Any) -> None:
-    """Make the plane mesh of the current model.
-
-    Raises
-    ------
-    InputError
-        With Gmsh's reason, if it fails.
-
-    """
+    """Make the plane mesh of the current model; an `InputError` with Gmsh's reason if it fails."""
     try:
         gmsh.model.mesh.generate(2)
     except Exception as reason:

@@ -68,20 +68,9 @@ def kernel_centre(polygon: Floats) -> tuple[Floats, float]:
 
 
 def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
-    """Cut a simple polygon along diagonals into parts that some point sees whole.
+    """Cut a simple counter-clockwise polygon, numbers of points, along diagonals into star-shaped parts.
 
-    Parameters
-    ----------
-    polygon
-        Numbers of its points, counter-clockwise.
-    points
-        Points (n, 2).
-
-    Raises
-    ------
-    InputError
-        If no diagonal is inside, as when the polygon crosses itself.
-
+    An `InputError` if no diagonal is inside, as when the polygon crosses itself.
     """
     corners = points[polygon]
     steps = np.roll(corners, -1, axis=0) - corners

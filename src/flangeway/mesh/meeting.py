@@ -32,17 +32,8 @@ def touching_distance(lengths: Floats, points: Floats) -> Floats:
 class Meeting:
     """Where segments come together other than at a common end.
 
-    Parameters
-    ----------
-    on
-        Segments on which a point of another one lies (n_touches,).
-    of
-        The other segments (n_touches,).
-    points
-        The points (n_touches,), each an end of ``of`` and not of ``on``.
-    crossing
-        Pairs (n_crossings, 2) of segments that cross and do not touch.
-
+    Segments ``on`` which a point of another one lies, the other segments ``of``, and these points, each (n_touches,);
+    pairs (n_crossings, 2) of segments that cross and do not touch.
     """
 
     on: Ints
@@ -52,17 +43,9 @@ class Meeting:
 
 
 def meeting(points: Floats, segments: IntArray, groups: Ints | None = None) -> Meeting:
-    """Find the segments that touch or cross.
+    """Find the segments, numbers of start and end (n, 2) among points (n_points, 2), that touch or cross.
 
-    Parameters
-    ----------
-    points
-        Coordinates (n_points, 2).
-    segments
-        Numbers of start and end (n, 2). They may meet at a point that is an end of both.
-    groups
-        Number of a group for each segment (n,): only segments of one group are compared.
-
+    They may meet at a point that is an end of both. Only segments of one group (n,) are compared.
     """
     reach = touching_distance(np.hypot(*(points[segments[:, 1]] - points[segments[:, 0]]).T), points)
     parts = [_examined(points, segments, reach, i, j) for i, j in _candidates(points[segments], reach, groups)]
@@ -126,24 +109,11 @@ def _examined(points: Floats, segments: IntArray, reach: Floats, i: Ints, j: Int
 
 
 def layers(points: Floats, rim: IntArray) -> tuple[Ints, Ints]:
-    """Count the cells that lie on each other along the boundary.
+    """Count the cells that lie on each other along the boundary, edges (m, 2) with the body on their left.
 
-    Cells that are positive and fit together edge by edge cover a place as many times as the boundary, with the body on
-    its left, goes around it. Where its edges do not cross, this number is constant along a chain of edges.
-
-    Parameters
-    ----------
-    points
-        Coordinates (n_points, 2).
-    rim
-        Boundary edges (m, 2) with the body on the left, which do not cross.
-
-    Returns
-    -------
-    rows, numbers
-        One edge of each chain between points where the boundary touches itself, and the number of cells that lie
-        beside it on its left; 1 is right.
-
+    The edges do not cross. Cells that are positive and fit together edge by edge cover a place as many times as the
+    boundary goes around it, and this number is constant along a chain of edges. Returned are one edge of each chain
+    between points where the boundary touches itself, and the number of cells beside it on its left; 1 is right.
     """
     m = len(rim)
     leaving, counts = np.zeros(len(points), dtype=np.int64), np.bincount(rim[:, 0], minlength=len(points))

@@ -22,21 +22,9 @@ MIDDLE = 0.25
 class Sides:
     """Sides of all cells; the points of each cell are listed from one of its corners on.
 
-    Parameters
-    ----------
-    entries
-        Positions in ``mesh.cell_points``, cells in order, each from a corner on.
-    side
-        Side of each entry: the entry's point starts it or lies inside it, shape (len(entries),).
-    cell
-        Cell of each side (n_sides,).
-    hanging
-        Whether the entry's point hangs on a side inside the body.
-    at_point
-        Entry whose point divides the side, or -1 (n_sides,).
-    in_edge
-        Entry whose edge is to be halved to divide the side, or -1 where a point does (n_sides,).
-
+    Entries are positions in ``mesh.cell_points``. For each entry its side (the entry's point starts it or lies inside
+    it), and whether the point hangs on a side inside the body; for each side (n_sides,) its cell, the entry whose point
+    divides it or -1, and the entry whose edge is to be halved to divide it, or -1 where a point does.
     """
 
     entries: Ints

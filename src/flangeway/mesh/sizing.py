@@ -99,18 +99,7 @@ class Refinement:
 
 @dataclass(frozen=True)
 class MeshBound:
-    """What a triangulation needs at most.
-
-    Parameters
-    ----------
-    n_triangles
-        Number of triangles.
-    n_bytes
-        Memory at its peak.
-    seconds
-        Time on one core of about 2020, to a factor of two; less where long sides are not along an axis.
-
-    """
+    """Maximum number of triangles, bytes at the peak, and seconds on one core of 2020, to a factor of two."""
 
     n_triangles: int
     n_bytes: int
@@ -192,14 +181,7 @@ def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
 
 
 def made(bound: MeshBound, work: Callable[..., PolyMesh], *arguments: Any) -> PolyMesh:
-    """Return the mesh that a function of a module makes: here if it takes little time, else in another process.
-
-    Raises
-    ------
-    OutOfMemoryError
-        If there is no memory for it.
-
-    """
+    """Return the mesh that a function of a module makes: here if it takes little time, else in another process."""
     long = bound.seconds > LONG
     counted = f"up to about {float(f'{bound.n_triangles:.2g}'):,.0f} triangles"
     refuse_large_mesh(f"the triangulation into {counted}", bound.n_bytes + long * BYTES)

@@ -126,18 +126,7 @@ def cut_zones(system: ContactSystem, state: ContactState) -> tuple[Surface, ...]
 
 
 def roughness(n_segments: float, oscillation: float, name: str, finer: str) -> list[str]:
-    """Sentence about a region of contact whose pressure is not reliable; none if it is.
-
-    Parameters
-    ----------
-    n_segments
-        Number of segments that it is wide.
-    oscillation
-        Of its pressures, see `PressurePatch.oscillation`.
-    name, finer
-        What it is called, and how to get a finer mesh.
-
-    """
+    """Sentence about a region of contact called `name` whose pressure is not reliable; none if it is."""
     remark = pressure_remark(n_segments, oscillation)
     if remark is None:
         return []

@@ -124,16 +124,7 @@ def oscillation_of(pressures: Floats) -> float:
 
 
 def pressure_remark(n_segments: float, oscillation: float) -> str | None:
-    """Return why a region's pressures are not reliable; None if they are.
-
-    Parameters
-    ----------
-    n_segments
-        Number of segments that the region is wide; at least `FEWEST_SEGMENTS` are needed.
-    oscillation
-        Of its pressures, see `oscillation_of`; at most `MAX_OSCILLATION` is.
-
-    """
+    """Return why the pressures of a region that is some segments wide are not reliable; None if they are."""
     if n_segments < FEWEST_SEGMENTS:
         return f"only {n_segments:g} segment{'' if n_segments == 1 else 's'} wide"
     if oscillation > MAX_OSCILLATION:

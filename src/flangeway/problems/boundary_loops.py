@@ -12,17 +12,9 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
-    """Boundary edges in connected groups; loops that touch at a point are one group.
+    """Directed boundary edges in connected groups; loops that touch at a point are one group.
 
-    Parameters
-    ----------
-    outer
-        Edges around the section's parts, pairs of points (m, 2) with the body on the left.
-    holes
-        Edges around each hole, in the same form.
-    hole_areas
-        Area of each hole, shape (n_holes,).
-
+    Edges around the parts of the section (m, 2), edges around each hole, and areas of the holes (n_holes,).
     """
 
     outer: NDArray[np.int32]

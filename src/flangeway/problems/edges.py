@@ -12,28 +12,13 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True, eq=False)
 class EdgeQuadrature:
-    """Gauss points on straight edges with the traces of the nodes.
+    """Gauss points on straight edges with the traces of the nodes."""
 
-    Parameters
-    ----------
-    nodes
-        Nodes of each edge in its direction, shape (n_edges, order + 1).
-    points
-        Shape (n_edges, n_points, 2).
-    weights
-        Lengths that belong to the points, shape (n_edges, n_points).
-    shapes
-        Values of the nodes' functions at the points, the same on every edge, shape (n_points, order + 1).
-    normals
-        Outward unit normals, shape (n_edges, 2).
-
-    """
-
-    nodes: NDArray[np.int32]
-    points: Floats
-    weights: Floats
-    shapes: Floats
-    normals: Floats
+    nodes: NDArray[np.int32]  # nodes of each edge in its direction, (n_edges, order + 1)
+    points: Floats  # (n_edges, n_points, 2)
+    weights: Floats  # lengths that belong to the points, (n_edges, n_points)
+    shapes: Floats  # values of the nodes' functions at the points, the same on every edge, (n_points, order + 1)
+    normals: Floats  # outward unit normals, (n_edges, 2)
 
 
 def edge_quadrature(space: Space, pairs: NDArray[np.integer]) -> EdgeQuadrature:

@@ -37,22 +37,11 @@ class Item(ABC):
 
 @dataclass(frozen=True, eq=False)
 class LinearItem(Item):
-    """Linear forces ``stiffness u - load``: an elastic body, springs, dead loads.
+    """Linear forces ``stiffness u - load``: an elastic body, springs, dead loads."""
 
-    Parameters
-    ----------
-    numbers
-        Numbers of the unknowns, shape (m,).
-    stiffness
-        Shape (m, m), symmetric.
-    load
-        External forces, shape (m,).
-
-    """
-
-    numbers: Ints
-    stiffness: sp.csr_array
-    load: Floats
+    numbers: Ints  # numbers of the unknowns, (m,)
+    stiffness: sp.csr_array  # (m, m), symmetric
+    load: Floats  # external forces, (m,)
 
     @property
     def unknowns(self) -> Ints:

@@ -41,28 +41,13 @@ class StressLaw(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class _Points:
-    """Quadrature points of a batch of cells.
+    """Quadrature points of a batch of cells."""
 
-    Parameters
-    ----------
-    batch
-        The cells.
-    places
-        The points, shape (n_points * n_cells, 2).
-    rates
-        Derivatives of the strains by the unknowns of one component, shape (n_slots, n_points, n_local, n_cells).
-    weights
-        Volumes that belong to the points, shape (n_points, n_cells).
-    stabilisation
-        Of the elastic cells, shape (2 n_local, 2 n_local, n_cells).
-
-    """
-
-    batch: CellBatch
-    places: Floats
-    rates: Floats
-    weights: Floats
-    stabilisation: Floats
+    batch: CellBatch  # the cells
+    places: Floats  # the points, (n_points * n_cells, 2)
+    rates: Floats  # derivatives of the strains by the unknowns of one component, (n_slots, n_points, n_local, n_cells)
+    weights: Floats  # volumes that belong to the points, (n_points, n_cells)
+    stabilisation: Floats  # of the elastic cells, (2 n_local, 2 n_local, n_cells)
 
     @property
     def strain_places(self) -> list[tuple[int, int, int]]:

@@ -9,26 +9,11 @@ MAX_CHANGES = 60
 
 
 def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats | None:
-    """Solve a complementarity problem by a primal-dual active set.
+    """Solve a complementarity problem by a primal-dual active set, from a guess of where p > 0, shape (n,).
 
     Each round solves the equations of the active set and moves every unknown of wrong sign (Hintermueller, Ito and
-    Kunisch, 2002, SIAM J. Optim. 13). If the rounds cycle and the matrix is positive definite, the equivalent
-    non-negative least squares problem is solved by Lawson and Hanson's finite method.
-
-    Parameters
-    ----------
-    matrix
-        Symmetric matrix M, shape (n, n).
-    offset
-        Vector q, shape (n,).
-    active
-        First guess of where p > 0, shape (n,).
-
-    Returns
-    -------
-    Floats or None
-        The solution p, shape (n,); None if none was found.
-
+    Kunisch, 2002, SIAM J. Optim. 13). If the rounds cycle and the matrix (n, n) is positive definite, the equivalent
+    non-negative least squares problem is solved by Lawson and Hanson's finite method. Returns p, shape (n,), or None.
     """
     active = active.copy()
     for _ in range(MAX_CHANGES):

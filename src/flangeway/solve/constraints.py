@@ -21,25 +21,12 @@ AXIS = -1
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Constraints ``direction . motion = value`` of nodes (2 motions) or of one handle (3 motions).
+    """Constraints ``direction . motion = value`` of nodes (2 motions) or of one handle (3 motions)."""
 
-    Parameters
-    ----------
-    supports
-        Number of each row's support among the problem's, or `AXIS`, shape (n,).
-    nodes
-        Node that each row comes from, or -1, shape (n,).
-    directions
-        Shape (n, 2) or (n, 3).
-    values
-        Shape (n,).
-
-    """
-
-    supports: Ints
-    nodes: Ints
-    directions: Floats
-    values: Floats
+    supports: Ints  # number of each row's support among the problem's, or `AXIS`, (n,)
+    nodes: Ints  # node that each row comes from, or -1, (n,)
+    directions: Floats  # (n, 2) or (n, 3)
+    values: Floats  # (n,)
 
     def where(self, mask: NDArray[np.bool_]) -> "Rows":
         """The rows of a mask."""
@@ -61,31 +48,14 @@ class Rows:
 
 @dataclass(frozen=True, eq=False)
 class HandleNodes:
-    """A rigid handle with its nodes.
+    """A rigid handle with its nodes."""
 
-    Parameters
-    ----------
-    support
-        Number among the problem's supports.
-    nodes
-        Its nodes, shape (n,).
-    arms
-        Displacements of the nodes by the handle's motions x, y and rotation about its pivot, shape (n, 2, 3).
-    pivot
-        Shape (2,).
-    rows
-        Constraints on its three motions.
-    basis
-        Motions that stay free, shape (3, n_free).
-
-    """
-
-    support: int
-    nodes: Ints
-    arms: Floats
-    pivot: Floats
-    rows: Rows
-    basis: Floats
+    support: int  # number among the problem's supports
+    nodes: Ints  # its nodes, (n,)
+    arms: Floats  # displacements of the nodes by the handle's motions x, y and rotation about its pivot, (n, 2, 3)
+    pivot: Floats  # (2,)
+    rows: Rows  # constraints on its three motions
+    basis: Floats  # motions that stay free, (3, n_free)
 
 
 @dataclass(frozen=True, eq=False)

@@ -29,28 +29,13 @@ DEFAULTS = NewtonSettings(max_iterations=25, tolerance=1e-9)
 
 @dataclass(frozen=True, eq=False)
 class ItemSolution:
-    """Equilibrium of items.
+    """Equilibrium of items."""
 
-    Parameters
-    ----------
-    status
-        How the iteration ended.
-    state
-        All unknowns, shape (n,).
-    items
-        The items with the history of the state; as they were if the iteration did not converge.
-    reactions
-        Forces that hold the prescribed unknowns, zero elsewhere, shape (n,).
-    residuals
-        Relative residual before the first and after each iteration.
-
-    """
-
-    status: Status
-    state: Floats
-    items: tuple[Item, ...]
-    reactions: Floats
-    residuals: tuple[float, ...]
+    status: Status  # how the iteration ended
+    state: Floats  # all unknowns, (n,)
+    items: tuple[Item, ...]  # the items with the history of the state; as they were if the iteration did not converge
+    reactions: Floats  # forces that hold the prescribed unknowns, zero elsewhere, (n,)
+    residuals: tuple[float, ...]  # relative residual before the first and after each iteration
 
 
 def solve_items(

@@ -20,24 +20,10 @@ NO_UNKNOWNS.setflags(write=False)
 
 
 def cholesky(matrix: SymmetricMatrix, groups: NDArray[np.int32], trailing: NDArray[np.int32] = NO_UNKNOWNS) -> Cholesky:
-    """Factorise a positive definite matrix.
+    """Factorise a positive definite matrix, given the number of the node of each unknown, shape (n,).
 
-    Parameters
-    ----------
-    matrix
-        The matrix.
-    groups
-        Number of the node of each unknown, shape (n,).
-    trailing
-        Unknowns that are kept last, in this order, for their Schur complement.
-
-    Raises
-    ------
-    NotPositiveDefiniteError
-        If a pivot is not positive.
-    OutOfMemoryError
-        If the factor needs more memory than may be used.
-
+    The trailing unknowns are kept last, in this order, for their Schur complement. Raises `NotPositiveDefiniteError`
+    for a pivot that is not positive, `OutOfMemoryError` if the factor needs more memory than may be used.
     """
     try:
         return Cholesky(matrix.indptr, matrix.indices, matrix.values, groups, trailing, memory_left())
@@ -66,22 +52,9 @@ def ldlt(matrix: SymmetricMatrix, groups: NDArray[np.int32]) -> Ldlt:
 
 
 def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
-    """Factorise the stiffness of a body's free unknowns.
+    """Factorise the stiffness of a body's free unknowns, the trailing ones last for their Schur complement.
 
-    Parameters
-    ----------
-    body
-        The body.
-    trailing
-        Free unknowns that are kept last, in this order, for their Schur complement.
-
-    Raises
-    ------
-    InputError
-        If the body is not held, or its material or mesh leaves a motion without stiffness.
-    OutOfMemoryError
-        If the factor needs more memory than may be used.
-
+    An `InputError` if the body is not held, or its material or mesh leaves a motion without stiffness.
     """
     refuse_floating(body)
     try:

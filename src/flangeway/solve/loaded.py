@@ -12,18 +12,9 @@ class LoadedBodies(BodyResponse):
     """Placed bodies with displacements that are there before any contact force acts.
 
     The bodies are linear, so displacements by loads and by contact forces add: the contact meets surfaces that the
-    loads have moved. Loads keep their direction in the bodies' frames.
-
-    Parameters
-    ----------
-    unloaded
-        The bodies.
-    fields
-        Displacements of each body under its loads and its supports' given motion, without contact, in its own frame,
-        shape (n_dofs, 2); None for a body without.
-    share
-        Factor on all of them.
-
+    loads have moved. The fields, displacements of each body under its loads and prescribed displacements without
+    contact, in its own frame (n_dofs, 2), or None, are multiplied with `share`. Loads keep their direction in the
+    bodies' frames.
     """
 
     def __init__(self, unloaded: BodyResponse, fields: Sequence[Floats | None], share: float = 1.0) -> None:

@@ -17,13 +17,7 @@ QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 class MotionDerivatives:
     """Derivatives by translations in x and y and a rotation of the moving parts, in this order.
 
-    Parameters
-    ----------
-    positions
-        Of the positions of the nodes in ``state.linearisation.nodes``, shape (n_touched, 2, 3).
-    nodal_forces
-        Of the contact forces on these nodes, shape (n_touched, 2, 3).
-
+    Of the positions of the nodes in ``state.linearisation.nodes`` and of the contact forces on them, (n_touched, 2, 3).
     """
 
     positions: Floats

@@ -9,13 +9,7 @@ BYTES_AN_ENTRY = 21
 
 
 def refuse_large_assembly(cells: Iterable[tuple[int, int]]) -> None:
-    """Refuse to assemble the matrices of cells where there is no memory for it.
-
-    Parameters
-    ----------
-    cells
-        Unknowns of a cell and number of such cells, for each batch.
-
+    """Refuse to assemble matrices without memory for them: unknowns of a cell and number of such cells, for each batch.
     """
     entries = sum(n_local**2 * n_cells for n_local, n_cells in cells)
     refuse_beyond_memory("the assembly of the stiffness", BYTES_AN_ENTRY * entries)

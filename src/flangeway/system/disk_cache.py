@@ -42,30 +42,14 @@ class CacheWarning(UserWarning):
 
 @dataclass(frozen=True)
 class Cache:
-    """A folder of cached arrays.
-
-    Parameters
-    ----------
-    folder
-        Where the files are; it is made when the first one is stored.
-    limit_bytes
-        Size of all files above which the oldest are removed.
-
-    """
+    """A folder of cached arrays, made when the first ones are stored; above `limit_bytes` the oldest are removed."""
 
     folder: Path
     limit_bytes: int
 
     @classmethod
     def of_user(cls) -> "Cache | None":
-        """Cache that the environment names; None if it is off.
-
-        Raises
-        ------
-        InputError
-            If ``FLANGEWAY_CACHE_MB`` is not a positive number.
-
-        """
+        """Cache that the environment names; None if it is off, an `InputError` if its limit is not positive."""
         where = os.environ.get("FLANGEWAY_CACHE", "")
         if where.lower() == "off":
             return None
@@ -156,13 +140,7 @@ class Cache:
 def content_key(kind: str, *parts: object) -> str | None:
     """Key of what some content determines, with the package's version; None where the content has no key.
 
-    Parameters
-    ----------
-    kind
-        What is stored.
-    parts
-        Arrays, text, numbers, tuples, mappings, and objects whose ``repr`` shows all that they hold.
-
+    The parts are arrays, text, numbers, tuples, mappings, and objects whose ``repr`` shows all that they hold.
     """
     digest = hashlib.sha256(f"{kind} {FORMAT} {_version()}".encode())
     if not all(_add(digest, part) for part in parts):

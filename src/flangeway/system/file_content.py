@@ -21,21 +21,7 @@ def is_file(path: Path) -> bool:
 
 
 def file_content(file: Path, what: str) -> bytes:
-    """Return the bytes of a file.
-
-    Parameters
-    ----------
-    file
-        The file.
-    what
-        What it should hold, as messages call it: "a profile".
-
-    Raises
-    ------
-    InputError
-        If it cannot be read, is empty, or larger than `MAX_BYTES`.
-
-    """
+    """Return the bytes of a file; an `InputError` if it cannot be read or is empty, "a profile" expected, say."""
     try:
         size = file.stat().st_size
         content = file.read_bytes() if size <= MAX_BYTES else b""
@@ -50,14 +36,7 @@ def file_content(file: Path, what: str) -> bytes:
 
 
 def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
-    """Return the cells of a line without blanks around them; none of an empty line.
-
-    Raises
-    ------
-    InputError
-        If a cell is longer than any number or name; the message gives the line.
-
-    """
+    """Return the cells of a line without blanks around them; none of an empty line."""
     try:
         return [cell.strip() for cell in next(csv.reader([line], delimiter=separator), [])]
     except csv.Error as reason:
@@ -67,21 +46,7 @@ def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
 
 
 def toml_data(text: str, lines: str) -> dict[str, Any]:
-    """Return what a text in TOML says.
-
-    Parameters
-    ----------
-    text
-        The text.
-    lines
-        What lines of it look like, for messages: "lines such as ...".
-
-    Raises
-    ------
-    InputError
-        If it is not TOML; the message gives the position.
-
-    """
+    """Return the data of a text in TOML; the `InputError` of a wrong one shows `lines`: "lines such as ..."."""
     try:
         data = tomllib.loads(text)
         if _depth(data) <= MAX_DEPTH:

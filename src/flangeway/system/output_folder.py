@@ -11,21 +11,7 @@ Writer = Callable[[Path], None]
 
 
 def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
-    """Refuse a folder in which files cannot be written; nothing stays behind.
-
-    Parameters
-    ----------
-    folder
-        Folder, which need not be there yet.
-    names
-        Files that shall be written; a folder of that name is refused.
-
-    Raises
-    ------
-    InputError
-        If something that is no folder is in the way, or the system does not allow to write there.
-
-    """
+    """Raise `InputError` for a folder in which files of some names cannot be written; nothing stays behind."""
     try:
         place = _existing(folder)
         if not place.is_dir():
@@ -42,29 +28,11 @@ def refuse_unwritable(folder: Path, names: tuple[str, ...] = ()) -> None:
 
 
 def write_together(folder: Path, writers: dict[str, Writer]) -> list[Path]:
-    """Write files in a temporary folder, then move them to their place one by one.
+    """Write files in a temporary folder, then move them to their places in order; return them.
 
     If a writer fails or the user stops it, no file is at its place and nothing stays behind. Files of the same names
-    are replaced; others are left alone.
-
-    Parameters
-    ----------
-    folder
-        Where the files go; made if needed.
-    writers
-        Functions that write one file each, by the file's name, which may be in a folder of the folder; they are called
-        and moved in this order.
-
-    Returns
-    -------
-    list of Path
-        The files.
-
-    Raises
-    ------
-    InputError
-        If the system does not allow to write there.
-
+    are replaced; others are left alone. The names, of the functions that write one file each, may be in a folder of the
+    folder. An `InputError` if the system does not allow to write there.
     """
     try:
         _refuse_folders(folder, writers)

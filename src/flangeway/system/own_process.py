@@ -33,28 +33,10 @@ serve()
 
 
 def in_own_process(work: Callable[..., Result], *arguments: Any) -> Result:
-    """Return what some work returns, done by a new process of the same Python.
+    """Return the result of a function of a module, called by a new process of the same Python that ends with this one.
 
-    The process ends when this one does, however it ends.
-
-    Parameters
-    ----------
-    work
-        A function of a module.
-    arguments
-        What it is given; all that `pickle` takes.
-
-    Raises
-    ------
-    FlangewayError
-        As the work raises it.
-    UnforeseenError
-        If the work ends with another error.
-    OutOfMemoryError
-        If the system kills the process.
-    KeyboardInterrupt
-        On Ctrl-C, at once.
-
+    The arguments are all that `pickle` takes. Raises what the function raises; `UnforeseenError` for an error of
+    another kind, `OutOfMemoryError` if the system kills the process, and `KeyboardInterrupt` on Ctrl-C, at once.
     """
     command = [get_executable(), "-c", _PROGRAM]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL) as process:

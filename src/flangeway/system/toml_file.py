@@ -19,22 +19,7 @@ _KEY = re.compile(rf"\s*({_NAME}(?:\s*\.\s*{_NAME})*)\s*=")
 
 @dataclass(frozen=True)
 class TomlKind:
-    """What a file in TOML is called, and what messages about it say.
-
-    Parameters
-    ----------
-    name
-        What messages call the file.
-    instead
-        What may be given in place of a file, after "a file that can be read"; empty if nothing may.
-    get_one
-        What to do without a file.
-    lines
-        Lines as the file has them.
-    too_large
-        What to do with a file that is too large.
-
-    """
+    """What messages about a file in TOML say: its name, what may be given instead, and advice for each fault."""
 
     name: str
     instead: str
@@ -45,18 +30,7 @@ class TomlKind:
 
 @dataclass(frozen=True)
 class TomlFile:
-    """A file in TOML.
-
-    Parameters
-    ----------
-    file
-        The file.
-    text
-        Its contents.
-    data
-        What it says.
-
-    """
+    """A file in TOML, its text, and the data in it."""
 
     file: Path
     text: str
@@ -66,14 +40,7 @@ class TomlFile:
 
     @classmethod
     def read(cls, file: Path) -> Self:
-        """Read a file.
-
-        Raises
-        ------
-        InputError
-            If it cannot be read, is larger than `MAX_BYTES`, or is no TOML in UTF-8.
-
-        """
+        """Read a file; an `InputError` if it cannot be read, is larger than `MAX_BYTES`, or is no TOML in UTF-8."""
         kind = cls.kind
         try:
             size = file.stat().st_size
