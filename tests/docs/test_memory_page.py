@@ -12,7 +12,7 @@ import pytest
 
 from flangeway.mesh import dual, refine, sizing
 from flangeway.solve import condensed
-from flangeway.space.assembly_memory import BYTES_AN_ENTRY
+from flangeway.space.core_limits import BYTES_AN_ENTRY
 from flangeway.system import disk_cache as cache
 from flangeway.system import memory_limits as memory
 

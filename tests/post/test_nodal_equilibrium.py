@@ -11,7 +11,7 @@ from flangeway.mesh import dual, triangulate
 from flangeway.post import relative_nodal_residual
 from flangeway.problems import BodyForce, ElasticField, Elasticity, TemperatureChange, Traction, fixed
 from flangeway.solve import solve_elasticity
-from flangeway.solve.loaded import LoadedBodies
+from flangeway.solve.body_response import LoadedBodies
 from flangeway.space import Space
 
 

@@ -18,7 +18,7 @@ from flangeway.problems import Body, Elasticity, Torsion, fixed
 from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes, solve_elasticity, solve_torsion
 from flangeway.solve.linear import cholesky, ldlt
 from flangeway.space import Space
-from flangeway.space.assembly_memory import BYTES_AN_ENTRY
+from flangeway.space.core_limits import BYTES_AN_ENTRY
 from flangeway.system import memory_limits as memory
 from flangeway.system.memory_limits import memory_left, peak_memory_bytes, refuse_beyond_memory
 

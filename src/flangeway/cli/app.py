@@ -90,7 +90,7 @@ def _common(
 ) -> None:
     if any(name.startswith("RAYON_") for name in os.environ):  # else the core is not needed yet
         with errors_as_exit_status():
-            from flangeway.space.threads import refuse_many_threads  # noqa: PLC0415
+            from flangeway.space.core_limits import refuse_many_threads  # noqa: PLC0415
 
             refuse_many_threads()
     if memory is not None:

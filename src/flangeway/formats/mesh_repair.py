@@ -10,7 +10,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.mesh.conforming import conforming
 from flangeway.mesh.connectivity import next_in_row, offsets_of
 from flangeway.mesh.meeting import touching_distance
@@ -217,7 +217,7 @@ def _turned(points: Floats, rows: Ints) -> tuple[Ints, Ints, int]:
     """Cells (n, size) counter-clockwise, also each from its lowest point number on, and how many were clockwise."""
     corners = points[rows] - points[rows[:, :1]]
     after = np.roll(corners, -1, axis=1)
-    clockwise = np.sum(corners[..., 0] * after[..., 1] - corners[..., 1] * after[..., 0], axis=1) < 0.0
+    clockwise = np.sum(cross_product(corners, after), axis=1) < 0.0
     rows = np.where(clockwise[:, None], rows[:, ::-1], rows)
     places = (rows.argmin(axis=1)[:, None] + np.arange(rows.shape[1])) % rows.shape[1]
     return rows, np.take_along_axis(rows, places, axis=1), int(clockwise.sum())

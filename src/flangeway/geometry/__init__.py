@@ -1,7 +1,8 @@
 """Outlines made of straight lines and circular arcs, and the regions and sections inside them."""
 
-from flangeway.geometry.arrays import FloatArray, IntArray, Point, as_point, as_points
+from flangeway.geometry.arrays import FloatArray, IntArray, Point, as_point, as_points, cross_product
 from flangeway.geometry.contour import Contour
+from flangeway.geometry.crossings import crossing_shares
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section, nested_regions
@@ -23,6 +24,8 @@ __all__ = [
     "as_point",
     "as_points",
     "circle",
+    "cross_product",
+    "crossing_shares",
     "nested_regions",
     "polygon",
     "rectangle",

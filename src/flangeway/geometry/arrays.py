@@ -69,3 +69,9 @@ def as_point(value: ArrayLike, name: str = "point") -> Point:
 def point_text(point: Point | Floats) -> str:
     """Write a point (2,) for a message, with nine digits."""
     return f"({point[0]:.9g}, {point[1]:.9g})"
+
+
+def cross_product(a: Floats, b: Floats) -> Floats:
+    """Return the component out of the plane of the cross products of vectors (..., 2), positive if b is left of a."""
+    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
+    return product

@@ -5,18 +5,26 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from flangeway.geometry.arrays import cross_product
 from flangeway.geometry.segments import Arc, Line, Segment
 from flangeway.types import Floats
+
+
+def crossing_shares(starts: Floats, steps: Floats, others: Floats, other_steps: Floats) -> tuple[Floats, Floats]:
+    """Return where straight segments, starts and steps to their ends (..., 2), cross others: shares of both steps.
+
+    Segments cross where both are between 0 and 1; those of parallel ones are not finite.
+    """
+    apart, area = others - starts, cross_product(steps, other_steps)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return cross_product(apart, other_steps) / area, cross_product(apart, steps) / area
 
 
 def _line_line(a: Line, b: Line) -> list[Floats]:
     p, r = np.array(a.start), np.array(a.end) - np.array(a.start)
     q, s = np.array(b.start), np.array(b.end) - np.array(b.start)
-    cross = r[0] * s[1] - r[1] * s[0]
-    if abs(cross) <= 1e-14 * a.length * b.length:
-        return []
-    t = ((q[0] - p[0]) * s[1] - (q[1] - p[1]) * s[0]) / cross
-    return [p + t * r]
+    parallel = abs(cross_product(r, s)) <= 1e-14 * a.length * b.length
+    return [] if parallel else [p + crossing_shares(p, r, q, s)[0] * r]
 
 
 def _line_arc(a: Line, b: Arc) -> list[Floats]:

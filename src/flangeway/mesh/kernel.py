@@ -4,7 +4,7 @@ import numpy as np
 from scipy.optimize import linprog
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, point_text
+from flangeway.geometry.arrays import IntArray, cross_product, point_text
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
 
@@ -27,8 +27,7 @@ def visible_distances(mesh: PolyMesh, cells: IntArray, centres: Floats) -> Float
         corners = mesh.points[mesh.batch_points(int(n_vertices), cells[mine])]
         steps = np.roll(corners, -1, axis=1) - corners
         rays = centres[mine][:, None] - corners
-        cross = steps[..., 0] * rays[..., 1] - steps[..., 1] * rays[..., 0]
-        distances[mine] = (cross / np.hypot(steps[..., 0], steps[..., 1])).min(axis=1)
+        distances[mine] = (cross_product(steps, rays) / np.hypot(steps[..., 0], steps[..., 1])).min(axis=1)
     return distances
 
 
@@ -74,7 +73,7 @@ def star_parts(polygon: IntArray, points: Floats) -> list[IntArray]:
     """
     corners = points[polygon]
     steps = np.roll(corners, -1, axis=0) - corners
-    area = 0.5 * float(np.sum(corners[:, 0] * steps[:, 1] - corners[:, 1] * steps[:, 0]))
+    area = 0.5 * float(np.sum(cross_product(corners, steps)))
     diameter = float(np.hypot(*(corners[:, None] - corners).T).max())
     if kernel_centre(corners)[1] > SMALLEST_KERNEL * area / diameter:
         return [polygon]
@@ -87,7 +86,7 @@ def _best_diagonal(corners: Floats) -> tuple[int, int]:
     """Inner diagonal from a reflex corner with the largest minimum angle at its ends."""
     n = len(corners)
     before, after = np.roll(corners, 1, axis=0), np.roll(corners, -1, axis=0)
-    turns = _cross(corners - before, after - corners)
+    turns = cross_product(corners - before, after - corners)
     best, widest = None, 0.0
     for i in np.flatnonzero(turns < 0.0).tolist():
         for j in range(n):
@@ -103,11 +102,6 @@ def _best_diagonal(corners: Floats) -> tuple[int, int]:
             "check the mesh with flangeway.mesh.check",
         )
     return best
-
-
-def _cross(a: Floats, b: Floats) -> Floats:
-    product: Floats = a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0]
-    return product
 
 
 def _opening(corners: Floats, i: int, j: int) -> float:
@@ -131,6 +125,6 @@ def _clear(corners: Floats, i: int, j: int) -> bool:
         return True
     a, b, p, q = corners[i], corners[j], corners[starts], corners[(starts + 1) % n]
     ray = b - a
-    of_p, of_q = _cross(ray, p - a), _cross(ray, q - a)
-    of_a, of_b = _cross(q - p, a - p), _cross(q - p, b - p)
+    of_p, of_q = cross_product(ray, p - a), cross_product(ray, q - a)
+    of_a, of_b = cross_product(q - p, a - p), cross_product(q - p, b - p)
     return not bool(((of_p * of_q <= 0.0) & (of_a * of_b <= 0.0)).any())

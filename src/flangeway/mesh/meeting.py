@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from flangeway.geometry.arrays import IntArray
+from flangeway.geometry.arrays import IntArray, cross_product
 from flangeway.types import Bools, Floats, Ints
 
 TOUCHING = 1e-6
@@ -96,7 +96,7 @@ def _examined(points: Floats, segments: IntArray, reach: Floats, i: Ints, j: Int
     turns = []
     for on, of, p, start, end, step in ((i, j, c, a, b, u), (i, j, d, a, b, u), (j, i, a, c, d, v), (j, i, b, c, d, v)):
         away = points[p] - points[start]
-        turns.append(step[:, 0] * away[:, 1] - step[:, 1] * away[:, 0])
+        turns.append(cross_product(step, away))
         along = np.einsum("ni,ni->n", away, step) / np.maximum(np.einsum("ni,ni->n", step, step), 1e-300)
         off = away - np.clip(along, 0.0, 1.0)[:, None] * step
         touches = (np.hypot(*off.T) <= nearest) & (p != start) & (p != end)

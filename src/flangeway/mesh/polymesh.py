@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from flangeway.errors import InputError
-from flangeway.geometry.arrays import IntArray, as_points, point_text
+from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
 from flangeway.geometry.placement import Placement
 from flangeway.mesh.connectivity import (
     EdgeNumbers,
@@ -264,7 +264,7 @@ class PolyMesh:
         """Twice the signed areas of the triangles of every edge with the cell's first point."""
         a = self._local_corners
         b = a[self._following]
-        cross: Floats = a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]
+        cross: Floats = cross_product(a, b)
         return cross
 
     @cached_property

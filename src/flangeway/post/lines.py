@@ -11,6 +11,7 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.elements.monomials import Frame
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import cross_product
 from flangeway.post.location import OUTSIDE, locate
 from flangeway.post.stress import Stresses
 from flangeway.problems import ElasticField
@@ -143,7 +144,7 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
     traction = np.stack((xx * normal[0] + xy * normal[1], xy * normal[0] + yy * normal[1]), axis=1)
     lengths = (shares[:, None] * weights).ravel() * length
     forces = traction * (lengths * solution.problem.depth(points))[:, None]
-    moment = float(np.sum(points[:, 0] * forces[:, 1] - points[:, 1] * forces[:, 0]))
+    moment = float(np.sum(cross_product(points, forces)))
     return CutForce(forces.sum(axis=0), moment, float(shares.sum()) * length)
 
 

@@ -5,6 +5,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import as_numbers
 from flangeway.errors import InputError
+from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
 from flangeway.types import Floats, Ints
 
@@ -85,7 +86,7 @@ def _tested(mesh: PolyMesh, points: Floats, cells: Ints) -> tuple[NDArray[np.boo
     b = mesh.points[mesh.cell_points[offset + (place + 1) % sizes[pair]]] - points[pair]
     straddles = (a[:, 1] > 0.0) != (b[:, 1] > 0.0)
     along = b - a
-    cross = a[:, 0] * along[:, 1] - a[:, 1] * along[:, 0]
+    cross = cross_product(a, along)
     to_the_right = straddles & ((cross > 0.0) == (along[:, 1] > 0.0))
     crossings = np.add.reduceat(to_the_right, starts, dtype=np.int64)
     squared = np.maximum(np.einsum("ni,ni->n", along, along), np.finfo(np.float64).tiny)

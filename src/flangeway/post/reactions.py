@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flangeway.geometry.arrays import cross_product
 from flangeway.problems import ElasticField, RigidHandle, Spring, Support
 from flangeway.solve import ElasticitySolution
 from flangeway.solve.constraints import RANK, HandleNodes, Rows
@@ -48,17 +49,12 @@ def reactions(solution: ElasticitySolution) -> tuple[Reaction, ...]:
         if isinstance(support, Spring):
             at_nodes = next(springs)
             forces[number] = at_nodes.sum(axis=0)
-            moments[number] = _moment(problem.space.nodes, at_nodes).sum()
+            moments[number] = cross_product(problem.space.nodes, at_nodes).sum()
     forces.setflags(write=False)
     return tuple(
         Reaction(support, force, float(moment))
         for support, force, moment in zip(problem.supports, forces, moments, strict=True)
     )
-
-
-def _moment(points: Floats, forces: Floats) -> Floats:
-    moment: Floats = points[..., 0] * forces[..., 1] - points[..., 1] * forces[..., 0]
-    return moment
 
 
 def _add_nodes(solution: ElasticitySolution, rows: Rows, forces: Floats, moments: Floats) -> None:
@@ -78,7 +74,7 @@ def _add(solution: ElasticitySolution, rows: Rows, at_nodes: Floats, forces: Flo
     own = rows.supports >= 0
     supports = rows.supports[own]
     np.add.at(forces, supports, at_nodes[own])
-    np.add.at(moments, supports, _moment(solution.problem.space.nodes[rows.nodes[own]], at_nodes[own]))
+    np.add.at(moments, supports, cross_product(solution.problem.space.nodes[rows.nodes[own]], at_nodes[own]))
 
 
 def _add_handle(solution: ElasticitySolution, handle: HandleNodes, forces: Floats, moments: Floats) -> None:
@@ -95,7 +91,7 @@ def _add_handle(solution: ElasticitySolution, handle: HandleNodes, forces: Float
     mine = own & (handle.rows.supports == handle.support)
     x, y, turn = share[mine] @ handle.rows.directions[mine]
     forces[handle.support] += (x, y)
-    moments[handle.support] += turn + float(_moment(handle.pivot, np.array([x, y])))
+    moments[handle.support] += turn + float(cross_product(handle.pivot, np.array([x, y])))
     others = handle.rows.where(~own)
     _add(solution, others, share[~own, None] * others.directions[:, :2], forces, moments)
 

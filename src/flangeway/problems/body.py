@@ -1,7 +1,7 @@
 """A linear elastic body that is held along named parts of its boundary."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, get_args
 
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from flangeway.checks import check_positive
 from flangeway.elements import Element
 from flangeway.errors import InputError
+from flangeway.geometry import Placement
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
@@ -155,3 +156,23 @@ class Body:
             )
         numbers = np.where(free, (np.cumsum(free) - 1).reshape(-1, 2), -1)
         return numbers[nodes].ravel().astype(np.int32)
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """One instance of a body in space; a body may have several instances, mirrored too.
+
+    Parameters
+    ----------
+    name
+        Name for messages and results.
+    body
+        The body.
+    placement
+        Position of the body's frame.
+
+    """
+
+    name: str
+    body: Body
+    placement: Placement = field(default_factory=Placement)

@@ -11,13 +11,16 @@ from functools import cached_property
 from typing import Literal
 
 import numpy as np
+import scipy.sparse as sp
+from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, short
-from flangeway.problems.boundary_loops import Boundary, boundary_of
+from flangeway.geometry.arrays import cross_product
+from flangeway.mesh import PolyMesh
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
 
@@ -30,6 +33,39 @@ _CHOICES = {
     "load": ("projected", "vertex_mean"),
     "gradient": ("energy", "l2"),
 }
+
+
+@dataclass(frozen=True, eq=False)
+class Boundary:
+    """Directed boundary edges in connected groups; loops that touch at a point are one group.
+
+    Edges around the parts of the section (m, 2), edges around each hole, and areas of the holes (n_holes,).
+    """
+
+    outer: NDArray[np.int32]
+    holes: tuple[NDArray[np.int32], ...]
+    hole_areas: Floats
+
+
+def boundary_of(mesh: PolyMesh) -> Boundary:
+    """Sort the boundary edges of a mesh into the outer boundary and holes, by their signed areas."""
+    pairs = mesh.boundary_edges
+    graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_points, mesh.n_points))
+    labels = sp.csgraph.connected_components(graph, directed=False)[1][pairs[:, 0]]
+    outer, holes, areas = [], [], []
+    for label in np.unique(labels):
+        group = pairs[labels == label]
+        local = mesh.points - mesh.points[group[0, 0]]
+        start, end = local[group[:, 0]], local[group[:, 1]]
+        area = float(np.sum(cross_product(start, end))) / 2.0
+        if area > 0.0:
+            outer.append(group)
+        else:
+            holes.append(group)
+            areas.append(-area)
+    hole_areas = np.array(areas)
+    hole_areas.setflags(write=False)
+    return Boundary(np.concatenate(outer), tuple(holes), hole_areas)
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from flangeway._core import Pattern
 from flangeway.elements import batched
 from flangeway.errors import InputError
-from flangeway.space.assembly_memory import refuse_large_assembly
+from flangeway.space.core_limits import refuse_large_assembly
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
 from flangeway.types import Floats

@@ -13,9 +13,8 @@ from flangeway.elements import Element
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
-from flangeway.space.assembly_memory import refuse_large_assembly
+from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
-from flangeway.space.threads import refuse_many_threads
 from flangeway.types import Floats
 
 Ints = NDArray[np.int32]

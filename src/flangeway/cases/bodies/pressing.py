@@ -10,7 +10,7 @@ from flangeway.contact import Contact, ContactLinearisation, ContactSolution, Co
 from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve import CondensedBodies, ContactState, Status, StepSettings, follow, solve_contact
-from flangeway.solve.loaded import LoadedBodies
+from flangeway.solve.body_response import LoadedBodies
 from flangeway.types import Floats
 
 Trial = tuple[float, float, ContactState]

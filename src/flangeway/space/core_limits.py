@@ -1,8 +1,10 @@
-"""How many threads the compiled core may use."""
+"""Threads and memory of the compiled core, checked before it begins."""
 
 import os
+from collections.abc import Iterable
 
 from flangeway.errors import InputError, short
+from flangeway.system.memory_limits import refuse_beyond_memory
 
 VARIABLES = ("RAYON_NUM_THREADS", "RAYON_RS_NUM_CPUS")
 MOST_THREADS = 256
@@ -19,3 +21,13 @@ def refuse_many_threads() -> None:
                 f"a whole number from 0 up to {MOST_THREADS}",
                 "leave it out to use all cores",
             )
+
+
+BYTES_AN_ENTRY = 21
+"""Of the cells' matrices (8), packed (4), and the assembled one with its pattern; measured 15 to 22."""
+
+
+def refuse_large_assembly(cells: Iterable[tuple[int, int]]) -> None:
+    """Refuse an assembly without memory for it: unknowns of a cell and number of such cells, for each batch."""
+    entries = sum(n_local**2 * n_cells for n_local, n_cells in cells)
+    refuse_beyond_memory("the assembly of the stiffness", BYTES_AN_ENTRY * entries)
