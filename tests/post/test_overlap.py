@@ -60,7 +60,7 @@ def test_displacements_and_the_placement_move_the_mesh():
 
 @pytest.mark.parametrize(
     ("shift", "words"),
-    [(-300.0, "carried through"), (-30.0, None), (10.0, "nothing touches")],
+    [(-300.0, "moved through"), (-30.0, None), (10.0, "nothing touches")],
 )
 def test_a_case_whose_bodies_pass_through_each_other_has_not_converged(shift, words):
     """A disc moved far through a block, or deep into it in one step, is no answer; one that is lifted is one."""
