@@ -5,8 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from flangeway.contact.edge_shapes import shape_functions
-from flangeway.contact.kinematics import closest_parameters, node_edge_gaps
+from flangeway.contact.kinematics import closest_parameters, node_edge_gaps, shape_functions
 from flangeway.elements.quadrature import gauss_lobatto
 
 STEP = 1e-5

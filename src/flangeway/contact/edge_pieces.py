@@ -3,19 +3,53 @@
 The gap at a secondary point is measured along the secondary's own normal: it is continuous over the primary's corners,
 where the closest point would jump. Integrals are over the undeformed length of the secondary, whose edges are straight,
 so that pressure on an open or penetrated gap does no work on the surface's stretching. Their derivatives are exact,
-those of the pieces' ends included: the sum over the pieces is invariant to rigid motions, so forces balance to
-round-off.
+those of the pieces' ends included. The sum over the pieces is invariant to rigid motions, so the forces on both sides
+are in equilibrium to round-off.
+
+**Quadrature, edges of any order.** At a parameter xi of the secondary edge, with its point x, unit tangent t, outward
+normal n and ``m = |dx/dxi|``, the gap g and the opposite point y(eta) of the primary satisfy ``y(eta) = x + g n``. A
+dot is the rate of change when the nodes move, xi with them (points of quadrature are fixed parts of a piece, whose ends
+are feet that move); with ``D = t . y'``, ``k = n . y' / D`` and ``P(a) = (n - k t) . a``, which does not depend on the
+rate of eta,
+
+    omega = n . x_dot' / m,      lambda = t . x_dot' / m        (the tangent's turn and stretch)
+    eta_dot = -(t . (y_dot - x_dot) + g omega) / D,   g_dot = n . (y_dot - x_dot) + D k eta_dot,
+    g_ddot = 2 P(y_dot') eta_dot + P(y'') eta_dot^2 - P(x_ddot) - 2 k omega g_dot + g omega^2 + 2 g k omega lambda
+             - g k n . x_ddot' / m,
+
+where y_dot is the rate at fixed eta and x_dot that of the moving point. Second derivatives are sums of products of two
+rates. Those of a piece are one product of two matrices with few rows: the rates and their factors. Derivatives by
+nodes' positions are complex numbers, their parts those by x and by y: the rate is the real part of
+``conj(derivative) velocity``.
+
+**Closed form, straight edges.** The gap is linear over a piece. In the axes of the secondary edge (t along it, n its
+outward normal) the ends of the primary edge are at ``(a_t, a_n)`` and ``(b_t, b_n)``, their feet at the parameters
+``A = a_t / L`` and ``B = b_t / L``, and
+
+    g(xi) = a_n h_a(xi) + b_n h_b(xi),   h_a = (B - xi) / (B - A),   h_b = (xi - A) / (B - A),
+
+whose derivatives by ``a_n, b_n, A, B`` are ``h_a, h_b, -m h_a, -m h_b`` with the slope ``m = (b_n - a_n) / (B - A)``.
 """
 
+from copy import copy
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 
-from flangeway.contact.edge_shapes import as_complex, derivative, edge_series, horner
-from flangeway.contact.kinematics import closest_parameters
-from flangeway.contact.points import PiecePoints, ray_parameters
-from flangeway.contact.straight import straight_integrals
+from flangeway.contact.kinematics import (
+    as_complex,
+    closest_parameters,
+    derivative,
+    edge_series,
+    horner,
+    ray_parameters,
+    shape_functions,
+)
+from flangeway.elements.quadrature import gauss
 from flangeway.types import Bools, Complex, Floats, Ints
+
+Pair = tuple[Floats, Floats]
 
 SNAP = 1e-8  # parts of an edge within which the ends of two pieces are one
 FAR = 0.5  # parts of an edge beyond its ends where a foot on its chord is not one on the edge itself
@@ -112,43 +146,29 @@ def _over_chords(secondary: Floats, primary: Floats, candidates: tuple[Ints, Int
 
 
 @dataclass(frozen=True, eq=False)
-class GapIntegral:
-    """Integrals of the gap over pieces with one of the two hat functions of each piece's edge.
-
-    Parameters
-    ----------
-    value
-        ``int phi_r g ds`` over the undeformed length, shape (p,).
-    gradient
-        First derivatives by the components of the secondary edge's nodes, then of the primary's, shape (p, d).
-
-    """
-
-    value: Floats
-    gradient: Floats
-
-
-@dataclass(frozen=True, eq=False)
 class PieceIntegrals:
     """Integrals over pieces with the two hat functions of each piece's edge, linear between its ends.
 
     Parameters
     ----------
     gaps
-        Integrals of the gap for r = 0 and 1.
+        ``int phi_r g ds`` over the undeformed length, shape (p, 2).
+    gradients
+        First derivatives by the components of the secondary edge's nodes, then of the primary's, shape (p, 2, d).
     lengths
         ``int phi_r ds``, shape (p, 2).
     primary_shapes
         ``int phi_r N_a ds`` with the primary edge's functions at the opposite point, shape (p, 2, order + 1).
     points
-        The points of quadrature, for second derivatives; None where these are not wanted.
+        The points of quadrature, for second derivatives; None if these are not wanted.
 
     """
 
-    gaps: tuple[GapIntegral, GapIntegral]
+    gaps: Floats
+    gradients: Floats
     lengths: Floats
     primary_shapes: Floats
-    points: PiecePoints | None
+    points: "PiecePoints | None"
 
 
 def integrate(
@@ -165,19 +185,15 @@ def integrate(
     edge_lengths
         Undeformed length of each piece's secondary edge, shape (p,).
     second
-        Whether second derivatives will be wanted; without them straight edges have a closed form.
+        Whether second derivatives are wanted; without them straight edges have a closed form.
 
     """
     given = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot), secondary, primary, edge_lengths
     if not second and secondary.shape[1] == primary.shape[1] == 2:
-        values, gradients, covered, shapes = straight_integrals(*given)
-        gaps = GapIntegral(values[0], gradients[0]), GapIntegral(values[1], gradients[1])
-        return PieceIntegrals(gaps, covered.T, shapes.swapaxes(0, 1), None)
+        return _straight_integrals(*given)
     points = PiecePoints(*given)
-    values, gradients = points.gaps()
-    gaps = GapIntegral(values[:, 0], gradients[:, 0]), GapIntegral(values[:, 1], gradients[:, 1])
     hats = points.hats
-    return PieceIntegrals(gaps, hats.sum(axis=-1), hats @ points.other_values, points if second else None)
+    return PieceIntegrals(*points.gaps(), hats.sum(axis=-1), hats @ points.other_values, points if second else None)
 
 
 def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
@@ -187,3 +203,241 @@ def _distances(secondary: Floats, primary: Floats, xi: Floats) -> Floats:
     apart = horner(other, ray_parameters(other, at, tangent)) - at
     distance: Floats = -(np.conj(tangent) * apart).imag / np.abs(tangent)
     return distance
+
+
+class _Arrays:
+    """Arrays of p pieces, the first axis of each, of which some can be taken together."""
+
+    def take(self, chosen: Ints) -> Self:
+        """The same of some pieces."""
+        part = copy(self)
+        for name, value in vars(self).items():
+            setattr(part, name, value[chosen] if isinstance(value, np.ndarray) else value.take(chosen))
+        return part
+
+
+class _Edges:
+    """Edges with nodes (p, order + 1, 2) as power series of their parameters."""
+
+    def __init__(self, positions: Floats) -> None:
+        self.nodes = as_complex(positions)
+        self.order = positions.shape[1] - 1
+        self.series = [edge_series(positions)]
+        for _ in range(3):
+            self.series.append(derivative(self.series[-1]))
+
+    def values(self, number: int, parameters: Floats) -> Complex:
+        """Points, or their derivatives of a number, at parameters (p,) or (p, q)."""
+        series = self.series[number]
+        return horner(series[..., None] if parameters.ndim == 2 else series, parameters)
+
+
+class _Ends(_Arrays):
+    """Starts or ends of pieces on secondary edges, and the rates of their parameters, which only feet have.
+
+    With the distance d of the primary's node from its foot, ``(m^2 - d n . x'') rate = m t . (y_dot - x_dot) +
+    d n . x_dot'`` at fixed parameter.
+    """
+
+    def __init__(self, parameters: Floats, moving: Bools, own: _Edges, other: _Edges, end: int) -> None:
+        point, slope, bend, twist = (own.values(number, parameters) for number in range(4))
+        self.m = np.abs(slope)
+        self.t: Complex = slope / self.m
+        self.n: Complex = -1j * self.t
+        self.distance = _dot(self.n, other.nodes[:, end] - point)
+        self.bend_t, self.bend_n, self.twist_n = _dot(self.t, bend), _dot(self.n, bend), _dot(self.n, twist)
+        values, slopes, bends = shape_functions(own.order, parameters)
+        onto = np.zeros((len(parameters), other.order + 1))
+        self.slopes, self.bends = _beside(slopes, onto), _beside(bends, onto)
+        onto[:, end] = 1.0
+        self.apart = _beside(-values, onto)
+        self.inverse = np.where(moving, 1.0 / (self.m**2 - self.distance * self.bend_n), 0.0)
+        self.rate: Complex = (
+            self.apart * (self.inverse * self.m * self.t)[:, None]
+            + self.slopes * (self.inverse * self.distance * self.n)[:, None]
+        )
+
+    def second(self) -> tuple[Complex, Complex, Complex]:
+        """Factors of the second derivative ``rate f0 + f1 f2``, each (p, d)."""
+        turn = self.slopes * self.n[:, None] + self.bend_n[:, None] * self.rate
+        along = self.slopes * self.t[:, None] + self.bend_t[:, None] * self.rate
+        by_rate = (
+            self.slopes * (-2.0 * self.m * self.t)[:, None]
+            + self.bends * (2.0 * self.distance * self.n)[:, None]
+            + (self.distance * self.twist_n - self.m * self.bend_t)[:, None] * self.rate
+        )
+        by_turn = 2.0 * (self.apart * self.n[:, None] - (self.distance / self.m)[:, None] * along)
+        return self.inverse[:, None] * by_rate, turn, self.inverse[:, None] * by_turn
+
+
+class PiecePoints(_Arrays):
+    """Gaps at q points of quadrature on each of p pieces; the head of the file explains the letters.
+
+    ``limits`` are the starts and ends of the pieces, of which ``feet`` are those of the primary edge's end and
+    start, each (p,); the other arguments are those of `integrate`.
+    """
+
+    def __init__(
+        self, limits: Pair, feet: tuple[Bools, Bools], secondary: Floats, primary: Floats, edge_lengths: Floats
+    ) -> None:
+        own, other = _Edges(secondary), _Edges(primary)
+        parts, weights = gauss(max(own.order, other.order) + 1)
+        self.parts = np.broadcast_to(parts, (len(secondary), len(parts)))
+        self.start = _Ends(limits[0], feet[0], own, other, -1)
+        self.end = _Ends(limits[1], feet[1], own, other, 0)
+        self.width = (limits[1] - limits[0])[:, None]
+        self.xi = limits[0][:, None] + self.width * parts
+        self.weights = edge_lengths[:, None] * weights  # of the undeformed length by parts of an edge
+        point, slope, bend, twist = (own.values(number, self.xi) for number in range(4))
+        self.m = np.abs(slope)
+        self.t: Complex = slope / self.m
+        self.n: Complex = -1j * self.t
+        eta = ray_parameters(other.series[0][..., None], point, self.t)
+        there, along, self.other_bend = (other.values(number, eta) for number in range(3))
+        self.gap = _dot(self.n, there - point)
+        reach, rise = _dot(self.t, along), _dot(self.n, along)
+        self.lean = rise / reach  # k
+        self.bend, self.bend_n, self.twist_n = bend, _dot(self.n, bend), _dot(self.n, twist)
+
+        values, slopes, bends = shape_functions(own.order, self.xi)
+        self.other_values, other_slopes = shape_functions(other.order, eta, 1)
+        nothing = np.zeros_like(other_slopes)
+        self.slopes, self.bends = _beside(slopes, nothing), _beside(bends, nothing)
+        self.other_slopes = _beside(np.zeros_like(values), other_slopes)
+        apart = _beside(-values, self.other_values)
+        self.moved = (1.0 - parts)[:, None] * self.start.rate[:, None] + parts[:, None] * self.end.rate[:, None]
+        self.turn = self.slopes * (self.n / self.m)[..., None] + (self.bend_n / self.m)[..., None] * self.moved
+        self.slide = apart * (-self.t / reach)[..., None] + (self.m / reach)[..., None] * self.moved
+        self.slide -= (self.gap / reach)[..., None] * self.turn
+        self.rate = apart * self.n[..., None] + rise[..., None] * self.slide
+
+    @property
+    def hats(self) -> Floats:
+        """The two hat functions at the points, times their weights, shape (p, 2, q)."""
+        measure = self.weights * self.width
+        return np.stack(((1.0 - self.xi) * measure, self.xi * measure), axis=1)
+
+    def gaps(self) -> tuple[Floats, Floats]:
+        """Integrals of the gap with the hats (p, 2), and their derivatives by the components of the nodes (p, 2, 2 d).
+
+        These include the changes of the hats at the moving points and of the pieces' widths.
+        """
+        hats = self.hats
+        values = (hats * self.gap[:, None]).sum(axis=-1)
+        share = self.weights * self.gap
+        by_width = np.stack(((share * (1.0 - self.xi)).sum(axis=-1), (share * self.xi).sum(axis=-1)), axis=1)
+        to_end = self.width * np.stack(
+            ((share * (1.0 - self.parts)).sum(axis=-1), (share * self.parts).sum(axis=-1)), 1
+        )
+        slopes = np.array([-1.0, 1.0])
+        gradients = hats @ _components(self.rate)
+        gradients += (slopes * to_end[:, :1] - by_width)[..., None] * _components(self.start.rate)[:, None]
+        gradients += (slopes * to_end[:, 1:] + by_width)[..., None] * _components(self.end.rate)[:, None]
+        return values, gradients
+
+    def hessians(self, factors: Floats) -> Floats:
+        """Second derivatives of the sums of factors (p, 2) times the two integrals of the gap, shape (p, 2 d, 2 d)."""
+        shape = factors[:, :1] * (1.0 - self.xi) + factors[:, 1:] * self.xi
+        slope = factors[:, 1:] - factors[:, :1]
+        weights = self.weights * shape
+        measure = weights * self.width
+        g, k, m = self.gap, self.lean, self.m
+        across: Complex = self.n - k * self.t  # P
+        moved, turn, slide, rate = self.moved, self.turn, self.slide, self.rate
+        stretch = self.slopes * (self.t / m)[..., None] + (_dot(self.t, self.bend) / m)[..., None] * moved
+
+        by_slide = self.other_slopes * (2.0 * measure * across)[..., None]
+        by_slide += (measure * _dot(across, self.other_bend))[..., None] * slide
+        by_turn = (-2.0 * measure * k)[..., None] * rate + (measure * g)[..., None] * turn
+        by_turn += (2.0 * measure * g * k)[..., None] * stretch
+        by_moved = self.slopes * (-2.0 * measure * across)[..., None]
+        by_moved -= self.bends * (2.0 * measure * g * k / m * self.n)[..., None]
+        by_moved -= (measure * (_dot(across, self.bend) + g * k * self.twist_n / m))[..., None] * moved
+        by_moved += (2.0 * self.weights * self.width * slope)[..., None] * rate
+        widening = self.end.rate - self.start.rate
+        by_moved += (2.0 * self.weights * g * slope)[..., None] * widening[:, None]
+        by_width = 2.0 * (weights[..., None] * rate).sum(axis=1)
+        # what multiplies the second derivatives of the pieces' ends
+        by_xi = self.weights * self.width * slope * g + measure * k * (m - g * self.bend_n / m)
+        of_width = (weights * g).sum(axis=1)
+        ends = (
+            (self.start, -1.0, ((1.0 - self.parts) * by_xi).sum(axis=1) - of_width, 1.0 - self.parts),
+            (self.end, 1.0, (self.parts * by_xi).sum(axis=1) + of_width, self.parts),
+        )
+        left, right = [slide, turn], [by_slide, by_turn]
+        for end, sign, factor, parts in ends:
+            first, end_turn, second = (each[:, None] for each in end.second())
+            through = (parts[..., None] * by_moved).sum(axis=1) + sign * by_width
+            left += [end.rate[:, None], end_turn]
+            right += [through[:, None] + factor[:, None, None] * first, factor[:, None, None] * second]
+        product = _components(np.concatenate(left, axis=1)).swapaxes(1, 2) @ _components(np.concatenate(right, axis=1))
+        result: Floats = (product + product.swapaxes(1, 2)) / 2.0
+        return result
+
+
+def _dot(one: Complex, other: Complex) -> Floats:
+    """Dot products of vectors."""
+    return one.real * other.real + one.imag * other.imag
+
+
+def _beside(secondary: Floats, primary: Floats) -> Floats:
+    """What depends on the nodes of the secondary, then of the primary edge: along the last axis."""
+    return np.concatenate((secondary, primary), axis=-1)
+
+
+def _components(derivatives: Complex) -> Floats:
+    """Derivatives by the components x and y of the nodes in turn, shape (..., 2 d), from complex ones (..., d)."""
+    return np.ascontiguousarray(derivatives).view(np.float64)
+
+
+def _straight_integrals(
+    limits: Pair, feet: tuple[Bools, Bools], secondary: Floats, primary: Floats, edge_lengths: Floats
+) -> PieceIntegrals:
+    """Integrals over pieces of straight edges in closed form; arguments as in `PiecePoints`."""
+    chord = secondary[:, 1] - secondary[:, 0]
+    length = np.hypot(chord[:, 0], chord[:, 1])
+    tx, ty = chord[:, 0] / length, chord[:, 1] / length
+    (a_t, a_n), (b_t, b_n) = (_local(primary[:, end] - secondary[:, 0], tx, ty) for end in range(2))
+    foot_a, foot_b = a_t / length, b_t / length
+    start, end = limits
+
+    width = end - start
+    middle = (start + end) / 2.0
+    spread = width**2 / 12.0  # of a parameter's square about its mean, by the width
+    reach = foot_b - foot_a
+    slope = (b_n - a_n) / reach
+    # means over the piece of the hats phi_1 = xi, phi_0 = 1 - xi and of their products with h_a and h_b
+    mean_b = (middle - foot_a) / reach
+    with_b = np.stack(((1.0 - middle) * mean_b - spread / reach, middle * mean_b + spread / reach))
+    hats = np.stack((1.0 - middle, middle))
+    scale = width * edge_lengths
+    lengths = hats * scale
+    by_b = with_b * scale
+    by_a = lengths - by_b
+    values = by_a * a_n + by_b * b_n
+
+    at_a = np.where(feet[1], edge_lengths * a_n, 0.0)
+    at_b = np.where(feet[0], edge_lengths * b_n, 0.0)
+    foot_a_by = np.stack(((1.0 - foot_a) * at_a, foot_a * at_a)) - slope * by_a
+    foot_b_by = -np.stack(((1.0 - foot_b) * at_b, foot_b * at_b)) - slope * by_b
+    along_a, along_b = foot_a_by / length, foot_b_by / length
+    turn = by_a * a_t + by_b * b_t - along_a * a_n - along_b * b_n
+    gradient = np.empty((*values.shape, 4, 2))
+    _into(gradient[:, :, 2], along_a, by_a, tx, ty)
+    _into(gradient[:, :, 3], along_b, by_b, tx, ty)
+    _into(gradient[:, :, 1], -(along_a * foot_a + along_b * foot_b), -turn / length, tx, ty)
+    gradient[:, :, 0] = -gradient[:, :, 1:].sum(axis=2)  # gaps do not change when all nodes move alike
+    shapes = np.stack((by_a, by_b), axis=-1).swapaxes(0, 1)
+    gradients = np.stack(tuple(gradient.reshape(*values.shape, 8)), axis=1)
+    return PieceIntegrals(np.stack(tuple(values), axis=1), gradients, lengths.T, shapes, None)
+
+
+def _local(vector: Floats, tx: Floats, ty: Floats) -> tuple[Floats, Floats]:
+    """Components along t and along ``n = (t_y, -t_x)``."""
+    return vector[:, 0] * tx + vector[:, 1] * ty, vector[:, 0] * ty - vector[:, 1] * tx
+
+
+def _into(target: Floats, along: Floats, across: Floats, tx: Floats, ty: Floats) -> None:
+    """Put a vector of components along t and n into the axes of space."""
+    target[..., 0] = along * tx + across * ty
+    target[..., 1] = along * ty - across * tx

@@ -4,96 +4,63 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import are_finite, check_positive
-from flangeway.contact.edge_shapes import shape_functions
-from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps
-from flangeway.contact.pairs import Pairing
+from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps, shape_functions
+from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.surface import Surface, node_normals
+from flangeway.contact.surface import COLLINEAR, Surface, node_normals
 from flangeway.errors import InputError, short
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
-SLACK = 1e-3
-"""Parts of an edge beyond its ends within which a node behind it may be."""
-HOLLOW = 0.5
-"""The same at a joint that is hollow, behind which points are beyond the ends of both edges."""
-HARDLY = 1e-6
-"""Turn of a joint that is straight but for round-off."""
+SLACK, OVERHANG = 1e-3, 0.1
+"""Parts of an edge beyond its ends within which a node behind it may be, and an open one; see `NodeToSegment`."""
+CONCAVE = 0.5
+"""The same at a concave joint, behind which points are beyond the ends of both edges."""
 
 
 @dataclass(frozen=True, eq=False)
-class NodePairs:
-    """Secondary nodes and the primary edges that they face: a constraint each; see `flangeway.contact.pairs.Pairs`.
+class NodePairs(Pairs):
+    """Nodes of either side and the edges of the other one that they face: a constraint and a term each.
 
     Parameters
     ----------
-    nodes
-        Places of the nodes in the secondary surface, shape (m,).
-    primary_edges
-        Numbers of the edges in the primary surface, shape (m,).
-    areas
-        Areas of the nodes, shape (m,).
     kinematics
-        Gaps and their derivatives.
+        Gaps of the nodes over the edges, and their derivatives.
+    slots
+        The node, then the edge's nodes, among the points of the term, shape (m, order + 2).
+    width
+        Number of the term's points.
 
     """
 
-    nodes: Ints
-    primary_edges: Ints
-    areas: Floats
     kinematics: NodeEdgeGaps
-
-    @property
-    def keys(self) -> Ints:
-        """See `flangeway.contact.pairs.Pairs.keys`."""
-        return self.nodes
-
-    @property
-    def guarded(self) -> NDArray[np.bool_]:
-        """See `flangeway.contact.pairs.Pairs.guarded`."""
-        return np.zeros(len(self.keys), dtype=np.bool_)
-
-    @property
-    def partners(self) -> Ints:
-        """See `flangeway.contact.pairs.Pairs.partners`."""
-        return self.primary_edges
-
-    @property
-    def gaps(self) -> Floats:
-        """See `flangeway.contact.pairs.Pairs.gaps`."""
-        return self.kinematics.gaps
-
-    @property
-    def whole_areas(self) -> Floats:
-        """See `flangeway.contact.pairs.Pairs.whole_areas`."""
-        return self.areas
-
-    @property
-    def secondary_members(self) -> Ints:
-        """See `flangeway.contact.pairs.Pairs.secondary_members`."""
-        return self.nodes[:, None]
-
-    @property
-    def rows(self) -> Ints:
-        """See `flangeway.contact.pairs.Pairs.rows`."""
-        return np.arange(len(self.nodes))[:, None]
+    slots: Ints
+    width: int
 
     @property
     def gradients(self) -> Floats:
-        """See `flangeway.contact.pairs.Pairs.gradients`."""
-        return self.kinematics.gradients[:, None]
+        """See `Pairs.gradients`."""
+        result = np.zeros((len(self.slots), self.width, 2))
+        np.put_along_axis(result, self.slots[:, :, None], self.kinematics.gradients, axis=1)
+        return result[:, None]
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
-        """See `flangeway.contact.pairs.Pairs.curvatures`."""
+        """See `Pairs.curvatures`."""
         loaded = np.flatnonzero(forces)
-        return loaded, forces[loaded, None, None] * self.kinematics.hessians[loaded]
+        dofs = (2 * self.slots[loaded][:, :, None] + np.arange(2)).reshape(len(loaded), 2 * self.slots.shape[1])
+        result = np.zeros((len(loaded), 2 * self.width, 2 * self.width))
+        each = np.arange(len(loaded))[:, None, None]
+        result[each, dofs[:, :, None], dofs[:, None, :]] = self.kinematics.hessians[loaded]
+        return loaded, forces[loaded, None, None] * result
 
     def opposite_points(self, edges: Floats) -> Floats:
-        """See `flangeway.contact.pairs.Pairs.opposite_points`."""
+        """See `Pairs.opposite_points`."""
         shapes = shape_functions(edges.shape[1] - 1, self.kinematics.parameters, 0)[0]
         points: Floats = np.einsum("na,nai->ni", shapes, edges[self.primary_edges])
+        node = self.slots[:, 0] - self.secondary_members.shape[1]
+        primary = node >= 0
+        points[primary] = edges[self.primary_edges[primary], node[primary]]
         return points
 
 
@@ -104,22 +71,22 @@ class NodeToSegment(Pairing):
     Parameters
     ----------
     reach
-        Nodes whose gap is larger take no part; None: twice the mean length of the primary edges. It must exceed the
+        Nodes whose gap is larger are ignored; None: twice the mean length of the primary edges. It must exceed the
         gaps that an iteration can close.
     slack
-        How far beyond its edge, in parts of the edge, a node stays with the edge it faced before. It stops nodes from
-        hopping between two edges; it also is the width within which the answer depends on the path to it.
+        How far beyond its edge, in parts of the edge, a node stays paired with the edge it faced before. It prevents
+        nodes from changing between two edges; within this width the answer depends on the path.
     overhang
         How far beyond the nearest edge, in parts of the edge, the foot of an open node may lie, and that of any node
-        where the surface ends. It bridges the dead angle at convex corners, where an open node is beyond the ends of
-        both its edges.
+        at the end of the surface. It bridges the dead angle at convex corners, where an open node is beyond the ends of
+        both edges.
 
     """
 
     averages: ClassVar[bool] = False
     reach: float | None = None
-    slack: float = 1e-3
-    overhang: float = 0.1
+    slack: float = SLACK
+    overhang: float = OVERHANG
 
     def __post_init__(self) -> None:
         if self.reach is not None:
@@ -153,7 +120,12 @@ class NodeToSegment(Pairing):
         """See `Pairing.pair`; ``settle``: pairs are kept within ``overhang`` of their edge, not within ``slack``."""
         positions = positions[: len(secondary.nodes)]
         nodes, edges, kinematics = self.find(positions, secondary.edge_places, primary_edges, kept, settle=settle)
-        return NodePairs(nodes, edges, self.node_areas(secondary)[nodes], kinematics)
+        areas, width = self.node_areas(secondary)[nodes], 1 + primary_edges.shape[1]
+        slots = np.broadcast_to(np.arange(width), (len(nodes), width))
+        each = np.arange(len(nodes))[:, None]
+        return NodePairs(
+            nodes, edges, nodes, kinematics.gaps, areas, areas, nodes[:, None], edges, each, kinematics, slots, width
+        )
 
     def find(
         self, positions: Floats, edge_places: Ints, primary_edges: Floats, kept: Ints, *, settle: bool = False
@@ -174,9 +146,9 @@ def facing_pairs(
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:  # fmt: skip
     """Nodes, of those wanted, that face an edge of another surface, those edges, and their gaps.
 
-    Directions (outwards) and the edges that were ``kept``, -1 for none, are those of all nodes. A node stays with the
-    latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; one behind an
-    edge, see `margins_of`.
+    The outward directions, and the edges that were ``kept`` (-1 for none), are those of all nodes. A node stays with
+    the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; for one
+    behind an edge see `margins_of`.
     """
     points = positions[wanted]
     partners = nearest_edges(points, directions[wanted], edges)
@@ -201,17 +173,17 @@ def facing_pairs(
 def margins_of(edges: Floats, overhang: float) -> Floats:
     """How far beyond the start and the end of each edge of a chain the foot of a point behind it may lie.
 
-    In parts of the edge, shape (n, 2): hardly at a corner, beyond which the point is outside; far at a hollow joint;
-    ``overhang`` where the chain ends.
+    In parts of the edge, shape (n, 2): `SLACK` at a corner, beyond which the point is outside, `CONCAVE` at a concave
+    joint, and ``overhang`` where the chain ends.
     """
     following = np.roll(edges, -1, axis=0)
     into, out = edges[:, -1] - edges[:, 0], following[:, -1] - following[:, 0]
-    hollow = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)) < -HARDLY
+    concave = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)) < -COLLINEAR
     meets = (edges[:, -1] == following[:, 0]).all(axis=1)
-    at_end = np.where(meets, np.where(hollow, HOLLOW, SLACK), overhang)
+    at_end = np.where(meets, np.where(concave, CONCAVE, SLACK), overhang)
     return np.stack((np.roll(at_end, 1), at_end), axis=1)
 
 
-def within(parameters: Floats, margins: Floats) -> NDArray[np.bool_]:
+def within(parameters: Floats, margins: Floats) -> Bools:
     """Whether feet are on their edges, or beyond them by margins (n, 2) at most."""
     return (parameters >= -margins[:, 0]) & (parameters <= 1.0 + margins[:, 1])

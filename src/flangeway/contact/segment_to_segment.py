@@ -12,15 +12,14 @@ from functools import cached_property
 from typing import ClassVar, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from flangeway.checks import check_positive
 from flangeway.contact.edge_pieces import PieceIntegrals, Pieces, find_pieces, integrate
-from flangeway.contact.pairs import Pairing
+from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import candidate_pairs, leads_out
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 LEAST_COVERED = 1e-6
 """Part of a hat function's area that must face the primary, and part of an edge that may be left uncovered."""
@@ -30,8 +29,8 @@ DUAL = np.array([[2.0, -1.0], [-1.0, 2.0]])
 
 
 @dataclass(frozen=True, eq=False)
-class SegmentPairs:
-    """Constraints of the hat functions that face the primary; see `flangeway.contact.pairs.Pairs`.
+class SegmentPairs(Pairs):
+    """Constraints of the hat functions that face the primary.
 
     Parameters
     ----------
@@ -39,8 +38,6 @@ class SegmentPairs:
         Pieces of the secondary surface.
     integrals
         Integrals over the pieces, with first derivatives and what second ones are made of.
-    keys, nodes, gaps, areas, whole_areas, secondary_members, rows
-        See `flangeway.contact.pairs.Pairs`.
     weights
         What the integrals with a piece's two hats add to the gaps of its two constraints, shape (p, 2, 2).
 
@@ -48,39 +45,16 @@ class SegmentPairs:
 
     pieces: Pieces
     integrals: PieceIntegrals
-    keys: Ints
-    nodes: Ints
-    gaps: Floats
-    areas: Floats
-    whole_areas: Floats
-    secondary_members: Ints
-    rows: Ints
     weights: Floats
-
-    @property
-    def guarded(self) -> NDArray[np.bool_]:
-        """See `flangeway.contact.pairs.Pairs.guarded`."""
-        return np.zeros(len(self.keys), dtype=np.bool_)
-
-    @property
-    def partners(self) -> Ints:
-        """See `flangeway.contact.pairs.Pairs.partners`."""
-        return np.full(len(self.keys), -1, dtype=np.int64)
-
-    @property
-    def primary_edges(self) -> Ints:
-        """See `flangeway.contact.pairs.Pairs.primary_edges`."""
-        return self.pieces.partners
 
     @cached_property
     def gradients(self) -> Floats:
-        """See `flangeway.contact.pairs.Pairs.gradients`."""
-        first = np.stack([gap.gradient for gap in self.integrals.gaps], axis=1)
-        gradients: Floats = np.einsum("prs,psd->prd", self.weights, first)
+        """See `Pairs.gradients`."""
+        gradients: Floats = np.einsum("prs,psd->prd", self.weights, self.integrals.gradients)
         return gradients.reshape(*gradients.shape[:2], gradients.shape[2] // 2, 2)
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
-        """See `flangeway.contact.pairs.Pairs.curvatures`."""
+        """See `Pairs.curvatures`."""
         on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
         loaded = np.flatnonzero(on_hats.any(axis=1))
         points = self.integrals.points
@@ -88,7 +62,7 @@ class SegmentPairs:
         return loaded, points.take(loaded).hessians(on_hats[loaded])
 
     def opposite_points(self, edges: Floats) -> Floats:
-        """See `flangeway.contact.pairs.Pairs.opposite_points`."""
+        """See `Pairs.opposite_points`."""
         moments = np.einsum("pra,pai->pri", self.integrals.primary_shapes, edges[self.pieces.partners])
         total, covered = np.zeros((len(self.keys), 2)), np.zeros(len(self.keys))
         np.add.at(total, self.rows, moments)
@@ -108,10 +82,10 @@ class SegmentToSegment(Pairing):
     Parameters
     ----------
     reach
-        Pieces farther apart take no part; None: twice the mean length of the primary edges.
+        Pieces with a larger gap are ignored; None: twice the mean length of the primary edges.
     depth
-        Pieces that penetrate deeper take no part; None: half the extent of the smaller surface. A step that moves a
-        surface deeper than this into the other would lose the contact.
+        Pieces that penetrate deeper are ignored; None: half the extent of the smaller surface. A step that moves a
+        surface deeper than this into the other loses the contact.
     weighting
         ``"standard"``: gaps weighted with the hat functions. ``"dual"``: with their biorthogonal functions, on edges
         that the primary faces as a whole; these oscillate less.
@@ -149,7 +123,7 @@ class SegmentToSegment(Pairing):
         primary: Surface,  # noqa: ARG002 (its edges are enough)
         positions: Floats,
         primary_edges: Floats,
-        kept: Ints,  # noqa: ARG002 (gaps are continuous: no constraint hops)
+        kept: Ints,  # noqa: ARG002 (gaps are continuous: no constraint has a partner)
         *,
         settle: bool = False,  # noqa: ARG002 (the same)
     ) -> SegmentPairs:
@@ -172,23 +146,22 @@ class SegmentToSegment(Pairing):
         np.add.at(covered, of_piece, found.lengths)
         thickness = secondary.part.body.thickness
         keys = np.flatnonzero(covered * thickness > LEAST_COVERED * hats.areas)
-        if len(keys) == 0:  # at most slivers, which bear nothing
+        if len(keys) == 0:  # at most slivers, which carry nothing
             pieces = pieces.take(np.empty(0, dtype=np.int64))
             found = integrate(pieces, edges[pieces.edges], primary_edges[pieces.partners], lengths[:0], second=True)
             of_piece = of_piece[:0]
-        # pieces with a hat that is all but uncovered give nothing to it: their weight is zero
+        # pieces add nothing to a hat that is almost uncovered: their weight is zero
         row_of = np.zeros(len(hats.nodes), dtype=np.int64)
         row_of[keys] = np.arange(len(keys))
         inverse = np.zeros(len(hats.nodes))
         inverse[keys] = 1.0 / covered[keys]
         weights = self._functions(pieces, found, secondary.edge_lengths) * inverse[of_piece][:, :, None]
         rows = row_of[of_piece]
-        integrals = np.stack([gap.value for gap in found.gaps], axis=1)
         gaps = np.zeros(len(keys))
-        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, integrals))
+        np.add.at(gaps, rows, np.einsum("prs,ps->pr", weights, found.gaps))
         return SegmentPairs(
-            pieces, found, keys, hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
-            secondary.contact_places[pieces.edges], rows, weights,
+            keys, np.full(len(keys), -1), hats.nodes[keys], gaps, covered[keys] * thickness, hats.areas[keys],
+            secondary.contact_places[pieces.edges], pieces.partners, rows, pieces, found, weights,
         )  # fmt: skip
 
     def _functions(self, pieces: Pieces, found: PieceIntegrals, edge_lengths: Floats) -> Floats:
@@ -203,7 +176,7 @@ class SegmentToSegment(Pairing):
         return functions
 
 
-def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> NDArray[np.bool_]:
+def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Bools:
     """Pieces that face the primary through their own body, see `leads_out`."""
     middle = ((pieces.starts + pieces.ends) / 2.0)[:, None]
     start, along = edges[pieces.edges, 0], edges[pieces.edges, -1] - edges[pieces.edges, 0]

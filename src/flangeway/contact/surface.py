@@ -6,18 +6,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact.boundary import sagittas_of
-from flangeway.contact.edge_shapes import as_complex, as_vectors
-from flangeway.contact.hats import SHARP, Hats
+from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
 from flangeway.geometry.arrays import point_text
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.problems import Part
-from flangeway.types import Complex, Floats
-
-Ints = NDArray[np.int32]
+from flangeway.types import Complex, Floats, Ints
 
 FAR = 0.25
 """Distance of a node from the surface's curve, over the mean edge, above which the curve is refused."""
@@ -25,11 +21,39 @@ FAR = 0.25
 COLLINEAR = 1e-6
 """Turn between edges, in rad, below which they are one line."""
 
+CORNER = np.deg2rad(15.0)
+"""Turn between edges from which they meet in a corner. Curves are drawn in more chords: what these overlap is allowed,
+what corners overlap is not."""
+
+ROUGH = np.deg2rad(30.0)
+"""Turn between edges from which a surface is not smooth in the mean: the pressure may jump there, so that both sides
+have a constraint each. Edges that turn by less are taken for a coarse curve in the warning of straight edges."""
+
 LONGEST = 1.5
-"""Length of an edge that stands for a curve over that of the longer neighbour."""
+"""Length of an edge that is a chord of a curve over that of the longer neighbour."""
 
 STRAIGHT = 1e-9
 """Distance of the curve from the edges' middles, over the edges, below which it is straight."""
+
+
+@dataclass(frozen=True, eq=False)
+class Hats:
+    """Hat functions on a surface, which weight the gaps: one at each end of edges, two where the surface is `ROUGH`.
+
+    Parameters
+    ----------
+    nodes
+        Position in `Surface.nodes` of each function's node, shape (n,).
+    of_edge
+        Functions of the two ends of each edge, shape (n_edges, 2).
+    areas
+        Integrals of the functions over the undeformed surface, times the thickness, shape (n,).
+
+    """
+
+    nodes: Ints
+    of_edge: Ints
+    areas: Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +74,7 @@ class Surface:
         get a point of it in their middles (`bends`). Left out: the mesh's edges themselves.
     nodes_only
         Whether edges of order 1 stay straight between their nodes on the curve. It saves a third of the time of an
-        iteration, and is enough where h^2 / 8 R is far below what the surfaces sink, as on wheels and rails.
+        iteration, and is enough where h^2 / 8 R is far below the approach of the surfaces, as on wheels and rails.
 
     Raises
     ------
@@ -61,7 +85,7 @@ class Surface:
     """
 
     part: Part
-    edges: Ints
+    edges: NDArray[np.int32]
     curve: Contour | None = None
     nodes_only: bool = False
 
@@ -76,9 +100,9 @@ class Surface:
         chain = ordered_pairs(self._on_the_left(edges), self._name)
         starts = chain_starts(chain)
         if len(starts) > 1:
-            places = ", ".join(f"({x:g}, {y:g})" for x, y in self.part.body.mesh.points[chain[starts[:4], 0]])
+            starts_text = ", ".join(f"({x:g}, {y:g})" for x, y in self.part.body.mesh.points[chain[starts[:4], 0]])
             raise InputError(
-                f"{self._name} of {len(starts)} chains, which start at {places}",
+                f"{self._name} of {len(starts)} chains, which start at {starts_text}",
                 "one chain of edges that follow each other",
                 "make one contact for each chain",
             )
@@ -109,21 +133,21 @@ class Surface:
         return outer[places]
 
     @cached_property
-    def edge_nodes(self) -> Ints:
+    def edge_nodes(self) -> NDArray[np.int32]:
         """Nodes of each edge so that the placed body lies on the left, shape (n_edges, order + 1)."""
         nodes = self.part.body.space.edge_nodes(self.edges)
         return nodes[::-1, ::-1] if self.part.placement.mirrored else nodes
 
     @cached_property
-    def nodes(self) -> Ints:
+    def nodes(self) -> NDArray[np.int32]:
         """Nodes of the surface along the chain, each once, shape (n_nodes,)."""
         chain = np.concatenate((self.edge_nodes[:, :-1].ravel(), self.edge_nodes[-1:, -1]))
         closed = len(chain) > 1 and chain[0] == chain[-1]
         return chain[:-1] if closed else chain
 
     @cached_property
-    def edge_places(self) -> NDArray[np.int64]:
-        """Places in `nodes` of each edge's nodes, shape (n_edges, order + 1)."""
+    def edge_places(self) -> Ints:
+        """Positions in `nodes` of each edge's nodes, shape (n_edges, order + 1)."""
         n_edges, width = self.edge_nodes.shape
         places = np.arange(n_edges)[:, None] * (width - 1) + np.arange(width)
         return places % len(self.nodes)
@@ -148,10 +172,10 @@ class Surface:
         return bends if np.abs(bends).max() > STRAIGHT else None
 
     @cached_property
-    def contact_places(self) -> NDArray[np.int64]:
-        """Places of the points that make each edge in contact, shape (n_edges, order + 1), or 3 for those with `bends`.
+    def contact_places(self) -> Ints:
+        """Points of each edge in contact, shape (n_edges, order + 1), or (n_edges, 3) with `bends`.
 
-        They count the `nodes`, and after these the edges' middles.
+        They are numbered as positions in `nodes`, and after these the edges' middles.
         """
         if self.bends is None:
             return self.edge_places
@@ -169,10 +193,9 @@ class Surface:
 
     @property
     def facet_depth(self) -> Floats:
-        """Distance h^2 / 8 R of each edge from the smooth curve that it seems to stand for, shape (n_edges,).
+        """Distance of each edge from the smooth curve that it seems to belong to, shape (n_edges,).
 
-        The curve is seen in the turns at both ends of an edge, to the same side and below that of a corner; pieces of
-        one straight line count as one edge. Zero for edges that follow a drawn curve.
+        See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a drawn curve.
         """
         depth = np.zeros(len(self.edge_nodes))
         if self.curve is not None and (self.bends is not None or self.edge_nodes.shape[1] > 2):
@@ -186,14 +209,13 @@ class Surface:
         if len(starts) < 2:
             return depth
         line = (np.cumsum(~(np.abs(turns) < COLLINEAR)) - 1) % len(starts)
-        lengths = np.bincount(line, np.abs(chords))
-        # a line that is drawn as such is far longer than the edges of the arcs beside it
+        lengths = np.bincount(line, np.abs(chords)).astype(np.float64)
+        # a straight side is far longer than the chords of the arcs beside it
         lengths = np.minimum(lengths, LONGEST * np.maximum(np.roll(lengths, 1), np.roll(lengths, -1)))
         before, after = turns[starts], np.roll(turns[starts], -1)
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
-        smooth = (before * after > 0.0) & (np.maximum(np.abs(before), np.abs(after)) < SHARP)
-        depth[:] = np.where(smooth, lengths * np.minimum(np.abs(before), np.abs(after)) / 8.0, 0.0)[line]
+        depth[:] = chord_depths(lengths, before, after, ROUGH)[line]
         return depth
 
     def _to_curve(self, points: Floats) -> Floats:
@@ -228,17 +250,32 @@ class Surface:
     @cached_property
     def hats(self) -> Hats:
         """Hat functions on the edges' ends, for averages of the gap."""
-        return Hats.on(self)
+        points = self.part.body.mesh.points
+        ends = points[self.edge_nodes[:, [0, -1]]]
+        following = np.roll(np.arange(len(ends)), -1)
+        starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH
+        starts_anew[0] |= self.edge_places[-1, -1] != 0
+        # one new function at each edge's end, one more at its start where the surface starts anew
+        last = np.arange(len(ends)) + np.cumsum(starts_anew)
+        first = last - 1
+        if not starts_anew[0]:
+            first[0] = last[-1]
+        nodes = np.empty(last.max() + 1, dtype=np.int64)
+        nodes[first], nodes[last] = self.edge_places[:, 0], self.edge_places[:, -1]
+        areas = np.zeros(len(nodes))
+        for column in (first, last):
+            np.add.at(areas, column, self.edge_lengths / 2.0 * self.part.body.thickness)
+        return Hats(nodes, np.stack((first, last), axis=1), areas)
 
     def sagittas(self, edges: Floats) -> Floats:
-        """How far a smooth curve may lie from chords of the deformed edges, see `Boundary`, shape (n_edges,)."""
+        """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""
         drawn = self.part.placement.points(self.part.body.mesh.points[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
         joints = self.edge_nodes[:, 0].astype(np.int64), self.edge_nodes[:, -1].astype(np.int64)
         return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints)
 
     @cached_property
     def tributary_lengths(self) -> Floats:
-        """Length of surface that belongs to each node: weights of its edges, shape (n_nodes,)."""
+        """Tributary length of each node, by the quadrature weights of its edges, shape (n_nodes,)."""
         lengths = self.edge_lengths
         weights = gauss_lobatto(self.edge_nodes.shape[1])[1]
         total = np.zeros(len(self.nodes))
@@ -246,8 +283,80 @@ class Surface:
         return total
 
 
-def node_normals(positions: Floats, edge_places: NDArray[np.int64]) -> Floats:
-    """Outward directions at the nodes of a chain: the mean of their edges', weighted by length.
+def chord_depths(lengths: Floats, before: Floats, after: Floats, limit: float) -> Floats:
+    """Distance ``h^2 / 8 R`` of chords from the smooth curve that they belong to, shape (n,).
+
+    Two chords of a circle meet at the angle ``h / R``. The turns at both ends of a chord show a curve if they are to
+    the same side and below a limit; the smaller one gives its radius. Otherwise the distance is 0.
+    """
+    turns = np.minimum(np.abs(before), np.abs(after))
+    smooth = (before * after > 0.0) & (np.maximum(np.abs(before), np.abs(after)) < limit)
+    return np.where(smooth, lengths * turns / 8.0, 0.0)
+
+
+def sagittas_of(drawn: Floats, deformed: Floats, joints: tuple[Ints, Ints]) -> Floats:
+    """Distance to which a smooth curve may leave each edge or one of its neighbours, shape (n,).
+
+    An edge of a drawn curve turns at both ends to one side, by less than `CORNER`; straight sides do not, and a corner
+    is at one end; see `chord_depths`. What the deformation adds to the turns at both ends is always allowed. A curved
+    edge has at least the distance of its nodes from its chord.
+
+    Parameters
+    ----------
+    drawn
+        Ends of the edges before the deformation, shape (n, 2, 2).
+    deformed
+        Nodes of the deformed edges, shape (n, order + 1, 2).
+    joints
+        Points at which the edges start and end, each (n,): edges with a common one meet there.
+
+    """
+    n = len(drawn)
+    starting = np.argsort(joints[0], kind="stable")
+    position = np.minimum(np.searchsorted(joints[0][starting], joints[1]), n - 1)
+    following = starting[position]
+    meets = joints[0][following] == joints[1]
+    was, now = (turns_of(edges, following) for edges in (drawn, deformed[:, [0, -1]]))
+    curved = np.where(meets, was, 0.0)
+    added = np.where(meets, np.abs(np.remainder(now - was + np.pi, 2.0 * np.pi) - np.pi), 0.0)
+    previous = np.full(n, -1)
+    previous[following[meets]] = np.flatnonzero(meets)
+    first, last = previous < 0, ~meets
+    added_before = np.where(first, 0.0, added[previous])
+    at_start, at_end = np.where(first, 0.0, curved[previous]), curved
+    # of the two halves of a chord, as on dual polygons, each has a turn at one end: that of the other half completes it
+    ends = ~first & (np.abs(was[previous]) <= COLLINEAR), ~last & (np.abs(was) <= COLLINEAR)
+    half = ends[0] ^ ends[1]
+    at_start, at_end = (
+        np.where(half & ends[0], at_start[previous], at_start),
+        np.where(half & ends[1], at_end[following], at_end),
+    )
+    # the last edge of a chain is treated as one on the curve of the turn before
+    at_start, at_end = np.where(first, at_end, at_start), np.where(last, at_start, at_end)
+    lengths = np.linalg.norm(deformed[:, -1] - deformed[:, 0], axis=1)
+    own = chord_depths(np.where(half, 2.0, 1.0) * lengths, at_start, at_end, CORNER)
+    own += lengths / 8.0 * (added + added_before)
+    chord = (deformed[:, -1] - deformed[:, 0]) / lengths[:, None]
+    inner = deformed[:, 1:-1] - deformed[:, :1]
+    bulge = np.abs(inner[..., 0] * chord[:, None, 1] - inner[..., 1] * chord[:, None, 0]).max(axis=1, initial=0.0)
+    own = np.maximum(own, bulge)
+    result = own.copy()
+    np.maximum.at(result, following[meets], own[meets])
+    result[meets] = np.maximum(result[meets], own[following[meets]])
+    return result
+
+
+def turns_of(edges: Floats, following: Ints) -> Floats:
+    """Angle from each edge (n, 2, 2) to the one that follows."""
+    chords = edges[:, 1] - edges[:, 0]
+    after = chords[following]
+    cross = chords[:, 0] * after[:, 1] - chords[:, 1] * after[:, 0]
+    turns: Floats = np.arctan2(cross, (chords * after).sum(axis=1))
+    return turns
+
+
+def node_normals(positions: Floats, edge_places: Ints, *, bisecting: bool = False) -> Floats:
+    """Outward directions at the nodes of a chain: the sum of the normals of their edges, shape (n_nodes, 2).
 
     Parameters
     ----------
@@ -255,15 +364,15 @@ def node_normals(positions: Floats, edge_places: NDArray[np.int64]) -> Floats:
         Of the chain's nodes, shape (n_nodes, 2).
     edge_places
         From `Surface.edge_places`.
-
-    Returns
-    -------
-    Floats
-        Shape (n_nodes, 2), not normalised.
+    bisecting
+        Whether normals are of length 1, so that the sums bisect corners; else they are as long as their edges.
 
     """
     chord = positions[edge_places[:, -1]] - positions[edge_places[:, 0]]
+    each = np.stack((chord[:, 1], -chord[:, 0]), axis=1)
+    if bisecting:
+        each /= np.linalg.norm(chord, axis=1)[:, None]
     normals = np.zeros_like(positions)
     for column in edge_places.T:
-        np.add.at(normals, column, np.stack((chord[:, 1], -chord[:, 0]), axis=1))
+        np.add.at(normals, column, each)
     return normals

@@ -1,4 +1,4 @@
-"""The system of all contacts among some parts, as the solver sees it."""
+"""The system of all contacts among some parts, as the solver uses it."""
 
 import itertools
 from collections.abc import Sequence
@@ -8,15 +8,20 @@ import numpy as np
 import scipy.sparse as sp
 from numpy.typing import NDArray
 
-from flangeway.contact.boundary import LITTLE, ROUND_OFF
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.guards import corners_on_corners, guarded, n_keys, penetrating
+from flangeway.contact.guards import corners_on_corners, guarded, key_starts, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
 from flangeway.solve import Linearisation, SurfaceNodes
 from flangeway.types import Bools, Floats, Ints
+
+BETWEEN_NODES = 1e-3
+"""Depth over the maximum displacement of the surfaces that elements leave between nodes."""
+
+ROUND_OFF = 1e-9
+"""Of a depth, over the size of the smaller body."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +37,7 @@ class ContactLinearisation:
     nodes, keys, partners, gaps, jacobian, compliances, tolerances
         See `flangeway.solve.Linearisation`.
     term_points
-        Places among the touched points of those of each contact's terms, arrays (p, w).
+        Numbers among the touched points of those of each contact's terms, arrays (p, w).
     spread
         Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
     armed
@@ -89,7 +94,7 @@ class ContactSystem:
     Raises
     ------
     InputError
-        If there is none, or two of them are between the same edges: each would bear a part of the pressure.
+        If there is none, or two of them are between the same edges: each would carry a part of the pressure.
 
     """
 
@@ -110,7 +115,7 @@ class ContactSystem:
         counts = [len(surface.nodes) for surface in self.surface_nodes]
         self._first_node = np.concatenate(([0], np.cumsum(counts)))
         sides = [(contact.secondary, contact.primary) for contact in self.contacts]
-        self._first_key = np.concatenate(([0], np.cumsum([n_keys(*both) for both in sides])))
+        self._first_key = np.concatenate(([0], np.cumsum([key_starts(*both)[-1] for both in sides])))
         # edges of the primary side, then those of the secondary one
         self._first_edge = np.concatenate(([0], np.cumsum([sum(len(each.edges) for each in both) for both in sides])))
         self._points, self._spread = self._middles()
@@ -146,16 +151,13 @@ class ContactSystem:
         return self._with(armed, positions, lin, settle=False) if more else None
 
     def corners_on_corners(self, reference: Floats, number: int) -> Floats:
-        """Places (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
+        """Points (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
         contact = self.contacts[number]
         sides = contact.secondary, contact.primary
         return corners_on_corners(sides, (reference[self.nodes_of(sides[0])], reference[self.nodes_of(sides[1])]))
 
     def explained(self, lin: ContactLinearisation, forces: Floats, number: int, moved: float) -> float:
-        """Maximum penetration that the law of a contact explains, with what is little beside the maximum displacement.
-
-        The latter is what elements between nodes leave, and includes round-off.
-        """
+        """Maximum penetration that the law of a contact, the elements between nodes and round-off explain."""
         mine = slice(lin.starts[number], lin.starts[number + 1])
         law = self.contacts[number].enforcement
         tolerated = law.tolerance() if np.isfinite(law.tolerance()) else 0.0
@@ -164,7 +166,7 @@ class ContactSystem:
             surface.part.body.elasticity.size
             for surface in (self.contacts[number].secondary, self.contacts[number].primary)
         ]
-        return (1.0 + ROUND_OFF) * given + LITTLE * moved + ROUND_OFF * min(sizes)
+        return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * min(sizes)
 
     def _armed(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
         if isinstance(previous, ContactLinearisation):
@@ -204,20 +206,19 @@ class ContactSystem:
         number = int(np.searchsorted(self._first_key, key, side="right")) - 1
         contact = self.contacts[number]
         surface, other = contact.secondary, contact.primary
-        nodes, place = contact.pairing.key_nodes(surface), int(key - self._first_key[number])
-        beyond = place - len(surface.hats.nodes) - len(surface.nodes)
-        if beyond < 0:
-            place = int(nodes[place])
-        elif beyond < len(surface.nodes) * len(other.edges):
-            place = beyond // len(other.edges)
+        local, (first, second, _) = int(key - self._first_key[number]), key_starts(surface, other)
+        if local < first:
+            node = int(contact.pairing.key_nodes(surface)[local])
+        elif local < second:
+            node = (local - first) // len(other.edges)
         else:
-            place = (beyond - len(surface.nodes) * len(other.edges)) // len(surface.edges)
+            node = (local - second) // len(surface.edges)
             surface, other = other, surface
-        x, y = positions[self.nodes_of(surface)[place]]
-        return f"node {surface.nodes[place]} of {surface.part.name!r} at ({x:.6g}, {y:.6g}) on {other.part.name!r}"
+        x, y = positions[self.nodes_of(surface)[node]]
+        return f"node {surface.nodes[node]} of {surface.part.name!r} at ({x:.6g}, {y:.6g}) on {other.part.name!r}"
 
     def _all_points(self, positions: Floats) -> Floats:
-        """Surface nodes at positions (n_nodes, 2), and the middles of the edges that stand for a curve."""
+        """Surface nodes at positions (n_nodes, 2), and the points of `Surface.bends`."""
         return positions if self._spread is None else (self._spread @ positions.ravel()).reshape(-1, 2)
 
     def _kept(self, number: int, previous: Linearisation | None) -> Ints:
@@ -269,7 +270,7 @@ class ContactSystem:
     def _middles(self) -> tuple[dict[int, Ints], sp.csr_array | None]:
         """Numbers of each surface's points by its id, and the positions of all points by those of the surface nodes.
 
-        Points are the nodes of all surfaces, then the middles of the edges that stand for a curve.
+        Points are the nodes of all surfaces, then those of `Surface.bends`.
         """
         n = int(self._first_node[-1])
         surfaces = {id(each): each for contact in self.contacts for each in (contact.secondary, contact.primary)}
@@ -303,7 +304,7 @@ def _refuse_twice(first: Contact, second: Contact) -> None:
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
             "each pair of edges in one contact",
-            "leave one of them out: a contact keeps both bodies off each other, whichever is secondary",
+            "leave one of them out: a contact prevents overlap of both bodies, whichever is secondary",
         )
 
 
@@ -312,7 +313,7 @@ def _share_edges(one: NDArray[np.int32], other: NDArray[np.int32]) -> bool:
 
 
 def _union(surfaces: list[Surface]) -> SurfaceNodes:
-    """Nodes of one part's surfaces; where several have a node, the first with a curve gives its place."""
+    """Nodes of one part's surfaces; where several have a node, the first with a curve gives its position."""
     nodes = np.unique(np.concatenate([surface.nodes for surface in surfaces]))
     shifts = np.zeros((len(nodes), 2))
     for surface in reversed(surfaces):
@@ -321,9 +322,9 @@ def _union(surfaces: list[Surface]) -> SurfaceNodes:
     return SurfaceNodes(surfaces[0].part.body, nodes, shifts if shifts.any() else None)
 
 
-def _components(places: Ints) -> Ints:
+def _components(nodes: Ints) -> Ints:
     """Numbers of the components of nodes (..., w), shape (..., w, 2)."""
-    return 2 * places[..., None] + np.arange(2)
+    return 2 * nodes[..., None] + np.arange(2)
 
 
 def _shifted(partners: Ints, first: np.int64) -> Ints:

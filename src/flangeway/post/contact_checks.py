@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Surface
-from flangeway.contact.boundary import ROUND_OFF, Boundary, deepest_intrusion
+from flangeway.contact.overlap import Boundary, deepest_intrusion
 from flangeway.contact.pairs import Pairs
+from flangeway.contact.system import ROUND_OFF
 from flangeway.mesh import PolyMesh
 from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
 from flangeway.problems import Body

@@ -12,9 +12,8 @@ from scipy.spatial import cKDTree
 
 from flangeway.contact import Contact, ContactSystem, Multiplier, Penalty, SegmentToSegment, Surface
 from flangeway.contact.edge_pieces import Pieces, find_pieces, integrate
-from flangeway.contact.hats import Hats
 from flangeway.contact.segment_to_segment import DUAL, LEAST_COVERED
-from flangeway.contact.surface import node_normals
+from flangeway.contact.surface import Hats, node_normals
 from flangeway.errors import InputError
 from flangeway.problems import Part
 from flangeway.railway.positions.overlap_check import BoundaryNodes
@@ -320,8 +319,8 @@ class RunningPair:
         evaluated = candidates.window.ravel() & (covered * thickness > least)
         inverse = np.where(evaluated, 1.0 / np.where(evaluated, covered, 1.0), 0.0)
         weights = inverse[rows]
-        values = np.stack([gap.value for gap in found.gaps], axis=1)
-        gradients = np.stack([gap.gradient for gap in found.gaps], axis=1)
+        values = found.gaps
+        gradients = found.gradients
         if self.dual:
             values, gradients = self._dual(pieces, edges, found.lengths, values, gradients)
         gaps = np.bincount(rows.ravel(), (weights * values).ravel(), minlength=n_rows)
