@@ -247,4 +247,4 @@ def test_what_converged_does_not_overlap(imbalance: Callable[[ContactSolution], 
             assert not wrong_with(solution, imbalance)
 
     check()
-    assert len(failed) < 0.02 * (len(solved) + len(failed)), failed
+    assert len(failed) <= 0.02 * (len(solved) + len(failed)), failed

@@ -167,7 +167,7 @@ def test_a_motion_without_contact_says_so(press) -> None:
         (lambda _s, _p: AugmentedLagrange(1e5, "length", 0.0), "positive length"),
         (lambda _s, _p: Penalty(-1.0, per="length"), "positive number"),
         (lambda _s, _p: Penalty(1.0, per="area"), "'node' or 'length'"),
-        (lambda _s, _p: StepSettings(first=0.5, maximum=0.1), "first <= largest"),
+        (lambda _s, _p: StepSettings(first=0.5, maximum=0.1), "first <= maximum"),
         (lambda s, p: press_parts([Contact(s, p, NodeToSegment(), Multiplier())], {}, path="dense"), "'condensed' or"),
         (
             lambda s, p: press_parts(
