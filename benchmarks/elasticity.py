@@ -42,29 +42,29 @@ Run = dict[str, Any]
 """What a sample tells: seconds, memory and accuracy at least."""
 
 
-def measurements(*, coarser: float = 1.0) -> Iterator[Measurement]:
-    """All parts, on meshes that many times coarser."""
+def measurements(*, coarser: float = 1.0, rounds: int = ROUNDS) -> Iterator[Measurement]:
+    """All parts, on meshes that many times coarser, each sample so many times at most."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         save_mesh(folder / "triangles.npz", triangulate(square(1.0), size=TRIANGLE_SIZE * coarser))
         save_mesh(folder / "polygons.npz", dual(triangulate(square(1.0), size=POLYGON_SIZE * coarser)))
-        yield from _assembly(folder)
-        yield from _factors(folder)
+        yield from _assembly(folder, rounds)
+        yield from _factors(folder, rounds)
         yield from _checks(folder)
 
 
 def quick() -> Iterator[Measurement]:
-    """Coarse meshes."""
-    yield from measurements(coarser=COARSER)
+    """Coarse meshes, and each sample once."""
+    yield from measurements(coarser=COARSER, rounds=1)
 
 
-def _assembly(folder: Path) -> Iterator[Measurement]:
+def _assembly(folder: Path, rounds: int) -> Iterator[Measurement]:
     jobs: dict[str, Callable[[], Run]] = {
         job: partial(_sample, job, folder) for job in ("assemble", "local matrices 1", "local matrices 2")
     }
     for degree in (0, 2):
         jobs[f"degree {degree}"] = partial(_scikit_fem, folder, degree)
-    found = fastest_in_turns(jobs, dict.fromkeys(jobs, ROUNDS), _seconds)
+    found = fastest_in_turns(jobs, dict.fromkeys(jobs, rounds), _seconds)
     for job, work, asked in (
         ("assemble", "stiffness of {n} triangles of order 2", 4.0),
         ("local matrices 1", "local matrices of {n} polygons of order 1", 10.0),
@@ -85,13 +85,13 @@ def _assembly(folder: Path) -> Iterator[Measurement]:
         )  # fmt: skip
 
 
-def _factors(folder: Path) -> Iterator[Measurement]:
+def _factors(folder: Path, most_rounds: int) -> Iterator[Measurement]:
     _sample("store matrix", folder)
     jobs: dict[str, Callable[[], Run]] = {job: partial(_sample, job, folder) for job in FACTOR_ROUNDS}
     for threads in threads_tried():
         jobs[f"cholmod {threads}"] = partial(_cholmod, folder, threads)
     rounds = FACTOR_ROUNDS | {job: FACTOR_ROUNDS["factor"] for job in jobs if job.startswith("cholmod")}
-    found = fastest_in_turns(jobs, rounds, _seconds)
+    found = fastest_in_turns(jobs, {job: min(n, most_rounds) for job, n in rounds.items()}, _seconds)
     ours = taken(found["factor"])
     work = f"factor and solution of {ours['n']} unknowns"
     for job, name, asked in (("splu symmetric", "in symmetric mode", 4.0), ("splu default", "as it is", None)):

@@ -56,15 +56,10 @@ def test_bundled_section_and_folder(call, tmp_path):
     assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
 
 
-@pytest.fixture
-def coarse(monkeypatch):
-    """Torsion on its two coarser meshes alone, where quick is asked for."""
-    monkeypatch.setitem(REPRODUCTIONS, "torsion", replace(REPRODUCTIONS["torsion"], brief=False))
-
-
-@pytest.mark.usefixtures("coarse")
-def test_reproduce_torsion_quick(call, tmp_path):
+def test_reproduce_torsion_quick(call, monkeypatch, tmp_path):
     """Quick reproduction ends with status 0, reports how many numbers are within, and leaves table and pictures."""
+    # not brief: on the two coarser meshes alone
+    monkeypatch.setitem(REPRODUCTIONS, "torsion", replace(REPRODUCTIONS["torsion"], brief=False))
     status, out, err = call("reproduce", "torsion", "--quick", "--out", "found")
     assert status == 0, err
     assert "numbers with a limit are within" in out
@@ -76,13 +71,15 @@ def test_reproduce_torsion_quick(call, tmp_path):
     assert {row["within"] for row in rows if row["quantity"] == "relative_error"} == {"True"}
 
 
-@pytest.mark.usefixtures("coarse")
-def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch):
+def test_reproduction_that_fails_its_check_is_status_1(call, monkeypatch, tmp_path):
     """When too few numbers are within their limits, the files are written and the status is 1."""
     from flangeway.validation.torsion import torsion_reproduced as torsion  # noqa: PLC0415
 
+    without_pictures = replace(REPRODUCTIONS["torsion"], brief=False, figures={}, rows={})
+    monkeypatch.setitem(REPRODUCTIONS, "torsion", without_pictures)
     monkeypatch.setitem(torsion.LIMITS, "relative_error", 1e-6)
     monkeypatch.setattr(torsion, "_NEIGHBOURS", np.array([1.0]))
     status, out, _ = call("reproduce", "torsion", "--quick", "--out", "found")
     assert status == 1
     assert "Not passed." in out
+    assert (tmp_path / "found" / "torsion" / "table.csv").is_file()

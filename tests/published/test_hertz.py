@@ -1,4 +1,7 @@
-"""The published Hertz problem: forces, extreme stresses and pressures on its coarser meshes."""
+"""The published Hertz problem: oscillations of stresses and pressures, and what removes them.
+
+Forces and extreme stresses of all codes on M1 and M2 are in `tests/validation/test_reproduce_hertz.py`.
+"""
 
 from dataclasses import replace
 
@@ -6,23 +9,16 @@ import numpy as np
 import pytest
 
 from flangeway.validation.hertz.hertz_discs import HertzModel, build_hertz, solve_hertz
-from flangeway.validation.hertz.hertz_reproduced import CODES, EXTREMES, hertz_row, published_problem, published_value
+from flangeway.validation.hertz.hertz_reproduced import EXTREMES, hertz_row, published_problem, published_value
 
 FORCE = 251.84
 P0 = 671.5
 
 
 @pytest.fixture(scope="module")
-def printed():
-    """All codes on M1 and M2 with the penalty as printed."""
-    return {(code, level): hertz_row(code, level, "printed") for code in CODES for level in (1, 2)}
-
-
-@pytest.fixture(scope="module")
 def halved():
-    """All codes on M1 and M2, polygons and triangles of order 2 on M3 too, with the penalty halved by refinement."""
-    levels = [(code, level) for code in CODES for level in (1, 2)] + [("VVO2", 3), ("FDO2", 3)]
-    return {(code, level): hertz_row(code, level, "halved") for code, level in levels}
+    """Polygons and triangles of order 2 on M1 to M3 with the penalty halved by refinement."""
+    return {(code, level): hertz_row(code, level, "halved") for code in ("FDO2", "VVO2") for level in (1, 2, 3)}
 
 
 @pytest.fixture(scope="module")
@@ -31,18 +27,12 @@ def smooth():
     return {code: hertz_row(code, 3, "segments") for code in ("FDO2", "VVO2")}
 
 
-def test_every_load_step_converges_in_few_iterations(printed, halved, smooth):
+def test_every_load_step_converges_in_few_iterations(halved, smooth):
     """All ten load steps of all configurations converge in six iterations or fewer."""
-    for row in (*printed.values(), *halved.values(), *smooth.values()):
+    for row in (*halved.values(), *smooth.values()):
         assert row.status.converged, (row.name, row.status.message)
         assert len(row.iterations) == 10
         assert max(row.iterations) <= 6
-
-
-def test_force_is_that_of_the_published_reference(printed):
-    """With the penalty as printed the force is within 1 % of 251.84 kN in every configuration."""
-    for row in printed.values():
-        assert row.force == pytest.approx(FORCE, rel=0.01), row.name
 
 
 def test_polygons_of_order_2_have_the_published_force_and_stresses_on_m3():
@@ -51,17 +41,6 @@ def test_polygons_of_order_2_have_the_published_force_and_stresses_on_m3():
     assert row.force == pytest.approx(FORCE, rel=0.005)
     for table, (name, _) in EXTREMES.items():
         assert row.extremes[name] == pytest.approx(published_value(str(table), "VVO2", 3), rel=0.03)
-
-
-@pytest.mark.parametrize("code", ["VVO1", "VVO2"])
-@pytest.mark.parametrize("table", [12, 13, 14])
-def test_extreme_stresses_of_polygons_are_as_published(printed, halved, code, table):
-    """Extremes of Tables 12 to 14 on polygons are within 3 %, and within 2 % with the halved penalty."""
-    name = EXTREMES[table][0]
-    for level in (1, 2):
-        expected = published_value(str(table), code, level)
-        assert printed[code, level].extremes[name] == pytest.approx(expected, rel=0.03)
-        assert halved[code, level].extremes[name] == pytest.approx(expected, rel=0.02)
 
 
 def test_oscillation_of_stresses_grows_as_published(halved):

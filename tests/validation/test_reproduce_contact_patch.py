@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from flangeway.validation.contact_patch import contact_patch_reproduced
 from flangeway.validation.contact_patch.contact_patch_reproduced import (
     PASSED,
     PUBLISHED,
@@ -107,9 +108,16 @@ def test_files_and_summary(found: ContactPatchReproduction, tmp_path: Path) -> N
     assert "VEM2 on VEM2" in text.getvalue()
 
 
-def test_quick_leaves_out_the_finest_meshes() -> None:
-    """Quick computes M1 and M2 of the published configurations alone."""
+def test_quick_leaves_out_the_finest_meshes(found: ContactPatchReproduction, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Quick takes M1 and M2 alone, of all that is computed."""
+    left = [*found.published, *found.proper]
+
+    def again(code: str, *_: object, **__: object) -> PatchRun:
+        return left.pop(next(i for i, run in enumerate(left) if run.code == code))
+
+    monkeypatch.setattr(contact_patch_reproduced, "_run", again)
     quick = reproduce_contact_patch(quick=True)
+    assert {run.upper.size for run in left} == {min(run.upper.size for run in found.published)}
     assert {run.code[4] for run in quick.published} == {"1", "2"}
     assert quick.passed
     assert all("M3" not in run.code for run in quick.proper)

@@ -22,6 +22,7 @@ from flangeway.validation.hertz.hertz_reproduced import (
     FORCE_LIMITS,
     STRESS_LIMIT,
     published_problem,
+    published_value,
     reproduce_hertz,
 )
 from flangeway.validation.registry import REPRODUCTIONS
@@ -58,6 +59,32 @@ def test_bounds_are_those_asked_for(found):
     assert {number.code[:4] for number in extremes} == {"VVO1", "VVO2"}
     assert len(extremes) == 12
     assert max(abs(number.relative_difference) for number in extremes) <= 0.03
+
+
+def test_every_load_step_converges_in_few_iterations(found):
+    """All ten load steps of all configurations converge in six iterations or fewer."""
+    for row in found.rows:
+        assert row.status.converged, (row.name, row.status.message)
+        assert len(row.iterations) == 10
+        assert max(row.iterations) <= 6
+
+
+def test_force_is_that_of_the_published_reference(found):
+    """With the penalty as printed the force is within 1 % of 251.84 kN in every configuration."""
+    for row in found.of("printed"):
+        assert row.force == pytest.approx(251.84, rel=0.01), row.name
+
+
+@pytest.mark.parametrize("code", ["VVO1", "VVO2"])
+@pytest.mark.parametrize("table", [12, 13, 14])
+def test_extreme_stresses_of_polygons_are_as_published(found, code, table):
+    """Extremes of Tables 12 to 14 on polygons are within 3 %, and within 2 % with the halved penalty."""
+    name = EXTREMES[table][0]
+    for variant, limit in (("printed", 0.03), ("halved", 0.02)):
+        rows = [row for row in found.of(variant) if row.code == code]
+        assert [row.level for row in rows] == [1, 2]
+        for row in rows:
+            assert row.extremes[name] == pytest.approx(published_value(str(table), code, row.level), rel=limit)
 
 
 def test_a_number_outside_fails_the_reproduction(found):
