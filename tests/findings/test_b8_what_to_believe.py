@@ -6,7 +6,7 @@ import pytest
 from flangeway.cases import WheelsetTangentCase
 from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.rigid.rigid_run import run_geometry
-from flangeway.railway.profiles.curvature import conforming
+from flangeway.railway.profiles.measures import conforming
 from flangeway.report.figures.fields import part_fields
 from flangeway.report.page.page_tables import bending_table, contacts_table, stresses_table
 from flangeway.report.wheelset.subsurface_figure import subsurface_lines

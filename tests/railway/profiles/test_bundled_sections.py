@@ -4,8 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.profiles.bundled_sections import BUNDLED, bundled_section
+from flangeway.railway.profiles.bundled import SECTIONS, bundled_section, rail
 
 
 def test_60e1_agrees_with_the_standard():
@@ -21,7 +20,7 @@ def test_60e1_agrees_with_the_standard():
     assert crown.bounds()[1, 1] == pytest.approx(172.0)
 
 
-@pytest.mark.parametrize("name", BUNDLED)
+@pytest.mark.parametrize("name", SECTIONS)
 def test_bundled_sections_are_found_in_any_case(name):
     """Every bundled name, also in small letters, gives its rail in mm with a word on how certain it is."""
     found = bundled_section(name.lower())

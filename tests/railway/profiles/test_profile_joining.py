@@ -15,9 +15,8 @@ from flangeway.railway.profiles.joining import (
     nominal_profile,
     on_plain_body,
 )
-from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_between, point_at
 from flangeway.railway.profiles.profile_file import ReadOptions, read_profile
-from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at, whole_profile
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.track.placements import Track, Wheelset
 

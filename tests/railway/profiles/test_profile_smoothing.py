@@ -10,9 +10,8 @@ from hypothesis import strategies as st
 
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour
-from flangeway.railway.profiles.biarcs import biarcs
 from flangeway.railway.profiles.bundled import rail
-from flangeway.railway.profiles.smoothing import ARC_TOLERANCE_MM, NOISE_UM, noise_um, smoothed
+from flangeway.railway.profiles.smoothing import ARC_TOLERANCE_MM, NOISE_UM, biarcs, noise_um, smoothed
 
 
 def circle(n, radius=30.0, low=0.2, high=2.9):

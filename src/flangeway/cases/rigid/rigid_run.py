@@ -15,7 +15,7 @@ from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field
 from flangeway.errors import InputError
 from flangeway.exact import contact_modulus
 from flangeway.materials import Elastic
-from flangeway.railway.profiles.curvature import conforming
+from flangeway.railway.profiles.measures import conforming
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.rigid.rigid_equilibrium import (
     RigidContactPoint,
@@ -158,7 +158,7 @@ def run_geometry(
 
 
 def _leave_out_conforming(summary: dict[str, Any], track: Track, axle: Wheelset) -> None:
-    """Leave out Hertz's estimates of contacts that conform, see `flangeway.railway.profiles.curvature.conforming`."""
+    """Leave out Hertz's estimates of contacts that conform, see `flangeway.railway.profiles.measures.conforming`."""
     for row in (summary["equilibrium"] or {"contacts": ()})["contacts"]:
         wheel, rail, width = axle.wheel_of(row["side"]), track.rail_of(row["side"]), row["hertz_half_width_mm"]
         if width is not None and conforming(wheel, row["wheel_point_mm"], rail, row["rail_point_mm"], width):

@@ -20,7 +20,7 @@ from flangeway.geometry import Arc, Section
 from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_section
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
-from flangeway.railway.profiles.bundled_sections import bundled_section
+from flangeway.railway.profiles.bundled import bundled_section
 from flangeway.space import Space
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions

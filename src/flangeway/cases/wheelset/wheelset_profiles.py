@@ -10,7 +10,7 @@ from flangeway.geometry import Outline
 from flangeway.railway.profiles.bundled import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
-from flangeway.railway.profiles.joining import joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.joining import end_gap_mm, joined, nominal_profile, on_plain_body
 from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile, side_notices
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Side, Track, Wheelset
@@ -94,7 +94,7 @@ def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
 
 
 _joined = lru_cache(maxsize=8)(joined)
-"""The nearest body is found by joining all, so one is joined already."""
+"""The nearest body is joined to see whether it fits, so it is joined already."""
 
 
 def _from_file(
@@ -169,15 +169,9 @@ def _fits(measured: MeasuredProfile, body: str) -> bool:
 def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
     """Return the other side's body if it fits; else the bundled one that is nearest to the surface's ends."""
     names = RAILS if measured.kind == "rail" else WHEELS
-    gaps = {}
-    for name in names:
-        try:
-            gaps[name] = max(joint.gap_mm for joint in _joined(measured, name).joints)
-        except InputError:
-            continue
-    if other is not None and other in (gaps or names):
-        return other
-    return min(gaps, key=lambda name: gaps[name]) if gaps else names[0]
+    gaps = {name: gap for name in names if (gap := end_gap_mm(measured, name)) is not None}
+    nearest = sorted(gaps, key=lambda name: (name != other, gaps[name]))
+    return next((name for name in nearest if _fits(measured, name)), other if other in names else names[0])
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:

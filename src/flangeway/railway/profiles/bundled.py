@@ -1,6 +1,7 @@
-"""Rail and wheel profiles that come with the package, as outlines in mm."""
+"""Rail and wheel profiles that come with the package, as outlines in mm, and rails as sections."""
 
 import csv
+import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,7 +10,8 @@ from importlib.resources import files
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Segment
+from flangeway.formats import DrawnSection
+from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Region, Section, Segment
 from flangeway.geometry.arrays import Point, as_point
 from flangeway.railway.profiles.wheel_contours import HEAVY_HAUL_TAPE_MM, heavy_haul_contour, s1002_contour
 
@@ -28,6 +30,15 @@ RAILS = tuple(_RAIL_FILES)
 
 CROWNED = ("136RE-8", "136RE-10", "136RE-14")
 """What `nominal_profile` calls the crowns of the 136RE."""
+
+SECTIONS = {
+    "136RE": ("136RE", None),
+    "136RE-8": ("136RE", 8.0),
+    "136RE-10": ("136RE", 10.0),
+    "136RE-14": ("136RE", 14.0),
+    "60E1": ("60E1", None),
+}
+"""Rail and radius of its crown in inches by the name of the section; None for the usual one."""
 
 _CUT_HEIGHTS_MM = (20.0, 100.0)
 _FLANGE_ROOT_RADII_MM = (10.0, 20.0)
@@ -383,3 +394,25 @@ def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
         *((f"{part}_gauge", segment) for part, segment in gauge_side.items()),
     ]
     return Outline.from_segments([s for _, s in chain], [part for part, _ in chain])
+
+
+def bundled_section(name: str) -> DrawnSection:
+    """Return a bundled section; capital and small letters are the same.
+
+    Raises
+    ------
+    InputError
+        If there is none of that name; the message lists those there are.
+
+    """
+    found = {known.upper(): known for known in SECTIONS}.get(name.upper())
+    if found is None:
+        near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.5)
+        raise InputError(
+            f"a section called {name!r}",
+            f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf",
+            f"did you mean {near[0]}?" if near else "give one of these names or a file",
+        )
+    rail_name, radius = SECTIONS[found]
+    profile = rail(rail_name, crown_radius_in=radius)
+    return DrawnSection(profile.title, Section({"section": Region(profile.outline)}), "mm", certainty=profile.certainty)

@@ -8,7 +8,7 @@ origin is wrong, or it is the profile of another rail or wheel.
 
 Files of heads often count from the highest point or from a mark of the instrument instead of the head's middle. A head
 whose ends do not fit is moved sideways until its field side, which does not wear, lies on the nominal one, and a notice
-tells it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
+reports it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
 """
 
 from dataclasses import dataclass
@@ -19,8 +19,8 @@ from flangeway.errors import InputError
 from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment
 from flangeway.railway.profiles.bundled import CROWNED, RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
-from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_between, point_at
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
+from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
 
 LEAST_BLEND_MM = 1.0
 MAX_BLEND_MM = 12.0
@@ -143,22 +143,13 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
     if isinstance(measured.surface, Outline):
         raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
-    shift = (0.0, 0.0) if isinstance(nominal, WheelProfile) else _rail_shift(measured, nominal)
-    surface = measured.surface.transformed(Placement(translation=shift))
-    if isinstance(nominal, RailProfile):
-        _refuse_height(surface, nominal)
+    surface, offset = _fitted(measured, nominal)
+    outline, joints = _closed(surface, nominal)
     notices = measured.notices
-    try:
-        outline, joints = _closed(surface, nominal)
-    except InputError:
-        lateral_offset = _field_shift(measured, surface, nominal)
-        if lateral_offset is None:
-            raise
-        surface = surface.transformed(Placement(translation=(lateral_offset, 0.0)))
-        outline, joints = _closed(surface, nominal)
+    if offset:
         notices = (
             *notices,
-            f"The head is moved sideways by {lateral_offset:.2f} mm: its field side lies on the nominal one.",
+            f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.",
         )
     _refuse_short(surface, kind)
     title = f"{measured.title} on {nominal.title}"
@@ -183,6 +174,31 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     notices = (*notices, *_lean(surface, nominal))
     rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices)
     return Joined(rail_profile, nominal, surface, joints)
+
+
+def end_gap_mm(measured: MeasuredProfile, name: str) -> float | None:
+    """Maximum distance of the ends of a measured surface from a bundled outline; None where it does not fit."""
+    nominal = nominal_profile(name)
+    try:
+        return max(joint.gap_mm for joint in _joints(_fitted(measured, nominal)[0], nominal)[1])
+    except InputError:
+        return None
+
+
+def _fitted(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[Contour, float]:
+    """Return a measured surface in the frame of a nominal profile, and by how much it was moved sideways to fit."""
+    if isinstance(nominal, WheelProfile):
+        return measured.surface, 0.0
+    surface = measured.surface.transformed(Placement(translation=_rail_shift(measured, nominal)))
+    _refuse_height(surface, nominal)
+    try:
+        _joints(surface, nominal)
+    except InputError:
+        offset = _field_shift(measured, surface, nominal)
+        if offset is None:
+            raise
+        return surface.transformed(Placement(translation=(offset, 0.0))), offset
+    return surface, 0.0
 
 
 def nominal_profile(name: str) -> RailProfile | WheelProfile:
@@ -345,8 +361,8 @@ def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
         )
 
 
-def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outline, tuple[Joint, Joint]]:
-    """Return the outline of the measured surface, both transitions, and the rest of the nominal outline."""
+def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list[float], tuple[Joint, Joint]]:
+    """Return the lengths along the nominal outline at which the transitions land, and both joints."""
     is_rail = isinstance(nominal, RailProfile)
     words = ("field side", "gauge side") if is_rail else ("flange's back", "rim")
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
@@ -371,12 +387,19 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
         place = (foot_place + sense * blend) % total
         places.append(place)
         joints.append(Joint(end, foot, point_at(nominal.outline, lengths, place), gap, names[i]))
-    rest = pieces_between(nominal.outline, lengths, places[1], places[0])
+    return places, (joints[0], joints[1])
+
+
+def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outline, tuple[Joint, Joint]]:
+    """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
+    places, joints = _joints(surface, nominal)
+    lengths = lengths_along(nominal.outline)
+    others = pieces_between(nominal.outline, lengths, places[1], places[0])
     chain: list[tuple[str, Segment]] = [
-        (names[0], Line(joints[0].landing, joints[0].end)),
+        (joints[0].name, Line(joints[0].landing, joints[0].end)),
         *((MEASURED, segment) for segment in surface.segments),
-        (names[1], Line(joints[1].end, joints[1].landing)),
-        *rest,
+        (joints[1].name, Line(joints[1].end, joints[1].landing)),
+        *others,
     ]
     try:
         outline = Outline.from_segments([segment for _, segment in chain], [name for name, _ in chain])
@@ -386,7 +409,7 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
             "a surface that fits the body",
             "check --origin, --mirror and the name after --join",
         ) from reason
-    return outline, (joints[0], joints[1])
+    return outline, joints
 
 
 def _running(outline: Outline, nominal_names: tuple[str, ...]) -> tuple[str, ...]:

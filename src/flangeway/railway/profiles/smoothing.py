@@ -1,12 +1,19 @@
-"""Measured points to a smooth curve: a smoothing spline on arc length, whose deviation is told and limited.
+"""Measured points to a smooth curve of arcs: a smoothing spline on arc length, whose deviation is reported and limited.
 
 Both coordinates are cubic smoothing splines of the length along the chords (C. H. Reinsch, "Smoothing by spline
 functions", Numerische Mathematik 10, 1967). On points a distance h apart such a spline passes waves of angular wave
 number w with the gain 1 / (1 + weight h w^4), so that the weight follows from the wavelength whose height is halved.
-Points that would be moved further than the limit get more say until they are not.
+Points that would be moved further than the limit get more weight until they are not.
+
+Smooth curves become chains of arcs: each piece of the curve, with its ends and the tangents there, gets two arcs that
+meet tangentially (K. M. Bolton, "Biarc curves", Computer-Aided Design 7, 1975); of the family of such pairs the one
+with equal distances from the ends to the corner points of the tangents is taken. The error falls with the third power
+of the length of a piece.
 """
 
+import itertools
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,45 +21,52 @@ from numpy.typing import NDArray
 from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 
 from flangeway.errors import InputError
-from flangeway.geometry import Contour, FloatArray
-from flangeway.railway.profiles.biarcs import biarcs
+from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
 
 ARC_TOLERANCE_MM = 2e-4
-"""Maximum distance between the spline and the arcs that stand for it."""
+"""Maximum distance between the spline and the arcs that replace it."""
 
 USUAL_WAVELENGTH_MM = 5.0
 """Wavelength that noisy points are smoothed by: about the width of a contact. Very noisy ones need a longer one."""
 
 MAX_USUAL_WAVELENGTH_MM = 20.0
-"""Longest wavelength that is taken if nothing is asked."""
+"""Maximum wavelength by default."""
 
 CURVATURE_NOISE_PER_MM = 1e-3
-"""Scatter of the smooth curve's curvature above which the wavelength grows: a quarter of a crown of 10 in."""
+"""Noise of the smooth curve's curvature above which the wavelength grows: a quarter of a crown of 10 in."""
 
 WAVELENGTHS_MM = (0.1, 100.0)
-"""Wavelengths that can be asked for."""
+"""Allowed wavelengths."""
 
 LIMITS_UM = (0.1, 10_000.0)
-"""Limits that can be asked for."""
+"""Allowed limits."""
 
 NOISE_UM = 0.02
-"""Noise above which points are smoothed if nothing is asked; rounding to the fifth decimal stays below."""
+"""Noise above which points are smoothed by default; rounding to the fifth decimal stays below."""
 
 USUAL_LIMIT_UM = 20.0
-"""Maximum deviation of a point, or six times the noise if that is more, if nothing is asked."""
+"""Maximum deviation of a point, or six times the noise if that is more, by default."""
+
+Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
+"""Points (n, 2) and tangents (n, 2), not zero, at parameters (n,)."""
+
+_FRACTIONS = np.linspace(0.0, 1.0, 40)  # between them the error grows by a few percent at most
+_FLAT_SAGITTA = 1e-7
+_FLAT_CURVATURE = 2e-6  # flatter arcs are lines: their centres would have no digits
+_DEEPEST = 14
 
 FEWEST_POINTS = 10
 _PIECE_MM = 4.0
 _GAIN_INTEGRAL = 0.2777
 _N_ROUNDS = 60
-_MOST_SAY = 1e3
+_MAX_WEIGHT = 1e3
 _N_FOOT_STEPS = 10
 _SAME_MM = 1e-9  # neighbours that differ by rounding are one point
 
 
 @dataclass(frozen=True, eq=False)
 class Smoothing:
-    """A smooth curve beside the points that it stands for.
+    """A smooth curve near measured points.
 
     Parameters
     ----------
@@ -111,7 +125,7 @@ def noise_um(points: FloatArray) -> float:
 
 
 def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:
-    """Wavelength, in whole mm, at which noise leaves a curvature that scatters by `CURVATURE_NOISE_PER_MM` at most.
+    """Wavelength, in whole mm, at which the noise of the curvature is `CURVATURE_NOISE_PER_MM` at most.
 
     White noise of standard deviation s on points a distance h apart leaves the smooth curve, whose halved wavelength
     has the wave number k, with a curvature of variance ``s^2 h k^5 / pi`` times the integral of
@@ -197,24 +211,24 @@ def _arcs(spline: BSpline, length: float, name: str) -> Contour:
 def _limited_spline(
     s: FloatArray, points: FloatArray, wavelength: float, limit: float
 ) -> tuple[BSpline, FloatArray, int]:
-    """Return the spline, the deviations in um, and how many points were given more say to keep to the limit."""
+    """Return the spline, the deviations in um, and how many points got more weight to keep to the limit."""
     before, after = _extension(s, points, wavelength), _extension(-s[::-1], points[::-1], wavelength)
     all_s = np.concatenate([before[0][::-1], s, -after[0]])
     all_points = np.vstack([before[1][::-1], points, after[1]])
     mine = slice(len(before[0]), len(before[0]) + len(s))
-    # a point speaks for the length about it, so that dense places are not smoothed less
+    # a point represents the length about it, so that dense parts are not smoothed less
     spacing = np.gradient(all_s)
     bending = (wavelength / (2.0 * math.pi)) ** 4
-    say = np.ones(len(all_s))
+    weight = np.ones(len(all_s))
     held: NDArray[np.bool_] = np.zeros(len(s), dtype=np.bool_)
     for _ in range(_N_ROUNDS):
-        spline = _spline(all_s, all_points, say * spacing, bending)
+        spline = _spline(all_s, all_points, weight * spacing, bending)
         deviations = _distances(spline, s, points)
         excess = np.abs(deviations) / limit
         if excess.max() <= 1.0:
             return spline, deviations, int(held.sum())
         held |= excess > 1.0
-        say[mine] *= np.where(excess > 1.0, np.minimum(1.5 * excess**2, _MOST_SAY), 1.0)
+        weight[mine] *= np.where(excess > 1.0, np.minimum(1.5 * excess**2, _MAX_WEIGHT), 1.0)
     worst = int(np.argmax(np.abs(deviations)))
     x, y = points[worst]
     raise InputError(
@@ -224,9 +238,9 @@ def _limited_spline(
     )
 
 
-def _spline(s: FloatArray, points: FloatArray, say: FloatArray, bending: float) -> BSpline:
+def _spline(s: FloatArray, points: FloatArray, weight: FloatArray, bending: float) -> BSpline:
     """Return the smoothing spline of both coordinates; older versions of SciPy take one at a time."""
-    x, y = (make_smoothing_spline(s, values, w=say, lam=bending) for values in points.T)
+    x, y = (make_smoothing_spline(s, values, w=weight, lam=bending) for values in points.T)
     return BSpline(x.t, np.column_stack([x.c, y.c]), x.k)
 
 
@@ -273,3 +287,73 @@ def _distances(spline: BSpline, s: FloatArray, points: FloatArray) -> FloatArray
 
 def _lengths(points: FloatArray) -> FloatArray:
     return np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(points, axis=0).T))])
+
+
+def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
+    """Return arcs and lines along a curve, tangent to each other.
+
+    Parameters
+    ----------
+    curve
+        Smooth between the breaks; where the tangent jumps there must be a break, with the tangent of either side for
+        parameters inside it.
+    breaks
+        Parameters (n,), increasing; joints of the chain are at all of them.
+    tolerance
+        Maximum distance between curve and arcs.
+
+    Raises
+    ------
+    InputError
+        If the curve turns so sharply that pieces of a thousandth of those between the breaks do not suffice.
+
+    """
+    found: list[Segment] = []
+    for first, last in itertools.pairwise(breaks.tolist()):
+        pending = [(first, last, 0)]
+        while pending:
+            low, high, depth = pending.pop()
+            pieces, error = _pair(curve, low, high)
+            if error <= tolerance:
+                found += pieces
+            elif depth == _DEEPEST:
+                x, y = curve(np.array([low]))[0][0]
+                raise InputError(
+                    f"a curve that turns too sharply for arcs at ({x:.6g}, {y:.6g})",
+                    "a smooth curve",
+                    "smooth more, or remove the points about this place",
+                )
+            else:
+                middle = 0.5 * (low + high)
+                pending += [(middle, high, depth + 1), (low, middle, depth + 1)]
+    return found
+
+
+def _pair(curve: Curve, low: float, high: float) -> tuple[list[Segment], float]:
+    """Return two arcs between parameters and their maximum distance from the curve."""
+    points, tangents = curve(low + (high - low) * _FRACTIONS)
+    tangents = tangents / np.hypot(*tangents.T)[:, None]
+    start, end, t0, t1 = points[0], points[-1], tangents[0], tangents[-1]
+    chord = end - start
+    along = float(chord @ (t0 + t1))
+    bend = 2.0 * (1.0 - float(t0 @ t1))
+    reach = along + math.sqrt(along**2 + bend * float(chord @ chord))
+    # tangents that lead backwards have no short pair of arcs
+    if not reach > 1e-3 * math.hypot(*chord) or min(chord @ t0, chord @ t1) <= 0.0:
+        return [], math.inf
+    step = float(chord @ chord) / reach
+    joint = 0.5 * (start + step * t0 + end - step * t1)
+    # the second arc is found from its end, backwards, so that both have the curve's tangents
+    pieces = [_tangent_piece(start, joint, t0), _tangent_piece(end, joint, -t1).reversed()]
+    distances = np.min([piece.closest(points)[1] for piece in pieces], axis=0)
+    return pieces, float(distances.max())
+
+
+def _tangent_piece(start: FloatArray, end: FloatArray, tangent: FloatArray) -> Segment:
+    """Return the arc between two points with a tangent at its start."""
+    chord = end - start
+    turn = 2.0 * float(tangent[0] * chord[1] - tangent[1] * chord[0]) / float(chord @ chord)
+    if abs(turn) < max(_FLAT_CURVATURE, 8.0 * _FLAT_SAGITTA / float(chord @ chord)):
+        return Line(as_point(start), as_point(end))
+    centre = start + np.array([-tangent[1], tangent[0]]) / turn
+    return Arc(as_point(start), as_point(end), as_point(centre), turn > 0.0)

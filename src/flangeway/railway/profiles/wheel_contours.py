@@ -11,7 +11,7 @@ from typing import TypeAlias
 import numpy as np
 
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Point, Segment
-from flangeway.railway.profiles.biarcs import biarcs
+from flangeway.railway.profiles.smoothing import biarcs
 
 Named: TypeAlias = tuple[str, Segment]
 

@@ -1,16 +1,16 @@
-"""A rail or wheel from a closed outline of a file: which of its sides are head, base, running surface and cut."""
+"""Pieces of closed outlines, and a rail or wheel from one: its head, base, running surface and cut."""
 
 from dataclasses import replace
 
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry import FloatArray, Line, Outline, Placement, Segment
+from flangeway.geometry import FloatArray, Line, Outline, Placement, Point, Segment, as_point
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
-from flangeway.railway.profiles.outline_pieces import lengths_along, pieces_between
 from flangeway.railway.profiles.profile_file import MeasuredProfile, side_notices
 
-_HEAD_SHARE = 0.6  # of the height: above it the widest place belongs to the head
+_HEAD_SHARE = 0.6  # of the height: above it the widest point belongs to the head
+_SAME = 1e-6
 _FLAT = 1e-6
 _SPACING_MM = 0.05
 
@@ -18,7 +18,7 @@ _SPACING_MM = 0.05
 def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     """Return a rail or wheel whose file holds its whole outline.
 
-    A rail's origin is put to the middle of its base. Its head reaches from the widest place of the upper part at one
+    A rail's origin is put to the middle of its base. Its head reaches from the widest point of the upper part at one
     side over the top to that at the other; its base are the sides at the lowest height. A wheel's running surface is
     all but the straight cut on top and the upright faces below it.
 
@@ -60,7 +60,7 @@ def _rail(outline: Outline, title: str, certainty: str, source: str) -> RailProf
 
 
 def _widest(outline: Outline, side: float) -> float:
-    """Return the length along a rail's outline of the widest place of its head at a side, the lowest of several."""
+    """Return the length along a rail's outline of the widest point of its head at a side, the lowest of several."""
     top = float(outline.bounds()[1, 1])
     lengths = lengths_along(outline)
     best = (-np.inf, 0.0, 0.0)
@@ -98,3 +98,32 @@ def _is_upright(segment: Segment) -> bool:
 
 def _renamed(outline: Outline, names: dict[int, str], other: str) -> Outline:
     return Outline.from_segments(outline.segments, [names.get(i, other) for i in range(outline.n_segments)])
+
+
+def lengths_along(outline: Outline) -> FloatArray:
+    """Return the lengths (n_segments + 1,) along an outline at the ends of its segments, from 0."""
+    return np.concatenate([[0.0], np.cumsum([segment.length for segment in outline.segments])])
+
+
+def point_at(outline: Outline, lengths: FloatArray, place: float) -> Point:
+    """Return the point at a length along an outline."""
+    i = min(int(np.searchsorted(lengths, place, side="right")) - 1, outline.n_segments - 1)
+    return as_point(outline.segments[i].point((place - lengths[i]) / outline.segments[i].length)[0])
+
+
+def pieces_between(outline: Outline, lengths: FloatArray, first: float, last: float) -> list[tuple[str, Segment]]:
+    """Return the named pieces of an outline from one length along it forwards to another."""
+    total = float(lengths[-1])
+    last = last if last > first else last + total
+    pieces: list[tuple[str, Segment]] = []
+    for lap in (0.0, total):
+        for i, segment in enumerate(outline.segments):
+            low, high = lengths[i] + lap, lengths[i + 1] + lap
+            start, end = max(first, low), min(last, high)
+            if end - start <= _SAME:
+                continue
+            cuts = [(at - low) / segment.length for at in (start, end) if low + _SAME < at < high - _SAME]
+            parts = segment.split(cuts) if cuts else (segment,)
+            inside = 1 if start > low + _SAME else 0
+            pieces.append((outline.names[i], parts[inside]))
+    return pieces

@@ -115,7 +115,7 @@ class RigidCurve:
 
     @classmethod
     def from_graph(cls, x: ArrayLike, y: ArrayLike, slope: ArrayLike) -> Self:
-        """Return pairs of arcs through points of a smooth graph with its slopes (`flangeway.railway.profiles.biarcs`).
+        """Return pairs of arcs through points of a smooth graph with its slopes.
 
         The tangent is continuous; between the points the error falls with the third power of their distance.
 

@@ -12,7 +12,7 @@ from flangeway.contact import Contact, ContactSystem, Surface
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Contour, Placement
 from flangeway.problems import Body, Part
-from flangeway.railway.profiles.curvature import conforming, relative_curvature
+from flangeway.railway.profiles.measures import conforming, relative_curvature
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
@@ -95,7 +95,7 @@ class WheelsetModel:
     def hertz_at(self, side: Side, wheel_point: ArrayLike, rail_point: ArrayLike, force: float) -> LineContact | None:
         """Hertz's contact under a normal force with the curvatures at points of undeformed profiles, each (2,).
 
-        None where the profiles conform; see `flangeway.railway.profiles.curvature.conforming`.
+        None where the profiles conform; see `flangeway.railway.profiles.measures.conforming`.
         """
         wheel, rail = self.problem.wheelset.wheel_of(side), self.problem.track.rail_of(side)
         curvature = relative_curvature(wheel, wheel_point, rail, rail_point)
