@@ -178,7 +178,7 @@ def test_contact_that_cannot_happen_is_a_result_that_says_so(motion, wanted, tol
 
 ASSUMED = [
     ("a mirrored wheel is turned round", "mirrored.txt", "left-hand wheel; it is mirrored"),
-    ("a unit is assumed", "tread.txt", "The unit mm is assumed; --unit says another one."),
+    ("a unit is assumed", "tread.txt", "The unit mm is assumed; --unit gives another one."),
     ("doubled points are left out", "doubled.txt", "points nearer than 0.01 mm to the one before are left out"),
 ]
 

@@ -31,7 +31,7 @@ def test_a_measured_head_on_a_rail(call, files, tmp_path):
     """Unit, origin, noise, smoothing and joints are printed back; pictures, summary and conversion are written."""
     status, out, err = call("profile", "worn.csv", "--unit", "in", "--join", "136RE", "--to", "new/rail.dxf")
     assert status == 0, err
-    for words in ("rail, CSV", "in   given", "top   from the numbers", "deviation, largest, μm"):
+    for words in ("rail, CSV", "in   given", "top   from the numbers", "deviation, maximum, μm"):
         assert " ".join(words.split()) in " ".join(out.split())
     assert "transition, gauge, gap, mm" in out
     folder = tmp_path / "out" / "profile-worn"

@@ -1,4 +1,4 @@
-"""A profile from a file or by name, checked, measured, joined and converted: what ``flangeway profile`` does."""
+"""A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it."""
 
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -31,7 +31,7 @@ FRAMES = {
     "gauge": "x = 0 at the gauge face, away from the track's middle; y = 0 at the top of the rail, up",
     "tape": "x = 0 on the tape line, away from the track's middle; y = 0 on the tread there, up",
 }
-"""What the coordinates are, by the origin of the frame."""
+"""Meaning of the coordinates, by the origin of the frame."""
 
 TOP_OFF_MM = 0.05
 """Height of a rail's top from the file's y = 0 above which the frame says where it is."""
@@ -42,7 +42,7 @@ _DEVIATION_MM = 2e-4
 
 @dataclass(frozen=True, eq=False)
 class ProfileRun:
-    """A profile and all that is known of it.
+    """A profile with its body, joints and summary.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class ProfileRun:
     join
         How it was joined, None if it was not.
     summary
-        What ``profile.json`` holds.
+        Content of ``profile.json``.
 
     """
 
@@ -71,7 +71,7 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
     name_or_file
         A name such as ``"S1002"``, or a file; see `flangeway.railway.profiles.profile_file.FORMATS`.
     options
-        What the file does not say itself.
+        Options for what the file does not declare.
     join
         Name of the nominal rail or wheel that gives the body.
 
@@ -106,7 +106,7 @@ def converted(run: ProfileRun, ending: str) -> str:
     """
     body = run.body
     if ending in (".csv", ".dxf") and body is not None:
-        # a joined rail stands on its base
+        # the origin of a joined rail is on its base
         origin = "base" if isinstance(body, RailProfile) else frame_origin(run.profile)
         return profile_text(run.profile, ending, body.outline, origin)
     if body is not None and isinstance(run.profile.surface, Outline):
@@ -154,7 +154,7 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
     curvatures = np.array([segment.curvature for segment in running.segments])
     smoothing = profile.smoothing
     arcs = sum(isinstance(segment, Arc) for segment in surface.segments)
-    # a rail joined or whole stands on its base, also if its file counted from the top
+    # the origin of a whole rail is on its base, also if that of its file was at the top
     on_base = profile.kind == "rail" and body is not None
     summary: dict[str, Any] = {
         "title": profile.title,
@@ -212,7 +212,7 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
 
 
 def _frame(profile: MeasuredProfile) -> str:
-    """Say what the coordinates are; a file's origin need not lie on the head's top."""
+    """Return the meaning of the coordinates; a file's origin need not be on the head's top."""
     text, top = FRAMES[frame_origin(profile)], float(profile.surface.bounds()[1, 1])
     if profile.kind == "rail" and frame_origin(profile) != "base" and abs(top) > TOP_OFF_MM:
         text = text.replace(

@@ -70,18 +70,18 @@ class RailProfile:
     title
         Name to show.
     outline
-        Whole section. Segments beside the middle bear ``_gauge`` or ``_field`` behind their name.
+        Whole section. Names of segments beside the middle end with ``_gauge`` or ``_field``.
     head_names
         Segments of the running surface from the gauge side to the field side. (The outline, being
         counter-clockwise, passes them from the field side to the gauge side.)
     base_names
         Segments of the base's underside.
     certainty
-        How far the contour can be trusted.
+        Accuracy of the contour.
     source
-        Where it comes from.
+        Its source.
     notices
-        What was left out, bridged, smoothed or assumed when its file was read, in sentences.
+        Sentences on what was left out, bridged, smoothed or assumed when its file was read.
 
     """
 
@@ -119,11 +119,11 @@ class WheelProfile:
     flange_back_mm
         Distance of the flange's back face from the tape line.
     certainty
-        How far the contour can be trusted.
+        Accuracy of the contour.
     source
-        Where it comes from.
+        Its source.
     notices
-        What was left out, bridged, smoothed or assumed when its file was read, in sentences.
+        Sentences on what was left out, bridged, smoothed or assumed when its file was read.
 
     """
 

@@ -38,12 +38,12 @@ MAX_RIM_GAP_MM = 15.0
 """The same at the rim of a wheel: rims differ in width."""
 
 MAX_SHIFT_MM = 15.0
-"""Maximum motion sideways that lays the field side of a measured head on the nominal one."""
+"""Maximum shift sideways that lays the field side of a measured head on the nominal one."""
 
 REACHES_MM = {"rail": (-15.0, 10.0), "wheel": (-40.0, 20.0)}
 """First and last x that a measured surface covers at least, from the head's middle or the tape line: where contact is.
 
-A shorter one would be in contact on the nominal outline, without a word.
+A shorter one would be in contact on the nominal outline, without a warning.
 """
 
 HEIGHTS_MM = (-30.0, 1.0)
@@ -59,7 +59,7 @@ PLAIN_CUT_MM = 50.0
 MEASURED = "measured"
 
 LEANS_DEG = (0.8, 4.0)
-"""Lean of a head's field side from the nominal one that is told: inclinations are 1:60 to 1:15."""
+"""Lean of a head's field side from the nominal one that is reported: inclinations are 1:60 to 1:15."""
 
 FACE_MM = 5.0
 """Height of the face, above the end of the measured surface, whose lean is measured."""
@@ -224,7 +224,7 @@ BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], *WHEELS))
 
 
 def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float, float]:
-    """Return what brings a measured head to the frame of a nominal rail."""
+    """Return the shift of a measured head to the frame of a nominal rail."""
     origin = frame_origin(measured)
     height = float(nominal.outline.bounds()[1, 1])
     if origin == "base":
@@ -238,7 +238,7 @@ def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float,
 
 
 def _field_shift(measured: MeasuredProfile, surface: Contour, nominal: RailProfile | WheelProfile) -> float | None:
-    """Return what lays the field side's end of a measured head on the nominal head; None where that is no remedy."""
+    """Return the shift of a measured head's field side onto the nominal one; None where that does not help."""
     if not isinstance(nominal, RailProfile) or frame_origin(measured) != "top":
         return None
     if measured.orientation.how.get("origin") == "given":
@@ -260,7 +260,7 @@ def _field_side(head: Contour) -> FloatArray:
 
 
 def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
-    """Tell of a head whose field side, which does not wear, does not stand as that of the nominal rail."""
+    """Report a head whose field side, which does not wear, is not parallel to that of the nominal rail."""
     sides = [_field_side(each) for each in (surface, nominal.outline.part(nominal.head_names))]
     low = float(sides[0][:, 1].min())
     slopes = []
@@ -286,7 +286,7 @@ def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
 
     The cut is `PLAIN_CUT_MM` above the tape line, or 10 mm above the higher end of the surface if that is more.
 
-    For wheels that no bundled one is like: the stresses beside the contact are those of a block of steel.
+    For wheels different from all bundled ones: the stresses beside the contact are those of a block of steel.
 
     Parameters
     ----------
@@ -321,7 +321,7 @@ def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
 
 
 def _tape_text(measured: MeasuredProfile) -> str:
-    """Return where a wheel stands on its axle, a sentence for its summary; nothing for rails."""
+    """Return a sentence on the position of a wheel's tape line; nothing for rails."""
     taken = measured.orientation
     if taken.tape_mm is None:
         return ""
@@ -413,7 +413,7 @@ def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outl
 
 
 def _running(outline: Outline, nominal_names: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of the running surface: measured, transitions, and what is left of the nominal one beside."""
+    """Return the names of the running surface: measured, transitions, and and the remaining nominal parts."""
     running = {MEASURED, *nominal_names, *(name for name in outline.names if name.startswith("transition"))}
     n = outline.n_segments
     start = next(i for i in range(n) if outline.names[i] == MEASURED)

@@ -138,7 +138,7 @@ def worn_side(surface: Contour) -> WornSide | None:
 def seen_back_mm(surface: Contour) -> float | None:
     """Return the distance of a wheel's flange back from the tape line, None if the surface does not show it.
 
-    It does where the farthest place from the tread lies beyond the flange's tip, and the surface is upright.
+    It does where the point most distant from the tread lies beyond the flange's tip, and the surface is upright.
     """
     points = surface.sampled(spacing=0.05, max_deviation=1e-4)
     far, tip = int(np.argmin(points[:, 0])), int(np.argmin(points[:, 1]))

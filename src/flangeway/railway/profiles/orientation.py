@@ -1,7 +1,7 @@
 """From the axes of a file to this package's: kind, up and down, side of the track, order, origin.
 
-What the user says comes first, then what the file says, then what the shape shows; the rest is assumed. All of it is
-kept, to be told. The points of a rail go from the field side to the gauge side and those of a wheel from the flange's
+The user's options come first, then the file's header, then its shape; all else is assumed. The sources are reported.
+The points of a rail go from the field side to the gauge side and those of a wheel from the flange's
 back to the rim: with the steel at the left, like the outlines of `flangeway.railway.profiles.bundled`.
 """
 
@@ -34,7 +34,7 @@ _HEAD_WIDTHS_MM = (45.0, 120.0)
 
 @dataclass(frozen=True)
 class Orientation:
-    """What the numbers of a file were taken for.
+    """How the numbers of a file were interpreted.
 
     Parameters
     ----------
@@ -51,7 +51,7 @@ class Orientation:
     origin
         Where the file's (0, 0) lies.
     tape_mm
-        Distance of a wheel's tape line from the flange's back; None for rails, and where neither user nor file says it.
+        Distance of a wheel's tape line from the flange's back; None for rails, and if neither user nor file gives it.
     shift_mm
         What was added to the points in mm, after mirrors.
     how
@@ -96,24 +96,24 @@ def orientation(
     origin: str | None = None,
     tape_mm: float | None = None,
 ) -> tuple[Orientation, list[str]]:
-    """Return how a file is taken, and notices of what does not go without saying.
+    """Return the interpretation of a file, and notices of what was assumed or is unusual.
 
     Parameters
     ----------
     raw
         What was read.
     unit, kind, origin, tape_mm
-        What the user says; see `Orientation`. The origin may be two numbers as well, ``"X,Y"``: the place, in the
+        Options of the user; see `Orientation`. The origin may be two numbers as well, ``"X,Y"``: the place, in the
         file's axes and unit, of the top's middle (rails) or of the tread at the tape line (wheels).
     mirror
         Whether to reverse the first coordinate.
     flip
-        Whether to reverse the second coordinate against what the file says.
+        Whether to reverse the second coordinate of the file.
 
     Raises
     ------
     InputError
-        If the user, the file and the shape contradict each other, or nothing tells what is needed.
+        If the user, the file and the shape contradict each other, or something that is needed is missing.
 
     """
     how: dict[str, str] = {}
@@ -150,7 +150,7 @@ def orientation(
             shift = (-tape, 0.0)
         shift = _on_tread(placed, shift, notices)
     if "assumed" in how["unit"]:
-        notices.append(f"The unit {in_unit} is assumed; --unit says another one.")
+        notices.append(f"The unit {in_unit} is assumed; --unit gives another one.")
     return (
         Orientation(agreed_kind, in_unit, upwards, mirrored, reversed_order, label, tape, shift, how),
         notices,
@@ -163,7 +163,7 @@ def agreed_unit(raw: RawProfile, unit: str | None) -> str:
     Raises
     ------
     InputError
-        If it is unknown, or the file says another one than the user.
+        If it is unknown, or the file has another one than the user.
 
     """
     for name in (unit, raw.unit):
@@ -184,14 +184,14 @@ def _kind(raw: RawProfile, kind: str | None, shape: _Shape | None, how: dict[str
         if shape is not None and shape.kind != raw.kind and not raw.kind_is_sure:
             raise InputError(
                 f"a {raw.kind} according to the file, of the shape of a {shape.kind}",
-                "a file whose ending or header says what it holds",
+                "a file whose ending or header names the kind",
                 f"rename the file, or give --kind {shape.kind} or --kind {raw.kind} to insist",
             )
         how["kind"] = "from the file"
         return raw.kind
     if shape is None:
         raise InputError(
-            "a profile of which neither file nor shape tells whether it is a rail's or a wheel's",
+            "a profile whose kind, rail or wheel, follows from neither file nor shape",
             "--kind rail or --kind wheel",
             "add the option, or a line '# kind: rail' to the file",
         )
@@ -218,7 +218,7 @@ def _upwards(
         return shape.upwards
     how["up"] = "from the file" if said is not None else "assumed"
     if said is None:
-        notices.append("The second coordinate is taken to point up; --flip says that it points down.")
+        notices.append("The second coordinate is assumed to point up; --flip if it points down.")
     return True if said is None else said
 
 
@@ -229,7 +229,7 @@ def _mirrored(raw: RawProfile, kind: Kind, shape: _Shape | None, mirror: bool, h
             raise InputError(
                 "--mirror for a wheel whose flange is at the side of the track's middle already",
                 "right-hand wheels, the flange at smaller x than the tread",
-                "leave --mirror out: the side of a wheel is told by its flange",
+                "leave --mirror out: the flange shows the side of a wheel",
             )
         how["side"] = "from the flange"
         return wanted
@@ -280,7 +280,7 @@ def _numbers(origin: str | None) -> tuple[float, float] | None:
 
 
 def _on_tread(placed: FloatArray, shift: tuple[float, float], notices: list[str]) -> tuple[float, float]:
-    """Add to a wheel's shift what brings its tread at the tape line to zero."""
+    """Return a wheel's shift with its tread at the tape line at zero."""
     moved = placed + shift
     x, y = moved.T
     beside = np.flatnonzero((x[:-1] <= 0.0) != (x[1:] <= 0.0))

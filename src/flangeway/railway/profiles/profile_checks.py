@@ -1,4 +1,4 @@
-"""Checks of measured points: doubled ones are left out, all else that is wrong is refused with its line."""
+"""Checks of measured points: doubled ones are left out, other errors are refused with their line."""
 
 import math
 
@@ -80,7 +80,7 @@ def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
     Raises
     ------
     InputError
-        If it is; the message tells the unit that the file may be in.
+        If it is; the message names the unit that the file may have.
 
     """
     low, high = LENGTHS_MM if unit_is_sure else USUAL_LENGTHS_MM

@@ -44,12 +44,12 @@ _MANY_HELD = 0.05
 _DEVIATION_MM = 2e-4
 
 BACK_OFF_MM = 0.5
-"""Difference of a measured flange back from the tape distance of the file above which a notice says so."""
+"""Difference of a measured flange back from the tape distance of the file above which there is a notice."""
 
 
 @dataclass(frozen=True)
 class ReadOptions:
-    """What the user says of a file, where it does not say it itself; None leaves it to file and shape.
+    """Options of the user for a file; None leaves them to the file and its shape.
 
     Parameters
     ----------
@@ -91,7 +91,7 @@ class MeasuredProfile:
     """A running surface or whole outline from a file, in mm and this package's axes, with the steel at its left.
 
     Wheels have their origin on the tread at the tape line. Rails have it where the file has it: at the middle of the
-    head's top, of the base, or at the gauge face, as `orientation` says.
+    head's top, of the base, or at the gauge face, see `orientation`.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class MeasuredProfile:
     format
         Format of the file.
     orientation
-        What the numbers of the file were taken for.
+        How the numbers of the file were interpreted.
     points
         Points (n, 2) as measured; of lines and arcs, points along them.
     surface
@@ -108,7 +108,7 @@ class MeasuredProfile:
     smoothing
         The smooth curve beside the points; None for lines and arcs.
     notices
-        What was left out, bridged or assumed, in sentences.
+        Sentences on what was left out, bridged or assumed.
 
     """
 
@@ -152,12 +152,12 @@ class MeasuredProfile:
 
 
 def read_profile(path: str | Path, options: ReadOptions | None = None) -> MeasuredProfile:
-    """Read a profile; the ending of the file's name tells its format, see `FORMATS`.
+    """Read a profile; the ending of the file's name gives its format, see `FORMATS`.
 
     Raises
     ------
     InputError
-        If the file cannot be read, is no profile, or nothing tells what its numbers mean; the message names the line.
+        If the file cannot be read, is no profile, or the meaning of its numbers is missing; the message names the line.
 
     """
     file = Path(path)
@@ -236,7 +236,7 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
 
 
 def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orientation, list[str]]:
-    """Return the tape distance that the surface shows where nothing else says it, and what contradicts the shape."""
+    """Return the tape distance, from the shape if nothing else gives it, and notices of what contradicts the shape."""
     if taken.kind == "rail":
         return taken, [] if isinstance(surface, Outline) else side_notices(surface)
     reach = -float(surface.bounds()[0, 0])

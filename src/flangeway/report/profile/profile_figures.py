@@ -15,7 +15,7 @@ from flangeway.types import Floats
 BLUE, ORANGE = "#0072b2", "#d55e00"
 TITLE_LETTERS = 70
 DRAWN_DEVIATION_MM = 0.01
-MOST_CURVATURE_PER_MM = 0.2
+MAX_CURVATURE_PER_MM = 0.2
 SHOWN_DEVIATION_MM = 4.0
 """Height at which the maximum deviation is drawn beside the shape."""
 
@@ -57,7 +57,7 @@ def curvature_figure(run: ProfileRun) -> Figure:
     rows[0].axhline(0.0, color=GREY, lw=0.6)
     low, high = float(curvatures.min(initial=0.0)), float(curvatures.max(initial=0.0))
     margin = 0.05 * max(high - low, 1e-4)
-    rows[0].set_ylim(max(low - margin, -MOST_CURVATURE_PER_MM), min(high + margin, MOST_CURVATURE_PER_MM))
+    rows[0].set_ylim(max(low - margin, -MAX_CURVATURE_PER_MM), min(high + margin, MAX_CURVATURE_PER_MM))
     rows[0].set_ylabel("curvature in 1/mm, convex positive")
     start = "from the field side to the gauge side" if run.profile.kind == "rail" else "from the flange to the rim"
     rows[-1].set_xlabel(f"length along the profile in mm, {start}")
@@ -104,7 +104,7 @@ def join_figure(joined: Joined) -> Figure:
 
 
 def _draw_deviations(axes: Axes, run: ProfileRun) -> None:
-    """Draw the deviations across the curve, enlarged so that the largest is visible."""
+    """Draw the deviations across the curve, enlarged so that the maximum is visible."""
     smoothing = run.profile.smoothing
     if smoothing is None or smoothing.maximum_um * 1e-3 < 1e-6:
         return
@@ -113,7 +113,7 @@ def _draw_deviations(axes: Axes, run: ProfileRun) -> None:
     along = np.gradient(points, axis=0)
     normals = np.column_stack([-along[:, 1], along[:, 0]]) / np.hypot(*along.T)[:, None]
     moved = points + normals * (1e-3 * factor * smoothing.deviations_um)[:, None]
-    label = f"deviations, {factor:.0f} times as large (largest {smoothing.maximum_um:.1f} μm)"
+    label = f"deviations, {factor:.0f} x (maximum {smoothing.maximum_um:.1f} μm)"
     axes.plot(*moved.T, color=ORANGE, lw=0.7, label=label, zorder=2)
 
 
@@ -121,14 +121,14 @@ def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
     smoothing = run.profile.smoothing
     if smoothing is None:
         return
-    places = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.profile.points, axis=0).T))])
-    axes.plot(places, smoothing.deviations_um, ".", ms=2.5, color=INK)
+    lengths = np.concatenate([[0.0], np.cumsum(np.hypot(*np.diff(run.profile.points, axis=0).T))])
+    axes.plot(lengths, smoothing.deviations_um, ".", ms=2.5, color=INK)
     if smoothing.wavelength_mm > 0.0:
         for sign in (-1.0, 1.0):
             axes.axhline(sign * smoothing.limit_um, color=ORANGE, lw=0.8, ls="--")
         text = (
             f"smoothed by {smoothing.wavelength_mm:g} mm; root mean square {smoothing.rms_um:.2f} μm, "
-            f"largest {smoothing.maximum_um:.2f} μm, limit {smoothing.limit_um:.3g} μm"
+            f"maximum {smoothing.maximum_um:.2f} μm, limit {smoothing.limit_um:.3g} μm"
         )
     else:
         text = "curve through all points"

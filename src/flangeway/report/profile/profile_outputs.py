@@ -60,7 +60,7 @@ def write_profile(
 
 
 def print_profile(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print what was read and how it was taken, measures, what was mended or is uncertain, and the files."""
+    """Print what was read, measures, repairs, assumptions, and the files."""
     console.print(summary["title"], style="bold", markup=False)
     print_rows(console, profile_rows(summary))
     console.print(f"Frame: {summary['frame']}; mm.", markup=False, soft_wrap=True)
@@ -123,7 +123,7 @@ def _smoothing_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         ("smoothed by a wavelength of, mm", f"{smoothing['wavelength_mm']:g}", ""),
         ("  deviation, root mean square, μm", f"{smoothing['rms_deviation_um']:.2f}", ""),
         (
-            "  deviation, largest, μm",
+            "  deviation, maximum, μm",
             f"{smoothing['maximum_deviation_um']:.2f}",
             f"limit {smoothing['limit_um']:.3g}" + (f", {n_held} points held to it" if n_held else ""),
         ),

@@ -32,12 +32,12 @@ def read_miniprof(text: str, kind: Kind) -> RawProfile:
     text
         Contents of the file.
     kind
-        What the ending of its name says.
+        From the ending of its name.
 
     Raises
     ------
     InputError
-        If it has several profiles, no columns X and Y, no points, or fewer points than it says.
+        If it has several profiles, no columns X and Y, no points, or not as many points as its header.
 
     """
     lines = text.splitlines()
@@ -82,18 +82,20 @@ def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[floa
         wanted = number_of(header["xypoints"][1], "XYPoints", header["xypoints"][0])
         if len(points) < 0.9 * wanted:
             raise InputError(
-                f"{len(points)} points in a file that says XYPoints={wanted:g}",
-                "as many points as the file says",
+                f"{len(points)} points in a file with XYPoints={wanted:g}",
+                "as many points as XYPoints",
                 "the file was cut off: save it again, or correct XYPoints",
             )
         if len(points) != wanted:
-            notices.append(f"The file says XYPoints={wanted:g} but has {len(points)} points; all of them are taken.")
+            notices.append(f"The header has XYPoints={wanted:g}, the file {len(points)} points; all of them are taken.")
     offsets = [header.get(key, (0, ""))[1] for key in ("xoffset", "yoffset")]
     if any(offset and leading_numbers(offset) not in ([], [0.0]) for offset in offsets):
         notices.append(f"XOffset and YOffset ({', '.join(offsets)}) are not applied.")
     side = [f"{key}={header[key.lower()][1]}" for key in ("Rail", "Side") if header.get(key.lower(), (0, ""))[1]]
     if side:
-        notices.append(f"The file says {', '.join(side)}; it is taken as it is, --mirror makes it the other side.")
+        notices.append(
+            f"The header has {', '.join(side)}; the profile is used as it is, --mirror makes it the other side."
+        )
     tape = _tape(header) if kind == "wheel" else None
     title = next((header[key][1] for key in ("mpdn", "comment", "filename", "uof1") if header.get(key, (0, ""))[1]), "")
     return RawProfile(

@@ -1,4 +1,4 @@
-"""What a reader of profile files gives: numbers as they are written, and what the file says of them."""
+"""Result of a reader of profile files: numbers as they are written, and what the file declares."""
 
 import math
 import re
@@ -37,17 +37,17 @@ class RawProfile:
     unit
         Unit of length that the file names, None if it names none.
     kind
-        ``"rail"`` or ``"wheel"`` if the file says so.
+        ``"rail"`` or ``"wheel"`` if the file declares it.
     kind_is_sure
-        Whether the file says it inside as well as by its name.
+        Whether the file declares it inside, not only by its name.
     upwards
-        Whether the second coordinate points up, None if the file does not say.
+        Whether the second coordinate points up, None if the file does not declare it.
     mirrored
-        Whether the file says that it has to be mirrored to be a right-hand profile.
+        Whether the file declares that it has to be mirrored to be a right-hand profile.
     origin
-        Where the file's (0, 0) lies, if the file says so.
+        Where the file's (0, 0) lies, if the file declares it.
     tape_mm
-        Distance of the tape line from the flange's back, if the file says so.
+        Distance of the tape line from the flange's back, if the file declares it.
     title
         Name or comment in the file.
     contour

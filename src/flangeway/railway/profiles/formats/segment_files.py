@@ -49,13 +49,13 @@ def read_segment_csv(text: str) -> RawProfile:
     """
     lines = text.splitlines()
     comments = [line if line.strip().startswith("#") else "#" for line in lines]
-    # what comments say is checked there; the point is a stand-in
+    # comments are checked there; the point is a placeholder
     said = read_two_column("\n".join([*comments, "0 0"]))
     rows = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.strip().startswith("#")]
     header, unit = outline_csv.parse_header(rows)
     drawn = [outline_csv.parse_segment(row, number) for number, row in outline_csv.parse_rows(header, rows[1:])]
     if unit is not None and said.unit is not None and unit != said.unit:
-        raise InputError(f"columns in {unit} under a comment that says {said.unit}", "one unit", "correct one of them")
+        raise InputError(f"columns in {unit} under a comment with {said.unit}", "one unit", "correct one of them")
     return _profile(drawn, unit or said.unit, said)
 
 
@@ -128,7 +128,7 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) 
 
 
 def _closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
-    """Close gaps up to `maximum` between neighbours, as of rounded tables, and say where.
+    """Close gaps up to `maximum` between neighbours, as of rounded tables, and report where.
 
     Both ends move to the middle of the gap, and centres across the chord to where they are equally far from both ends.
     """
@@ -201,7 +201,7 @@ def _chained(pieces: Sequence[list[DrawnSegment]]) -> list[DrawnSegment]:
 
 
 def write_segment_csv(contour: Contour, kind: str, title: str, origin: str, tape_mm: float | None = None) -> str:
-    """Return a chain in mm as CSV of lines and arcs, with comments that say what it is."""
+    """Return a chain in mm as CSV of lines and arcs, with comments on kind and frame."""
     rows = [
         f"# title: {title}",
         f"# kind: {kind}",

@@ -2,7 +2,7 @@
 
 Sections ``header.begin`` to ``header.end`` and ``spline.begin`` to ``spline.end`` hold lines ``key = value``; the
 points stand between ``point.begin`` and ``point.end``: y to the right, z down, and a weight that is not used. ``!`` and
-``%`` start comments. What the file says is done to the points in the order that Simpack numbers it: smallest distance,
+``%`` start comments. The points are changed as the header says, in the order of Simpack: smallest distance,
 shift, rotation, bounds, mirrors, order, unit.
 """
 
@@ -36,12 +36,12 @@ def read_simpack(text: str, kind: Kind) -> RawProfile:
     text
         Contents of the file.
     kind
-        What the ending of its name says.
+        From the ending of its name.
 
     Raises
     ------
     InputError
-        If sections are missing, the type is another one than the ending says, or a number is wrong.
+        If sections are missing, the type is another one than that of the ending, or a number is wrong.
 
     """
     keys: dict[str, tuple[int, str]] = {}
@@ -104,12 +104,12 @@ def _enter_or_leave(open_sections: list[str], section: str, edge: str, number: i
 
 
 def _refuse_other_kind(keys: dict[str, tuple[int, str]], kind: Kind) -> bool:
-    """Return whether the header says the same kind as the ending; refuse the other one."""
+    """Return whether the header declares the kind of the ending; refuse the other one."""
     line, value = keys.get("header.type", (0, ""))
     said = {"0": KINDS[0], "1": KINDS[1]}.get(value)
     if said is not None and said != kind:
         raise InputError(
-            f"line {line}: type = {value}, a {said}, in a file whose ending says {kind}",
+            f"line {line}: type = {value}, a {said}, in a file with the ending of a {kind}",
             "an ending that agrees: .prr for rails, .prw for wheels",
             "rename the file, or correct its header",
         )
@@ -119,7 +119,7 @@ def _refuse_other_kind(keys: dict[str, tuple[int, str]], kind: Kind) -> bool:
 def _processed(
     points: FloatArray, lines: NDArray[np.int64], keys: dict[str, tuple[int, str]]
 ) -> tuple[FloatArray, NDArray[np.int64], float | None]:
-    """Do what the file asks; return points, their lines, and the number of the file's units in a metre."""
+    """Apply the header; return points, their lines, and the number of the file's units in a metre."""
 
     def value(key: str) -> float:
         line, text = keys.get(key, (0, ""))

@@ -1,4 +1,4 @@
-"""Profiles as plain text of two columns, with what the numbers mean in comments.
+"""Profiles as plain text of two columns, with the meaning of the numbers in comments.
 
 A line is a point: lateral and vertical coordinate, apart by blanks, tabs, commas or semicolons; decimal commas are read
 where they are not separators as well. Comments start with ``#``, ``!``, ``%`` or ``//``. The comments
@@ -85,7 +85,7 @@ def read_two_column(text: str) -> RawProfile:
 def write_two_column(points: FloatArray, kind: Kind, title: str, tape_mm: float | None = None) -> str:
     """Return points (n, 2) in mm, in this package's frame of a rail's running surface or a wheel, as text.
 
-    Numbers have nine decimals, a picometre; the comments say what they mean, so that reading gives the same back.
+    Numbers have nine decimals, a picometre; comments give their meaning, so that reading returns the same.
     """
     origin = "top" if kind == "rail" else "tape"
     lines = [
@@ -150,7 +150,7 @@ def _numbers(cells: list[str], columns: tuple[int, int]) -> tuple[float, float] 
 
 
 def _named_columns(cells: list[str]) -> tuple[int, int]:
-    """Return which columns hold the coordinates according to their names, the first two if these say nothing."""
+    """Return which columns hold the coordinates according to their names, the first two if these are not clear."""
     names = [re.split(r"[\s_\[(]", cell.strip().strip('"').lower(), maxsplit=1)[0] for cell in cells]
     for first, second in _NAMES if len(names) > 2 else ():
         if names.count(first) == 1 and names.count(second) == 1:
@@ -165,7 +165,7 @@ def _unit_of_columns(line: str) -> str | None:
 
 
 def _said(header: Mapping[str, tuple[int, str]]) -> RawProfile:
-    """Return what comments say, checked, without points."""
+    """Return the declarations of the comments, checked, without points."""
 
     def chosen(key: str, allowed: tuple[str, ...]) -> str | None:
         if key not in header:
