@@ -426,7 +426,7 @@ def _straight_integrals(
     _into(gradient[:, :, 2], along_a, by_a, tx, ty)
     _into(gradient[:, :, 3], along_b, by_b, tx, ty)
     _into(gradient[:, :, 1], -(along_a * foot_a + along_b * foot_b), -turn / length, tx, ty)
-    gradient[:, :, 0] = -gradient[:, :, 1:].sum(axis=2)  # gaps do not change when all nodes move alike
+    gradient[:, :, 0] = -gradient[:, :, 1:].sum(axis=2)  # a translation of all nodes changes no gap
     shapes = np.stack((by_a, by_b), axis=-1).swapaxes(0, 1)
     gradients = np.stack(tuple(gradient.reshape(*values.shape, 8)), axis=1)
     return PieceIntegrals(np.stack(tuple(values), axis=1), gradients, lengths.T, shapes, None)

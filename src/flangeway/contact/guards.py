@@ -72,7 +72,7 @@ class GuardedPairs(Pairs):
 
 
 def guarded(
-    base: Pairs, surfaces: Sides, positions: Positions, armed: Guards, before: Pairs | None, *, settle: bool
+    base: Pairs, surfaces: Sides, positions: Positions, guarded_nodes: Guards, before: Pairs | None, *, settle: bool
 ) -> GuardedPairs:
     """Add constraints of guarded nodes to those of a pairing.
 
@@ -84,7 +84,7 @@ def guarded(
         Secondary and primary surface.
     positions
         Current positions of the points of their `Surface.contact_places`, each (n, 2).
-    armed
+    guarded_nodes
         Which of their nodes are guarded, each (n_nodes,).
     before
         The constraints of the iteration before.
@@ -104,7 +104,7 @@ def guarded(
     parts: list[Pairs] = [base]
     for side, other in ((0, 1), (1, 0)):
         nodes, faced, gaps = _paired(
-            positions[side], places[side], edges[other], armed[side], kept[side], settle=settle
+            positions[side], places[side], edges[other], guarded_nodes[side], kept[side], settle=settle
         )
         if side == 0:
             new = faced != taken[nodes]
@@ -170,14 +170,14 @@ def _owners(edge_places: Ints, nodes: Ints) -> tuple[Ints, Ints]:
 
 
 def _paired(
-    positions: Floats, edge_places: Ints, edges: Floats, armed: Bools, kept: Ints, *, settle: bool
+    positions: Floats, edge_places: Ints, edges: Floats, guarded_nodes: Bools, kept: Ints, *, settle: bool
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:
     """Guarded nodes that face an edge of the other side, those edges, and the gaps.
 
     At a concave joint the other body's outside is what is outside of both edges: a node has a constraint against each.
     """
     directions = node_normals(positions, edge_places, bisecting=True)
-    given = positions, edge_places, edges, np.flatnonzero(armed), directions, kept
+    given = positions, edge_places, edges, np.flatnonzero(guarded_nodes), directions, kept
     nodes, partners, gaps = facing_pairs(*given, OVERHANG if settle else SLACK, SLACK)
     found, margins = [(nodes, partners)], margins_of(edges, SLACK)
     for end, step in ((1, 1), (0, -1)):
@@ -191,7 +191,7 @@ def _paired(
     return nodes, partners, node_edge_gaps(positions[nodes], edges[partners])
 
 
-def penetrating(surfaces: Sides, positions: Positions, armed: Guards, explained: float) -> Guards:
+def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, explained: float) -> Guards:
     """Further nodes of two surfaces that lie behind the other one by more than curves and the law of contact explain.
 
     If sharp corners are among them, only these: they define the direction in which the other body moves, which may
@@ -203,7 +203,7 @@ def penetrating(surfaces: Sides, positions: Positions, armed: Guards, explained:
         Secondary and primary surface.
     positions
         Current positions of the points of their `Surface.contact_places`, each (n, 2).
-    armed
+    guarded_nodes
         Which of their nodes are guarded already, each (n_nodes,).
     explained
         Penetration that the law of contact explains.
@@ -235,7 +235,7 @@ def penetrating(surfaces: Sides, positions: Positions, armed: Guards, explained:
             np.minimum.at(own, column, sagittas[side])
         allowed = EARLY * (own[nodes] + sagittas[other][partners]) + explained
         found[side][nodes[(gaps.gaps < -allowed) & (gaps.gaps > -depth)]] = True
-    found = [each & ~before for each, before in zip(found, armed, strict=True)]
+    found = [each & ~before for each, before in zip(found, guarded_nodes, strict=True)]
     sharp = found[0] & _sharp(positions[0], surfaces[0]), found[1] & _sharp(positions[1], surfaces[1])
     return sharp if sharp[0].any() or sharp[1].any() else (found[0], found[1])
 

@@ -162,11 +162,11 @@ def facing_pairs(
     margins[gaps.gaps >= 0.0] = np.maximum(margins[gaps.gaps >= 0.0], overhang)
     near = stays[found] | within(gaps.parameters, margins)
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
-    ways = -gaps.gaps[behind, None] * gaps.normals[behind]
+    vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
     sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
     its = edges, partners[behind, None] == np.arange(len(edges))
-    near[behind] = ~leads_out(positions[nodes[behind]], ways, sizes, (own, on), its)
+    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), its)
     return nodes[near], partners[near], gaps.take(near)
 
 

@@ -23,13 +23,13 @@ ENTRIES_PER_CHUNK = 1_000_000
 
 @dataclass(frozen=True)
 class Intrusion:
-    """Where one boundary lies within the other one, beyond what it may.
+    """Where one boundary lies within the other one, beyond what is allowed.
 
     Parameters
     ----------
     depth
         Distance of a point of one boundary from the other, in whose body it lies.
-    place
+    position
         That point, x and y.
     allowed
         Depth that the chords of curves explain there.
@@ -37,7 +37,7 @@ class Intrusion:
     """
 
     depth: float
-    place: tuple[float, float]
+    position: tuple[float, float]
     allowed: float
 
 
@@ -118,11 +118,11 @@ class Boundary:
         if len(every) == 0:
             return None
         owners = np.concatenate((every, every, of))
-        places = np.concatenate((np.zeros(len(every)), np.ones(len(every)), crossings))
-        order = np.lexsort((places, owners))
-        owners, places = owners[order], places[order]
+        shares = np.concatenate((np.zeros(len(every)), np.ones(len(every)), crossings))
+        order = np.lexsort((shares, owners))
+        owners, shares = owners[order], shares[order]
         same = np.flatnonzero(owners[1:] == owners[:-1])
-        along = places[same, None] + (places[same + 1] - places[same])[:, None] * SAMPLES
+        along = shares[same, None] + (shares[same + 1] - shares[same])[:, None] * SAMPLES
         owner = np.repeat(owners[same], len(SAMPLES))
         along = along.ravel()
         points = starts[owner] + along[:, None] * (ends - starts)[owner]
@@ -180,7 +180,7 @@ class BodyOverlap:
         Names of the two.
     depth
         Distance of a point of one body's boundary from that of the other, in which it lies.
-    place
+    position
         That point, x and y.
     allowed
         Depth that is explained there: by the penetration of the contact law, by the chords of curves (h^2 / 8 R on each
@@ -190,7 +190,7 @@ class BodyOverlap:
 
     parts: tuple[str, str]
     depth: float
-    place: tuple[float, float]
+    position: tuple[float, float]
     allowed: float
 
     @property
@@ -200,7 +200,7 @@ class BodyOverlap:
 
     def __str__(self) -> str:
         """Return a sentence."""
-        x, y = self.place
+        x, y = self.position
         return (
             f"{self.parts[0]} and {self.parts[1]} overlap by {self.depth:.3g} at ({x:.4g}, {y:.4g}), where contact and "
             f"the chords of curves explain {self.allowed:.1e}; give all edges that may touch, move in smaller steps, "
@@ -247,7 +247,7 @@ def body_overlaps(
         deepest = deepest_intrusion(first_side, other_side)
         if deepest is not None:
             allowed = deepest.allowed + law + ROUND_OFF * min(one.body.elasticity.size, other.body.elasticity.size)
-            found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.place, allowed))
+            found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
     return tuple(found)
 
 

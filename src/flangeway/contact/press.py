@@ -32,7 +32,7 @@ PATHS: dict[str, Callable[..., BodyResponse]] = {"condensed": CondensedBodies, "
 
 @dataclass(frozen=True, eq=False)
 class LoadStep:
-    """A converged step on the way.
+    """A converged load step.
 
     Parameters
     ----------
@@ -157,8 +157,8 @@ def press(
 ) -> ContactSolution:
     """Move parts against each other and find the contact forces.
 
-    The status says whether the equations are solved and no bodies overlap, whatever edges were given. What else may
-    make the answer worthless, as too few elements in the contact, is found by `flangeway.post.contact_checks`.
+    The status reports whether the equations are solved and no bodies overlap anywhere on their boundaries.
+    `flangeway.post.contact_checks` finds further reasons to doubt an answer, such as too few elements in the contact.
 
     Parameters
     ----------
@@ -192,7 +192,6 @@ def press(
         if not isinstance(value, kind | None):
             raise refused("press", name, value, f"{kind.__name__}(...)", "leave it out")
     response = response or PATHS[path](system.surface_nodes)
-    rest = tuple(part.placement for part in system.parts)
     done: list[LoadStep] = []
 
     def solve_at(share: float, start: ContactState | None) -> ContactState:
@@ -206,14 +205,14 @@ def press(
         progress(f"{100.0 * share:.4g} % of the motion: {state.status.message}")
         return state
 
-    depths = _penetrations(system, response.reference(rest))
+    depths = _penetrations(system, response.reference(tuple(part.placement for part in system.parts)))
     state = follow(solve_at, None, steps)
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
     elif state.status.converged:
         undeformed = state.positions - state.displacements
         for x, y in np.concatenate([system.corners_on_corners(undeformed, i) for i in range(len(contacts))])[:1]:
-            more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): it is chance on which of its sides the force acts"
+            more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
             state = replace(state, status=replace(state.status, message=state.status.message + more))
     return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
 

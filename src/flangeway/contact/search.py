@@ -12,13 +12,13 @@ PAIRS_PER_CHUNK = 2_000_000
 FEW_PAIRS = 50_000  # to measure as many is faster than an index
 FIRST_NEIGHBOURS = 8  # edges measured for each point at first; four times as many in each further round
 LAST_NEIGHBOURS = 512  # beyond, all edges are measured
-HARDLY = 1e-6
-"""Depth over the longest edge that is none; see `leads_out`."""
+ZERO_DEPTH = 1e-6
+"""Depth over the longest edge up to which a point is on the surface; see `leads_out`."""
 DEEP = 0.1
-"""Depth behind an edge over its length from which it may be that of another edge."""
-FARTHER, SLENDER = 4.0, 10.0
-"""Depth behind an edge over the distance from another one from which what is there came in through that one; and from
-an edge of the point itself, which has to be larger than in a sharp corner."""
+"""Depth behind an edge, over the length of the surface there, from which the point may have entered elsewhere."""
+OTHER_EDGE, OWN_EDGE = 4.0, 10.0
+"""Depth behind an edge, over the distance from another edge, from which a point entered through that other edge. The
+second value is for an edge with the point itself: it exceeds that of a sharp corner."""
 CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
 
 
@@ -110,21 +110,21 @@ def nearest_edges(points: Floats, directions: Floats, edges: Floats) -> Ints:
 
 def leads_out(
     points: Floats,
-    ways: Floats,
+    vectors: Floats,
     sizes: Floats,
     own: tuple[Floats, NDArray[np.bool_]],
     other: tuple[Floats, NDArray[np.bool_]],
 ) -> NDArray[np.bool_]:
-    """Whether ways inwards from points of a surface to edges of another one are none to where the body came in.
+    """Whether points of a surface lie behind edges of another one that they did not enter through.
 
-    The far sides of two slender bodies side by side face each other as well, through both bodies: such a way leads out
-    again through another edge of its own surface, or nearly so, or passes through the other body. What is deep behind
-    an edge, beside its length, and far nearer to another one came in through that one.
+    The far sides of two slender bodies side by side face each other through both bodies. The vector from a point to
+    such an edge crosses another edge of the point's own surface or of the other one. A point that is deep behind an
+    edge, over its length, and much nearer to another edge entered through the latter.
 
     Parameters
     ----------
-    points, ways
-        Points of the surface, and vectors from them, each (n, 2).
+    points, vectors
+        Points of the surface, and the vectors from them to the edges that they face, each (n, 2).
     sizes
         Length of the surface at each point, shape (n,).
     own, other
@@ -132,29 +132,31 @@ def leads_out(
         of them each point is on or faces, shape (n, n_edges).
 
     """
-    depths = np.linalg.norm(ways, axis=1)
+    depths = np.linalg.norm(vectors, axis=1)
     result = np.zeros(len(points), dtype=np.bool_)
-    far = np.flatnonzero(depths > HARDLY * float(np.linalg.norm(own[0][:, -1] - own[0][:, 0], axis=1).max()))
+    far = np.flatnonzero(depths > ZERO_DEPTH * float(np.linalg.norm(own[0][:, -1] - own[0][:, 0], axis=1).max()))
     if len(far) == 0:
         return result
-    points, ways, depths = points[far], ways[far], depths[far]
-    crossed, apart = _crossed(points, ways, own[0], own[1][far])
-    nearer = (np.where(own[1][far], SLENDER, FARTHER) * apart).min(axis=1) < depths
-    through = crossed.any(axis=1) | _crossed(points, ways, other[0], other[1][far])[0].any(axis=1)
+    points, vectors, depths = points[far], vectors[far], depths[far]
+    crossed, apart = _crossed(points, vectors, own[0], own[1][far])
+    nearer = (np.where(own[1][far], OWN_EDGE, OTHER_EDGE) * apart).min(axis=1) < depths
+    through = crossed.any(axis=1) | _crossed(points, vectors, other[0], other[1][far])[0].any(axis=1)
     result[far] = through | (nearer & (depths > DEEP * sizes[far]))
     return result
 
 
-def _crossed(points: Floats, ways: Floats, edges: Floats, but: NDArray[np.bool_]) -> tuple[NDArray[np.bool_], Floats]:
-    """Which other edges ways from points, each (n, 2), cross before they end, and how far their ends are from edges."""
+def _crossed(
+    points: Floats, vectors: Floats, edges: Floats, but: NDArray[np.bool_]
+) -> tuple[NDArray[np.bool_], Floats]:
+    """Which other edges the vectors from points, each (n, 2), cross, and the distances of their ends from the edges."""
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
-    apart, way = starts - points[:, None], ways[:, None]
-    area = way[..., 0] * chords[:, 1] - way[..., 1] * chords[:, 0]
+    apart, vector = starts - points[:, None], vectors[:, None]
+    area = vector[..., 0] * chords[:, 1] - vector[..., 1] * chords[:, 0]
     with np.errstate(divide="ignore", invalid="ignore"):
-        on_way = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
-        on_edge = (apart[..., 0] * way[..., 1] - apart[..., 1] * way[..., 0]) / area
-    crossed = (on_way > 0.0) & (on_way < 1.0 - HARDLY) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~but
-    beyond = way - apart
+        on_vector = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
+        on_edge = (apart[..., 0] * vector[..., 1] - apart[..., 1] * vector[..., 0]) / area
+    crossed = (on_vector > 0.0) & (on_vector < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~but
+    beyond = vector - apart
     share = np.einsum("nei,ei->ne", beyond, chords) / (chords**2).sum(axis=1)
     return crossed, np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
 
@@ -174,8 +176,8 @@ class _Chords:
         """Whether any edge may face points with these outward directions: the one most against them, shape (n,)."""
         angles = np.sort(np.arctan2(self.normals[:, 1], self.normals[:, 0]))
         against = np.arctan2(-directions[:, 1], -directions[:, 0])
-        place = np.searchsorted(angles, against)
-        neighbours = np.stack((angles[place - 1], angles[place % len(angles)]))
+        position = np.searchsorted(angles, against)
+        neighbours = np.stack((angles[position - 1], angles[position % len(angles)]))
         may: NDArray[np.bool_] = (np.cos(neighbours - against) > -1e-9).any(axis=0)
         return may
 
@@ -210,8 +212,8 @@ def _squared_distances(points: Floats, chords: _Chords, edges: Ints) -> Floats:
     """Squared distance of each point to the chord of its edge, shape (n,)."""
     apart, vectors = points - chords.starts[edges], chords.vectors[edges]
     along = (apart[:, 0] * vectors[:, 0] + apart[:, 1] * vectors[:, 1]) / chords.squares[edges]
-    rest = apart - np.clip(along, 0.0, 1.0)[:, None] * vectors
-    squares: Floats = rest[:, 0] ** 2 + rest[:, 1] ** 2
+    off = apart - np.clip(along, 0.0, 1.0)[:, None] * vectors
+    squares: Floats = off[:, 0] ** 2 + off[:, 1] ** 2
     return squares
 
 

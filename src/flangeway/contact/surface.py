@@ -79,7 +79,7 @@ class Surface:
     Raises
     ------
     InputError
-        If a pair is not an edge of the mesh's boundary, is given twice, the edges are not one chain, or the curve is
+        If a pair is not an edge of the mesh's boundary, occurs twice, the edges are not one chain, or the curve is
         not near them.
 
     """

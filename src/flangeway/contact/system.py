@@ -40,7 +40,7 @@ class ContactLinearisation:
         Numbers among the touched points of those of each contact's terms, arrays (p, w).
     spread
         Positions of the touched points by those of ``nodes``, components after each other; None: they are the nodes.
-    armed
+    guarded_nodes
         Which nodes of each contact's secondary and primary surface are guarded, see `flangeway.contact.guards`.
 
     """
@@ -55,7 +55,7 @@ class ContactLinearisation:
     compliances: Floats
     tolerances: Floats
     term_points: tuple[Ints, ...]
-    armed: tuple[tuple[Bools, Bools], ...]
+    guarded_nodes: tuple[tuple[Bools, Bools], ...]
     spread: sp.csr_array | None = None
 
     def curvature(self, forces: Floats) -> sp.csr_array:
@@ -130,25 +130,25 @@ class ContactSystem:
         self, positions: Floats, previous: Linearisation | None, *, settle: bool = False
     ) -> ContactLinearisation:
         """Pair all surfaces at positions (n_nodes, 2) of the surface nodes; see `flangeway.solve.Constraints`."""
-        armed = [self._armed(number, previous) for number in range(len(self.contacts))]
-        return self._with(armed, positions, previous, settle=settle)
+        guarded_nodes = [self._guarded_nodes(number, previous) for number in range(len(self.contacts))]
+        return self._with(guarded_nodes, positions, previous, settle=settle)
 
     def guarded(
         self, positions: Floats, lin: Linearisation, forces: Floats, moved: float
     ) -> ContactLinearisation | None:
         """Linearise with constraints for the nodes that penetrate; see `flangeway.solve.Constraints.guarded`."""
         assert isinstance(lin, ContactLinearisation)
-        armed, more = [], False
+        guarded_nodes, more = [], False
         points = self._all_points(positions)
         for number, contact in enumerate(self.contacts):
             sides = contact.secondary, contact.primary
             explained = self.explained(lin, forces, number, moved)
             at = points[self._points[id(sides[0])]], points[self._points[id(sides[1])]]
-            found = penetrating(sides, at, lin.armed[number], explained)
-            one, other = (before | new for before, new in zip(lin.armed[number], found, strict=True))
-            more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.armed[number])
-            armed.append((one, other))
-        return self._with(armed, positions, lin, settle=False) if more else None
+            found = penetrating(sides, at, lin.guarded_nodes[number], explained)
+            one, other = (before | new for before, new in zip(lin.guarded_nodes[number], found, strict=True))
+            more |= int(one.sum() + other.sum()) > sum(int(each.sum()) for each in lin.guarded_nodes[number])
+            guarded_nodes.append((one, other))
+        return self._with(guarded_nodes, positions, lin, settle=False) if more else None
 
     def corners_on_corners(self, reference: Floats, number: int) -> Floats:
         """Points (n, 2) at which corners of a contact's surfaces meet, by the undeformed surface nodes (n_nodes, 2)."""
@@ -168,16 +168,16 @@ class ContactSystem:
         ]
         return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * min(sizes)
 
-    def _armed(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
+    def _guarded_nodes(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:
         if isinstance(previous, ContactLinearisation):
-            return previous.armed[number]
+            return previous.guarded_nodes[number]
         contact = self.contacts[number]
         one, other = (np.zeros(len(side.nodes), dtype=np.bool_) for side in (contact.secondary, contact.primary))
         return one, other
 
     def _with(
         self,
-        armed: Sequence[tuple[Bools, Bools]],
+        guarded_nodes: Sequence[tuple[Bools, Bools]],
         positions: Floats,
         previous: Linearisation | None,
         *,
@@ -192,14 +192,14 @@ class ContactSystem:
             edges = primary[contact.primary.contact_places]
             kept = self._kept(number, previous)
             pairs: Pairs = contact.pairing.pair(*sides, points[secondary], points[edges], kept, settle=settle)
-            if armed[number][0].any() or armed[number][1].any():
+            if guarded_nodes[number][0].any() or guarded_nodes[number][1].any():
                 before = previous.pairs[number] if isinstance(previous, ContactLinearisation) else None
                 at = points[secondary], points[primary]
-                pairs = guarded(pairs, sides, at, armed[number], before, settle=settle)
+                pairs = guarded(pairs, sides, at, guarded_nodes[number], before, settle=settle)
             all_pairs.append(pairs)
             mine = (secondary[pairs.secondary_members], edges[pairs.primary_edges])
             members.append(np.concatenate(mine, axis=1))
-        return self._assembled(all_pairs, members, tuple(armed))
+        return self._assembled(all_pairs, members, tuple(guarded_nodes))
 
     def describe(self, key: int, positions: Floats) -> str:
         """Name a constraint; see `flangeway.solve.Constraints.describe`."""
@@ -231,7 +231,7 @@ class ContactSystem:
         return kept
 
     def _assembled(
-        self, all_pairs: list[Pairs], members: list[Ints], armed: tuple[tuple[Bools, Bools], ...]
+        self, all_pairs: list[Pairs], members: list[Ints], guarded_nodes: tuple[tuple[Bools, Bools], ...]
     ) -> ContactLinearisation:
         starts = np.concatenate(([0], np.cumsum([len(pairs.keys) for pairs in all_pairs])))
         points = np.unique(np.concatenate([member.ravel() for member in members]))
@@ -263,7 +263,7 @@ class ContactSystem:
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.tolerance()) for law, p in zip(laws, all_pairs, strict=True)]),
             places,
-            armed,
+            guarded_nodes,
             spread,
         )
 

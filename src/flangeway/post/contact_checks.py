@@ -208,7 +208,7 @@ def deepest_overlap(one: PolyMesh, other: PolyMesh) -> Overlap | None:
     size = min(float(np.ptp(mesh.points, axis=0).max()) for mesh in (one, other))
     if found is None or found.depth <= found.allowed + ROUND_OFF * size:
         return None
-    return Overlap(found.depth, found.place)
+    return Overlap(found.depth, found.position)
 
 
 def _boundary(mesh: PolyMesh) -> Boundary:

@@ -119,7 +119,7 @@ def _outside(patches: Iterable[WheelRailPatch], overlaps: Sequence[BodyOverlap])
 
 def overlap_error(overlap: BodyOverlap) -> str:
     """Sentence about an overlap that neither the contact law nor the mesh explains."""
-    x, y = overlap.place
+    x, y = overlap.position
     return (
         f"{' and '.join(overlap.parts)} overlap by {overlap.depth:.3g} mm at ({x:.4g}, {y:.4g}), in the track's axes; "
         "check the profiles, the gauge and the load"
