@@ -25,6 +25,7 @@ ORDER = (
     "railway.rigid",
     "railway.wheelset",
     "railway.positions",
+    "railway.spatial",
     "cases",
     "campaign",
     "report",

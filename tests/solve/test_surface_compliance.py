@@ -22,11 +22,11 @@ YOUNG, POISSON = 210e3, 0.3
 SIZE, HALF, BLOCK = 0.6, 9.0, 100.0  # mm
 
 
-def cells_of(element, *, edges_per_cell=1):
+def cells_of(element):
     """A row of cells of 0.6 mm in the middle of the top of a block that is held at its base."""
     corners = [(-BLOCK, -BLOCK), (BLOCK, -BLOCK), (BLOCK, 0.0), (HALF, 0.0), (-HALF, 0.0), (-BLOCK, 0.0)]
     along = np.linspace(-HALF, HALF, 31)
-    zone = Refinement(np.stack((along, np.zeros(31)), axis=1), size=SIZE / edges_per_cell, growth=0.4)
+    zone = Refinement(np.stack((along, np.zeros(31)), axis=1), size=SIZE, growth=0.4)
     mesh = triangulate(polygon(corners), size=30.0, refinements=[zone])
     mesh = dual(mesh) if isinstance(element, Virtual) else mesh
     edges, points = mesh.boundary_edges, mesh.points
@@ -36,7 +36,7 @@ def cells_of(element, *, edges_per_cell=1):
     top = top[np.argsort(-points[top[:, 0], 0])]
     space = Space(mesh.with_edge_set("base", base), element)
     problem = Harmonic(Elasticity(space, Elastic(YOUNG, POISSON)), held={"base": "xyz"})
-    return SurfaceCells(problem, top, edges_per_cell * (2 if isinstance(element, Virtual) else 1))
+    return SurfaceCells(problem, top, np.linspace(0.0, 2.0 * HALF, 31))
 
 
 @cache

@@ -20,8 +20,9 @@ from scipy.interpolate import CubicSpline
 from scipy.linalg import cho_factor, cho_solve
 
 from flangeway._core import NotPositiveDefiniteError, n_threads
+from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
-from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.edges import edge_shapes
 from flangeway.problems.harmonic import Harmonic
 from flangeway.solve.linear import cholesky
 from flangeway.space import SymmetricMatrix
@@ -33,6 +34,8 @@ MOST_DOUBLINGS = 4
 """Times that an interval between wavenumbers is halved at most."""
 TAIL = 4.0
 """Factor on the largest wavenumber up to which C ~ 1 / k continues the table."""
+SAME = 1e-9
+"""Length over that of a surface that is round-off."""
 PHASE = np.pi / 2.0
 """Largest phase k z of an interval of six Gauss points."""
 
@@ -46,63 +49,79 @@ class SurfaceCells:
     problem
         The prism with its supports.
     edges
-        Boundary edges one after the other, body on their left, shape (n_cells * edges_per_cell, 2).
-    edges_per_cell
-        Number of edges that make one cell. Two halve the error of a cell's own coefficient.
+        Boundary edges one after the other, body on their left, shape (n_edges, 2).
+    bounds
+        Ends of the cells as lengths along the edges, rising, shape (n_cells + 1,); left out: each edge is a cell. Cells
+        of two edges have half the error of a cell's own coefficient.
 
     """
 
     problem: Harmonic
     edges: Ints
-    edges_per_cell: int = 1
+    bounds: Floats | None = None
 
     def __post_init__(self) -> None:
         edges = np.asarray(self.edges)
-        if (
-            edges.ndim != 2
-            or len(edges) == 0
-            or len(edges) % self.edges_per_cell
-            or (edges[1:, 0] != edges[:-1, 1]).any()
-        ):
+        if edges.ndim != 2 or len(edges) == 0 or (edges[1:, 0] != edges[:-1, 1]).any():
             raise InputError(
-                f"cells of {self.edges_per_cell} edges each on edges of shape {edges.shape}",
-                "edges that follow each other, a whole number of cells",
-                "order them along the surface, and leave out what does not make a cell",
+                f"cells on edges of shape {edges.shape}", "edges that follow each other", "order them along the surface"
             )
         if self.problem.revolution:
             raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
+        first, last = self.limits[0], self.limits[-1]
+        length = self._stations[-1]
+        if not (np.diff(self.limits) > 0.0).all() or first < -SAME * length or last > (1.0 + SAME) * length:
+            raise InputError(
+                f"cells from {first:g} to {last:g} along a surface of the length {length:g}",
+                "rising lengths within the surface",
+                "take a smaller window, or more edges",
+            )
+
+    @cached_property
+    def _stations(self) -> Floats:
+        """Lengths at the ends of the edges, shape (n_edges + 1,)."""
+        points = self.problem.elasticity.space.mesh.points[self.edges]
+        return np.concatenate(([0.0], np.cumsum(np.linalg.norm(points[:, 1] - points[:, 0], axis=1))))
+
+    @property
+    def limits(self) -> Floats:
+        """Ends of the cells as lengths along the edges, shape (n_cells + 1,)."""
+        return self._stations if self.bounds is None else self.bounds
+
+    @property
+    def longest_edge(self) -> float:
+        """Maximum length of the mesh's edges below the cells."""
+        below = (self._stations[1:] > self.limits[0]) & (self._stations[:-1] < self.limits[-1])
+        return float(np.diff(self._stations)[below].max())
 
     @property
     def n_cells(self) -> int:
         """Number of cells."""
-        return len(self.edges) // self.edges_per_cell
+        return len(self.limits) - 1
 
     @cached_property
     def ends(self) -> Floats:
-        """Ends of the cells, shape (n_cells, 2, 2)."""
+        """Ends of the cells, shape (n_cells + 1, 2)."""
         points = self.problem.elasticity.space.mesh.points
-        first, last = (
-            self.edges[:: self.edges_per_cell, 0],
-            self.edges[self.edges_per_cell - 1 :: self.edges_per_cell, 1],
-        )
-        return np.stack((points[first], points[last]), axis=1)
+        chain = np.concatenate((points[self.edges[:, 0]], points[self.edges[-1:, 1]]))
+        return np.stack([np.interp(self.limits, self._stations, chain[:, axis]) for axis in range(2)], axis=1)
 
     @cached_property
     def widths(self) -> Floats:
-        """Widths of the cells, shape (n_cells,)."""
-        widths: Floats = np.linalg.norm(self.ends[:, 1] - self.ends[:, 0], axis=1)
-        return widths
+        """Widths of the cells along the surface, shape (n_cells,)."""
+        return np.diff(self.limits)
 
     @property
     def middles(self) -> Floats:
-        """Middles of the cells, shape (n_cells, 2)."""
-        middles: Floats = self.ends.mean(axis=1)
+        """Middles of the cells' chords, shape (n_cells, 2)."""
+        middles: Floats = (self.ends[1:] + self.ends[:-1]) / 2.0
         return middles
 
     @cached_property
     def frames(self) -> Floats:
         """Axes tangent, outward normal and z of the cells, rows of (n_cells, 3, 3)."""
-        tangents = (self.ends[:, 1] - self.ends[:, 0]) / self.widths[:, None]
+        chords = np.diff(self.ends, axis=0)
+        tangents = chords / np.linalg.norm(chords, axis=1)[:, None]
         frames = np.zeros((self.n_cells, 3, 3))
         frames[:, 0, :2] = tangents
         frames[:, 1, 0], frames[:, 1, 1] = tangents[:, 1], -tangents[:, 0]
@@ -112,14 +131,24 @@ class SurfaceCells:
     @cached_property
     def _nodes_and_loads(self) -> tuple[Ints, Floats]:
         """Surface nodes, and their forces by unit forces on the cells: (3 n_nodes, 3 n_cells)."""
-        rule = edge_quadrature(self.problem.elasticity.space, self.edges)
-        nodes, places = np.unique(rule.nodes, return_inverse=True)
-        shares = np.einsum("eq,qm->em", rule.weights, rule.shapes) / rule.weights.sum(axis=1)[:, None]
-        lengths = rule.weights.sum(axis=1)
-        cell = np.arange(len(self.edges)) // self.edges_per_cell
-        shares *= (lengths / np.bincount(cell, lengths)[cell])[:, None]
+        space = self.problem.elasticity.space
+        inside = self._stations[(self._stations > self.limits[0]) & (self._stations < self.limits[-1])]
+        cuts = np.unique(np.concatenate((self.limits, inside)))
+        middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
+        edge = np.clip(np.searchsorted(self._stations, middles) - 1, 0, len(self.edges) - 1)
+        cell = np.clip(np.searchsorted(self.limits, middles) - 1, 0, self.n_cells - 1)
+        abscissae, weights = gauss(space.order + 1)
+        # places of the Gauss points of each piece on its edge, in [0, 1]
+        places = (cuts[:-1, None] + lengths[:, None] * abscissae - self._stations[edge, None]) / np.diff(
+            self._stations
+        )[edge, None]
+        shapes = edge_shapes(space.order, places.ravel()).reshape(*places.shape, -1)
+        # a unit force on a cell is spread evenly over its width
+        shares = np.einsum("pq,pqm->pm", lengths[:, None] * weights, shapes) / self.widths[cell, None]
+        of_edges = space.edge_nodes(self.edges)[edge]
+        nodes, numbers = np.unique(of_edges, return_inverse=True)
         on_nodes = np.zeros((len(nodes), self.n_cells))
-        np.add.at(on_nodes, (places.reshape(rule.nodes.shape), cell[:, None]), shares)
+        np.add.at(on_nodes, (numbers.reshape(of_edges.shape), cell[:, None]), shares)
         # P_(n i)(c a) = share of node n in cell c times axis a of the cell along i
         loads = np.einsum("nc,cai->nica", on_nodes, self.frames)
         return nodes.astype(np.int64), loads.reshape(3 * len(nodes), 3 * self.n_cells)
@@ -231,7 +260,7 @@ class ComplianceTable:
 def compliance_table(
     cells: SurfaceCells,
     least: float,
-    largest: float,
+    maximum: float,
     tolerance: float = 1e-4,
     progress: Callable[[str], None] = lambda _: None,
 ) -> ComplianceTable:
@@ -241,7 +270,7 @@ def compliance_table(
     ----------
     cells
         The surface.
-    least, largest
+    least, maximum
         Range of the wavenumbers. Below, the compliance is taken as constant; above, it falls with 1 / k. The largest
         one should be 2 pi / dz or more for strips of the width dz.
     tolerance
@@ -250,10 +279,10 @@ def compliance_table(
         Called with a sentence at each stage.
 
     """
-    if not 0.0 < least < largest:
-        raise InputError(f"wavenumbers from {least} to {largest}", "0 < least < largest", "give per length")
-    count = max(int(np.ceil(PER_DECADE * np.log10(largest / least))), 3) + 1
-    logs = np.linspace(np.log(least), np.log(largest), count)
+    if not 0.0 < least < maximum:
+        raise InputError(f"wavenumbers from {least} to {maximum}", "0 < least < maximum", "give per length")
+    count = max(int(np.ceil(PER_DECADE * np.log10(maximum / least))), 3) + 1
+    logs = np.linspace(np.log(least), np.log(maximum), count)
     values = _at_all(cells, logs)
     open_intervals = np.ones(count - 1, dtype=np.bool_)
     error = np.inf

@@ -1,0 +1,80 @@
+"""A wheel on a rail in three dimensions, beside Hertz's ellipse for their curvatures."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
+from flangeway.errors import InputError
+from flangeway.railway.spatial.spatial_patch import SpatialPatch, spatial_patch
+from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
+
+FORCE = 150e3  # N
+CROWN, RADIUS = 254.0, 474.86  # mm: the rail's crown, and the wheel's radius where it touches
+INCLINATION = 0.0495  # of the normal
+
+
+def model_of(method: str, order: int, size: float) -> WheelsetModel:
+    values = {"method": method, "order": order, "contact_size_mm": size, "axle_load_kN": 300.0, "body_size_mm": 12.0}
+    return build_model(WheelsetTangentCase.from_values(values).problem())
+
+
+def patch_of(method: str, order: int, size: float, side: str = "right") -> SpatialPatch:
+    return spatial_patch(
+        model_of(method, order, size), side, FORCE, cell_mm=0.5, window_mm=(13.0, 20.0), tolerance=5e-3
+    )
+
+
+def hertz() -> tuple[float, float, float]:
+    """Maximum pressure and semi-axes along and across of the ellipse."""
+    modulus = 210e3 / (1.0 - 0.3**2) / 2.0
+    force, along = FORCE * np.hypot(1.0, INCLINATION), RADIUS * np.hypot(1.0, INCLINATION)
+    sum_of_curvatures = (1.0 / CROWN + 1.0 / along) / 2.0
+
+    def ratio(square: float) -> float:
+        return (ellipe(square) / (1.0 - square) - ellipk(square)) / (ellipk(square) - ellipe(square))
+
+    square = brentq(lambda m: ratio(m) - along / CROWN, 1e-9, 1.0 - 1e-9)
+    long = (3.0 * force * ellipe(square) / (2.0 * np.pi * modulus * (1.0 - square) * sum_of_curvatures)) ** (1.0 / 3.0)
+    short = long * np.sqrt(1.0 - square)
+    return 3.0 * force / (2.0 * np.pi * long * short), long, short
+
+
+@pytest.mark.parametrize(("method", "order", "size"), [("fem", 1, 0.25), ("vem", 1, 0.5)])
+def test_a_wheel_on_the_crown_of_a_rail_touches_as_hertz_says(method, order, size) -> None:
+    """Pressure of AAR-1B on 136RE under 150 kN to 1 %, semi-axes to 1 %, whatever the element."""
+    found = patch_of(method, order, size)
+    assert found.contact.status.converged
+    peak, long, short = hertz()
+    assert found.pressures.max() == pytest.approx(peak, rel=1e-2)
+    np.testing.assert_allclose(found.force[1], FORCE, rtol=1e-9)
+    forces = found.contact.forces
+    along = np.sqrt(5.0 * (forces.sum(axis=0) @ found.along**2) / forces.sum())
+    across = np.linalg.norm(found.points - forces.sum(axis=1) @ found.points / forces.sum(), axis=1)
+    assert along == pytest.approx(long, rel=1e-2)
+    assert np.sqrt(5.0 * (forces.sum(axis=1) @ across**2) / forces.sum()) == pytest.approx(short, rel=1e-2)
+
+
+def test_both_sides_are_mirror_images() -> None:
+    """On a symmetric track the pressures of both sides are equal to 1e-6, mirrored."""
+    model = model_of("fem", 1, 0.45)
+    left, right = (
+        spatial_patch(model, side, FORCE, cell_mm=0.5, window_mm=(13.0, 20.0), tolerance=0.1)
+        for side in ("left", "right")
+    )
+    np.testing.assert_allclose(left.pressures[::-1], right.pressures, atol=1e-3)
+    np.testing.assert_allclose(left.force, right.force * [-1.0, 1.0], rtol=1e-6)
+
+
+def test_windows_and_cells_that_do_not_fit_are_refused() -> None:
+    """A window beyond the mesh, one that the patch fills, and cells smaller than the mesh end in clear errors."""
+    model = model_of("fem", 1, 1.0)
+    for wrong, cell, window in (
+        ("a narrower window", 1.0, (200.0, 20.0)),
+        ("edges no longer than the cells", 0.4, (14.0, 20.0)),
+        ("a larger window", 1.0, (8.0, 12.0)),
+        ("or more", 1.0, (16.0, 24.0)),
+    ):
+        with pytest.raises(InputError, match=wrong):
+            spatial_patch(model, "right", FORCE, cell_mm=cell, window_mm=window, tolerance=0.1)
