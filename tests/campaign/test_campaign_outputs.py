@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from flangeway.campaign import Campaign, CampaignProgress, position_rows, results
+from flangeway.campaign import Campaign, CampaignProgress, chunk, results
 from flangeway.campaign import results_table as table
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
@@ -87,9 +87,9 @@ def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
     file = tmp_path / "c.toml"
     file.write_text(SWEEP, encoding="utf-8")
     ((first, rows),) = Campaign.from_file(file).chunks
-    monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
+    monkeypatch.setattr(chunk, "_prepared", OrderedDict())
     before = compute(Chunk(rows[:2], first)).results
-    monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
+    monkeypatch.setattr(chunk, "_prepared", OrderedDict())
     monkeypatch.setattr(wheelset_mesh, "triangulate", None)
     after = compute(Chunk(rows[:2], first)).results
     assert [result.values for result in after] == [result.values for result in before]

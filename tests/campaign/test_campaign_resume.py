@@ -27,12 +27,17 @@ from pydantic import Field
 from flangeway.solve import Status
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.case_file import CASES
+from flangeway.cases.summary import StatusSummary, Summary
+
+@dataclass(frozen=True, kw_only=True)
+class SumSummary(Summary):
+    total: float
 
 @dataclass
 class SumRun:
     case: Any
     status: Status
-    summary: dict
+    summary: SumSummary
 
 class SumCase(RunnableCase):
     name: ClassVar[str] = "sum"
@@ -48,8 +53,10 @@ class SumCase(RunnableCase):
         if self.deadly and self.a == 3: os.kill(os.getpid(), signal.SIGKILL)
         if self.a == 7: raise ValueError("seven cannot be summed")
         time.sleep(float(os.environ.get("SUM_SECONDS", "0")))
-        return SumRun(self, Status(self.a != 5, "five does not converge" if self.a == 5 else "done", 1),
-                      {"total": self.a + self.b / 3.0})
+        status = Status(self.a != 5, "five does not converge" if self.a == 5 else "done", 1)
+        summary = SumSummary(status=StatusSummary(status.converged, status.message), case={}, timings_s={},
+                             peak_memory_MB=None, total=self.a + self.b / 3.0)
+        return SumRun(self, status, summary)
 
 CASES["sum"] = SumCase
 '''
@@ -173,11 +180,12 @@ main()
 """
 
 
-def start(folder, *arguments):
+def start(folder, *arguments, own_group=False):
     """Start the command with the synthetic case known to it."""
     return subprocess.Popen(
         [sys.executable, "-c", MAIN, "campaign", *map(str, arguments)], cwd=folder, text=True,
         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment(folder, SUM_SECONDS="0.1"),
+        start_new_session=own_group,
     )  # fmt: skip
 
 
@@ -251,6 +259,22 @@ def test_the_command_is_killed_refused_interrupted_and_goes_on(synthetic, tmp_pa
     assert last.returncode == 0, err
     assert "60 rows of sum: 60 converged" in out
     assert re.search(r"\d+ of 60 rows; (time left not known yet|\d+:\d\d:\d\d left|done)", err)
+
+
+@pytest.mark.parametrize("delay", [0.0, 0.1, 0.4])
+def test_an_interruption_while_workers_start_prints_no_traceback(synthetic, tmp_path, interruptible, delay):
+    """Ctrl-C goes to all processes of the terminal; those that are still importing end without a traceback."""
+    (tmp_path / "c.toml").write_text('case = "sum"\n[vary]\na = { from = 11, to = 70, n = 60 }\n', encoding="utf-8")
+    process = start(tmp_path, tmp_path / "c.toml", own_group=True)
+    deadline = time.monotonic() + 60.0
+    while len(children(process.pid)) < 2:  # the server of forks and the tracker of resources
+        assert time.monotonic() < deadline
+        time.sleep(0.002)
+    time.sleep(delay)
+    os.killpg(process.pid, signal.SIGINT)
+    _, err = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert "Traceback" not in err
 
 
 WHEELSETS = """

@@ -5,7 +5,7 @@ from collections import OrderedDict
 import numpy as np
 import pytest
 
-from flangeway.campaign import Campaign, position_rows, results, run_campaign
+from flangeway.campaign import Campaign, chunk, results, run_campaign
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.columns import PATCH_SHEAR_COLUMNS, WHEELSET_SHEAR_COLUMNS
 
@@ -67,9 +67,9 @@ def test_a_chunk_has_the_same_digits_whatever_was_computed_before(sweep, monkeyp
     """The second chunk after the first and the second alone, in a new worker, agree in every digit."""
     campaign, _ = sweep
     chunks = [Chunk(rows, first, shear=True, n_alike=1000) for first, rows in campaign.chunks]
-    monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
+    monkeypatch.setattr(chunk, "_prepared", OrderedDict())
     _, after = (compute(chunk).results for chunk in chunks)
-    monkeypatch.setattr(position_rows, "_prepared", OrderedDict())
+    monkeypatch.setattr(chunk, "_prepared", OrderedDict())
     alone = compute(chunks[1]).results
     for one, other in zip(after, alone, strict=True):
         assert one.values == other.values

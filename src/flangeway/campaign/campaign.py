@@ -1,21 +1,27 @@
-"""A campaign: one case over many inputs."""
+"""A campaign: one case over many inputs, from a TOML file."""
 
 import hashlib
 import json
 import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flangeway.campaign.columns import POSITION_KEYS
-from flangeway.cases.case import RunnableCase
-from flangeway.cases.case_file import FILE_KEYS
+from flangeway.campaign.columns import POSITION_KEYS, WHEELSET_COLUMNS, WHEELSET_SHEAR_COLUMNS
+from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
+from flangeway.cases.case import RunnableCase, closest
+from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file
+from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
+
+RESULTS = ("columns", "subsurface_shear")
+KEYS = ("case", "table", "inputs", "vary", "results")
 
 ROWS_OF_A_CHUNK = 48
 """Most positions that one worker computes together. Fixed: a table depends neither on workers nor on interruptions."""
@@ -129,9 +135,7 @@ class Campaign:
             If anything in it is wrong; the message names file, key, value, what is allowed and what to do.
 
         """
-        from flangeway.campaign.campaign_file import read_campaign  # noqa: PLC0415 (it imports this module)
-
-        return read_campaign(Path(path))
+        return _CampaignText.read(Path(path)).campaign()
 
     @property
     def identity(self) -> str:
@@ -177,3 +181,207 @@ def _by_content(values: Any) -> Any:
 def _file_hash(name: str) -> str:
     path = Path(name)
     return f"sha256 {hashlib.sha256(path.read_bytes()).hexdigest()}" if is_file(path) else name
+
+
+class _CampaignText(TomlFile):
+    """A campaign's file."""
+
+    kind = TomlKind(
+        name="campaign",
+        instead="",
+        get_one="correct the name",
+        lines='lines such as case = "wheelset-tangent", tables such as [vary]',
+        too_large="give many rows as a range, or as a table in a CSV file",
+    )
+
+    def campaign(self) -> Campaign:
+        self._refuse_unknown()
+        case = self._case_name()
+        given: dict[str, Any] = self.data.get("inputs", {})
+        if is_case_file(case):  # else tables are inputs of their own
+            given = flattened(given)
+        inputs = {key: self._resolved(key, value, "inputs") for key, value in given.items()}
+        keys, varied = self._varied()
+        for key in keys:
+            if key in inputs:
+                raise InputError(
+                    f"{self._line('vary', key)}{key} under [inputs] and varied", "one of both", f"remove one {key}"
+                )
+        rows = []
+        for number, values in enumerate(varied, 1):
+            found = self._case(case, inputs, values, number)
+            rows.append(Row(number, {key: _read(found, key, value) for key, value in values.items()}, found))
+        self._check(rows)
+        kind = type(rows[0].case)
+        shear = self._shear(kind)
+        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, shear), shear)
+
+    def _refuse_unknown(self) -> None:
+        for key, value in self.data.items():
+            if key not in KEYS:
+                raise InputError(f"{self._line('', key)}{key}", f"the keys {', '.join(KEYS)}", self._advice(key))
+            wanted: type = dict if key in ("inputs", "vary", "results") else str
+            if not isinstance(value, wanted):
+                allowed = "a name in quotation marks" if wanted is str else f"a table: [{key}] and its keys below"
+                raise InputError(f"{self._line('', key)}{key} = {short(value)}", allowed, "correct it")
+        if "case" not in self.data:
+            raise InputError(
+                f"{self.file}: no key case",
+                'a line such as case = "wheelset-tangent" at the top',
+                "add it; `flangeway cases` lists the names",
+            )
+
+    def _advice(self, key: str) -> str:
+        near = closest(key, list(KEYS))
+        return near if near.startswith("did") else f"inputs stand under [inputs] or [vary]: move {key} there"
+
+    def _case_name(self) -> str:
+        name = str(self.data["case"])
+        if is_case_file(name) or is_case_file(self.file.parent / name):
+            name = str((self.file.parent / name).resolve())
+        try:
+            read_case(name)
+        except InputError as reason:
+            raise self._placed(reason, self._line("", "case")) from reason
+        return name
+
+    def _varied(self) -> tuple[tuple[str, ...], list[dict[str, Any]]]:
+        """Keys that vary, and their values row by row as they are written; the grid is inside of the table."""
+        lists = flattened(self.data.get("vary", {}))
+        table = self.data.get("table")
+        if isinstance(lists.get("table"), str):  # the last line of a file belongs to its last table
+            if table is not None:
+                raise InputError(f"{self._line('vary', 'table')}table twice", "one table", "remove one of both")
+            table = lists.pop("table")
+        for key, given in lists.items():
+            lists[key] = values_of(key, given, self._line("vary", key))
+        if not lists and table is None:
+            raise InputError(
+                f"{self.file}: nothing varies", f"[vary] with {VALUES_ALLOWED}, or a table", "add one of them"
+            )
+        rows = grid(lists, f"{self.file}: ")
+        keys = tuple(lists)
+        if table is not None:
+            read = read_table(self.file.parent / table)
+            both = [key for key in read[0] if key in lists]
+            if both:
+                raise InputError(
+                    f"{self._line('vary', both[0])}{both[0]} under [vary] and in {table}", "one of both", "remove one"
+                )
+            refuse_too_many(len(read) * len(rows), f"{self.file}: ")
+            keys = (*read[0], *keys)
+            rows = [{**outer, **inner} for outer in read for inner in rows]
+        return keys, rows
+
+    def _case(self, name: str, inputs: dict[str, Any], varied: dict[str, Any], number: int) -> RunnableCase:
+        values = {key: self._resolved(key, value, "vary") for key, value in varied.items()}
+        try:
+            return read_case(name, {**inputs, **values})
+        except InputError as reason:
+            key = next((key for key in (*varied, *inputs) if _is_reported(key, reason.given)), "")
+            in_list = self._has("vary", key)
+            place = self._line("vary" if in_list else "inputs", key)
+            if key in varied and not in_list:
+                place = f"{self.file}, table: "
+            row = f"row {number}: " if key in varied else ""
+            raise self._placed(reason, f"{place}{row}") from reason
+
+    def _check(self, rows: list[Row]) -> None:
+        """Check what goes beyond single values: whole cases once for all rows of the same bodies, loads of each."""
+        seen: set[str] = set()
+        for row in rows:
+            try:
+                if row.bodies not in seen:
+                    row.case.check()
+                elif isinstance(row.case, WheelsetCase):
+                    row.case.load()
+            except InputError as reason:
+                given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
+                raise self._placed(reason, f"{self.file}, row {row.number} ({given}): ") from reason
+            seen.add(row.bodies)
+
+    def _resolved(self, key: str, value: Any, table: str) -> Any:
+        """Make the name of a file independent of the current folder."""
+        if key.rpartition(".")[2] not in FILE_KEYS or not isinstance(value, str):
+            return value
+        path = self.file.parent / value
+        if is_file(path):
+            return str(path.resolve())
+        if "/" in value or re.search(r"\.\w{2,5}$", value):
+            raise InputError(
+                f"{self._line(table, key)}{key} = {short(value)}: there is no such file",
+                f"a file, its path relative to the folder {self.file.parent.resolve()}",
+                "correct the path, or copy the file there",
+            )
+        return value
+
+    def _shear(self, kind: type[RunnableCase]) -> bool:
+        shear = self.data.get("results", {}).get("subsurface_shear", False)
+        place = f"{self._line('results', 'subsurface_shear')}results.subsurface_shear"
+        if not isinstance(shear, bool):
+            raise InputError(f"{place} = {short(shear)}", "true or false", "correct it")
+        if shear and not issubclass(kind, WheelsetCase):
+            raise InputError(f"{place} with case = {kind.name!r}", "a case of a wheelset", "leave it out")
+        return shear
+
+    def _columns(self, kind: type[RunnableCase], shear: bool) -> tuple[str, ...]:
+        given = self.data.get("results", {})
+        for key in given:
+            if key not in RESULTS:
+                raise InputError(
+                    f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
+                )
+        known = (*WHEELSET_COLUMNS, *(WHEELSET_SHEAR_COLUMNS if shear else ()))
+        columns = given.get("columns", [])
+        place = self._line("results", "columns")
+        if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
+            raise InputError(f"{place}results.columns = {short(columns)}", "a list of names", "leave it out for all")
+        if columns and not issubclass(kind, WheelsetCase):
+            raise InputError(
+                f"{place}results.columns with case = {kind.name!r}",
+                "columns of wheelsets",
+                "leave it out: all are kept",
+            )
+        for name in columns:
+            if name not in known:
+                asks = name in WHEELSET_SHEAR_COLUMNS
+                raise InputError(
+                    f"{place}results.columns with {name!r}",
+                    ", ".join(known),
+                    "add subsurface_shear = true under [results]" if asks else closest(name, list(known)),
+                )
+        return tuple(columns)
+
+    @staticmethod
+    def _placed(reason: InputError, place: str) -> InputError:
+        return InputError(f"{place}{reason.given}", reason.allowed, reason.advice)
+
+    def _line(self, table: str, key: str) -> str:
+        """File and line of a key in a table, or at the top; the file alone if the key is not there."""
+        if not self._has(table, key):
+            return f"{self.file}: "
+        return self.place((*([table] if table else []), *key.split(".")))
+
+    def _has(self, table: str, key: str) -> bool:
+        names = flattened(self.data.get(table, {}) if table else self.data)
+        return any(name == key or name.startswith(f"{key}.") for name in names)
+
+
+def _is_reported(key: str, message: str) -> bool:
+    """Whether a message is about an input; of one inside of tables it may count the items: ``bodies[1].size_mm``."""
+    table, _, name = key.rpartition(".")
+    return bool(re.search(rf"\b{re.escape(key)}\b" + (rf"|\.{re.escape(name)}\b" if table else ""), message))
+
+
+def _read(case: RunnableCase, key: str, value: Any) -> Any:
+    """Return an input as the case took it: text of a table is a number where the case wants one."""
+    if not isinstance(value, str):
+        return value
+    found: Any = case
+    for name in key.split("."):
+        if isinstance(found, list | tuple):
+            known = {str(number): item for number, item in enumerate(found, 1)}
+            found = (known | {getattr(item, "name", None): item for item in found}).get(name)
+        else:
+            found = getattr(found, name, None)
+    return found if isinstance(found, float | int) else value

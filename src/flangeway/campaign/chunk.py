@@ -1,19 +1,35 @@
-"""Rows that one worker computes together."""
+"""Rows that one worker computes together, and what the coordinator expects of its workers."""
 
 import threading
 import time
-from dataclasses import dataclass
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
 
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.columns import RowResult, summary_row, wheelset_row
-from flangeway.campaign.position_rows import position_rows
+from flangeway.campaign.columns import PatchNumbers, RowResult, numbers_of, summary_row, wheelset_row
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
+from flangeway.post.contact_checks import roughness
+from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
+from flangeway.railway.positions.positions_patches import PositionPatch
+from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
+from flangeway.railway.track.placements import SIDES
+from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
+from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 
 _ALONE = threading.Lock()
+KEPT = 2
+"""Wheelsets that a worker keeps prepared; each takes some hundred megabytes."""
+
+_prepared: OrderedDict[str, PreparedWheelset] = OrderedDict()
 
 
 @dataclass(frozen=True)
@@ -60,6 +76,47 @@ class Outcome:
     version: str
 
 
+@dataclass(frozen=True)
+class Lost:
+    """A worker died while it computed a chunk.
+
+    Parameters
+    ----------
+    reason
+        What is known of it, in a sentence.
+    workers
+        How many died of it.
+
+    """
+
+    reason: str
+    workers: int = 1
+
+
+class Workers(Protocol):
+    """Those who compute chunks."""
+
+    @property
+    def n_free(self) -> int:
+        """How many chunks may be started now."""
+
+    def start(self, chunk: Chunk) -> None:
+        """Have a chunk computed."""
+
+    def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
+        """Wait for chunks that are done or lost, at most some seconds.
+
+        Raises
+        ------
+        MissingLibraryError
+            If the system of a worker lacks a library.
+
+        """
+
+    def stop(self) -> None:
+        """End all that still runs; what it computes is dropped."""
+
+
 def compute(chunk: Chunk) -> Outcome:
     """Compute the rows of a chunk; a row that fails says why and does not stop the others.
 
@@ -76,7 +133,7 @@ def compute(chunk: Chunk) -> Outcome:
 def _results(chunk: Chunk) -> tuple[RowResult, ...]:
     if chunk.prepared_for is not None:
         try:
-            return position_rows(chunk.prepared_for, chunk.rows, shear=chunk.shear, n_alike=chunk.n_alike)
+            return _position_rows(chunk.prepared_for, chunk.rows, shear=chunk.shear, n_alike=chunk.n_alike)
         except MissingLibraryError:
             raise
         except Exception as reason:
@@ -104,3 +161,77 @@ def _computed(case: RunnableCase, start: float, shear: bool) -> RowResult:
         result = solve_wheelset(case.problem())
         return wheelset_row(result, time.perf_counter() - start, shear=shear)
     return summary_row(case.run().summary, time.perf_counter() - start)
+
+
+def _position_rows(prepared_for: Row, rows: Sequence[Row], *, shear: bool, n_alike: int) -> tuple[RowResult, ...]:
+    """Compute positions of the same bodies, prepared with the weight of one row: the same for all chunks."""
+    problems = [_problem(row) for row in rows]
+    whole = _of(prepared_for)
+    results: dict[int, RowResult] = {}
+    # tilt and given vertical motion and roll are of the whole table of positions
+    groups: dict[tuple[float | None, ...], list[int]] = {}
+    for number, problem in enumerate(problems):
+        _, vertical, roll = problem.prescribed.components
+        groups.setdefault((problem.load.tilt_rad, vertical, roll), []).append(number)
+    for numbers in groups.values():
+        start = time.perf_counter()
+        prepared = replace(whole, model=replace(whole.model, problem=problems[numbers[0]]))
+        positions = Positions(
+            np.array([_lateral(problems[number].prescribed) for number in numbers]),
+            np.array([problems[number].load.vertical_N for number in numbers]),
+            np.array([problems[number].load.lateral_N for number in numbers]),
+        )
+        table = solve_positions(prepared, positions, shear=shear, n_alike=n_alike)
+        seconds = (time.perf_counter() - start) / len(numbers)
+        for place, number in enumerate(numbers):
+            results[number] = _row(prepared, table, place, seconds)
+    return tuple(results[number] for number in range(len(rows)))
+
+
+def _of(row: Row) -> PreparedWheelset:
+    """Return the prepared wheelset of a row, from an earlier chunk if there is one."""
+    if row.identity not in _prepared:
+        problem = _problem(row)
+        # in the middle of level track, which rigid wheels can always reach
+        in_the_middle = replace(problem, load=Load(problem.load.vertical_N), prescribed=Prescribed())
+        _prepared[row.identity] = prepare(in_the_middle, cache=Cache.of_user())
+        while len(_prepared) > KEPT:
+            _prepared.popitem(last=False)
+    _prepared.move_to_end(row.identity)
+    return _prepared[row.identity]
+
+
+def _problem(row: Row) -> WheelsetProblem:
+    if not isinstance(row.case, WheelsetCase):
+        raise TypeError("positions are of wheelsets")
+    return row.case.problem()
+
+
+def _lateral(prescribed: Prescribed) -> float:
+    return np.nan if prescribed.lateral_mm is None else prescribed.lateral_mm
+
+
+def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: float) -> RowResult:
+    if not table.converged[place]:
+        message = "; ".join(line.strip() for line in table.messages.get(place, "no equilibrium").splitlines())
+        return RowResult("not converged", message, seconds=seconds)
+    patches = table.patches[place]
+    edges = [patch.side for patch in patches if patch.at_edge]
+    if edges:
+        message = (
+            f"the {edges[0]} contact reaches the end of the running surface, so contact beyond it is missing; "
+            "check the profiles and the load"
+        )
+        return RowResult("not converged", message, seconds=seconds)
+    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
+    warnings = [f"the {' and '.join(lost)} wheel does not touch its rail"] if lost else []
+    for patch in patches:
+        warnings += roughness(patch.n_segments, patch.scatter, f"the {patch.side} contact", "lower size_scale")
+    lateral, vertical, roll = table.position[place].tolist()
+    values, rows = numbers_of((lateral, vertical, roll), [_numbers(prepared, patch) for patch in patches])
+    return RowResult("converged", "contact forces and load are in equilibrium", tuple(warnings), values, rows, seconds)
+
+
+def _numbers(prepared: PreparedWheelset, patch: PositionPatch) -> PatchNumbers:
+    force = float(np.hypot(*patch.force_on_wheel_N))
+    return PatchNumbers(patch, prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force))

@@ -4,8 +4,7 @@ import importlib
 import threading
 from typing import Any
 
-from flangeway.campaign.chunk import Chunk, Outcome, compute
-from flangeway.campaign.workers import Lost
+from flangeway.campaign.chunk import Chunk, Lost, Outcome, compute
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError
 
 CONNECT_S = 10.0

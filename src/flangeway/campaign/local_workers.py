@@ -7,12 +7,12 @@ import threading
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
 from typing import Any
 
-from flangeway.campaign.chunk import Chunk, Outcome, compute
-from flangeway.campaign.workers import Lost
+from flangeway.campaign.chunk import Chunk, Lost, Outcome, compute
 from flangeway.errors import FlangewayError, InputError
 
 READY = "ready"
@@ -56,8 +56,13 @@ class LocalWorkers:
         self._context.set_forkserver_preload([compute.__module__])
         self._workers: list[_Worker] = []
         self._failed_starts = 0
-        for _ in range(n_workers):
-            self._workers.append(self._new())
+        resource_tracker.ensure_running()  # it would unblock SIGINT while it starts
+        try:
+            for _ in range(n_workers):
+                self._workers.append(self._new())
+        except BaseException:
+            self.stop()
+            raise
 
     @property
     def n_free(self) -> int:
@@ -133,12 +138,14 @@ def _ending(code: int | None) -> str:
 
 @contextmanager
 def _environment() -> Iterator[None]:
-    """Set what a new process shall read, except what the user has set."""
+    """Set the variables of a new process that the user has not set, and block Ctrl-C in it, also while it imports."""
     missing = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update({name: ONE_THREAD[name] for name in missing})
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield
     finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for name in missing:
             os.environ.pop(name, None)
 
