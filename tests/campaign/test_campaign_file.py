@@ -49,7 +49,7 @@ def test_a_table_gives_a_row_each_and_is_combined_with_lists(tmp_path, separator
     campaign = read(
         tmp_path, 'case = "wheelset-tangent"\n[vary]\ncant = [0.025, 0.05]\ntable = "rows.csv"\n', rows_csv=table
     )
-    assert campaign.keys == ("lateral_mm", "rail", "cant")
+    assert campaign.keys == ("lateral_mm", "rail", "rail_inclination")
     assert [tuple(row.varied.values()) for row in campaign.rows] == [
         (-1.5, "136RE", 0.025), (-1.5, "136RE", 0.05), (2, "60E1", 0.025), (2, "60E1", 0.05),
     ]  # fmt: skip
@@ -130,7 +130,7 @@ def written(value):
 SOUND = {
     "inputs": {"rail": "60E1", "gauge_mm": 1600, "curve_radius_m": 400.0, "wheel": "AAR-1B", "method": "vem"},
     "vary": {
-        "cant": [0.0, 0.05],
+        "rail_inclination": [0.0, 0.05],
         "lateral_mm": {"from": -1, "to": 1, "n": 3},
         "axle_load_kN": {"from": 100, "to": 200, "step": 50},
         "speed_km_h": [50, 70],
@@ -147,7 +147,7 @@ PLAIN = NUMBER | TEXT | st.booleans() | st.dates()
 RANGE = st.dictionaries(st.sampled_from(["from", "to", "n", "step"]), NUMBER | st.integers(-2, 9), min_size=1)
 VALUES = st.lists(PLAIN | st.lists(NUMBER, max_size=2), max_size=3) | RANGE | PLAIN
 KEYS = st.sampled_from(["gauge_mm", "rail", "body_size_mm", "columns", "bodies", "table"]) | st.text('ab."', max_size=4)
-CELLS = st.text("cant,gauge_mm;0123456789.-\n\"'é\0", max_size=40)
+CELLS = st.text("rail_inclination,gauge_mm;0123456789.-\n\"'é\0", max_size=40)
 TABLES = ("thickness_mm,primary\n8,rail\n9,wheel\n", "thickness_mm\n" + "9" * 200_000)
 
 

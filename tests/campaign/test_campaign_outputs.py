@@ -132,7 +132,7 @@ def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
     text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\ncant = [0.025]\n'
     columns = ["right_max_pressure_MPa", "vertical_mm"]
     _, found = computed(tmp_path, text + f"[results]\ncolumns = {columns}\n")
-    assert list(found.rows) == ["row", "status", "cant", *columns, "message", "warnings"]
+    assert list(found.rows) == ["row", "status", "rail_inclination", *columns, "message", "warnings"]
     with sqlite3.connect(tmp_path / "c.sqlite") as connection:
         assert connection.execute("SELECT left_rail_x_mm FROM rows").fetchone()[0] is not None
 

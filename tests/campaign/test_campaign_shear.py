@@ -93,7 +93,14 @@ def test_the_tables_have_the_columns_if_they_are_asked_for(tmp_path):
     assert asked.identity != plain.identity
     run_campaign(asked, tmp_path / "asked.sqlite", workers=1)
     found = results(tmp_path / "asked.sqlite")
-    assert list(found.rows) == ["row", "status", "cant", "left_rail_max_in_plane_shear_MPa", "message", "warnings"]
+    assert list(found.rows) == [
+        "row",
+        "status",
+        "rail_inclination",
+        "left_rail_max_in_plane_shear_MPa",
+        "message",
+        "warnings",
+    ]
     assert list(found.patches)[-4:] == list(PATCH_SHEAR_COLUMNS)
     assert np.isfinite(found.numbers("left_rail_max_in_plane_shear_MPa")).all()
     with pytest.raises(Exception, match="with other results"):

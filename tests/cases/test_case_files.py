@@ -149,7 +149,16 @@ def test_the_schema_has_every_key_with_its_range():
 def test_every_unit_is_in_its_name():
     """Inputs that are lengths, forces, stresses or angles bear their unit; the rest has none."""
     without = {
-        *("cant", "poisson", "growth", "penalty_factor", "size_scale", "size", "lower_poisson", "wheel_poisson"),
+        *(
+            "rail_inclination",
+            "poisson",
+            "growth",
+            "penalty_factor",
+            "size_scale",
+            "size",
+            "lower_poisson",
+            "wheel_poisson",
+        ),
         *("rail_poisson", "hold"),
     }
     units = ("_mm", "_MPa", "_N", "_kN", "_rad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3")

@@ -14,9 +14,9 @@ from flangeway.railway.profiles.bundled import rail, wheel
 
 
 def test_defaults_are_the_published_measures():
-    """Without inputs the case is the dissertation's: broad gauge, cant 1:40, 300 kN, 10 mm, plane strain steel."""
+    """Without inputs the case is the dissertation's: broad gauge, inclination 1:40, 300 kN, 10 mm, plane strain steel."""
     problem = WheelsetTangentCase().problem()
-    assert (problem.track.gauge_mm, problem.track.cant) == (1600.0, 1 / 40)
+    assert (problem.track.gauge_mm, problem.track.rail_inclination) == (1600.0, 1 / 40)
     assert (problem.wheelset.back_to_back_mm, problem.wheelset.radius_mm) == (1515.0, 500.0)
     assert problem.wheelset.centre_of_gravity_height_mm == 1457.7
     assert (problem.load.vertical_N, problem.thickness_mm) == (300e3, 10.0)
@@ -27,7 +27,7 @@ def test_defaults_are_the_published_measures():
 def test_every_input_reaches_the_problem():
     """Each input, changed alone, changes the problem that is solved: none is without effect."""
     changes = {
-        "crown_radius_in": 14.0, "gauge_mm": 1602.0, "cant": 0.05, "back_to_back_mm": 1516.0,
+        "crown_radius_in": 14.0, "gauge_mm": 1602.0, "rail_inclination": 0.05, "back_to_back_mm": 1516.0,
         "wheel_radius_mm": 450.0, "centre_of_gravity_height_mm": 1500.0, "axle_load_kN": 200.0, "thickness_mm": 20.0,
         "young_MPa": 2e5, "poisson": 0.25, "method": "vem", "size_scale": 2.0, "contact_size_mm": 0.3,
         "body_size_mm": 2.0, "penalty_factor": 10.0, "primary": "wheel", "rail": "60E1", "wheel": "S1002",

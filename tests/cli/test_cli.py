@@ -58,12 +58,12 @@ def test_options_reach_the_case(call, tmp_path):
     """All options and settings change the inputs that the summary tells."""
     status, _, err = call(
         "run", "wheelset-tangent", "--size-scale", 4, "--primary", "wheel", "--crown-radius", 14,
-        "--set", "axle_load_kN=200", "--set", "cant=0.05", "--out", "x",
+        "--set", "axle_load_kN=200", "--set", "rail_inclination=0.05", "--out", "x",
     )  # fmt: skip
     assert status == 0, err
     inputs = json.loads((tmp_path / "x" / "summary.json").read_text(encoding="utf-8"))["case"]
     assert (inputs["primary"], inputs["crown_radius_in"]) == ("wheel", 14.0)
-    assert (inputs["axle_load_kN"], inputs["cant"]) == (200.0, 0.05)
+    assert (inputs["axle_load_kN"], inputs["rail_inclination"]) == (200.0, 0.05)
 
 
 def test_a_run_that_does_not_converge_has_status_1_and_says_why(call, tmp_path):

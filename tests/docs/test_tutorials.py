@@ -45,7 +45,7 @@ def test_numbers_in_the_text_are_the_curves():
     case = WheelsetCurveCase.from_values({})
     assert (case.axle_load_kN, case.lateral_force_kN, case.superelevation_mm) == (300.0, 28.4, 30.0)
     assert curve_force_N(300e3, 70.0, 400.0) == pytest.approx(28.4e3, rel=0.02)
-    assert case.cant == pytest.approx(1.0 / 40.0)
+    assert case.rail_inclination == pytest.approx(1.0 / 40.0)
     for words in ("300 kN", "400 m", "70 km/h", "30 mm", "28.4 kN", "1:40", "136RE", "AAR-1B"):
         assert words in text, words
 

@@ -59,7 +59,7 @@ def run(request, tmp_path):
         files[kind] = str(tmp_path / f"{kind}.txt")
         header = f"# unit: mm\n# kind: {kind}\n# origin: {origin}\n# up: yes\n"
         (tmp_path / f"{kind}.txt").write_text(header + rows + "\n", encoding="utf-8")
-    values = {**files, "cant": 0.0, "gauge_mm": 1435.16, "maximum_lateral_mm": 6.0, "roll": "none"}
+    values = {**files, "rail_inclination": 0.0, "gauge_mm": 1435.16, "maximum_lateral_mm": 6.0, "roll": "none"}
     return run_geometry("s1002-60e1", find_geometry_case("s1002-60e1", values))
 
 

@@ -23,7 +23,7 @@ def usual():
 @pytest.fixture(scope="module")
 def pushed():
     """A wheel that runs at the gauge side of an upright head: the web is bent, and stressed more than the contact."""
-    return WheelsetTangentCase.from_values({"size_scale": 5.0, "cant": -0.05}).run()
+    return WheelsetTangentCase.from_values({"size_scale": 5.0, "rail_inclination": -0.05}).run()
 
 
 @pytest.fixture(scope="module")

@@ -91,7 +91,7 @@ PLACES = {
     "slack": lambda value: NodeToSegment(slack=value),
     "reach of segments": SegmentToSegment,
     "gauge": lambda value: Track(rail(), value),
-    "cant": lambda value: Track(rail(), cant=value),
+    "rail_inclination": lambda value: Track(rail(), rail_inclination=value),
     "gauge depth": lambda value: Track(rail(), gauge_depth_mm=value),
     "back to back": lambda value: Wheelset(wheel(), value),
     "height of the load": lambda value: Wheelset(wheel(), centre_of_gravity_height_mm=value),

@@ -149,7 +149,11 @@ def test_text_is_escaped_and_warnings_are_shown(runs):
 
 @pytest.mark.parametrize(
     "values",
-    [{}, {"method": "vem", "size_scale": 0.1 + 0.2}, {"cant": 1 / 20, "crown_radius_in": 14.0, "primary": "wheel"}],
+    [
+        {},
+        {"method": "vem", "size_scale": 0.1 + 0.2},
+        {"rail_inclination": 1 / 20, "crown_radius_in": 14.0, "primary": "wheel"},
+    ],
 )
 def test_the_command_runs_the_same_case_again(values):
     """The command of the report holds every input that differs from its default, to the last digit."""

@@ -24,10 +24,10 @@ RESULTS = ("columns", "subsurface_shear")
 KEYS = ("case", "table", "inputs", "vary", "results")
 
 ROWS_OF_A_CHUNK = 48
-"""Most positions that one worker computes together. Fixed: a table depends neither on workers nor on interruptions."""
+"""Maximum number of positions in a chunk. Fixed: a table depends neither on workers nor on interruptions."""
 
 FEWEST_TOGETHER = 12
-"""Positions of the same bodies from which on these are prepared for many positions, which takes as long as some."""
+"""Minimum number of positions of the same bodies for which these are prepared for many positions."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Row:
     Parameters
     ----------
     number
-        Its place in the campaign, from 1.
+        Its number in the campaign, from 1.
     varied
         The inputs that vary, as they are written in the campaign's file.
     case
@@ -51,7 +51,7 @@ class Row:
 
     @cached_property
     def content(self) -> dict[str, Any]:
-        """All inputs, files by what is in them: where a file lies does not matter."""
+        """All inputs, files by their content: their folder does not matter."""
         return {"case": self.case.name, **_by_content(self.case.model_dump(mode="json"))}
 
     @cached_property
@@ -79,7 +79,7 @@ class Row:
 
 @dataclass(frozen=True)
 class Campaign:
-    """One case over many inputs, checked: every row is a case that can be computed as far as its inputs tell.
+    """One case over many inputs; all rows are checked.
 
     Read one with `Campaign.from_file`.
 
@@ -139,7 +139,7 @@ class Campaign:
 
     @property
     def identity(self) -> str:
-        """Hash of all rows in their order, of what is asked for, and of the version that computes them."""
+        """Hash of all rows in their order, of the requested results, and of the version that computes them."""
         return _hash([versions()["flangeway"], self.shear, *(row.identity for row in self.rows)])
 
     @property
@@ -167,7 +167,7 @@ def _hash(value: Any) -> str:
 
 
 def _by_content(values: Any) -> Any:
-    """Replace names of files by hashes of what is in them."""
+    """Replace names of files by hashes of their content."""
     if isinstance(values, list):
         return [_by_content(value) for value in values]
     if not isinstance(values, dict):
@@ -233,7 +233,7 @@ class _CampaignText(TomlFile):
 
     def _advice(self, key: str) -> str:
         near = closest(key, list(KEYS))
-        return near if near.startswith("did") else f"inputs stand under [inputs] or [vary]: move {key} there"
+        return near if near.startswith("did") else f"inputs belong under [inputs] or [vary]: move {key} there"
 
     def _case_name(self) -> str:
         name = str(self.data["case"])
@@ -287,7 +287,7 @@ class _CampaignText(TomlFile):
             raise self._placed(reason, f"{place}{row}") from reason
 
     def _check(self, rows: list[Row]) -> None:
-        """Check what goes beyond single values: whole cases once for all rows of the same bodies, loads of each."""
+        """Check more than single values: whole cases once for all rows of the same bodies, loads of each."""
         seen: set[str] = set()
         for row in rows:
             try:
@@ -368,7 +368,7 @@ class _CampaignText(TomlFile):
 
 
 def _is_reported(key: str, message: str) -> bool:
-    """Whether a message is about an input; of one inside of tables it may count the items: ``bodies[1].size_mm``."""
+    """Whether a message is about an input; inside tables it may have the number of the item: ``bodies[1].size_mm``."""
     table, _, name = key.rpartition(".")
     return bool(re.search(rf"\b{re.escape(key)}\b" + (rf"|\.{re.escape(name)}\b" if table else ""), message))
 

@@ -1,4 +1,4 @@
-"""Run a campaign: hand out what is not done, store what is, until nothing is left."""
+"""Run a campaign: distribute the rows that are not done, and store their results."""
 
 import os
 import time
@@ -18,7 +18,7 @@ from flangeway.errors import InputError
 from flangeway.system.versions import versions
 
 MOST_LOSSES = 3
-"""Workers that a row may cost before it counts as failed."""
+"""Number of workers that may end during a row before its status is failed."""
 PATIENCE_S = 1.0
 
 
@@ -33,7 +33,7 @@ class CampaignProgress:
     counts
         Number of rows by status: ``waiting``, ``converged``, ``not converged``, ``failed``.
     seconds_left
-        Time that what is left takes at the speed so far; None until there is one.
+        Estimated time for the other rows; None at the beginning.
 
     """
 
@@ -43,7 +43,7 @@ class CampaignProgress:
 
     @property
     def n_done(self) -> int:
-        """Number of rows that wait for nothing."""
+        """Number of rows that are done."""
         return self.n_rows - self.counts.get(WAITING, 0)
 
     @property
@@ -64,10 +64,10 @@ def run_campaign(
     fresh: bool = False,
     progress: Progress = lambda _: None,
 ) -> CampaignProgress:
-    """Compute the rows of a campaign that its database does not hold yet.
+    """Compute the rows of a campaign that are not in its database yet.
 
     However it ends, by an error, Ctrl-C or a killed process, the rows that were reported are kept and the same call
-    goes on with the others. In a script it must stand below ``if __name__ == "__main__":``, since worker processes
+    continues with the others. In a script it must be below ``if __name__ == "__main__":``, since worker processes
     import the script.
 
     Parameters
@@ -81,7 +81,7 @@ def run_campaign(
     scheduler
         Address of a scheduler of `dask.distributed` whose workers compute instead.
     fresh
-        Whether to drop what the database holds.
+        Whether to drop the stored results.
     progress
         Called when rows are stored, and once at the beginning.
 
@@ -93,8 +93,8 @@ def run_campaign(
     Raises
     ------
     InputError
-        If there is no worker, the database holds another campaign or another process writes it, the scheduler is not
-        there, or its workers have another version.
+        If there is no worker, the database is that of another campaign or another process writes it, the scheduler
+        is not there, or its workers have another version.
     MissingLibraryError
         If the system lacks a library.
 
@@ -130,9 +130,9 @@ class _Run:
     def __init__(self, campaign: Campaign, store: CampaignDatabase, progress: Progress) -> None:
         waiting = store.waiting()
         # a chunk is stored at once, so either all of its rows wait or none, but for those that were split
-        alike = Counter(row.bodies for row in campaign.rows)
+        same_bodies = Counter(row.bodies for row in campaign.rows)
         self.chunks = deque(
-            Chunk(rows, first, shear=campaign.shear, n_alike=alike[rows[0].bodies])
+            Chunk(rows, first, shear=campaign.shear, n_alike=same_bodies[rows[0].bodies])
             for first, rows in campaign.chunks
             if any(row.number in waiting for row in rows)
         )
@@ -159,7 +159,7 @@ class _Run:
                 self._keep(done)
 
     def report(self) -> CampaignProgress:
-        """Tell how far it is."""
+        """Report the progress."""
         counts = dict(self._counts)
         waiting = counts.get(WAITING, 0)
         done = self._n_rows - waiting - self._n_before

@@ -61,7 +61,7 @@ class Chunk:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a worker gives back.
+    """Result of a worker.
 
     Parameters
     ----------
@@ -118,7 +118,7 @@ class Workers(Protocol):
 
 
 def compute(chunk: Chunk) -> Outcome:
-    """Compute the rows of a chunk; a row that fails says why and does not stop the others.
+    """Compute the rows of a chunk; a row that fails reports the reason and does not stop the others.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def compute(chunk: Chunk) -> Outcome:
         If the system lacks a library: then every row would fail.
 
     """
-    with _ALONE:  # threads of one worker would share what is not made for it
+    with _ALONE:  # threads of one worker would share objects that are not thread-safe
         return Outcome(_results(chunk), versions()["flangeway"])
 
 
@@ -152,8 +152,8 @@ def _guarded(case: RunnableCase, shear: bool) -> RowResult:
 
 
 def _failed(reason: Exception, seconds: float) -> RowResult:
-    told = "; ".join(line.strip() for line in str(reason).splitlines())
-    return RowResult("failed", told if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
+    reported = "; ".join(line.strip() for line in str(reason).splitlines())
+    return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 
 def _computed(case: RunnableCase, start: float, shear: bool) -> RowResult:
@@ -168,7 +168,7 @@ def _position_rows(prepared_for: Row, rows: Sequence[Row], *, shear: bool, n_ali
     problems = [_problem(row) for row in rows]
     whole = _of(prepared_for)
     results: dict[int, RowResult] = {}
-    # tilt and given vertical motion and roll are of the whole table of positions
+    # tilt, prescribed vertical position and roll are the same for a whole table of positions
     groups: dict[tuple[float | None, ...], list[int]] = {}
     for number, problem in enumerate(problems):
         _, vertical, roll = problem.prescribed.components

@@ -43,7 +43,7 @@ PATCH_SHEAR_COLUMNS = tuple(name for names in _SHEAR.values() for name in names)
 """Further columns of patches where the maximum shear stress below the surface is asked for."""
 
 WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in PATCH_SHEAR_COLUMNS)
-"""Further results of wheelsets then: the largest of each side's patches, in the wheel and in the rail."""
+"""Further results of wheelsets then: the maximum of each side's patches, in the wheel and in the rail."""
 
 _SKIPPED = ("timings_s", "case", "versions", "published", "status")
 
@@ -55,7 +55,7 @@ class PatchNumbers:
     Parameters
     ----------
     patch
-        Where it is and what it bears.
+        Its position and force.
     hertz
         Hertz's contact there, None where the profiles conform.
 
@@ -95,7 +95,7 @@ class RowResult:
 
 
 def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False) -> RowResult:
-    """Return the numbers of a wheelset in balance, with the maximum shear stresses below its patches or without."""
+    """Return the numbers of a wheelset in equilibrium, with the maximum shear stresses below its patches or without."""
     if not result.status.converged:
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
     patches = []

@@ -1,4 +1,4 @@
-"""The SQLite file of a campaign: its rows, what they gave, and how far it is."""
+"""The SQLite file of a campaign: its rows, their results and its progress."""
 
 import fcntl
 import json
@@ -46,7 +46,7 @@ class CampaignDatabase:
     path
         The file; made if needed.
     fresh
-        Whether to drop what it holds.
+        Whether to drop its content.
 
     Raises
     ------
@@ -98,7 +98,7 @@ class CampaignDatabase:
         Raises
         ------
         InputError
-            If the file holds another campaign.
+            If the file is that of another campaign.
 
         """
         stored = self._stored_identity()
@@ -250,7 +250,7 @@ def refuse_other_file(connection: sqlite3.Connection, path: Path) -> None:
     found = connection.execute("SELECT value FROM meta WHERE key = 'format'").fetchone() if "meta" in tables else None
     if found is None or found[0] != FORMAT:
         what = "no campaign" if found is None else repr(found[0])
-        raise InputError(f"database {path}, which holds {what}", repr(FORMAT), "choose another folder with --out")
+        raise InputError(f"database {path}, which contains {what}", repr(FORMAT), "choose another folder with --out")
 
 
 def _locked(path: Path) -> IO[bytes]:

@@ -29,7 +29,7 @@ MOST_FAILED_STARTS = 3
 
 @dataclass(eq=False)
 class _Worker:
-    """A process, the line to it, and what it computes."""
+    """A process, the connection to it, and its chunk."""
 
     process: BaseProcess
     line: Connection
@@ -38,7 +38,7 @@ class _Worker:
 
 
 class LocalWorkers:
-    """Processes of this machine, each told what to compute over a line of its own.
+    """Processes of this machine, each with its own connection.
 
     So it is known which chunk a process computed that died. The processes end when this one does, however it ends.
 
@@ -73,7 +73,7 @@ class LocalWorkers:
         """See `Workers`."""
         worker = next(worker for worker in self._workers if worker.ready and worker.chunk is None)
         worker.chunk = chunk
-        with suppress(OSError):  # it has died: told by `finished`
+        with suppress(OSError):  # it has ended: reported by `finished`
             worker.line.send(chunk)
 
     def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
@@ -114,7 +114,7 @@ class LocalWorkers:
         return _Worker(process, mine)
 
     def _replaced(self, worker: _Worker) -> Iterator[tuple[Chunk, Outcome | Lost]]:
-        """Put a new process in the place of a dead one, and tell what was lost."""
+        """Replace a process that ended, and return its chunk as lost."""
         worker.line.close()
         worker.process.join()
         self._failed_starts += not worker.ready

@@ -23,7 +23,7 @@ FORMATS = ("csv", "parquet")
 
 @dataclass(frozen=True, eq=False)
 class CampaignTable:
-    """What a campaign's database holds.
+    """Content of a campaign's database.
 
     Parameters
     ----------
@@ -54,7 +54,7 @@ class CampaignTable:
         Raises
         ------
         InputError
-            If there is no such column, or it holds text.
+            If there is no such column, or it contains text.
 
         """
         if column not in self.rows:
@@ -79,7 +79,7 @@ class CampaignTable:
 
 
 def results(database: str | Path) -> CampaignTable:
-    """Read what a campaign has given so far; also while it runs.
+    """Read the results of a campaign so far; also while it runs.
 
     Parameters
     ----------

@@ -39,7 +39,7 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
     given
         A list, or a range: a table with ``from``, ``to`` and ``n`` or ``step``.
     place
-        File and line, to stand before a message.
+        File and line, before a message.
 
     Raises
     ------
@@ -51,7 +51,7 @@ def values_of(key: str, given: Any, place: str) -> list[Any]:
         return _range(key, given, place)
     if not isinstance(given, list):
         raise InputError(
-            f"{place}vary.{key} = {short(given)}", VALUES_ALLOWED, "one value for all rows stands under [inputs]"
+            f"{place}vary.{key} = {short(given)}", VALUES_ALLOWED, "put one value for all rows under [inputs]"
         )
     if not given:
         raise InputError(f"{place}vary.{key} = []", "one value or more", "give values, or leave the key out")
@@ -76,7 +76,7 @@ def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
             raise InputError(
                 f"{name}.{inner} = {short(value)}",
                 f"a number up to {MAX_VALUE:g}",
-                "correct it; numbers stand without quotation marks",
+                "correct it; numbers have no quotation marks",
             )
     if not {"from", "to"} <= set(given) or ("n" in given) == ("step" in given):
         raise InputError(
@@ -100,7 +100,7 @@ def _range(key: str, given: dict[str, Any], place: str) -> list[float]:
                 "correct it, or give n instead",
             )
     if low == high:
-        raise InputError(f"{name} from {low:g} to {high:g}", "two different ends", "one value stands under [inputs]")
+        raise InputError(f"{name} from {low:g} to {high:g}", "two different ends", "put one value under [inputs]")
     # rounded, so that -7 to 7 has 0 and 0.1, not 1e-16 and 0.09999999999999964
     digits = 12 - math.ceil(math.log10(max(abs(low), abs(high))))
     return [round(low + (high - low) * i / steps, digits) + 0.0 for i in range(steps + 1)]

@@ -21,6 +21,7 @@ from flangeway.types import Key
 Progress = Callable[[str], None]
 
 RENAMED = {
+    "cant": "rail_inclination",
     "throat_radius_mm": "flange_root_radius_mm",
     "wide_throat_radius_mm": "wide_flange_root_radius_mm",
     "barycentre_height_mm": "centre_of_gravity_height_mm",
@@ -77,7 +78,7 @@ class Table(BaseModel):
 
 
 class Case(Table):
-    """Inputs of a computation; every key bears its unit, and what is left out has a default.
+    """Inputs of a computation; units are in the names, and keys that are left out have defaults.
 
     Build one with `from_values`, which raises `InputError`.
     """
@@ -85,7 +86,7 @@ class Case(Table):
     name: ClassVar[str]
     title: ClassVar[str]
     essential: ClassVar[tuple[str, ...]] = ()
-    """Keys that stand in a new case file; the others stand there as comments."""
+    """Keys that are set in a new case file; the others are there as comments."""
     example: ClassVar[Mapping[str, Any]] = {}
     """Values of a new case file where they are not the defaults."""
 
@@ -98,12 +99,12 @@ class Case(Table):
         values
             Inputs by key; text that may be a number is `GivenText`.
         where
-            Text to put before what is said about a key, such as its file and line.
+            Text before the message about a key, such as its file and line.
 
         Raises
         ------
         InputError
-            If a key is unknown or a value is not allowed; the message says what is, for each.
+            If a key is unknown or a value is not allowed; the message says for each what is allowed.
 
         """
         try:
@@ -119,7 +120,7 @@ class Case(Table):
 
 
 class RunnableCase(Case):
-    """A case that `flangeway run` computes; subclasses say how."""
+    """A case that `flangeway run` computes."""
 
     @abstractmethod
     def check(self) -> None:
@@ -205,7 +206,7 @@ def alternatives(annotation: Any) -> tuple[Any, ...]:
 
 
 def table_in(annotation: Any) -> type[Table] | None:
-    """Type of the tables that an input holds, alone, in a list or by name; None for plain values."""
+    """Type of the tables of an input, alone, in a list or by name; None for plain values."""
     for kind in alternatives(annotation):
         if isinstance(kind, type) and issubclass(kind, Table):
             return kind
@@ -240,8 +241,8 @@ def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None
         for name, inner in value.items():
             _refuse_huge(inner, where, (*key, name))
     elif isinstance(value, list | tuple):
-        for place, inner in enumerate(value):
-            _refuse_huge(inner, where, (*key, place))
+        for number, inner in enumerate(value):
+            _refuse_huge(inner, where, (*key, number))
     elif isinstance(value, int | float | GivenText):
         try:
             number = abs(float(value))
@@ -269,7 +270,7 @@ def _typed(value: Any, annotation: Any) -> Any:
 
 
 def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
-    """What a text says as one of some types; itself where none of them fits."""
+    """Value of a text as one of some types; the text where none of them fits."""
     choices = [choice for kind in kinds if get_origin(kind) is Literal for choice in get_args(kind)]
     readers: list[Callable[[str], Any]] = [{str(choice): choice for choice in choices}.__getitem__]
     if bool in kinds:
@@ -289,7 +290,7 @@ def _advice(key: str, field: FieldInfo) -> str:
     if field.is_required():
         return f"give {key}: {field.description}"
     default = field.get_default(call_default_factory=True)
-    return f"leave {key} out to take {_text(default)} ({field.description})"
+    return f"leave {key} out for the default {_text(default)} ({field.description})"
 
 
 def _input_error(

@@ -170,7 +170,7 @@ class CaseText(TomlFile):
             raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
 
     def name_and_values(self) -> tuple[Any, dict[str, Any]]:
-        """What the key ``case`` says, and the inputs."""
+        """Value of the key ``case``, and the inputs."""
         values = dict(self.data)
         self._refuse_other_format(values.pop("flangeway", FORMAT))
         if "case" not in values:

@@ -17,7 +17,7 @@ WIDTH = 110
 def write_template(case: type[RunnableCase]) -> str:
     """Return the text of a case file.
 
-    Keys that most users change are set, the others stand as comments with their defaults: the file computes the same as
+    Keys that most users change are set, the others are comments with their defaults: the file computes the same as
     the case without inputs.
 
     Parameters

@@ -18,7 +18,7 @@ from flangeway.cli.common import (
     WRONG_INPUT,
     complain,
     errors_as_exit_status,
-    interruption_told,
+    interruption_reported,
 )
 from flangeway.errors import DEBUG_VARIABLE, InputError, unforeseen
 
@@ -28,16 +28,16 @@ DEBUG = "--debug"
 
 
 class Program(TyperGroup):
-    """All commands; ``--memory`` and ``--debug`` may stand behind the command as well as before it."""
+    """All commands; ``--memory`` and ``--debug`` are allowed behind the command as well as before it."""
 
     def make_context(self, *arguments: Any, **named: Any) -> Any:
         """Read the arguments, for which libraries are loaded."""
-        with interruption_told():
+        with interruption_reported():
             return super().make_context(*arguments, **named)
 
     def invoke(self, ctx: Any) -> Any:
         """Run the command."""
-        with interruption_told():
+        with interruption_reported():
             return super().invoke(ctx)
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
@@ -80,12 +80,10 @@ def _common(
     ] = False,
     memory: Annotated[
         float | None,
-        typer.Option(
-            MEMORY, metavar="GB", help="Most memory to use; what the machine has left if left out.", show_default=False
-        ),
+        typer.Option(MEMORY, metavar="GB", help="Maximum memory to use (default: what is free).", show_default=False),
     ] = None,
     debug: Annotated[  # noqa: ARG001 (`main` looks for it)
-        bool, typer.Option(DEBUG, help="Show the traceback of an error that nobody foresaw.")
+        bool, typer.Option(DEBUG, help="Show the traceback of an unexpected error.")
     ] = False,
 ) -> None:
     if any(name.startswith("RAYON_") for name in os.environ):  # else the core is not needed yet
@@ -148,7 +146,7 @@ def _status() -> int:
     except (KeyboardInterrupt, typer.Abort):
         complain(NOTHING_WRITTEN)
         return INTERRUPTED
-    except BrokenPipeError:  # who reads the results has seen enough; what is left goes nowhere
+    except BrokenPipeError:  # the reader of the results has closed the pipe; the rest is dropped
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
         return FAILED
     except Exception as error:

@@ -37,7 +37,7 @@ Unit = Annotated[
 
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
-    """Return what ``--set`` says, by key."""
+    """Return the values of ``--set``, by key."""
     from flangeway.cases.case import GivenText  # noqa: PLC0415
 
     given: dict[str, Any] = {}
@@ -53,7 +53,7 @@ def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
 def errors_as_exit_status() -> Iterator[None]:
     """Turn the errors that users can meet into a message and an exit status."""
     try:
-        with interruption_told():
+        with interruption_reported():
             yield
     except InputError as error:
         complain(str(error))
@@ -69,7 +69,7 @@ def errors_as_exit_status() -> Iterator[None]:
 
 
 @contextmanager
-def interruption_told() -> Iterator[None]:
+def interruption_reported() -> Iterator[None]:
     """Turn Ctrl-C into a message and an exit status."""
     try:
         yield
@@ -116,5 +116,5 @@ def stdout() -> Any:
 
 
 def complain(message: str) -> None:
-    """Say on stderr what went wrong."""
+    """Report an error on stderr."""
     typer.echo(f"flangeway: {message}", err=True)

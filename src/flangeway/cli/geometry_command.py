@@ -14,7 +14,7 @@ GeometryName = Annotated[
     typer.Argument(
         metavar="[CASE_OR_FILE]",
         help="wheelset-tangent, wheelset-curve, or s1002-60e1; a case file of a wheelset (.toml); or a file of two "
-        "columns, lateral motion and rolling radius difference, for its conicity.",
+        "columns, lateral displacement and rolling radius difference, for its conicity.",
     ),
 ]
 GeometrySet = Annotated[
@@ -30,7 +30,7 @@ GeometrySet = Annotated[
 
 @app.command()
 def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None) -> None:
-    """Contact geometry of a rigid wheelset: locus, rolling radii, equivalent conicity, balance (out/geometry-CASE)."""
+    """Contact geometry of a rigid wheelset: locus, rolling radii, conicity, equilibrium (out/geometry-CASE)."""
     with errors_as_exit_status():
         settings = settings_of(set_, "a wrong key lists the right ones")
         file = Path(case)

@@ -17,7 +17,7 @@ ProfileName = Annotated[
     ),
 ]
 ProfileKind = Annotated[
-    str | None, typer.Option("--kind", metavar="[rail|wheel]", help="What the file holds.", show_default=False)
+    str | None, typer.Option("--kind", metavar="[rail|wheel]", help="Kind of profile in the file.", show_default=False)
 ]
 ProfileMirror = Annotated[bool, typer.Option("--mirror", help="Reverse the first coordinate: a left-hand rail.")]
 ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
@@ -26,7 +26,7 @@ ProfileOrigin = Annotated[
     typer.Option(
         "--origin",
         metavar="[top|base|gauge|tape|flange-back|X,Y]",
-        help="Where the file's (0, 0) lies; or X,Y, the place in it of a rail's top or a wheel's tread.",
+        help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
         show_default=False,
     ),
 ]
@@ -42,7 +42,7 @@ ProfileSmooth = Annotated[
 ]
 ProfileLimit = Annotated[
     float | None,
-    typer.Option("--limit", metavar="UM", help="Maximum motion of a point by smoothing.", show_default=False),
+    typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing.", show_default=False),
 ]
 ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
 ProfileJoin = Annotated[

@@ -57,7 +57,7 @@ SizeScale = Annotated[
 ]
 Primary = Annotated[
     str | None,
-    typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies that give the segments of contact."),
+    typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies with the primary surface."),
 ]
 Crown = Annotated[
     str | None,
@@ -73,7 +73,7 @@ CaseWork = Callable[[str, "RunnableCase", Path | None], bool]
 
 
 def _command_on_a_case(work: CaseWork) -> CaseWork:
-    """Add a command that takes a case with its options; the exit status says whether its work ended well."""
+    """Add a command that takes a case with its options; the exit status is that of its work."""
 
     @app.command(work.__name__, help=work.__doc__)
     def command(

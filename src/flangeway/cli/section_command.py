@@ -26,7 +26,7 @@ SectionPoisson = Annotated[
         "--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out.", show_default=False
     ),
 ]
-SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file holds one half, up to x = 0.")]
+SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")]
 
 
 @app.command()

@@ -20,11 +20,11 @@ def wheel_points(wheelset: Wheelset, side: str, motion: WheelsetPosition | None 
     return placement.points(wheelset.wheel.outline.sampled(spacing=0.01))
 
 
-@pytest.mark.parametrize("cant", [0.0, 1 / 40, 1 / 20])
+@pytest.mark.parametrize("rail_inclination", [0.0, 1 / 40, 1 / 20])
 @pytest.mark.parametrize("gauge", [1435.0, 1600.0])
-def test_gauge_is_the_distance_of_the_closest_head_points(gauge: float, cant: float) -> None:
+def test_gauge_is_the_distance_of_the_closest_head_points(gauge: float, rail_inclination: float) -> None:
     """The two canted heads are the gauge apart at their closest, with their tops at height zero."""
-    track = Track(rail(), gauge_mm=gauge, cant=cant)
+    track = Track(rail(), gauge_mm=gauge, rail_inclination=rail_inclination)
     left, right = head_points(track, "left"), head_points(track, "right")
     assert right[:, 0].min() - left[:, 0].max() == pytest.approx(gauge, abs=1e-4)
     assert right[:, 1].max() == pytest.approx(0.0, abs=1e-4)
@@ -32,8 +32,8 @@ def test_gauge_is_the_distance_of_the_closest_head_points(gauge: float, cant: fl
 
 
 def test_rails_lean_to_the_middle() -> None:
-    """With a cant of 1:40 the base's middle line is inclined by that slope, its top towards the track."""
-    track = Track(rail(), cant=1 / 40)
+    """With a rail inclination of 1:40 the base's middle line is inclined by that slope, its top towards the track."""
+    track = Track(rail(), rail_inclination=1 / 40)
     foot, top = track.placement("right").points([[0.0, 0.0], [0.0, 100.0]])
     assert (foot - top)[0] / (top - foot)[1] == pytest.approx(1 / 40)
 
@@ -74,7 +74,7 @@ def test_left_mirrors_right() -> None:
     [
         (lambda: Track(rail(), gauge_mm=0.0), "gauge_mm"),
         (lambda: Track(rail(), gauge_mm=math.nan), "gauge_mm"),
-        (lambda: Track(rail(), cant=40.0), "cant"),
+        (lambda: Track(rail(), rail_inclination=40.0), "rail_inclination"),
         (lambda: Wheelset(wheel(), back_to_back_mm=-1.0), "back_to_back_mm"),
         (lambda: Wheelset(wheel(), radius_mm=math.inf), "radius_mm"),
         (lambda: Wheelset(wheel(), centre_of_gravity_height_mm=math.nan), "centre_of_gravity_height_mm"),

@@ -75,7 +75,7 @@ def test_the_outer_rail_is_pushed_outwards(results):
 
 def test_eccentricity_is_the_moment_over_the_force(results):
     """On an upright base the force across it acts where force times eccentricity is the moment about the middle."""
-    for each in support_reactions(solved(WheelsetTangentCase, cant=0.0)):
+    for each in support_reactions(solved(WheelsetTangentCase, rail_inclination=0.0)):
         if each.part.startswith("rail"):
             outwards = 1.0 if each.side == "right" else -1.0
             assert each.moment_Nmm == pytest.approx(outwards * each.eccentricity_mm * each.force_N[1], rel=1e-9)

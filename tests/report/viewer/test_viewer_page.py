@@ -110,7 +110,7 @@ def test_the_sections_come_in_order(open_page, folder):
 @pytest.mark.parametrize("case", [WheelsetTangentCase, WheelsetCurveCase])
 def test_the_case_file_of_the_page_is_the_case(case, tmp_path):
     """The text of the case file is read as the case it was written of, to the last digit."""
-    wanted = case.from_values({"method": "vem", "size_scale": 0.1 + 0.2, "cant": 1 / 20})
+    wanted = case.from_values({"method": "vem", "size_scale": 0.1 + 0.2, "rail_inclination": 1 / 20})
     path = tmp_path / "case.toml"
     path.write_text(case_text(wanted), encoding="utf-8")
     assert read_case(path) == wanted

@@ -72,7 +72,7 @@ class BodyModel:
     problem
         Elastic problem with supports and loads, without contact.
     part
-        The body as it is in contact; None if it is in none.
+        The body in contact; None without contact.
     load_N
         Resultant of the loads, shape (2,).
     slides
@@ -88,14 +88,14 @@ class BodyModel:
 
     @property
     def moved_before_contact(self) -> bool:
-        """Whether loads or given displacements move it without contact."""
+        """Whether loads or prescribed displacements move it without contact."""
         given = any(s.x or s.y for s in self.problem.prescribed)
         return bool(self.problem.loads) or given
 
 
 @dataclass(frozen=True, eq=False)
 class BodiesModel:
-    """All bodies and what presses them.
+    """All bodies, their contacts and their motions.
 
     Parameters
     ----------
@@ -106,9 +106,9 @@ class BodiesModel:
     motion
         Rigid motion of the supports of parts.
     push
-        Force behind the supports of one part.
+        Force on the supports of one part.
     notices
-        What was mended or assumed.
+        What was repaired or assumed.
 
     """
 
@@ -125,7 +125,7 @@ def build_bodies(case: BodiesInputs) -> BodiesModel:
     Raises
     ------
     InputError
-        If a name is unknown, a place is empty, or keys contradict each other; the message names the table.
+        If a name is unknown, a position has no edges, or keys contradict each other; the message names the table.
 
     """
     return _Builder(case).model()
@@ -221,7 +221,7 @@ class _Builder:
             raise InputError(f"{key}.cells with {kind}", "cells with body_force_N_mm3", "leave cells out")
         if kind == "body_force_N_mm3":
             if keys_of_place(table) or table.point_mm is not None:
-                raise InputError(f"{key}.{kind} with a place", "the whole body, or cells", "leave the place out")
+                raise InputError(f"{key}.{kind} with a position", "the whole body, or cells", "leave the position out")
             if table.cells is not None:
                 self.meshes[table.body].cell_set(table.cells)
             return BodyForce(table.body_force_N_mm3 or (0.0, 0.0), table.cells)
@@ -241,14 +241,16 @@ class _Builder:
         return Traction(where, (x / area, y / area))
 
     def _place(self, table: PlaceTable, point: tuple[float, float] | None, key: str) -> Where:
-        """Name of an edge set made for a place, or a point."""
+        """Name of an edge set made for a position, or a point."""
         given = keys_of_place(table)
         if point is not None:
             if given:
                 raise InputError(f"{key}.point_mm with {' and '.join(given)}", "a point, or edges", "keep one of them")
             return point_at(self.meshes[table.body], self.tables[table.body].order, table.body, point, key)
         if not given:
-            raise InputError(f"{key} without a place", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "say where")
+            raise InputError(
+                f"{key} without a position", "edges, at_x_mm, at_y_mm, box_mm or point_mm", "give one of these"
+            )
         lines = (table.at_x_mm, table.at_y_mm)
         mesh = self.meshes[table.body]
         pairs = edges_at(mesh, table.body, table.edges, table.box_mm, lines, key, "edges")
@@ -273,7 +275,7 @@ class _Builder:
             raise InputError(
                 f"body {name!r} in contact without supports",
                 "supports that fix both translations and the rotation, contact left out",
-                "add [[supports]]; to press it by a force, hold it and add [[motions]] with push_N",
+                "add [[supports]]; to press it by a force, fix it and add [[motions]] with push_N",
             )
         components: dict[Where, Components] = {}
         for support, where in held:
@@ -326,7 +328,7 @@ class _Builder:
         free = free_edges(part.body, pairs)
         if len(free) == 0:
             raise InputError(
-                f"{key}.{role} = {name!r}: its surface is held all along",
+                f"{key}.{role} = {name!r}: its whole surface is fixed",
                 "a surface that can move",
                 "shorten the support",
             )
@@ -381,7 +383,7 @@ class _Builder:
                 raise InputError(
                     f"{key}.push_N = {list(table.push_N)}",
                     "one push in a case, of a force that is not zero, without shift and rotation",
-                    "press one body by a force and hold or shift the others",
+                    "press one body by a force and fix or shift the others",
                 )
             size = float(np.hypot(*table.push_N))
             push = Push(part, (table.push_N[0] / size, table.push_N[1] / size), size)
@@ -395,10 +397,10 @@ class _Builder:
             load = float(body.load_N["xy".index(body.slides)])
             if push is not None or load == 0.0:
                 raise InputError(
-                    f"body {body.name!r}, which its supports let slide in {body.slides}, "
+                    f"body {body.name!r}, whose supports let it slide in {body.slides}, "
                     + ("beside another one that is pushed" if push is not None else "without a load along it"),
-                    "one body whose force along its way must be borne by contact",
-                    f"hold it in {body.slides} as well, or give it a load along {body.slides}",
+                    "one sliding body, whose load is carried by contact",
+                    f"fix it in {body.slides} as well, or give it a load along {body.slides}",
                 )
             sign = float(np.sign(load))
             push = Push(body.part, (sign, 0.0) if body.slides == "x" else (0.0, sign), 0.0)

@@ -29,7 +29,7 @@ RIM, CUT = "rim", "cut"
 
 @dataclass(frozen=True, eq=False)
 class BodyShape:
-    """A meshed shape in mm, where it stands at first.
+    """A meshed shape in mm, in its initial position.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ class BodyShape:
 
 
 def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
-    """Mesh of a body in mm, where it stands at first.
+    """Mesh of a body in mm, in its initial position.
 
     Parameters
     ----------
@@ -64,7 +64,7 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     key
         How messages call its table.
     notices
-        Gets what was mended.
+        Receives a notice for each repair.
 
     Raises
     ------
@@ -79,9 +79,9 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
             f"one of {', '.join(SHAPES)}",
             "keep one" if given else "add one, such as rectangle = { width_mm = 10.0, height_mm = 5.0 }",
         )
-    place = Placement(np.deg2rad(body.rotation_deg), body.shift_mm)
+    placement = Placement(np.deg2rad(body.rotation_deg), body.shift_mm)
     if body.file is not None and Path(body.file).suffix.lower() not in ENDINGS:
-        return BodyShape(_mesh_of_file(body, key, notices).placed(place))
+        return BodyShape(_mesh_of_file(body, key, notices).placed(placement))
     for name, value in (("cells", body.cells), ("materials", body.materials or None)):
         if value is not None:
             raise InputError(f"{key}.{name} = {value!r} of an outline", "cell sets of a mesh file", f"leave {name} out")
@@ -91,8 +91,8 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     size = diagonal / DIAGONAL_PER_SIZE if body.size_mm is None else body.size_mm / factor
     fine = [_refinement(each, f"{key}.fine[{n}]", region, factor) for n, each in enumerate(body.fine, 1)]
     triangles = _scaled(triangulate(outline, size=size, holes=holes, refinements=fine), factor)
-    mesh = (triangles if body.method == "fem" else dual(triangles)).placed(place)
-    return BodyShape(mesh, tuple(_scaled_outline(loop, factor).transformed(place) for loop in region.loops))
+    mesh = (triangles if body.method == "fem" else dual(triangles)).placed(placement)
+    return BodyShape(mesh, tuple(_scaled_outline(loop, factor).transformed(placement) for loop in region.loops))
 
 
 def _region(body: BodyTable, key: str, notices: list[str]) -> tuple[Region, float]:
@@ -132,12 +132,12 @@ def _refinement(fine: FineTable, key: str, region: Region, factor: float) -> Ref
     size = fine.size_mm / factor
     if (fine.edges is None) == (fine.at_mm is None):
         given = "neither edges nor at_mm" if fine.edges is None else "both edges and at_mm"
-        raise InputError(f"{key} with {given}", "one of them", "say where the mesh is finer by one of both")
+        raise InputError(f"{key} with {given}", "one of them", "give one of both")
     if not (fine.at_mm or fine.edges):
         raise InputError(
             f"{key}.{'edges' if fine.at_mm is None else 'at_mm'} = []",
-            "one place or more",
-            f"give places, or remove {key}",
+            "one position or more",
+            f"give positions, or remove {key}",
         )
     if fine.at_mm is not None:
         return Refinement(np.array(fine.at_mm).reshape(-1, 2) / factor, size, fine.growth)
@@ -167,7 +167,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart
     read = read_mesh(str(body.file), merge_points=body.cells is None)
-    told, mesh = list(read.notices), read.mesh
+    found, mesh = list(read.notices), read.mesh
     if body.cells is not None:
         known = sorted(mesh.cell_sets)
         wanted = [body.cells] if isinstance(body.cells, str) else body.cells
@@ -180,10 +180,10 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
         mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
         cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
         joined = repaired_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
-        told += [f"body {body.name}: {notice}" for notice in joined.notices]
+        found += [f"body {body.name}: {notice}" for notice in joined.notices]
         mesh = joined.mesh
-    told = [f"{Path(str(body.file)).name}: {notice}" for notice in told]
-    notices += [notice for notice in told if notice not in notices]
+    found = [f"{Path(str(body.file)).name}: {notice}" for notice in found]
+    notices += [notice for notice in found if notice not in notices]
     if body.method == "fem" and (mesh.cell_sizes > 3).any():
         raise InputError(
             f"{key}.method = 'fem' for {body.file}, whose cells have up to {mesh.cell_sizes.max()} corners",
@@ -203,8 +203,8 @@ def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
     points, corners = np.unique(mesh.cell_points[entries], return_inverse=True)
     number = np.full(mesh.n_points, -1)
     number[points] = np.arange(len(points))
-    place = np.full(mesh.n_cells, -1)
-    place[keep] = np.arange(len(keep))
+    row = np.full(mesh.n_cells, -1)
+    row[keep] = np.arange(len(keep))
     bare = PolyMesh(mesh.points[points], offsets.astype(np.int32), corners.astype(np.int32))
     outer = {(int(a), int(b)) for a, b in np.sort(bare.boundary_edges, axis=1)}
     edge_sets = {}
@@ -213,7 +213,7 @@ def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
         inside = [row for row in mine.tolist() if min(row) >= 0 and (min(row), max(row)) in outer]
         if inside:
             edge_sets[name] = np.array(inside, dtype=np.int32)
-    cell_sets = {name: place[members][place[members] >= 0] for name, members in mesh.cell_sets.items()}
+    cell_sets = {name: row[members][row[members] >= 0] for name, members in mesh.cell_sets.items()}
     cell_sets = {name: members for name, members in cell_sets.items() if len(members)}
     return PolyMesh(bare.points, bare.cell_offsets, bare.cell_points, cell_sets, edge_sets)
 

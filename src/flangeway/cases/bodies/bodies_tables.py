@@ -79,7 +79,7 @@ class BodyTable(Table):
     fine: list[FineTable] = Field([], description="regions with smaller triangles")
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(0.3, gt=-1.0, le=0.5, description="Poisson's ratio; 0.5 in plane stress only")
-    materials: dict[str, MaterialTable] = Field({}, description="materials by the cell sets of a mesh, for several")
+    materials: dict[str, MaterialTable] = Field({}, description="materials by the names of cell sets of the mesh")
 
 
 class PlaceTable(Table):

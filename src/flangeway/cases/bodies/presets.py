@@ -180,10 +180,10 @@ class HertzCase(BodiesPreset):
         material = self._materials()[0 if upper else 1]
         radius = self.radius_mm if upper else -self.lower_radius_mm
         n = max(math.ceil(zone / (2.0 * self.size_mm)), 1)
-        places = [zone * i / n for i in range(-n, n + 1)]
+        xs = [zone * i / n for i in range(-n, n + 1)]
         flat = not upper and self.lower == "block"
-        heights = [0.0 if flat else radius - math.copysign(math.sqrt(radius**2 - x**2), radius) for x in places]
-        fine = {"at_mm": list(zip(places, heights, strict=True)), "size_mm": self.size_mm, "growth": self.growth}
+        heights = [0.0 if flat else radius - math.copysign(math.sqrt(radius**2 - x**2), radius) for x in xs]
+        fine = {"at_mm": list(zip(xs, heights, strict=True)), "size_mm": self.size_mm, "growth": self.growth}
         return {
             "name": name,
             **shape,

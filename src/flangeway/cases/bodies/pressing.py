@@ -1,4 +1,4 @@
-"""Parts pressed together by loads, by given motions, or by a force behind one of them."""
+"""Parts pressed together by loads, by prescribed motions, or by a force on one of them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -14,10 +14,10 @@ from flangeway.solve.body_response import LoadedBodies
 from flangeway.types import Floats
 
 Trial = tuple[float, float, ContactState]
-"""A distance along the push, by how much the contact resists more than it must, and the solution there."""
+"""A distance along the push, the excess of the contact's resistance there, and the solution."""
 
 MAX_ERROR = 1e-7
-"""Difference of the force behind a pushed part from the wanted one, over the latter, at which the search ends."""
+"""Relative difference of the force on a pushed part from the prescribed one at which the search ends."""
 NEAR = 1e-2
 """Excess at both ends of a bracket, over the force, below which the stiffness in it is compared with the one before."""
 JUMP = 10.0
@@ -31,7 +31,7 @@ SMALLEST_STEP = 1.0 / 1024.0
 
 @dataclass(frozen=True)
 class Push:
-    """A force behind the supports of a part, which move together along its direction until the contact bears it.
+    """A force on the supports of a part, which move together along its direction until the contact carries it.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ class Push:
     direction
         Unit vector x, y.
     force
-        Force that the supports exert on the part, >= 0. With 0 the contact bears the part's loads alone: the supports
-        let it slide along the direction, and a hold against that bears nothing in the end.
+        Force that the supports exert on the part, >= 0. With 0 the contact carries the part's loads alone: the supports
+        let it slide along the direction, and the reaction of a support against that is zero in the end.
 
     """
 
@@ -99,12 +99,12 @@ def press_loaded(
     motion
         Rigid motion of the supports of each part that moves.
     fields
-        Displacements of each part under its loads and its supports' given displacements without contact, shape
+        Displacements of each part under its loads and its supports' prescribed displacements without contact, shape
         (n_dofs, 2), see `LoadedBodies`.
     push
-        A force behind one part, applied after the rest.
+        A force on one part, applied after the other loads.
     loads
-        Resultant of each part's loads, shape (2,): the pushed part hands them on.
+        Resultant of each part's loads, shape (2,); the contact also carries those of the pushed part.
     n_steps
         Equal steps of loads and motions; halved where one does not converge.
     progress
@@ -121,7 +121,7 @@ def press_loaded(
 
 
 def moved_part(part: Part, motion: Mapping[Part, Placement], share: float) -> Placement:
-    """Where the frame of a part stands after a share of its motion."""
+    """Placement of the frame of a part after a share of its motion."""
     if part not in motion:
         return part.placement
     x, y = motion[part].translation
@@ -156,15 +156,12 @@ class _Driver:
     def placements(
         self, share: float, pushed: Part | None = None, further: tuple[float, float] = (0.0, 0.0)
     ) -> tuple[Placement, ...]:
-        places = []
-        for part in self.system.parts:
-            place = moved_part(part, self.motion, share)
-            places.append(Placement(0.0, further).after(place) if part is pushed else place)
-        return tuple(places)
+        moved = ((part, moved_part(part, self.motion, share)) for part in self.system.parts)
+        return tuple(Placement(0.0, further).after(each) if part is pushed else each for part, each in moved)
 
     def solution(self, state: ContactState, *, whole: bool = True) -> ContactSolution:
-        rest = self.bodies.reference(tuple(part.placement for part in self.system.parts))
-        depths = [float((-pairs.gaps).max(initial=0.0)) for pairs in self.system.linearise(rest, None).pairs]
+        reference = self.bodies.reference(tuple(part.placement for part in self.system.parts))
+        depths = [float((-pairs.gaps).max(initial=0.0)) for pairs in self.system.linearise(reference, None).pairs]
         found = ContactSolution(self.system, self.loaded(1.0), state, tuple(self.steps), np.array(depths))
         return found.without_overlap() if whole else found
 
@@ -182,7 +179,7 @@ class _Search:
         self.first_step = self.scale / stiffness
         self.reach = 2.0 * max(part.body.elasticity.size for part in driver.system.parts)
         self.least = float(np.finfo(np.float64).eps) * self.reach * stiffness
-        """Force of an approach as small as rounding of the places."""
+        """Force of an approach as small as rounding of the positions."""
         self.trials = 0
         self.low = (0.0, self._excess(state), state)
 
@@ -191,7 +188,8 @@ class _Search:
             return self._failed("the loads on the pushed part are larger than the force and pull it away")
         if self.wanted < self.least:
             return self._failed(
-                f"the contact must bear {self.wanted:.1e} N, less than rounding of the places makes: {self.least:.1e} N"
+                f"the contact has to carry {self.wanted:.1e} N, less than the rounding error of the positions: "
+                f"{self.least:.1e} N"
             )
         bracket = self._bracket()
         if isinstance(bracket, str):
@@ -205,14 +203,14 @@ class _Search:
     def _solve(self, distance: float, start: ContactState) -> Trial:
         self.trials += 1
         x, y = (distance * self.direction).tolist()
-        places = self.driver.placements(1.0, self.part, (x, y))
-        state = solve_contact(self.driver.loaded(1.0), self.driver.system, places, start=start)
+        placements = self.driver.placements(1.0, self.part, (x, y))
+        state = solve_contact(self.driver.loaded(1.0), self.driver.system, placements, start=start)
         excess = self._excess(state) if state.status.converged else np.nan
         return distance, excess, state
 
     def _bracket(self) -> tuple[Trial, Trial] | str:
         """Two distances of which one is too little and one too much; or why there are none."""
-        low, step, why = self.low, self.first_step, "check its direction and the bodies' places"
+        low, step, why = self.low, self.first_step, "check its direction and the bodies' positions"
         sign = 1.0 if low[1] < 0.0 else -1.0
         while self.trials < MOST_TRIALS:
             free = self._free_way(low[2]) if sign > 0.0 else 0.0
@@ -227,7 +225,7 @@ class _Search:
                 return (low, next_) if sign > 0.0 else (next_, low)
             if abs(next_[0]) > self.reach:
                 return (
-                    f"no contact bears the force within {self.reach:.4g} mm of motion along the push; check its "
+                    f"no contact carries the force within {self.reach:.4g} mm of motion along the push; check its "
                     "direction and its size"
                 )
             if free < step:

@@ -25,7 +25,7 @@ from flangeway.problems import ElasticField, Part
 from flangeway.solve import ElasticitySolution, Status, solve_elasticity
 from flangeway.types import Floats
 
-MAX_IMBALANCE = 1e-6
+MAX_NODAL_RESIDUAL = 1e-6
 """See `relative_nodal_residual`; a correct solution has round-off, below 1e-9."""
 
 SHARE_OF_BODY = 0.25
@@ -250,7 +250,7 @@ def _residual_errors(pressed: Pressed, model: BodiesModel) -> list[str]:
             forces = back.vectors(pressed.contact.nodal_forces(body.part))
             field = ElasticField(body.problem, pressed.contact.field(body.part).displacements)
             left = relative_nodal_residual(field, forces, ~body.part.body.free.reshape(-1, 2))
-            if not left <= MAX_IMBALANCE:
+            if not left <= MAX_NODAL_RESIDUAL:
                 errors.append(
                     f"{body.name}: the nodal residual is {left:.1e} of the maximum nodal force; report this with the "
                     "case file as a defect, unless its elements have very different sizes or its materials very "

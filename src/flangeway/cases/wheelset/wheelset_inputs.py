@@ -36,27 +36,34 @@ class WheelsetInputs(Case):
 
     rail: str = Field("136RE", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
     crown_radius_in: float | None = Field(
-        None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in; 10 if left out"
+        None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"
     )
     wheel: str = Field("AAR-1B", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
     flange_root_radius_mm: float | None = Field(
-        None, gt=0.0, description="radius of the AAR-1B's flange root beside the flange; the file's if left out"
+        None,
+        gt=0.0,
+        description="radius of the AAR-1B's flange root beside the flange (default: the bundled one)",
     )
     wide_flange_root_radius_mm: float | None = Field(
         None,
         gt=0.0,
-        description="radius of the wide arc between the AAR-1B's flange root and tread; the file's if left out",
+        description="radius of the wide arc between the AAR-1B's flange root and tread (default: the bundled one)",
     )
-    left_rail: str | None = Field(None, description="rail of the left side, likewise; as on the right if left out")
-    left_wheel: str | None = Field(None, description="wheel of the left side, likewise; as on the right if left out")
-    rail_unit: LengthUnit | None = Field(None, description="unit of the rail's file, if it names none; mm if left out")
-    rail_mirror: bool = Field(False, description="whether the rail's file holds a left-hand rail, to be reversed")
+    left_rail: str | None = Field(None, description="rail of the left side, a name or a file (default: rail)")
+    left_wheel: str | None = Field(None, description="wheel of the left side, a name or a file (default: wheel)")
+    rail_unit: LengthUnit | None = Field(
+        None, description="unit of the rail's file, if the file does not name one (default: mm)"
+    )
+    rail_mirror: bool = Field(False, description="whether the rail's file contains a left-hand rail, to be mirrored")
     wheel_unit: LengthUnit | None = Field(
-        None, description="unit of the wheel's file, if it names none; mm if left out"
+        None, description="unit of the wheel's file, if the file does not name one (default: mm)"
     )
-    wheel_mirror: bool = Field(False, description="whether the wheel's file holds a left-hand wheel, to be reversed")
+    wheel_mirror: bool = Field(False, description="whether the wheel's file contains a left-hand wheel, to be mirrored")
     wheel_tape_mm: float | None = Field(
-        None, ge=40.0, le=110.0, description="tape line from the flange's back; the file's, else the measured, else 70"
+        None,
+        ge=40.0,
+        le=110.0,
+        description="tape line from the flange's back (default: from the file, else measured, else 70)",
     )
     left_rail_unit: LengthUnit | None = Field(None, description="rail_unit of left_rail")
     left_rail_mirror: bool = Field(False, description="rail_mirror of left_rail")
@@ -65,37 +72,43 @@ class WheelsetInputs(Case):
     left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0, description="wheel_tape_mm of left_wheel")
     rail_body: str | None = Field(
         None,
-        description="bundled rail with web and foot for a file's head; if left out, the other side's or the nearest",
+        description="bundled rail with web and foot for a file's head (default: that of the other side, else the "
+        "nearest)",
     )
     wheel_body: str | None = Field(
-        None, description="bundled wheel with the rim for a file's running surface, or plain; likewise if left out"
+        None,
+        description="bundled wheel with the rim for a file's running surface, or plain (default: as for rail_body)",
     )
     gauge_mm: float = Field(Track.gauge_mm, gt=0.0, description="distance between the rails' heads")
     gauge_depth_mm: float | None = Field(
-        None, gt=0.0, description="depth below the tops above which the gauge is measured; closest points if left out"
+        None,
+        gt=0.0,
+        description="depth below the tops above which the gauge is measured (default: at the closest points)",
     )
-    cant: float = Field(Track.cant, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025")
+    rail_inclination: float = Field(
+        Track.rail_inclination, ge=-0.2, le=0.2, description="inclination of the rails as a slope; 1:40 is 0.025"
+    )
     back_to_back_mm: float | None = Field(
         None,
         gt=0.0,
-        description="distance between the wheels' inner faces; if left out, that of the gauge: "
+        description="distance between the wheels' inner faces (default by gauge): "
         + ", ".join(f"{each.back_to_back_mm:g} for {each.gauge_mm:g}" for each in USUAL_GAUGES),
     )
     wheel_radius_mm: float = Field(
-        Wheelset.radius_mm, ge=150.0, description="distance from the axle to the place wheel_radius_at"
+        Wheelset.radius_mm, ge=150.0, description="distance from the axle to the position wheel_radius_at"
     )
     wheel_radius_at: Literal["flange-tip", "tape-line"] = Field(
         "flange-tip", description="where wheel_radius_mm is measured"
     )
     left_wheel_radius_mm: float | None = Field(
-        None, ge=150.0, description="radius of the left wheel, likewise; same at the tape line if left out"
+        None,
+        ge=150.0,
+        description="radius of the left wheel at wheel_radius_at (default: the same radius at the tape line)",
     )
     centre_of_gravity_height_mm: float = Field(
         Wheelset.centre_of_gravity_height_mm, description="height of the car's centre of gravity above the axle"
     )
-    axle_load_kN: float = Field(
-        300.0, gt=0.0, le=1e5, description="weight that the wheelset bears; it presses on the rails"
-    )
+    axle_load_kN: float = Field(300.0, gt=0.0, le=1e5, description="weight on the wheelset, pressing on the rails")
     car_mass_t: float | None = Field(
         None, gt=0.0, description="mass of the car, shared by n_axles, instead of axle_load_kN"
     )
@@ -111,16 +124,18 @@ class WheelsetInputs(Case):
         None, description="radius of the curve, positive to the left, negative to the right; needs speed_km_h"
     )
     superelevation_mm: float | Literal["from-speed"] = Field(
-        0.0, description="height of the right rail over the left one; from-speed: what balances speed and radius"
+        0.0,
+        description="height of the right rail over the left one; from-speed: equilibrium superelevation of speed "
+        "and radius",
     )
     cant_deficiency_mm: float = Field(
-        0.0, ge=0.0, description="what a superelevation from-speed lacks of the balanced one"
+        0.0, ge=0.0, description="equilibrium superelevation less the superelevation from-speed"
     )
     superelevation_base_mm: float | None = Field(
         None,
         gt=0.0,
-        description="width over which superelevation is measured, between the running circles 1500 on standard gauge; "
-        "the gauge if left out",
+        description="width over which superelevation is measured, 1500 between the running circles on standard gauge "
+        "(default: gauge_mm)",
     )
     thickness_mm: float = Field(
         WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
@@ -138,7 +153,7 @@ class WheelsetInputs(Case):
         Raises
         ------
         InputError
-            If speed or radius stands alone, or a force is given besides both.
+            If only one of speed and radius is given, or a force besides both.
 
         """
         weight = 1e3 * self.axle_load_kN
@@ -195,19 +210,20 @@ class WheelsetInputs(Case):
                 raise InputError(
                     f"cant_deficiency_mm with superelevation_mm = {float(self.superelevation_mm):g}",
                     "superelevation_mm = from-speed, from which it is taken off",
-                    "give from-speed, or leave cant_deficiency_mm out: a given height lacks what it lacks",
+                    "give from-speed, or leave cant_deficiency_mm out: the given one includes it",
                 )
             height = float(self.superelevation_mm)
-            # what a case of a curve has by default is of its outer rail
+            # the default superelevation of a curve is that of its outer rail
             to_the_right = self.curve_radius_m is not None and self.curve_radius_m < 0.0
             return -height if to_the_right and "superelevation_mm" not in self.model_fields_set else height
         if self.speed_km_h is None or self.curve_radius_m is None:
             raise InputError(
                 "superelevation_mm = from-speed without speed_km_h and curve_radius_m", "both", "give them or a height"
             )
-        balanced = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
-        what = f"{abs(balanced):.4g} mm that balance {self.speed_km_h:g} km/h and {abs(self.curve_radius_m):g} m"
-        height = abs(balanced) - self.cant_deficiency_mm
+        at_equilibrium = balanced_superelevation_mm(self.speed_km_h, self.curve_radius_m, base)
+        where = f"{self.speed_km_h:g} km/h and {abs(self.curve_radius_m):g} m"
+        what = f"{abs(at_equilibrium):.4g} mm of equilibrium superelevation at {where}"
+        height = abs(at_equilibrium) - self.cant_deficiency_mm
         if height < 0.0:
             raise InputError(
                 f"cant_deficiency_mm = {self.cant_deficiency_mm:g}",
@@ -218,19 +234,19 @@ class WheelsetInputs(Case):
             raise InputError(
                 f"superelevation_mm = from-speed: the {what}",
                 f"at most {MAX_SLOPE * base:g} mm, a fifth of superelevation_base_mm",
-                "give the superelevation that is there, or what is not balanced as cant_deficiency_mm",
+                "give the actual superelevation, or cant_deficiency_mm",
             )
-        return math.copysign(height, balanced)
+        return math.copysign(height, at_equilibrium)
 
     def track(self) -> Track:
-        """Return the rails in their places."""
+        """Return the rails in their positions."""
         left, read = None, self._reading("rail")
         left_read = self._reading("left_rail")
         if self.left_rail is not None and (self.left_rail, left_read) != (self.rail, read):
             crown = self._crown(self.left_rail)
             left = rail_named(self.left_rail, crown, self.rail_body, self.rail, left_read, "left_rail")
         right = rail_named(self.rail, self._crown(self.rail), self.rail_body, self.left_rail, read)
-        return Track(right, self.gauge_mm, self.cant, left, self.gauge_depth_mm)
+        return Track(right, self.gauge_mm, self.rail_inclination, left, self.gauge_depth_mm)
 
     def _crown(self, name: str) -> float | None:
         """Radius of the crown for a rail, left out only where the other side's rail is the one that takes it."""
@@ -238,20 +254,20 @@ class WheelsetInputs(Case):
         return None if name != "136RE" and "136RE" in other else self.crown_radius_in
 
     def _reading(self, key: Literal["rail", "left_rail", "wheel", "left_wheel"]) -> ReadOptions:
-        """Return what the inputs say of the file of a profile.
+        """Return the options for the file of a profile.
 
         Raises
         ------
         InputError
-            If they say something of a left profile that there is not.
+            If there are options for a left profile without the profile.
 
         """
         name = getattr(self, key)
         options = {each: getattr(self, f"{key}_{each}", None) for each in ("unit", "mirror", "tape_mm")}
-        said = [f"{key}_{each}" for each, value in options.items() if value]
-        if name is None and said:
+        options_given = [f"{key}_{each}" for each, value in options.items() if value]
+        if name is None and options_given:
             raise InputError(
-                f"{' and '.join(said)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
+                f"{' and '.join(options_given)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
             )
         right = key.removeprefix("left_")
         if name == getattr(self, right):  # the same file has the same unit

@@ -18,7 +18,7 @@ from flangeway.system.file_content import is_file
 
 READ_AS_IT_IS = ReadOptions()
 PLAIN = "plain"
-"""Body of a wheel that is like no bundled one: a block above its running surface."""
+"""Body of a wheel that fits no bundled one: a block above its running surface."""
 
 
 def rail_named(
@@ -42,14 +42,14 @@ def rail_named(
     other
         The rail of the other side.
     options
-        What the file does not say: unit, mirror, distance of the tape line.
+        What the file does not contain: unit, mirror, distance of the tape line.
     key
         Name of the input, for messages: the options are called after it, such as ``rail_unit``.
 
     Raises
     ------
     InputError
-        If there is none of that name, or the file holds a wheel, cannot be read or does not fit the body.
+        If there is none of that name, or the file is that of a wheel, cannot be read or does not fit the body.
 
     """
     if not _means_file(name):
@@ -103,7 +103,9 @@ def _from_file(
     measured = _read(name, kind, options, key)
     if measured.kind != kind:
         raise InputError(
-            f"{key} = {name}, which holds a {measured.kind}", f"a {kind}", "exchange the keys rail and wheel"
+            f"{key} = {name}, which is the profile of a {measured.kind}",
+            f"a {kind}",
+            "exchange the keys rail and wheel",
         )
     if isinstance(measured.surface, Outline):
         return whole_profile(measured)
@@ -115,7 +117,7 @@ def _from_file(
         wanted = nominal_profile(body)
     except InputError as reason:
         raise InputError(
-            f"{kind}_body = {body}", ", ".join(bodies), "choose the one most like the measured"
+            f"{kind}_body = {body}", ", ".join(bodies), "choose the one nearest to the measured profile"
         ) from reason
     if isinstance(wanted, RailProfile) != (kind == "rail"):
         raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
@@ -124,7 +126,7 @@ def _from_file(
     except InputError as reason:
         others = [each for each in bodies if each != body and _fits(measured, each)]
         advice = (
-            f"flangeway profile {name} --join {body} shows what it is taken for; options say what the file does not"
+            f"flangeway profile {name} --join {body} shows how it is read; options give what the file does not contain"
         )
         if others:
             advice = f"is it the profile of another {kind}? Give {kind}_body = {' or '.join(others)}"
@@ -141,7 +143,7 @@ def _as_keys(text: str, key: str) -> str:
 
 
 def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
-    """Read a file; where neither file nor shape tells what it holds, the key does."""
+    """Read a file; where neither file nor shape shows whether it is a rail or a wheel, the key decides."""
     try:
         measured = read_profile(name, options)
     except InputError as reason:

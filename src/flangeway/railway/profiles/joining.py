@@ -277,8 +277,11 @@ def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
         return ()
     what = f"The head's field side leans by {abs(lean):.1f} degrees {'to' if lean > 0.0 else 'from'} the track's middle"
     if lean > 0.0:
-        return (f"{what}: if it was measured in the track's axes it holds the rail's inclination; give cant = 0 then.",)
-    return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and cant = 0.",)
+        return (
+            f"{what}: if it was measured in the track's axes it holds the rail's inclination; give "
+            f"rail_inclination = 0 then.",
+        )
+    return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and rail_inclination = 0.",)
 
 
 def on_plain_body(measured: MeasuredProfile) -> WheelProfile:

@@ -88,7 +88,7 @@ class Track:
         Profile of the right rail.
     gauge_mm
         Distance between the two rails' heads, half of it on each side of the middle.
-    cant
+    rail_inclination
         Inclination of the rails towards the middle, as a slope (1/40).
     left_rail
         Profile of the left rail, in the right-hand form; None: the left rail mirrors the right one.
@@ -99,15 +99,17 @@ class Track:
 
     rail: RailProfile
     gauge_mm: float = 1600.0
-    cant: float = 1.0 / 40.0
+    rail_inclination: float = 1.0 / 40.0
     left_rail: RailProfile | None = None
     gauge_depth_mm: float | None = None
 
     def __post_init__(self) -> None:
         check_positive("Track", "gauge_mm", self.gauge_mm, "a positive length", "give it in mm")
         _require_positive("Track", gauge_depth_mm=self.gauge_depth_mm)
-        if not (is_finite(self.cant) and abs(self.cant) <= 0.2):
-            raise refused("Track", "cant", self.cant, "a slope between -0.2 and 0.2", "give 1:40 as 0.025")
+        if not (is_finite(self.rail_inclination) and abs(self.rail_inclination) <= 0.2):
+            raise refused(
+                "Track", "rail_inclination", self.rail_inclination, "a slope between -0.2 and 0.2", "give 1:40 as 0.025"
+            )
 
     @property
     def is_symmetric(self) -> bool:
@@ -120,7 +122,7 @@ class Track:
 
     def placement(self, side: Side) -> Placement:
         """Where the rail of a side stands: canted, its head at the gauge, its top at y = 0."""
-        angle = math.atan(self.cant)
+        angle = math.atan(self.rail_inclination)
         rail = self.rail_of(side)
         canted = rail.outline.transformed(Placement(angle))
         (left, _), (_, top) = canted.bounds(rail.head_names)

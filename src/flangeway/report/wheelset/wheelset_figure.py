@@ -83,7 +83,7 @@ def _title(run: CaseRun) -> str:
     track = problem.track
     cant = f"rail inclination 1:{1.0 / track.cant:g}" if track.cant else "upright"
     return (
-        f"{problem.wheelset.wheel.title}\non {track.rail.title}, {cant}\n"
+        f"{problem.wheelset.wheel.title}\non {track.rail.title}, {inclination}\n"
         f"{problem.load.vertical_N / 1e3:g} kN on {problem.thickness_mm:g} mm of length; lengths in mm"
     )
 
