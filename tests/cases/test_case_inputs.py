@@ -14,7 +14,7 @@ from flangeway.railway.profiles.bundled import rail, wheel
 
 
 def test_defaults_are_the_published_measures():
-    """Without inputs the case is the dissertation's: broad gauge, inclination 1:40, 300 kN, 10 mm, plane strain steel."""
+    """Without inputs the case is the dissertation's: broad gauge, 1:40, 300 kN, 10 mm, plane strain steel."""
     problem = WheelsetTangentCase().problem()
     assert (problem.track.gauge_mm, problem.track.rail_inclination) == (1600.0, 1 / 40)
     assert (problem.wheelset.back_to_back_mm, problem.wheelset.radius_mm) == (1515.0, 500.0)

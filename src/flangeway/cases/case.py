@@ -241,8 +241,8 @@ def _refuse_huge(value: Any, where: Callable[[Key], str], key: Key = ()) -> None
         for name, inner in value.items():
             _refuse_huge(inner, where, (*key, name))
     elif isinstance(value, list | tuple):
-        for number, inner in enumerate(value):
-            _refuse_huge(inner, where, (*key, number))
+        for item, inner in enumerate(value):
+            _refuse_huge(inner, where, (*key, item))
     elif isinstance(value, int | float | GivenText):
         try:
             number = abs(float(value))
