@@ -47,13 +47,15 @@ def test_a_table_gives_a_row_each_and_is_combined_with_lists(tmp_path, separator
     """Lines of a CSV table are rows, each with all values of the lists; it may be named in the last table as well."""
     table = "lateral_mm,rail\n-1.5,136RE\n\n2,60E1\n".replace(",", separator)
     campaign = read(
-        tmp_path, 'case = "wheelset-tangent"\n[vary]\ncant = [0.025, 0.05]\ntable = "rows.csv"\n', rows_csv=table
+        tmp_path,
+        'case = "wheelset-tangent"\n[vary]\nrail_inclination = [0.025, 0.05]\ntable = "rows.csv"\n',
+        rows_csv=table,
     )
     assert campaign.keys == ("lateral_mm", "rail", "rail_inclination")
     assert [tuple(row.varied.values()) for row in campaign.rows] == [
         (-1.5, "136RE", 0.025), (-1.5, "136RE", 0.05), (2, "60E1", 0.025), (2, "60E1", 0.05),
     ]  # fmt: skip
-    above = read(tmp_path, 'case = "wheelset-tangent"\ntable = "rows.csv"\n[vary]\ncant = [0.025, 0.05]\n')
+    above = read(tmp_path, 'case = "wheelset-tangent"\ntable = "rows.csv"\n[vary]\nrail_inclination = [0.025, 0.05]\n')
     assert above.identity == campaign.identity
 
 
@@ -84,7 +86,7 @@ traction_MPa = [1.0, 0.0]
 def test_what_is_computed_together_depends_on_the_campaign_alone(tmp_path):
     """Positions of the same bodies form chunks of 12 to 48; other rows are alone; equal inputs are one identity."""
     head = 'case = "wheelset-tangent"\n[vary]\n'
-    many = read(tmp_path, head + "lateral_mm = { from = -1, to = 1, n = 386 }\ncant = [0.025, 0.05]\n")
+    many = read(tmp_path, head + "lateral_mm = { from = -1, to = 1, n = 386 }\nrail_inclination = [0.025, 0.05]\n")
     assert [len(rows) for _, rows in many.chunks] == [48] * 8 + [2] + [48] * 8 + [2]
     assert [first.number for first, _ in many.chunks] == [1] * 9 + [2] * 9
     some = read(tmp_path, head + "lateral_mm = { from = -1, to = 1, n = 20 }\n")

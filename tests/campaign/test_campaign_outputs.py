@@ -129,7 +129,7 @@ def test_tables_come_back_as_they_were_written(sweep, tmp_path, kind):
 
 def test_chosen_columns_alone_are_exported_and_the_database_keeps_all(tmp_path):
     """The key results.columns chooses what is exported, in its order."""
-    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\ncant = [0.025]\n'
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nrail_inclination = [0.025]\n'
     columns = ["right_max_pressure_MPa", "vertical_mm"]
     _, found = computed(tmp_path, text + f"[results]\ncolumns = {columns}\n")
     assert list(found.rows) == ["row", "status", "rail_inclination", *columns, "message", "warnings"]

@@ -87,7 +87,7 @@ def test_a_row_alone_is_near(sweep):
 
 def test_the_tables_have_the_columns_if_they_are_asked_for(tmp_path):
     """With the key both tables have them, and they can be chosen; without it neither; the results do not mix."""
-    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\ncant = [0.025]\n'
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nrail_inclination = [0.025]\n'
     chosen = "[results]\nsubsurface_shear = true\ncolumns = ['left_rail_max_in_plane_shear_MPa']\n"
     asked, plain = campaign_of(tmp_path, text + chosen), campaign_of(tmp_path, text)
     assert asked.identity != plain.identity

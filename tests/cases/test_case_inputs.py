@@ -175,7 +175,9 @@ def test_the_error_for_an_old_key_names_the_new_one(old, new):
 def test_old_keys_are_named_in_campaigns_and_on_the_command_line(tmp_path, call):
     """The present name is also in the error of a campaign file and of an option, with the line of the file."""
     file = tmp_path / "c.toml"
-    file.write_text('case = "wheelset-tangent"\n[inputs]\nbarycentre_height_mm = 1500.0\n[vary]\ncant = [0.0, 0.1]\n')
+    file.write_text(
+        'case = "wheelset-tangent"\n[inputs]\nbarycentre_height_mm = 1500.0\n[vary]\nrail_inclination = [0.0, 0.1]\n'
+    )
     with pytest.raises(InputError, match=r"line 3.*\n.*\n.*barycentre_height_mm is now centre_of_gravity_height_mm"):
         Campaign.from_file(file)
     code, _, err = call("run", "wheelset-tangent", "--set", "throat_radius_mm=14.3")

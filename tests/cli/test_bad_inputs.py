@@ -2,8 +2,8 @@
 
 Each row is a claim: what is run, the files that it reads, and what the message names: the argument that was given, what
 is allowed, and the action that it advises. The names, numbers and commands of a row are compared, not the wording. What
-the machine does, such as full disks, lack of memory and interruption, is in ``test_faults.py``; what libraries refuse is
-beside the tests of what they accept.
+the machine does, such as full disks, lack of memory and interruption, is in ``test_faults.py``; what libraries refuse
+is beside the tests of what they accept.
 """
 
 import functools
@@ -35,7 +35,7 @@ def names(text):
 def is_said(text, part):
     """Whether a part of a message has all names of a text; of a text without names, one of its words."""
     wanted = names(text)
-    return all(word in part for word in wanted) if wanted else any(word in part for word in re.findall(r"\w{3,}", text))
+    return all(word in part for word in wanted) if wanted else any(word in part for word in re.findall(r"\w{2,}", text))
 
 
 def head():
