@@ -10,12 +10,14 @@ from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.track.placements import SIDES
 
 
-@pytest.mark.parametrize("cant", [1 / 40, 1 / 30, 1 / 100])
-def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(cant: float) -> None:
-    """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(cant)) from its middle, to 1 µm."""
-    start = rigid_start(WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "cant": cant}).problem())
+@pytest.mark.parametrize("rail_inclination", [1 / 40, 1 / 30, 1 / 100])
+def test_a_conical_tread_touches_the_crown_where_the_slopes_agree(rail_inclination: float) -> None:
+    """A tread of 1:20 touches a crown of radius R at R sin(atan(1/20) - atan(slope)) from its middle, to 1 µm."""
+    start = rigid_start(
+        WheelsetTangentCase.from_values({"crown_radius_in": 10.0, "rail_inclination": rail_inclination}).problem()
+    )
     on_rail = start.near_points(0.01, 0.0)["rail-right"]
-    assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(cant)), abs=1e-3)
+    assert on_rail[0, 0] == pytest.approx(-254.0 * math.sin(math.atan(1 / 20) - math.atan(rail_inclination)), abs=1e-3)
     assert start.relative_curvature_per_mm == pytest.approx(1 / 254.0)
     assert (start.motion.lateral_mm, start.motion.roll_rad) == (0.0, pytest.approx(0.0, abs=1e-15))
 

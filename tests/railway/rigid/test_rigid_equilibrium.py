@@ -183,7 +183,7 @@ def test_derailment_is_said_with_the_ratio_that_the_flange_holds(usual):
     assert not failed.status.converged
     assert "L/V 3.000, which is a derailment: the right flange climbs" in failed.status.message
     held = float(failed.status.message.split("L/V up to ")[1].split(" ")[0])
-    # the steepest part of the flange has 75 degrees and the cant adds nothing to the wheel
+    # the steepest part of the flange has 75 degrees and its inclination adds nothing to the wheel
     assert 1.5 < held < math.tan(math.radians(75.5))
     assert rigid_equilibrium(low, Load(WEIGHT, 0.97 * held * WEIGHT)).status.converged
     assert not rigid_equilibrium(low, Load(WEIGHT, 1.03 * held * WEIGHT)).status.converged
