@@ -81,7 +81,7 @@ def _valid(part: PartFields) -> NDArray[np.bool_]:
 def _title(run: CaseRun) -> str:
     problem = run.result.model.problem
     track = problem.track
-    cant = f"rail inclination 1:{1.0 / track.cant:g}" if track.cant else "upright"
+    inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
     return (
         f"{problem.wheelset.wheel.title}\non {track.rail.title}, {inclination}\n"
         f"{problem.load.vertical_N / 1e3:g} kN on {problem.thickness_mm:g} mm of length; lengths in mm"

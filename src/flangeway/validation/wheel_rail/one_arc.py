@@ -92,7 +92,7 @@ def one_arc_wheel() -> WheelProfile:
 
 def one_arc_contacts(discretisation: Discretisation, material: Elastic) -> tuple[OneArcContact, ...]:
     """Solve both loads."""
-    track = Track(one_arc_rail(), gauge_mm=1500.0, cant=0.0)
+    track = Track(one_arc_rail(), gauge_mm=1500.0, rail_inclination=0.0)
     # the wheels stand over the middles of their rails
     wheelset = Wheelset(one_arc_wheel(), back_to_back_mm=1500.0, radius_mm=500.0, centre_of_gravity_height_mm=0.0)
     # round on round a wheelset is not stable sideways
