@@ -226,7 +226,7 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
     warnings = [f"the {' and '.join(lost)} wheel does not touch its rail"] if lost else []
     for patch in patches:
-        warnings += roughness(patch.n_segments, patch.scatter, f"the {patch.side} contact", "lower size_scale")
+        warnings += roughness(patch.n_segments, patch.oscillation, f"the {patch.side} contact", "lower size_scale")
     lateral, vertical, roll = table.position[place].tolist()
     values, rows = numbers_of((lateral, vertical, roll), [_numbers(prepared, patch) for patch in patches])
     return RowResult("converged", "contact forces and load are in equilibrium", tuple(warnings), values, rows, seconds)
