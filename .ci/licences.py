@@ -31,16 +31,16 @@ flangeway has the BSD 3-Clause licence; the text is in the file `LICENSE`. This 
 
 ## What Gmsh's licence means for you
 
-Gmsh has the GNU General Public License, version 2 or later. flangeway contains no part of it. `pip` installs Gmsh from a
-separate package, and flangeway calls it to make triangulations, in the same process or, for long meshes, in a second
+Gmsh has the GNU General Public License, version 2 or later. flangeway contains no part of it. `pip` installs Gmsh from
+a separate package, and flangeway calls it to make triangulations, in the same process or, for long meshes, in a second
 one.
 
 - **Use** of flangeway has no conditions, also for commercial purposes and inside a company. The GPL allows everyone to
   run a program for any purpose, and your models, meshes, profiles and results are yours.
 - **Distribution of flangeway**, changed or not, is under its BSD licence, which is compatible with the GPL.
-- **Distribution of a bundle** in which flangeway and Gmsh work together (an installer, a container, a frozen application)
-  must follow the GPL: offer the source of Gmsh, and license the programs that run with it in one process, including
-  yours, under terms that the GPL allows. If this is not possible, do not bundle Gmsh, and ask a lawyer whether that is
+- **Distribution of a bundle** in which flangeway and Gmsh work together (an installer, a container, a frozen
+  application) must follow the GPL: offer the source of Gmsh, and license the programs that run with it in one process,
+  including yours, under terms that the GPL allows. If this is not possible, do not bundle Gmsh, and ask a lawyer whether that is
   enough in your case. The authors of Gmsh also offer other licences.
 
 This is our reading of the licences; it is not legal advice.
