@@ -40,8 +40,8 @@ one.
 - **Distribution of flangeway**, changed or not, is under its BSD licence, which is compatible with the GPL.
 - **Distribution of a bundle** in which flangeway and Gmsh work together (an installer, a container, a frozen
   application) must follow the GPL: offer the source of Gmsh, and license the programs that run with it in one process,
-  including yours, under terms that the GPL allows. If this is not possible, do not bundle Gmsh, and ask a lawyer whether that is
-  enough in your case. The authors of Gmsh also offer other licences.
+  including yours, under terms that the GPL allows. If this is not possible, do not bundle Gmsh, and ask a lawyer
+  whether that is enough in your case. The authors of Gmsh also offer other licences.
 
 This is our reading of the licences; it is not legal advice.
 """
