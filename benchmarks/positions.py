@@ -23,7 +23,7 @@ from flangeway.railway.positions.many_positions import Positions, PositionTable,
 from flangeway.railway.positions.positions_patches import patches_of
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.track.placements import WheelsetPosition
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
 from flangeway.system.disk_cache import Cache
@@ -112,11 +112,11 @@ def _checked(prepared: PreparedWheelset, tables: list[PositionTable]) -> tuple[f
         lateral, weight = float(table.positions.lateral_mm[number]), float(table.positions.vertical_N[number])
         start = time.perf_counter()
         where = prepared.model.rigid_start.geometry.locus([lateral]).motion(0)
-        found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), where)
+        found = prepared.solve(WheelsetLoad(weight), Prescribed(lateral_mm=lateral), where)
         times.append(time.perf_counter() - start)
         if not found.status.converged:  # once more, from the motion that is to be checked
             motion = WheelsetPosition(*table.position[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
-            found = prepared.solve(Load(weight), Prescribed(lateral_mm=lateral), motion)
+            found = prepared.solve(WheelsetLoad(weight), Prescribed(lateral_mm=lateral), motion)
         expected, got = patches_of(prepared, found), table.patches[number]
         if len(expected) != len(got) or not found.status.converged:
             return np.inf, np.inf, float(np.mean(times))

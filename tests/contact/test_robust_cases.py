@@ -20,8 +20,8 @@ from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Outline, Placement, circle, polygon, rectangle
 from flangeway.solve import NewtonSettings, StepSettings
 from flangeway.validation.contact_patch.pressed_boxes import (
+    BoxDiscretisation,
     ContactCase,
-    Discretisation,
     Method,
     pressed_boxes,
     surface_of,
@@ -37,9 +37,9 @@ WAYS: dict[str, tuple[Pairing, Enforcement]] = {
     "dual-multiplier": (SegmentToSegment(weighting="dual"), Multiplier()),
 }
 SIDES = {
-    "T3": (Discretisation(0.2), Discretisation(0.23)),
-    "T6": (Discretisation(0.2, order=2), Discretisation(0.23, order=2)),
-    "VEM2-T3": (Discretisation(0.3, "vem", 2), Discretisation(0.2)),
+    "T3": (BoxDiscretisation(0.2), BoxDiscretisation(0.23)),
+    "T6": (BoxDiscretisation(0.2, order=2), BoxDiscretisation(0.23, order=2)),
+    "VEM2-T3": (BoxDiscretisation(0.3, "vem", 2), BoxDiscretisation(0.2)),
 }
 Solve = Callable[[ContactCase], ContactSolution]
 
@@ -54,8 +54,8 @@ def named_circle(radius: float, name: str) -> Outline:
 
 
 def block_on_long_block(
-    upper: Discretisation,
-    lower: Discretisation,
+    upper: BoxDiscretisation,
+    lower: BoxDiscretisation,
     pairing: Pairing,
     enforcement: Enforcement,
     *,
@@ -97,8 +97,8 @@ def block_with_ears() -> Outline:
 
 
 def pin_in_bore(
-    pin: Discretisation,
-    bore: Discretisation,
+    pin: BoxDiscretisation,
+    bore: BoxDiscretisation,
     pairing: Pairing,
     enforcement: Enforcement,
     *,
@@ -127,8 +127,8 @@ def pin_in_bore(
 
 
 def block_into_corner(
-    block: Discretisation,
-    walls: Discretisation,
+    block: BoxDiscretisation,
+    walls: BoxDiscretisation,
     pairing: Pairing,
     enforcement: Enforcement,
     *,
@@ -175,7 +175,7 @@ def block_into_corner(
 
 
 def stack_of_three(
-    discretisations: tuple[Discretisation, Discretisation, Discretisation],
+    discretisations: tuple[BoxDiscretisation, BoxDiscretisation, BoxDiscretisation],
     pairing: Pairing,
     enforcement: Enforcement,
     *,
@@ -217,7 +217,7 @@ def way(request: pytest.FixtureRequest) -> tuple[Pairing, Enforcement]:
 
 
 @pytest.fixture(params=SIDES, scope="module")
-def sides(request: pytest.FixtureRequest) -> tuple[Discretisation, Discretisation]:
+def sides(request: pytest.FixtureRequest) -> tuple[BoxDiscretisation, BoxDiscretisation]:
     """Discretisations of the secondary and the primary side."""
     return SIDES[request.param]
 
@@ -255,7 +255,7 @@ def own_imbalance(case: ContactCase, solution: ContactSolution) -> float:
 def test_short_block_on_long_one(
     solved: Solve,
     way: tuple[Pairing, Enforcement],
-    sides: tuple[Discretisation, Discretisation],
+    sides: tuple[BoxDiscretisation, BoxDiscretisation],
     secondary: str,
     round_the_corner: bool,
 ) -> None:
@@ -273,7 +273,7 @@ def test_short_block_on_long_one(
 
 
 def test_pin_in_a_conforming_bore(
-    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
 ) -> None:
     """A pin with a clearance of a hundredth of its radius is borne by the lower half of its bore alone."""
     case = pin_in_bore(*sides, *way)
@@ -286,7 +286,7 @@ def test_pin_in_a_conforming_bore(
 
 
 def test_block_into_a_corner(
-    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
 ) -> None:
     """Two contacts that share the corner's node and one contact of surfaces with a corner bear the same forces."""
     apart = solved(block_into_corner(*sides, *way))
@@ -300,7 +300,7 @@ def test_block_into_a_corner(
 
 
 def test_stack_of_three(
-    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[Discretisation, Discretisation]
+    solved: Solve, way: tuple[Pairing, Enforcement], sides: tuple[BoxDiscretisation, BoxDiscretisation]
 ) -> None:
     """A plate between two blocks passes on the force of the one to the other, but for what its held ends take."""
     case = stack_of_three((sides[0], sides[1], sides[0]), *way)
@@ -313,7 +313,7 @@ def test_stack_of_three(
 @pytest.mark.parametrize(("method", "order"), [("fem", 1), ("fem", 2), ("vem", 1), ("vem", 2)])
 def test_matching_meshes(solved: Solve, way: tuple[Pairing, Enforcement], method: Method, order: int) -> None:
     """Meshes that match node by node converge without hopping and pass the contact patch test."""
-    side = Discretisation(0.25, method, order)
+    side = BoxDiscretisation(0.25, method, order)
     case = pressed_boxes(side, side, *way)
     solution = solved(case)
     assert len(solution.steps) == 1

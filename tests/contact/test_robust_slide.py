@@ -21,13 +21,13 @@ from flangeway.contact import (
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
 from flangeway.solve import solve_contact
-from flangeway.validation.contact_patch.pressed_boxes import Discretisation, Method, surface_of
+from flangeway.validation.contact_patch.pressed_boxes import BoxDiscretisation, Method, surface_of
 
 Floats = NDArray[np.float64]
 
 SMOOTH = 0.02
-QUADRATIC = Discretisation(0.1, order=2)
-OTHER = Discretisation(0.083, order=2)
+QUADRATIC = BoxDiscretisation(0.1, order=2)
+OTHER = BoxDiscretisation(0.083, order=2)
 WAYS: dict[str, tuple[Pairing, Enforcement]] = {
     "nodes-penalty": (NodeToSegment(), Penalty(1e6, per="length")),
     "segments-penalty": (SegmentToSegment(), Penalty(1e6, per="length")),
@@ -90,8 +90,8 @@ class Slide:
 
 def slide_block(
     imbalance: Imbalance,
-    block: Discretisation,
-    ground: Discretisation,
+    block: BoxDiscretisation,
+    ground: BoxDiscretisation,
     pairing: Pairing,
     enforcement: Enforcement,
     *,
@@ -161,7 +161,7 @@ def sledge() -> Outline:
 
 
 @pytest.mark.parametrize(("way", "block", "round_edges"), CASES)
-def test_smooth_over_twenty_edges(imbalance: Imbalance, way: str, block: Discretisation, round_edges: bool) -> None:
+def test_smooth_over_twenty_edges(imbalance: Imbalance, way: str, block: BoxDiscretisation, round_edges: bool) -> None:
     """The force on a quadratic block is smooth to 0.5 %, with segments node by node to 2 %, and balanced."""
     slide = slide_block(imbalance, block, QUADRATIC, *WAYS[way], round_edges=round_edges, steps_per_edge=3)
     assert slide.failure == ""
@@ -183,7 +183,7 @@ def test_nodes_feel_the_edges(imbalance: Imbalance) -> None:
 @pytest.mark.parametrize("method", ["fem", "vem"])
 def test_linear_multipliers(imbalance: Imbalance, method: Method) -> None:
     """With multipliers on linear elements the force is smooth to 2 % as well."""
-    block, ground = Discretisation(0.083, method, 1), Discretisation(0.1, method, 1)
+    block, ground = BoxDiscretisation(0.083, method, 1), BoxDiscretisation(0.1, method, 1)
     slide = slide_block(imbalance, block, ground, SegmentToSegment(), Multiplier(), steps_per_edge=3)
     assert slide.failure == ""
     assert slide.roughness < SMOOTH

@@ -29,7 +29,7 @@ from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.solve import NewtonSettings, StepSettings, solve_elasticity
 from flangeway.space import Space
@@ -97,9 +97,9 @@ PLACES = {
     "height of the load": lambda value: Wheelset(wheel(), centre_of_gravity_height_mm=value),
     "left radius": lambda value: Wheelset(wheel(), left_radius_mm=value),
     "roll": lambda value: WheelsetPosition(roll_rad=value),
-    "weight": Load,
-    "lateral force": lambda value: Load(1.0, value),
-    "tilt": lambda value: Load(1.0, tilt_rad=value),
+    "weight": WheelsetLoad,
+    "lateral force": lambda value: WheelsetLoad(1.0, value),
+    "tilt": lambda value: WheelsetLoad(1.0, tilt_rad=value),
     "size in contact": lambda value: Discretisation(contact_size_mm=value),
     "nodal penalty": lambda value: Discretisation(pairing="node-to-segment", nodal_penalty_N_per_mm=value),
     "order of wheelsets": lambda value: Discretisation(order=value),
@@ -239,9 +239,9 @@ WRONG = {
     "edges": lambda: Elasticity(space(), STEEL, loads=[Pressure(np.array(["top"]), "1")]),
     "number": lambda: Elastic(np.array([1.0, np.nan]), 0.3),
     "object": lambda: Elastic(object(), 0.3),
-    "function": lambda: Load(lambda: None),
+    "function": lambda: WheelsetLoad(lambda: None),
     "class": lambda: Virtual(2, TraceStabilisation),
-    "path": lambda: Load(Path("load.txt")),
+    "path": lambda: WheelsetLoad(Path("load.txt")),
     "fraction": lambda: Orthotropic((np.float64(-1.0), 1.0, 1.0), (0.0, 0.0, 0.0), 1.0),
     "steps": lambda: StepSettings(first=np.float64(3.0)),
     "cells": lambda: rectangle_grid(1.0, 1.0, 1, 1, cells=Path("triangles")),

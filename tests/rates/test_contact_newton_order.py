@@ -17,7 +17,7 @@ from flangeway.contact import (
 )
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Placement, rectangle
-from flangeway.validation.contact_patch.pressed_boxes import Discretisation, Method, surface_of
+from flangeway.validation.contact_patch.pressed_boxes import BoxDiscretisation, Method, surface_of
 
 
 def settled_steps(solution: ContactSolution) -> np.ndarray:
@@ -46,8 +46,8 @@ def test_quadratic_after_the_active_set_has_settled(
     pairing: Pairing, enforcement: Enforcement, method: Method, order: int
 ) -> None:
     """A tilted block pressed deep into a long one: the order of every settled iteration is above 1.6."""
-    short = Discretisation(0.25, method, order).part("short", rectangle(2.0, 1.0, centre=(0.0, 0.5)), "top")
-    long = Discretisation(0.3, method, order).part("long", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
+    short = BoxDiscretisation(0.25, method, order).part("short", rectangle(2.0, 1.0, centre=(0.0, 0.5)), "top")
+    long = BoxDiscretisation(0.3, method, order).part("long", rectangle(6.0, 2.0, centre=(0.0, -1.0)), "bottom")
     contact = Contact(surface_of(short, "bottom"), surface_of(long, "top"), pairing, enforcement)
     solution = press([contact], {short: Placement(0.03, (0.0, -0.1))})
     assert solution.status.converged, solution.status.message

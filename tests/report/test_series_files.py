@@ -13,7 +13,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import dual, rectangle_grid
 from flangeway.post import corner_stresses, stresses_at
 from flangeway.problems import Elasticity, Traction, fixed
-from flangeway.report.figures.series import Frame, solution_frame, write_frame, write_series
+from flangeway.report.figures.series import SeriesFrame, solution_frame, write_frame, write_series
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
 
@@ -91,7 +91,7 @@ def test_a_series_opens_all_its_files_in_time(tmp_path):
             if step:
                 assert len(ET.parse(file).getroot().findall("Collection/DataSet")) == 2 * step
             yield solution_frame(bent(1, step), step / 4, part="beam & co")
-            yield Frame(step / 4, MESH, {"x": MESH.points[:, 0]}, part="copy")
+            yield SeriesFrame(step / 4, MESH, {"x": MESH.points[:, 0]}, part="copy")
 
     written = write_series(file, frames())
     assert [path.name for path in written] == [f"load_{i:04d}.vtu" for i in range(6)]
@@ -108,11 +108,11 @@ def test_a_series_opens_all_its_files_in_time(tmp_path):
 @pytest.mark.parametrize(
     ("name", "frames", "word"),
     [
-        ("a.pvt", [Frame(0.0, MESH)], ".pvd"),
+        ("a.pvt", [SeriesFrame(0.0, MESH)], ".pvd"),
         ("a.pvd", [], "without frames"),
-        ("a.pvd", [Frame(1.0, MESH), Frame(0.5, MESH)], "do not fall"),
-        ("a.pvd", [Frame(1.0, MESH), Frame(1.0, MESH)], "each part once"),
-        ("a.pvd", [Frame(np.nan, MESH)], "finite times"),
+        ("a.pvd", [SeriesFrame(1.0, MESH), SeriesFrame(0.5, MESH)], "do not fall"),
+        ("a.pvd", [SeriesFrame(1.0, MESH), SeriesFrame(1.0, MESH)], "each part once"),
+        ("a.pvd", [SeriesFrame(np.nan, MESH)], "finite times"),
     ],
 )
 def test_wrong_series_are_refused(tmp_path, name, frames, word):

@@ -19,7 +19,7 @@ from flangeway.railway.positions.many_positions import Positions, PositionTable,
 from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.track.placements import SIDES
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.system.disk_cache import Cache
@@ -193,7 +193,7 @@ def _of(row: Row) -> PreparedWheelset:
     if row.identity not in _prepared:
         problem = _problem(row)
         # in the middle of level track, which rigid wheels can always reach
-        in_the_middle = replace(problem, load=Load(problem.load.vertical_N), prescribed=Prescribed())
+        in_the_middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
         _prepared[row.identity] = prepare(in_the_middle, cache=Cache.of_user())
         while len(_prepared) > KEPT:
             _prepared.popitem(last=False)

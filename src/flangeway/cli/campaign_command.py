@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, INTERRUPTED, Out, complain, errors_as_exit_status, say, stdout
+from flangeway.cli.common import DONE, FAILED, INTERRUPTED, Out, complain, errors_as_exit_status, show_progress, stdout
 
 if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
@@ -76,7 +76,7 @@ def campaign(
         if export is not None and had_all:
             files = write_export(table, folder, export)
         else:
-            files = write_campaign(wanted, table, folder, export or "csv", say)
+            files = write_campaign(wanted, table, folder, export or "csv", show_progress)
         print_campaign(stdout(), end, table, [database, *files])
         raise typer.Exit(DONE if end.all_converged else FAILED)
 
@@ -111,7 +111,7 @@ def _lines() -> Callable[["CampaignProgress"], None]:
         nonlocal last
         if time.monotonic() - last >= LINE_EVERY_S or now.n_done == now.n_rows:
             last = time.monotonic()
-            say(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
+            show_progress(f"{now.n_done} of {now.n_rows} rows; {_left(now)}")
 
     return show
 

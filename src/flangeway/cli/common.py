@@ -89,8 +89,8 @@ def progress_shown() -> Iterator[Progress]:
 
     console = Console(stderr=True)
     if not console.is_terminal:
-        with long_meshes_reported(say):
-            yield say
+        with long_meshes_reported(show_progress):
+            yield show_progress
         return
     columns = (SpinnerColumn(), TimeElapsedColumn(), TextColumn("{task.description}", markup=False))
     with Bar(*columns, console=console, transient=True) as bar:
@@ -103,7 +103,7 @@ def progress_shown() -> Iterator[Progress]:
             yield show
 
 
-def say(sentence: str) -> None:
+def show_progress(sentence: str) -> None:
     """Show a sentence on stderr, in a line of its own."""
     print(sentence, file=sys.stderr, flush=True)
 

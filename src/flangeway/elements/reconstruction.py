@@ -97,7 +97,7 @@ class Reconstruction:
         return batched.symmetric_product(self.value[1:], self.energy_moments * moduli)
 
     def gradient_energy(self, gradient: Floats, moduli: Floats) -> Floats:
-        """Likewise of gradients with coefficients like those of `gradient`."""
+        """Integrals of products of gradients with coefficients like those of `gradient`."""
         weighted = np.einsum("abe,bime->aime", self.mass * moduli, gradient)
         rows = (-1, *gradient.shape[2:])
         return batched.symmetric_product(gradient.reshape(rows), weighted.reshape(rows))

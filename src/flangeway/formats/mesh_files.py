@@ -90,20 +90,24 @@ def _read_meshio(file: Path) -> DrawnMesh:
     kind = "gmsh" if suffix == ".msh" and start.startswith(b"$MeshFormat") else known[suffix][0]
     if kind == "gmsh" and start.split()[1:2] == [b"4"]:
         return _read_version_4(file)
-    said = io.StringIO()
+    printed_text = io.StringIO()
     try:
         # meshio prints faults on the console and ends the program on some
-        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said), np.errstate(all="ignore"):
+        with (
+            contextlib.redirect_stdout(printed_text),
+            contextlib.redirect_stderr(printed_text),
+            np.errstate(all="ignore"),
+        ):
             read = meshio.read(file, file_format=kind)
     except (Exception, SystemExit) as reason:  # of any kind in a broken file
-        printed = " ".join(said.getvalue().split()) or f"{type(reason).__name__}: {reason}"
+        printed = " ".join(printed_text.getvalue().split()) or f"{type(reason).__name__}: {reason}"
         missing = reason.name if isinstance(reason, ModuleNotFoundError) else None
         raise InputError(
             f"{file}, which cannot be read as {kind}, perhaps because it is cut off: {printed}",
             "a whole file of this format",
             f"install {missing}, or export another format" if missing else "export it again",
         ) from reason
-    printed = " ".join(said.getvalue().split())
+    printed = " ".join(printed_text.getvalue().split())
     if "cannot handle" in printed:
         raise InputError(f"{file}: {printed}", "triangles, quadrilaterals and polygons", "export these only")
     names = _physical_names(file) if kind == "gmsh" else {}

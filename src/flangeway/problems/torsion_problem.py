@@ -36,7 +36,7 @@ _CHOICES = {
 
 
 @dataclass(frozen=True, eq=False)
-class Boundary:
+class SectionBoundary:
     """Directed boundary edges in connected groups; loops that touch at a point are one group.
 
     Edges around the parts of the section (m, 2), edges around each hole, and areas of the holes (n_holes,).
@@ -47,7 +47,7 @@ class Boundary:
     hole_areas: Floats
 
 
-def boundary_of(mesh: PolyMesh) -> Boundary:
+def boundary_of(mesh: PolyMesh) -> SectionBoundary:
     """Sort the boundary edges of a mesh into the outer boundary and holes, by their signed areas."""
     pairs = mesh.boundary_edges
     graph = sp.coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(mesh.n_points, mesh.n_points))
@@ -65,7 +65,7 @@ def boundary_of(mesh: PolyMesh) -> Boundary:
             areas.append(-area)
     hole_areas = np.array(areas)
     hole_areas.setflags(write=False)
-    return Boundary(np.concatenate(outer), tuple(holes), hole_areas)
+    return SectionBoundary(np.concatenate(outer), tuple(holes), hole_areas)
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,7 +158,7 @@ class Torsion:
         return np.asarray(base + weights @ (mesh.cell_centroids - base) / weights.sum())
 
     @cached_property
-    def boundary(self) -> Boundary:
+    def boundary(self) -> SectionBoundary:
         """Outer boundary and holes."""
         return boundary_of(self.space.mesh)
 

@@ -3,12 +3,12 @@
 from flangeway.report.case_outputs import write_case
 from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.figures.plots import plot_deformed, plot_displacement, plot_function, plot_mesh, plot_stress
-from flangeway.report.figures.series import Frame, solution_frame, write_frame, write_series
+from flangeway.report.figures.series import SeriesFrame, solution_frame, write_frame, write_series
 from flangeway.report.page.case_text import command_line
 
 __all__ = [
-    "Frame",
     "PartFields",
+    "SeriesFrame",
     "command_line",
     "part_fields",
     "plot_deformed",

@@ -59,7 +59,7 @@ class HandleNodes:
 
 
 @dataclass(frozen=True, eq=False)
-class Constraints:
+class SupportConstraints:
     """Displacements at nodes ``u = transform q + shift`` that satisfy all supports.
 
     Parameters
@@ -87,7 +87,7 @@ class Constraints:
     handles: tuple[HandleNodes, ...]
 
 
-def find_constraints(problem: Elasticity) -> Constraints:
+def find_constraints(problem: Elasticity) -> SupportConstraints:
     """Gather the supports of a problem.
 
     Raises
@@ -132,7 +132,7 @@ def find_constraints(problem: Elasticity) -> Constraints:
         )
     )
     kept = free.ravel() if len(turned) == 0 and not handles else None
-    return Constraints(
+    return SupportConstraints(
         transform, shift.ravel(), np.concatenate(groups).astype(np.int32), kept, node_rows, tuple(handles)
     )
 

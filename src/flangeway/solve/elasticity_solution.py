@@ -10,7 +10,7 @@ from flangeway.errors import InputError
 from flangeway.problems import ElasticField, Elasticity, RigidHandle, Spring
 from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.supports import axes
-from flangeway.solve.constraints import Constraints, find_constraints
+from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.solve.free_motions import refuse_free_motions
 from flangeway.solve.linear import solve_linear
 from flangeway.solve.status import Status
@@ -53,7 +53,7 @@ class ElasticitySolution(ElasticField):
     energy: float
     spring_energy: float
     load_work: float
-    constraints: Constraints
+    constraints: SupportConstraints
 
     def displacement_at_node(self, point: tuple[float, float]) -> Floats:
         """Displacement (2,) of the node at a given place; an InputError where there is none."""
@@ -131,7 +131,7 @@ def _sum(matrix: SymmetricMatrix, added: sp.csc_array) -> SymmetricMatrix:
     return SymmetricMatrix(matrix.n, indptr, indices, total.data)
 
 
-def _reduced(matrix: SymmetricMatrix, constraints: Constraints) -> SymmetricMatrix:
+def _reduced(matrix: SymmetricMatrix, constraints: SupportConstraints) -> SymmetricMatrix:
     """Stiffness of the free unknowns."""
     if constraints.kept is not None:
         return matrix.restricted(constraints.kept)
@@ -139,7 +139,7 @@ def _reduced(matrix: SymmetricMatrix, constraints: Constraints) -> SymmetricMatr
     return SymmetricMatrix.from_full(sp.csr_array(transform.T @ matrix.full() @ transform))
 
 
-def _handle_forces(problem: Elasticity, constraints: Constraints) -> tuple[Floats, Floats]:
+def _handle_forces(problem: Elasticity, constraints: SupportConstraints) -> tuple[Floats, Floats]:
     """Forces applied to handles, on the free unknowns and as x, y and moment of each handle (n_handles, 3)."""
     applied = np.zeros(constraints.transform.shape[1])
     forces = np.zeros((len(constraints.handles), 3))
@@ -152,7 +152,7 @@ def _handle_forces(problem: Elasticity, constraints: Constraints) -> tuple[Float
     return applied, forces
 
 
-def _handle_motions(constraints: Constraints, nodal: Floats) -> Floats:
+def _handle_motions(constraints: SupportConstraints, nodal: Floats) -> Floats:
     """Motions of the handles by their nodes' displacements."""
     motions = np.empty((len(constraints.handles), 3))
     for number, handle in enumerate(constraints.handles):
@@ -162,7 +162,7 @@ def _handle_motions(constraints: Constraints, nodal: Floats) -> Floats:
 
 
 def _solved(
-    problem: Elasticity, matrix: SymmetricMatrix, constraints: Constraints, rhs: Floats
+    problem: Elasticity, matrix: SymmetricMatrix, constraints: SupportConstraints, rhs: Floats
 ) -> tuple[Floats, Status]:
     """Free unknowns, and their status."""
     try:

@@ -8,14 +8,14 @@ import scipy.sparse as sp
 from flangeway.errors import InputError, short
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement
 from flangeway.problems.supports import axes
-from flangeway.solve.constraints import Constraints, find_constraints
+from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.types import Floats, Ints
 
 FREE = 1e-9
 """Singular value of the constraints, over the maximum, below which a motion is free."""
 
 
-def refuse_free_motions(problem: Elasticity, constraints: Constraints) -> None:
+def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) -> None:
     """Raise `InputError` with the motion that nothing holds, found from the constraints before anything is factorised.
 
     The mesh's pieces (cells joined by edges) and the rigid handles have two translations and a rotation each; they are
@@ -138,7 +138,9 @@ def _first_owner(nodes: Ints, owners: Ints, wanted: Ints) -> Ints:
     return owners[np.searchsorted(nodes, wanted)]
 
 
-def _add_supports(matrix: _Rows, problem: Elasticity, constraints: Constraints, nodes: Ints, owners: Ints) -> None:
+def _add_supports(
+    matrix: _Rows, problem: Elasticity, constraints: SupportConstraints, nodes: Ints, owners: Ints
+) -> None:
     """Add prescribed displacements, springs, and that a body of revolution only moves along its axis."""
     rows = constraints.node_rows
     coefficients = np.einsum("ni,nij->nj", rows.directions, matrix.velocities(rows.nodes))
@@ -155,7 +157,7 @@ def _add_supports(matrix: _Rows, problem: Elasticity, constraints: Constraints, 
 
 
 def _add_handles(
-    matrix: _Rows, problem: Elasticity, constraints: Constraints, nodes: Ints, owners: Ints, n_pieces: int
+    matrix: _Rows, problem: Elasticity, constraints: SupportConstraints, nodes: Ints, owners: Ints, n_pieces: int
 ) -> None:
     """Tie pieces to handles and add the handles' own constraints; handles turn about their pivots."""
     for number, handle in enumerate(constraints.handles):

@@ -116,7 +116,7 @@ class Chapter:
 
 
 @dataclass(frozen=True)
-class Section:
+class PageSection:
     """A part of the page as it is written.
 
     Parameters
@@ -163,12 +163,12 @@ def section_text(chapter: Chapter, found: Reproduced, pictures: Sequence[str]) -
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def make_section(chapter: Chapter, found: Reproduced, page: Path) -> Section:
+def make_section(chapter: Chapter, found: Reproduced, page: Path) -> PageSection:
     """Return a section of a page with its pictures drawn."""
     names = _picture_names(chapter, page)
     text = section_text(chapter, found, [f"{PICTURES}/{name}" for name in names])
     drawn = [png(picture.draw(found), DPI) for picture in chapter.pictures]
-    return Section(chapter.title, text, Verdict.of(found), dict(zip(names, drawn, strict=True)))
+    return PageSection(chapter.title, text, Verdict.of(found), dict(zip(names, drawn, strict=True)))
 
 
 def check_page(page: Path, chapters: Sequence[Chapter]) -> None:
@@ -178,7 +178,7 @@ def check_page(page: Path, chapters: Sequence[Chapter]) -> None:
     refuse_unwritable(page.parent / PICTURES, tuple(names))
 
 
-def write_page(page: Path, sections: Sequence[Section], *, quick: bool) -> list[Path]:
+def write_page(page: Path, sections: Sequence[PageSection], *, quick: bool) -> list[Path]:
     """Write the page, and its pictures in the folder `PICTURES` beside it; return the files.
 
     Raises
@@ -199,7 +199,7 @@ def _picture_names(chapter: Chapter, page: Path) -> list[str]:
     return [f"{page.stem}-{picture.name}.png" for picture in chapter.pictures]
 
 
-def _verdicts(sections: Sequence[Section]) -> str:
+def _verdicts(sections: Sequence[PageSection]) -> str:
     """Return the table of all parts."""
     rows = []
     for section in sections:

@@ -19,7 +19,7 @@ from flangeway.railway.positions.running_pair import Candidates, RunningPair
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import ROLES, Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import FIRST_PENETRATION_MM
 from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on
@@ -33,7 +33,11 @@ PAIRS = {"S1002 on 60E1": ("60E1", "S1002"), "AAR-1B on 136RE": ("136RE", "AAR-1
 def problem(names: tuple[str, str], **settings: Any) -> WheelsetProblem:
     settings.setdefault("size_scale", 4.0)
     return WheelsetProblem(
-        Track(rail(names[0])), Wheelset(wheel(names[1])), Load(200e3), STEEL, discretisation=Discretisation(**settings)
+        Track(rail(names[0])),
+        Wheelset(wheel(names[1])),
+        WheelsetLoad(200e3),
+        STEEL,
+        discretisation=Discretisation(**settings),
     )
 
 
@@ -64,7 +68,7 @@ def agree(prepared: PreparedWheelset, table: PositionTable, number: int) -> None
     positions = table.positions
     lateral = float(positions.lateral_mm[number])
     where = WheelsetPosition(*table.position[number]).moved(WheelsetPosition(vertical_mm=FIRST_PENETRATION_MM))
-    load = Load(float(positions.vertical_N[number]), float(positions.lateral_N[number]))
+    load = WheelsetLoad(float(positions.vertical_N[number]), float(positions.lateral_N[number]))
     found = prepared.solve(load, Prescribed(lateral_mm=None if np.isnan(lateral) else lateral), where)
     assert found.status.converged, found.status.message
     expected = patches_of(prepared, found)
@@ -153,7 +157,7 @@ def test_a_lateral_motion_is_found(north_american: PreparedWheelset) -> None:
 def test_the_maximum_shear_is_that_of_the_fields(north_american: PreparedWheelset) -> None:
     """The maximum shear stress below each contact is that on the same line of the field of the full search: 1e-6."""
     table = solve_positions(north_american, Positions.grid([1.0], [150e3, 200e3]), shear=True)
-    found = north_american.solve(Load(200e3), Prescribed(lateral_mm=1.0))
+    found = north_american.solve(WheelsetLoad(200e3), Prescribed(lateral_mm=1.0))
     fields = north_american.response.fields(
         north_american.response.rotations(found.state.placements), found.state.nodal_forces
     )

@@ -18,7 +18,7 @@ from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prep
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.subsurface import SubsurfaceExtreme, closest_on_boundary
 from flangeway.solve import CondensedBodies
@@ -64,7 +64,7 @@ def problem(rail_name: str, wheel_name: str, **settings: Any) -> WheelsetProblem
     return WheelsetProblem(
         Track(rail(rail_name)),
         Wheelset(wheel(wheel_name)),
-        Load(200e3),
+        WheelsetLoad(200e3),
         Elastic(210e3, 0.3),
         discretisation=Discretisation(**settings),
     )

@@ -14,10 +14,10 @@ from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, held_ra
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import Load, curve_force_N, superelevation_angle
+from flangeway.railway.track.wheelset_load import WheelsetLoad, curve_force_N, superelevation_angle
 
 WEIGHT = 300e3
-CURVE = Load(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))
+CURVE = WheelsetLoad(WEIGHT, 28.4e3, superelevation_angle(30.0, 1600.0))
 
 
 def heavy_haul(crown_radius_in=10.0):
@@ -60,7 +60,7 @@ def residual(wheelset, position, load):
 
 def test_on_level_track_the_wheelset_stands_in_the_middle(usual):
     """Under weight alone the balance is in the middle, each wheel bears half, on the slope of the tread."""
-    found = rigid_equilibrium(usual, Load(WEIGHT))
+    found = rigid_equilibrium(usual, WheelsetLoad(WEIGHT))
     assert found.status.converged
     position = found.position
     assert abs(position.motion.lateral_mm) < 1e-7
@@ -71,7 +71,7 @@ def test_on_level_track_the_wheelset_stands_in_the_middle(usual):
     assert position.lateral_over_vertical("left") == pytest.approx(0.05, rel=1e-5)
     assert position.lateral_over_vertical("right") == pytest.approx(0.05, rel=1e-5)
     assert position.stable
-    assert residual(usual, position, Load(WEIGHT)) < 1e-9
+    assert residual(usual, position, WheelsetLoad(WEIGHT)) < 1e-9
 
 
 @pytest.mark.parametrize("crown_radius_in", [8.0, 10.0, 14.0])
@@ -110,7 +110,7 @@ def potential(wheelset, load, locus):
 @pytest.mark.parametrize("lateral_N", [-20e3, -4e3, 0.0, 7e3, 25e3])
 def test_a_steady_balance_is_the_minimum_of_the_potential(hollow, lateral_N):
     """Where no contact jumps, the balance is where the potential of the load is least, with one contact a side."""
-    load = Load(WEIGHT, lateral_N)
+    load = WheelsetLoad(WEIGHT, lateral_N)
     found = rigid_equilibrium(hollow, load)
     position = found.position
     assert len(position.contacts) == 2
@@ -138,14 +138,14 @@ def test_the_force_held_is_that_of_the_balance(hollow):
     path = hollow.path(5.0)
     number = len(path.rail_level) - 10
     ratio = float(held_ratios(hollow, path)[number])
-    found = rigid_equilibrium(hollow, Load(WEIGHT, ratio * WEIGHT))
+    found = rigid_equilibrium(hollow, WheelsetLoad(WEIGHT, ratio * WEIGHT))
     assert found.position.motion.lateral_mm == pytest.approx(hollow.located(path).lateral_mm[number], abs=1e-8)
 
 
 def test_a_load_to_the_left_is_mirrored(usual):
     """The opposite force and tilt give the opposite motion and exchange the sides."""
     right = rigid_equilibrium(usual, CURVE).position
-    left = rigid_equilibrium(usual, Load(WEIGHT, -28.4e3, -CURVE.tilt_rad)).position
+    left = rigid_equilibrium(usual, WheelsetLoad(WEIGHT, -28.4e3, -CURVE.tilt_rad)).position
     assert left.motion.lateral_mm == pytest.approx(-right.motion.lateral_mm, abs=1e-8)
     assert left.lateral_over_vertical("left") == pytest.approx(right.lateral_over_vertical("right"), rel=1e-6)
     assert sum(point.side == "left" for point in left.contacts) == 2
@@ -156,7 +156,7 @@ def test_superelevation_alone_acts_like_the_weight_along_the_track(usual):
     along, onto = CURVE.in_track
     assert along == pytest.approx(28.4e3 * math.cos(CURVE.tilt_rad) - WEIGHT * 30.0 / 1600.0)
     assert math.hypot(along, onto) == pytest.approx(math.hypot(28.4e3, WEIGHT))
-    level = rigid_equilibrium(usual, Load(onto, along)).position
+    level = rigid_equilibrium(usual, WheelsetLoad(onto, along)).position
     tilted = rigid_equilibrium(usual, CURVE).position
     assert tilted.motion.lateral_mm == pytest.approx(level.motion.lateral_mm, abs=1e-9)
     turned = math.cos(CURVE.tilt_rad) * tilted.motion.vertical_mm + math.sin(CURVE.tilt_rad) * tilted.motion.lateral_mm
@@ -165,33 +165,33 @@ def test_superelevation_alone_acts_like_the_weight_along_the_track(usual):
 
 def test_overturning_is_said_with_the_ratio_at_which_it_begins(usual):
     """A force at the car's height that lifts the inner wheel is no balance; a little below the ratio there is one."""
-    failed = rigid_equilibrium(usual, Load(WEIGHT, 0.5 * WEIGHT))
+    failed = rigid_equilibrium(usual, WheelsetLoad(WEIGHT, 0.5 * WEIGHT))
     assert not failed.status.converged
     assert failed.position is None
     assert "L/V 0.500, which is overturning about the right rail" in failed.status.message
     limit = float(failed.status.message.split("L/V up to ")[1].split(",")[0])
     with pytest.raises(InputError, match="overturning"):
         failed.reached()
-    assert rigid_equilibrium(usual, Load(WEIGHT, 0.97 * limit * WEIGHT)).status.converged
-    assert not rigid_equilibrium(usual, Load(WEIGHT, 1.03 * limit * WEIGHT)).status.converged
+    assert rigid_equilibrium(usual, WheelsetLoad(WEIGHT, 0.97 * limit * WEIGHT)).status.converged
+    assert not rigid_equilibrium(usual, WheelsetLoad(WEIGHT, 1.03 * limit * WEIGHT)).status.converged
 
 
 def test_derailment_is_said_with_the_ratio_that_the_flange_holds(usual):
     """A force low enough not to overturn, but too large for the flange, climbs it; a little below it is held."""
     low = replace(usual, centre_of_gravity_height_mm=-usual.reference_height_mm)
-    failed = rigid_equilibrium(low, Load(WEIGHT, 3.0 * WEIGHT))
+    failed = rigid_equilibrium(low, WheelsetLoad(WEIGHT, 3.0 * WEIGHT))
     assert not failed.status.converged
     assert "L/V 3.000, which is a derailment: the right flange climbs" in failed.status.message
     held = float(failed.status.message.split("L/V up to ")[1].split(" ")[0])
     # the steepest part of the flange has 75 degrees and its inclination adds nothing to the wheel
     assert 1.5 < held < math.tan(math.radians(75.5))
-    assert rigid_equilibrium(low, Load(WEIGHT, 0.97 * held * WEIGHT)).status.converged
-    assert not rigid_equilibrium(low, Load(WEIGHT, 1.03 * held * WEIGHT)).status.converged
+    assert rigid_equilibrium(low, WheelsetLoad(WEIGHT, 0.97 * held * WEIGHT)).status.converged
+    assert not rigid_equilibrium(low, WheelsetLoad(WEIGHT, 1.03 * held * WEIGHT)).status.converged
 
 
 def test_all_balances_are_given(usual):
     """Beside the balance in the flange root there is the unstable one on the top of the climbing flange."""
-    low, load = replace(usual, centre_of_gravity_height_mm=0.0), Load(WEIGHT, 150e3)
+    low, load = replace(usual, centre_of_gravity_height_mm=0.0), WheelsetLoad(WEIGHT, 150e3)
     found = rigid_equilibrium(low, load)
     assert [each.stable for each in found.positions] == [True, False]
     assert found.positions[0].motion.lateral_mm == pytest.approx(found.position.motion.lateral_mm)
@@ -200,7 +200,7 @@ def test_all_balances_are_given(usual):
 
 def test_the_elastic_estimate_is_hertz_for_a_force_per_thickness(usual):
     """Half width and pressure of a contact are those of a line contact of its force, thickness and curvatures."""
-    point = rigid_equilibrium(usual, Load(WEIGHT)).position.contacts[0]
+    point = rigid_equilibrium(usual, WheelsetLoad(WEIGHT)).position.contacts[0]
     assert point.relative_curvature_per_mm == pytest.approx(1.0 / 254.0, rel=1e-6)
     plane = 210e3 / (1.0 - 0.3**2)
     modulus = contact_modulus(plane, plane)
@@ -225,9 +225,9 @@ def test_the_force_of_the_curve():
 @pytest.mark.parametrize(
     "make",
     [
-        lambda: Load(-1.0),
-        lambda: Load(math.nan),
-        lambda: Load(1.0, math.inf),
+        lambda: WheelsetLoad(-1.0),
+        lambda: WheelsetLoad(math.nan),
+        lambda: WheelsetLoad(1.0, math.inf),
         lambda: superelevation_angle(2000.0, 1600.0),
         lambda: superelevation_angle(30.0, 0.0),
     ],
@@ -240,7 +240,7 @@ def test_wrong_loads_are_refused(make):
 
 def test_a_balance_in_the_middle_is_told_without_a_sign(usual):
     """The middle of the track is at 0.000 mm, whatever the sign of the rounding that is left."""
-    middle = rigid_equilibrium(usual, Load(WEIGHT))
+    middle = rigid_equilibrium(usual, WheelsetLoad(WEIGHT))
     position = middle.position
     assert position is not None
     below = replace(position, motion=replace(position.motion, lateral_mm=-1e-9))

@@ -9,7 +9,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.system.disk_cache import Cache
@@ -17,7 +17,9 @@ from flangeway.system.disk_cache import Cache
 
 def problem(load_n: float = 200e3) -> WheelsetProblem:
     settings = Discretisation(size_scale=4.0)
-    return WheelsetProblem(Track(rail()), Wheelset(wheel()), Load(load_n), Elastic(210e3, 0.3), discretisation=settings)
+    return WheelsetProblem(
+        Track(rail()), Wheelset(wheel()), WheelsetLoad(load_n), Elastic(210e3, 0.3), discretisation=settings
+    )
 
 
 @pytest.fixture

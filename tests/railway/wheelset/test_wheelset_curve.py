@@ -6,7 +6,7 @@ import pytest
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError
 from flangeway.railway.positions.prepared_wheelset import prepare
-from flangeway.railway.track.wheelset_load import Load, superelevation_angle
+from flangeway.railway.track.wheelset_load import WheelsetLoad, superelevation_angle
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 
@@ -145,6 +145,6 @@ def test_all_balances_are_found() -> None:
 
 def test_the_load_in_the_axes_of_the_track() -> None:
     """Superelevation turns the load: 28.4 kN and 30 mm on 1600 mm leave 22.77 kN lateral in the track (by hand)."""
-    along, onto = Load(300e3, 28.4e3, superelevation_angle(30.0, 1600.0)).in_track
+    along, onto = WheelsetLoad(300e3, 28.4e3, superelevation_angle(30.0, 1600.0)).in_track
     assert along == pytest.approx(22770.0, rel=1e-5)
     assert np.hypot(along, onto) == pytest.approx(np.hypot(300e3, 28.4e3))

@@ -7,7 +7,7 @@ from flangeway.materials import Elastic
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import contact_at, find_equilibrium
 from flangeway.railway.wheelset.residual import jacobian_of, residuals_of
@@ -20,7 +20,7 @@ def problem(load_n: float = 300e3, **settings) -> WheelsetProblem:
     return WheelsetProblem(
         Track(rail()),
         Wheelset(wheel()),
-        Load(load_n),
+        WheelsetLoad(load_n),
         Elastic(210e3, 0.3),
         discretisation=Discretisation(**settings),
     )

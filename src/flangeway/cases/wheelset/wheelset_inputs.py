@@ -16,7 +16,7 @@ from flangeway.railway.track.placements import USUAL_GAUGES, Track, Wheelset, us
 from flangeway.railway.track.wheelset_load import (
     GRAVITY_M_S2,
     MAX_SLOPE,
-    Load,
+    WheelsetLoad,
     balanced_superelevation_mm,
     curve_force_N,
     superelevation_angle,
@@ -147,7 +147,7 @@ class WheelsetInputs(Case):
         """Return the published position for these inputs, if there is one."""
         return None
 
-    def load(self) -> Load:
+    def load(self) -> WheelsetLoad:
         """Return weight, lateral force and tilt of the track.
 
         Raises
@@ -179,7 +179,7 @@ class WheelsetInputs(Case):
                     "give it in m, or leave curve_radius_m and speed_km_h out on straight track",
                 )
             lateral = curve_force_N(weight, self.speed_km_h, self.curve_radius_m)
-        return Load(weight, lateral, superelevation_angle(self._superelevation(base), base))
+        return WheelsetLoad(weight, lateral, superelevation_angle(self._superelevation(base), base))
 
     def derived(self) -> list[str]:
         """Return in sentences what follows from other inputs: distance of the wheels and base of the superelevation."""

@@ -21,7 +21,7 @@ from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
 from flangeway.railway.positions.surface_positions import Targets
 from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.track.placements import SIDES, WheelsetPosition
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.residual import AxleLoads
 from flangeway.types import Bools, Floats, Ints
@@ -48,7 +48,7 @@ class Positions:
     lateral_mm
         Lateral position of the axle's middle, not-a-number where it is found from equilibrium, shape (n,).
     vertical_N, lateral_N
-        Weight and lateral force as in `Load`, shape (n,).
+        Weight and lateral force as in `WheelsetLoad`, shape (n,).
 
     Raises
     ------
@@ -219,9 +219,9 @@ class _Run:
         self.targets = Targets(AxleLoads.of(problem, along, onto, self.positions.vertical_N), given)
         self.guesses = self._guesses()
 
-    def _load(self, number: int) -> Load:
+    def _load(self, number: int) -> WheelsetLoad:
         tilt = self.prepared.model.problem.load.tilt_rad
-        return Load(float(self.positions.vertical_N[number]), float(self.positions.lateral_N[number]), tilt)
+        return WheelsetLoad(float(self.positions.vertical_N[number]), float(self.positions.lateral_N[number]), tilt)
 
     def _prescribed(self, number: int) -> Prescribed:
         lateral = float(self.positions.lateral_mm[number])

@@ -10,7 +10,7 @@ from flangeway.contact.overlap import body_overlaps
 from flangeway.railway.positions.running_pair import RunningPair
 from flangeway.railway.positions.surface_positions import SidePose
 from flangeway.railway.track.placements import SIDES, WheelsetPosition, mirrored
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibrium
 from flangeway.railway.wheelset.wheelset_checks import overlap_error
@@ -37,7 +37,7 @@ class PreparedWheelset:
 
     def solve(
         self,
-        load: Load | None = None,
+        load: WheelsetLoad | None = None,
         prescribed: Prescribed | None = None,
         start: WheelsetPosition | None = None,
     ) -> Equilibrium:
@@ -66,7 +66,7 @@ class PreparedWheelset:
         status = Status(False, "; ".join(errors), found.status.iterations) if errors else found.status
         return replace(found, status=status)
 
-    def problem_with(self, load: Load | None, prescribed: Prescribed | None) -> WheelsetProblem:
+    def problem_with(self, load: WheelsetLoad | None, prescribed: Prescribed | None) -> WheelsetProblem:
         """Return the problem that was prepared, with another load and prescribed position."""
         problem = self.model.problem
         return replace(problem, load=load or problem.load, prescribed=prescribed or problem.prescribed)

@@ -20,9 +20,9 @@ class SidePose:
         The side; positions of the left one are mirrored.
     pair
         Its wheel and rail.
-    rail_angle, rail_place
+    rail_angle, rail_point
         Placement of the rail.
-    wheel_angle, wheel_place
+    wheel_angle, wheel_point
         Placement of the wheel in the reference position.
     axle_height
         Height of the axle above the rails' tops in the reference position.
@@ -32,9 +32,9 @@ class SidePose:
     side: Side
     pair: RunningPair
     rail_angle: float
-    rail_place: Floats
+    rail_point: Floats
     wheel_angle: float
-    wheel_place: Floats
+    wheel_point: Floats
     axle_height: float
 
     @property
@@ -57,10 +57,10 @@ class SidePose:
         position = position * self.signs
         centre = np.array([0.0, self.axle_height])
         axle = centre + position[:, :2]
-        place = axle + np.einsum("lij,j->li", _turn(position[:, 2]), self.wheel_place - centre)
+        place = axle + np.einsum("lij,j->li", _turn(position[:, 2]), self.wheel_point - centre)
         turn = _turn(position[:, 2] + self.wheel_angle - self.rail_angle)
         back = self.rail_turn
-        return turn, (place - self.rail_place) @ back, (axle - self.rail_place) @ back
+        return turn, (place - self.rail_point) @ back, (axle - self.rail_point) @ back
 
 
 @dataclass(frozen=True, eq=False)

@@ -202,24 +202,24 @@ def _kind(raw: RawProfile, kind: str | None, shape: _Shape | None, how: dict[str
 def _upwards(
     raw: RawProfile, kind: Kind, shape: _Shape | None, flip: bool, how: dict[str, str], notices: list[str]
 ) -> bool:
-    said = raw.upwards
+    stated = raw.upwards
     if flip:
         how["up"] = "given"
-        usual = said if said is not None else shape.upwards if shape else True
+        usual = stated if stated is not None else shape.upwards if shape else True
         return not usual
     if shape is not None:
-        how["up"] = "from the shape" if said is None else "from the file"
-        if said is not None and said != shape.upwards:
+        how["up"] = "from the shape" if stated is None else "from the file"
+        if stated is not None and stated != shape.upwards:
             how["up"] = "from the shape, against the format's custom"
             notices.append(
                 f"The second coordinate points {'up' if shape.upwards else 'down'}, against the format's custom: the "
                 f"{'head' if kind == 'rail' else 'flange'} shows it."
             )
         return shape.upwards
-    how["up"] = "from the file" if said is not None else "assumed"
-    if said is None:
+    how["up"] = "from the file" if stated is not None else "assumed"
+    if stated is None:
         notices.append("The second coordinate is assumed to point up; --flip if it points down.")
-    return True if said is None else said
+    return True if stated is None else stated
 
 
 def _mirrored(raw: RawProfile, kind: Kind, shape: _Shape | None, mirror: bool, how: dict[str, str]) -> bool:
@@ -244,11 +244,11 @@ def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None,
             f"--origin {origin} for a {kind}", f"{', '.join(allowed)}, or two numbers X,Y", "choose one of these"
         )
     how["origin"] = "given" if origin else "from the file" if raw.origin else "from the numbers"
-    said = origin or raw.origin
-    if said is not None:
-        if said not in allowed:
-            raise InputError(f"origin {said} of a {kind}", ", ".join(allowed), "correct the file, or give --origin")
-        return said
+    stated = origin or raw.origin
+    if stated is not None:
+        if stated not in allowed:
+            raise InputError(f"origin {stated} of a {kind}", ", ".join(allowed), "correct the file, or give --origin")
+        return stated
     top, x = float(placed[:, 1].max()), placed[:, 0]
     if kind == "rail":
         if top > 80.0:

@@ -17,7 +17,7 @@ from flangeway.exact import LineContact
 from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -184,7 +184,7 @@ class RigidEquilibrium:
         return self.outcome
 
 
-def rigid_equilibrium(geometry: RigidGeometry, load: Load, *, reached_only: bool = False) -> RigidEquilibrium:
+def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_only: bool = False) -> RigidEquilibrium:
     """Find all equilibria under a load, and the one that is reached from the middle of the track.
 
     Parameters
@@ -246,7 +246,7 @@ def _candidates(derivative: Floats) -> list[_Candidate]:
 
 
 def _positions(
-    geometry: RigidGeometry, load: Load, path: TouchingPositions, candidates: list[_Candidate]
+    geometry: RigidGeometry, load: WheelsetLoad, path: TouchingPositions, candidates: list[_Candidate]
 ) -> list[RigidPosition]:
     """Forces and points of contact at candidates."""
     if not candidates:
@@ -294,7 +294,7 @@ def _work(geometry: RigidGeometry, path: TouchingPositions) -> tuple[Floats, Flo
     return vertical - roll * height * np.sin(path.roll), 1.0 - roll * height * np.cos(path.roll)
 
 
-def _derivative(geometry: RigidGeometry, path: TouchingPositions, load: Load) -> Floats:
+def _derivative(geometry: RigidGeometry, path: TouchingPositions, load: WheelsetLoad) -> Floats:
     """Derivative of the load's potential along the path."""
     along, onto = load.in_track
     lift, lateral = _work(geometry, path)
@@ -316,7 +316,7 @@ def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
     return np.where(lateral > 1e-3, lift / np.where(lateral > 1e-3, lateral, 1.0), np.nan)
 
 
-def _zeros(geometry: RigidGeometry, load: Load, pairs: Intervals) -> Intervals:
+def _zeros(geometry: RigidGeometry, load: WheelsetLoad, pairs: Intervals) -> Intervals:
     """Narrow intervals in which the derivative passes through zero, by continuous change or by a jump."""
     rows = np.arange(len(pairs.level))
     while float(np.diff(pairs.level, axis=1).max()) > _PRECISION_MM:
@@ -343,7 +343,12 @@ def _reached(derivative: Floats, middle: int, candidates: list[_Candidate]) -> i
 
 
 def _position(
-    geometry: RigidGeometry, load: Load, found: TouchingPositions, ends: range, candidate: _Candidate, lateral: Floats
+    geometry: RigidGeometry,
+    load: WheelsetLoad,
+    found: TouchingPositions,
+    ends: range,
+    candidate: _Candidate,
+    lateral: Floats,
 ) -> RigidPosition:
     """Forces and points of contact at a candidate; of a zero positions about it, so that both points of a jump are."""
     locus = geometry.located(found)

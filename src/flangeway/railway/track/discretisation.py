@@ -32,7 +32,7 @@ class Discretisation:
         Size of the triangles in the candidate contact zones, for order 1; order 2 has triangles of twice the size, with
         nodes as far apart.
     body_size_mm
-        Size of the triangles far from them, likewise.
+        Size of the triangles far from them, in the same way.
     growth
         Growth of the size per distance from the zones.
     size_scale
@@ -135,7 +135,7 @@ class Discretisation:
         return NodeToSegment() if self.pairing == "node-to-segment" else SegmentToSegment()
 
     def enforcement_law(self, modulus: float) -> Penalty | AugmentedLagrange | Multiplier:
-        """How penetration is kept off, for a contact modulus in MPa."""
+        """Constraint enforcement, for a contact modulus in MPa."""
         if self.nodal_penalty_N_per_mm is not None:
             return Penalty(self.nodal_penalty_N_per_mm, per="node")
         value = self.penalty_factor * modulus

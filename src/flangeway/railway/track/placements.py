@@ -151,7 +151,7 @@ class Wheelset:
     back_to_back_mm
         Distance between the inner faces of the wheels.
     radius_mm
-        Distance from the axle to the farthest point of the wheel, the tip of the flange.
+        Maximum radius of the wheel, that of the tip of the flange.
     centre_of_gravity_height_mm
         Height above the axle of the point where the load acts.
     left_wheel

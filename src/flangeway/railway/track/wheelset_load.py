@@ -14,7 +14,7 @@ MAX_SLOPE = 0.2
 
 
 @dataclass(frozen=True)
-class Load:
+class WheelsetLoad:
     """Force at the car's centre of gravity: weight along the vertical, lateral force along the horizontal.
 
     Parameters
@@ -35,11 +35,11 @@ class Load:
     def __post_init__(self) -> None:
         allowed = "a positive weight: it presses the wheels on the rails"
         advice = "give the load of the axle in N, 300000 for 30 t"
-        check_positive("Load", "vertical_N", self.vertical_N, allowed, advice)
-        check_finite("Load", "lateral_N", self.lateral_N, "a finite force in N", "leave it out for none")
+        check_positive("WheelsetLoad", "vertical_N", self.vertical_N, allowed, advice)
+        check_finite("WheelsetLoad", "lateral_N", self.lateral_N, "a finite force in N", "leave it out for none")
         if not (is_finite(self.tilt_rad) and abs(self.tilt_rad) < 0.25):
             allowed, advice = "an angle between -0.25 and 0.25 rad", "check the superelevation"
-            raise refused("Load", "tilt_rad", self.tilt_rad, allowed, advice)
+            raise refused("WheelsetLoad", "tilt_rad", self.tilt_rad, allowed, advice)
 
     @property
     def in_track(self) -> tuple[float, float]:

@@ -7,7 +7,7 @@ from flangeway.checks import check_finite, check_positive
 from flangeway.materials import Elastic
 from flangeway.railway.track.discretisation import Discretisation, Role
 from flangeway.railway.track.placements import Track, Wheelset, refuse_misfit
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 
 
 @dataclass(frozen=True)
@@ -58,15 +58,15 @@ class WheelsetProblem:
     prescribed
         Components of the motion that are given instead of found.
     all_equilibria
-        Whether further balances are looked for, from every position in which rigid wheels are in balance.
+        Whether all equilibria are searched, from every position of rigid equilibrium.
     yield_MPa
-        Yield strength above which a warning tells that the bodies would yield; None: that of rail steel, for steel.
+        Yield strength above which a warning says that the bodies would yield; None: that of rail steel, for steel.
 
     """
 
     track: Track
     wheelset: Wheelset
-    load: Load
+    load: WheelsetLoad
     material: Elastic
     thickness_mm: float = 10.0
     discretisation: Discretisation = field(default_factory=Discretisation)

@@ -25,7 +25,7 @@ DEVIATION_MM = 0.02
 """Of chords from the outline, for widths and heights."""
 
 GAUGE_DEPTH_MM = 14.0
-"""Depth below the top at which the motion of the gauge face is told, unless the track gives its own (EN 13848-1)."""
+"""Depth below the top of the gauge face whose displacement is reported, unless the track has its own (EN 13848-1)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,7 +30,7 @@ class SupportReaction:
     moment_Nmm
         Moment of the support on the part, counter-clockwise.
     contact_force_N
-        Resultant of the contact forces on the part, likewise.
+        Resultant of the contact forces on the part, in the same axes.
     eccentricity_mm
         Place of the resultant along a rail's base from its middle, away from the track; nan for a wheel and without
         a force across the base.

@@ -11,7 +11,7 @@ from flangeway.report.bodies.body_fields import BodySteps
 from flangeway.report.figures.newton_history import steps_table
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture
-from flangeway.report.page.page_tables import Table, marked, timings_table
+from flangeway.report.page.page_tables import SummaryTable, marked, timings_table
 from flangeway.report.scenes import bodies_scene
 from flangeway.space import Space
 
@@ -55,11 +55,11 @@ def bodies_page(run: BodiesRun, pictures: Sequence[Picture], steps: BodySteps) -
     )
 
 
-def _tables(run: BodiesRun) -> list[Table]:
+def _tables(run: BodiesRun) -> list[SummaryTable]:
     summary, found = run.summary, []
     rows = result_rows(summary)
     if rows:
-        found.append(Table("Results", ("", "value"), tuple(rows)))
+        found.append(SummaryTable("Results", ("", "value"), tuple(rows)))
     if summary.contacts:
         found.append(contacts_of_bodies(summary))
     if summary.forces:
@@ -182,7 +182,7 @@ def remark_of(results: Mapping[str, Any], key: str) -> str | None:
     return None if remark is None else str(remark)
 
 
-def contacts_of_bodies(summary: BodiesSummary) -> Table:
+def contacts_of_bodies(summary: BodiesSummary) -> SummaryTable:
     """Forces, pressures and regions of the contacts, one column a contact."""
     contacts = summary.contacts
     quantities: list[tuple[str, Callable[[PairSummary], str]]] = [
@@ -195,25 +195,25 @@ def contacts_of_bodies(summary: BodiesSummary) -> Table:
     ]
     header = ("", *(f"{each.secondary} on {each.primary}" for each in contacts))
     rows = tuple((name, *(text(each) for each in contacts)) for name, text in quantities)
-    return Table("Contacts", header, rows)
+    return SummaryTable("Contacts", header, rows)
 
 
-def forces_table(summary: BodiesSummary) -> Table:
+def forces_table(summary: BodiesSummary) -> SummaryTable:
     """Forces on the bodies in contact."""
     rows = [
         (row.body, value_text(row.contact_N), value_text(row.loads_N), value_text(row.supports_N))
         for row in summary.forces
     ]
-    return Table("Forces on the bodies (x, y)", ("", "contact, N", "loads, N", "supports, N"), tuple(rows))
+    return SummaryTable("Forces on the bodies (x, y)", ("", "contact, N", "loads, N", "supports, N"), tuple(rows))
 
 
-def supports_table(summary: BodiesSummary) -> Table:
+def supports_table(summary: BodiesSummary) -> SummaryTable:
     """Force of each support on its body."""
     rows = [(f"{row.number}", row.body, value_text(row.force_N)) for row in summary.supports]
-    return Table("Supports", ("", "body", "force on it (x, y), N"), tuple(rows))
+    return SummaryTable("Supports", ("", "body", "force on it (x, y), N"), tuple(rows))
 
 
-def sizes_table(summary: BodiesSummary) -> Table:
+def sizes_table(summary: BodiesSummary) -> SummaryTable:
     """Sizes of the bodies' meshes, and their extreme values."""
     header = (
         *("", "elements", "unknowns", "maximum displacement, mm", "maximum von Mises, MPa"),
@@ -227,7 +227,7 @@ def sizes_table(summary: BodiesSummary) -> Table:
         )
         for body in summary.bodies
     ]
-    return Table("Bodies", header, tuple(rows))
+    return SummaryTable("Bodies", header, tuple(rows))
 
 
 def words_of(key: str) -> tuple[str, ...]:

@@ -8,7 +8,7 @@ from flangeway.cases import CaseRun
 from flangeway.contact import ContactSolution
 from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, power_of_ten
-from flangeway.report.page.page_tables import Table
+from flangeway.report.page.page_tables import SummaryTable
 from flangeway.solve import ContactState
 
 MIN_ERROR = 1e-17
@@ -65,7 +65,7 @@ def newton_figure(contact: ContactSolution) -> Figure:
     return figure
 
 
-def steps_table(contact: ContactSolution) -> Table:
+def steps_table(contact: ContactSolution) -> SummaryTable:
     """Iterations, last errors and constraints under force of each load step."""
     rows = []
     for name, state in load_steps(contact):
@@ -75,7 +75,7 @@ def steps_table(contact: ContactSolution) -> Table:
         )  # fmt: skip
         rows.append((name, f"{len(state.history)}", *errors))
     header = ("fraction of loads and displacements", "iterations", "residual", "change", "active constraints")
-    return Table("Load steps", header, tuple(rows))
+    return SummaryTable("Load steps", header, tuple(rows))
 
 
 def convergence_figure(run: CaseRun) -> Figure:
@@ -83,7 +83,7 @@ def convergence_figure(run: CaseRun) -> Figure:
     history = run.result.equilibrium.history
     figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(top=0.15))
     steps = np.arange(len(history))
-    resulting = np.maximum([balance.equilibrium_residual for balance in history], MIN_ERROR)
+    resulting = np.maximum([residuals.equilibrium_residual for residuals in history], MIN_ERROR)
     axes.semilogy(steps, resulting, color=INK, lw=1.6, marker="o", ms=4.5, mfc="white", label="equilibrium residual")
     free = history[-1].free if history else ()
     if not any(free):
@@ -91,7 +91,7 @@ def convergence_figure(run: CaseRun) -> Figure:
     for name, line, is_free in zip(("lateral", "vertical", "moment"), ("-.", "--", ":"), free, strict=False):
         if not is_free:
             continue
-        errors = np.maximum([abs(getattr(balance, f"{name}_residual")) for balance in history], MIN_ERROR)
+        errors = np.maximum([abs(getattr(residuals, f"{name}_residual")) for residuals in history], MIN_ERROR)
         axes.semilogy(steps, errors, color=GREY, lw=1.1, ls=line, label=name)
     axes.axhline(TOLERANCE, color=GREY, lw=0.8)
     axes.annotate("tolerance", (0.0, TOLERANCE), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)

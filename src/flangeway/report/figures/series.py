@@ -19,7 +19,7 @@ STRESS_NAMES = ("xx", "yy", "xy", "zz")
 
 
 @dataclass(frozen=True, eq=False)
-class Frame:
+class SeriesFrame:
     """What is shown at one time: a mesh with values; several frames of one time are parts of one picture.
 
     Parameters
@@ -54,12 +54,12 @@ def solution_frame(
     pieces: int | None = None,
     averaged: bool = False,
     part: str = "body",
-) -> Frame:
+) -> SeriesFrame:
     """Displacements and stresses of a solution, for `write_frame` and `write_series`.
 
     Order 1 is shown on the cells themselves. Of higher orders each cell is cut into triangles, its sides into `pieces`,
     with the elements' own fields at their points. Point arrays: ``displacement``; ``stress_xx``, ``_yy``, ``_xy``,
-    ``_zz``, ``von_mises``, which jump between cells. The cell array ``cell`` tells the cell of each triangle.
+    ``_zz``, ``von_mises``, which jump between cells. The cell array ``cell`` has the cell of each triangle.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def solution_frame(
     if pieces == 1 and not averaged:
         moved = {"displacement": solution.displacements[: mesh.n_points]}
         stresses = corner_stresses(solution.problem, solution.displacements)
-        return Frame(time, mesh, moved, {"cell": np.arange(mesh.n_cells)}, _stress_arrays(stresses), part)
+        return SeriesFrame(time, mesh, moved, {"cell": np.arange(mesh.n_cells)}, _stress_arrays(stresses), part)
     shown = display(space, pieces)
     stresses = displayed_stresses(solution, shown)
     if averaged:
@@ -89,7 +89,7 @@ def solution_frame(
     offsets = np.arange(len(shown.triangles) + 1, dtype=np.int32) * 3
     triangles = PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel())
     arrays = {"displacement": shown.function(solution.displacements), **_stress_arrays(stresses)}
-    return Frame(time, triangles, arrays, {"cell": shown.cells[shown.triangles[:, 0]]}, part=part)
+    return SeriesFrame(time, triangles, arrays, {"cell": shown.cells[shown.triangles[:, 0]]}, part=part)
 
 
 def _stress_arrays(stresses: Stresses) -> dict[str, ArrayLike]:
@@ -97,7 +97,7 @@ def _stress_arrays(stresses: Stresses) -> dict[str, ArrayLike]:
     return {**arrays, "von_mises": stresses.von_mises}
 
 
-def write_frame(path: str | Path, frame: Frame) -> None:
+def write_frame(path: str | Path, frame: SeriesFrame) -> None:
     """Write one frame as a VTU file, with real polygons; see `write_vtu` for what is refused.
 
     With values at corners the points are written once for each cell, so that the values may jump.
@@ -105,7 +105,7 @@ def write_frame(path: str | Path, frame: Frame) -> None:
     write_vtu(path, frame.mesh, frame.point_data, frame.cell_data, frame.corner_data)
 
 
-def write_series(path: str | Path, frames: Iterable[Frame]) -> tuple[Path, ...]:
+def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path, ...]:
     """Write one VTU file per frame beside a PVD file that opens them as a series in time.
 
     The frames may be made one after the other while the computation runs: after each of them the PVD is whole.

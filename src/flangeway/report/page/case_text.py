@@ -8,7 +8,7 @@ from flangeway.cases.case import Case, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.torsion_case import TorsionCase
-from flangeway.report.page.page_tables import Table
+from flangeway.report.page.page_tables import SummaryTable
 
 LONGEST = 60
 """Letters of a value on the page; longer ones are cut there, the case file has them whole."""
@@ -30,21 +30,21 @@ def case_text(case: RunnableCase) -> str:
     return "\n".join(lines) + "\n"
 
 
-def inputs_tables(case: Case) -> list[Table]:
+def inputs_tables(case: Case) -> list[SummaryTable]:
     """Inputs for the page: plain ones with their meanings, and those inside tables that are set, table by table."""
     plain = [
         (key, _plain(getattr(case, key)), field.description or "")
         for key, field in type(case).model_fields.items()
         if table_in(field.annotation) is None
     ]
-    found = [Table("Inputs (units in the names)", ("", "value", "meaning"), tuple(plain), of_words=True)]
+    found = [SummaryTable("Inputs (units in the names)", ("", "value", "meaning"), tuple(plain), of_words=True)]
     for key, value in case.model_dump(exclude_defaults=True).items():
         if table_in(type(case).model_fields[key].annotation) is None:
             continue
         items = value if isinstance(value, list) else [value]
         for number, item in enumerate(items, 1):
             caption = f"{key}[{number}]" if isinstance(value, list) else key
-            found.append(Table(caption, ("", "value"), tuple(_rows(item)), of_words=True))
+            found.append(SummaryTable(caption, ("", "value"), tuple(_rows(item)), of_words=True))
     return found
 
 

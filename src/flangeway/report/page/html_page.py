@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from flangeway.report.page.page_tables import Table
+from flangeway.report.page.page_tables import SummaryTable
 from flangeway.report.viewer import Scene, field_viewer
 
 SHOWN_SIZE = 0.55
@@ -104,9 +104,9 @@ class Page:
     assumptions: Sequence[str] = ()
     scene: Scene | None = None
     pictures: Sequence[Picture] = ()
-    tables: Sequence[Table] = ()
+    tables: Sequence[SummaryTable] = ()
     axes: Mapping[str, str] = field(default_factory=dict)
-    inputs: Sequence[Table] = ()
+    inputs: Sequence[SummaryTable] = ()
 
 
 def report_page(page: Page) -> str:
@@ -169,7 +169,7 @@ def _again(again: Again) -> str:
     return "\n".join(parts)
 
 
-def _tables(tables: Sequence[Table]) -> str:
+def _tables(tables: Sequence[SummaryTable]) -> str:
     if not tables:
         return ""
     return '<div class="tables">\n{}\n</div>'.format("\n".join(_table(table) for table in tables))
@@ -200,7 +200,7 @@ def _figure(picture: Picture) -> str:
     )
 
 
-def _table(table: Table) -> str:
+def _table(table: SummaryTable) -> str:
     kind = ' class="words"' if table.of_words else ""
     head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.header)
     rows = "\n".join(

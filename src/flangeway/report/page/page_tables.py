@@ -14,7 +14,7 @@ Contacts = Sequence[ContactSummary] | Sequence[RigidContactSummary]
 
 
 @dataclass(frozen=True)
-class Table:
+class SummaryTable:
     """A table of text.
 
     Parameters
@@ -36,7 +36,7 @@ class Table:
     of_words: bool = False
 
 
-def contacts_table(summary: WheelsetSummary) -> Table:
+def contacts_table(summary: WheelsetSummary) -> SummaryTable:
     """Forces, positions and pressures of the contacts, one row a quantity and one column a contact."""
     contacts = summary.contacts
     quantities: list[tuple[str, Callable[[ContactSummary], str]]] = [
@@ -59,7 +59,7 @@ def contacts_table(summary: WheelsetSummary) -> Table:
         ("nodes in contact", lambda c: f"{c.n_nodes}"),
     ]
     rows = [(name, *(text(contact) for contact in contacts)) for name, text in quantities]
-    return Table("Contacts", ("", *(contact_name(c, contacts) for c in contacts)), tuple(rows))
+    return SummaryTable("Contacts", ("", *(contact_name(c, contacts) for c in contacts)), tuple(rows))
 
 
 def contact_name(contact: ContactSummary, contacts: Sequence[ContactSummary]) -> str:
@@ -68,7 +68,7 @@ def contact_name(contact: ContactSummary, contacts: Sequence[ContactSummary]) ->
     return contact.side if alone else f"{contact.side}, {contact.region}"
 
 
-def position_table(summary: WheelsetSummary) -> Table:
+def position_table(summary: WheelsetSummary) -> SummaryTable:
     """Position of the wheelset and residuals of its equilibrium."""
     position, residual, published = summary.position, summary.residual, summary.published
     rows = [
@@ -102,10 +102,10 @@ def position_table(summary: WheelsetSummary) -> Table:
             ("reaction at the axle: moment, N mm", holding.moment_N_mm, "roll_rad"),
         )
         rows += [(name, number(value, 1)) for name, value, key in forces if summary.case[key] is not None]
-    return Table("Position and equilibrium", ("", "value"), tuple(rows))
+    return SummaryTable("Position and equilibrium", ("", "value"), tuple(rows))
 
 
-def rigid_table(summary: WheelsetSummary) -> Table:
+def rigid_table(summary: WheelsetSummary) -> SummaryTable:
     """The elastic wheelset beside the rigid one: position, points of contact, forces, Hertz's estimates."""
     elastic, rigid = summary.position, summary.rigid
     rows: list[tuple[str, ...]] = [
@@ -127,7 +127,7 @@ def rigid_table(summary: WheelsetSummary) -> Table:
             (f"{side}: {name}", *(_of_side(contacts, side, key, digits) for contacts in both))
             for name, key, digits in quantities
         ]
-    return Table("Elastic and rigid, in the track's axes", ("", "elastic", "rigid"), tuple(rows))
+    return SummaryTable("Elastic and rigid, in the track's axes", ("", "elastic", "rigid"), tuple(rows))
 
 
 def _of_side(contacts: Contacts, side: str, key: str, digits: int) -> str:
@@ -137,7 +137,7 @@ def _of_side(contacts: Contacts, side: str, key: str, digits: int) -> str:
     return " / ".join(number(value, digits) for value in values) or "–"
 
 
-def bending_table(summary: WheelsetSummary, *, short: bool = False) -> Table:
+def bending_table(summary: WheelsetSummary, *, short: bool = False) -> SummaryTable:
     """Displacement of the rails' heads and stresses in web and fillets, one column a rail; `short`: no fillets."""
     rails = summary.bending
     quantities: list[tuple[str, Callable[[BendingSummary], str]]] = [
@@ -159,7 +159,7 @@ def bending_table(summary: WheelsetSummary, *, short: bool = False) -> Table:
             quantities.append((f"maximum {word} towards the {towards}, MPa", _extreme(towards, word, sign, short)))
     rows = [(name, *(text(rail) for rail in rails)) for name, text in quantities]
     caption = "Bending of the rails, stresses along the surface of web and fillets (of the slice alone: see limits)"
-    return Table(caption, ("", *(rail.side for rail in rails)), tuple(rows))
+    return SummaryTable(caption, ("", *(rail.side for rail in rails)), tuple(rows))
 
 
 def _extreme(towards: str, word: str, sign: float, short: bool) -> Callable[[BendingSummary], str]:
@@ -175,7 +175,7 @@ def _extreme(towards: str, word: str, sign: float, short: bool) -> Callable[[Ben
     return text
 
 
-def support_table(summary: WheelsetSummary) -> Table:
+def support_table(summary: WheelsetSummary) -> SummaryTable:
     """Reactions of bases and axle, and the residuals with the contact forces."""
     rows = [
         (
@@ -190,12 +190,12 @@ def support_table(summary: WheelsetSummary) -> Table:
         for row in summary.support.reactions
     ]
     header = ("", "lateral, kN", "vertical, kN", "moment, kN mm", "eccentricity, mm")
-    return Table(
+    return SummaryTable(
         "Reactions of bases and axle on the parts", (*header, "force residual", "moment residual"), tuple(rows)
     )
 
 
-def stresses_table(summary: WheelsetSummary) -> Table:
+def stresses_table(summary: WheelsetSummary) -> SummaryTable:
     """Extreme stresses of the parts."""
     header = (
         *("", "von Mises below contacts, MPa", "anywhere in the slice, MPa"),
@@ -210,19 +210,19 @@ def stresses_table(summary: WheelsetSummary) -> Table:
         for each in summary.stresses
     ]
     caption = "Extreme stresses, element averages (anywhere: also in web, fillets and foot of the slice, see limits)"
-    return Table(caption, header, tuple(rows))
+    return SummaryTable(caption, header, tuple(rows))
 
 
-def bodies_table(summary: WheelsetSummary) -> Table:
+def bodies_table(summary: WheelsetSummary) -> SummaryTable:
     """Sizes of the meshes."""
     rows = [(b.name, f"{b.unknowns:,}", f"{b.elements:,}", f"{b.nodes:,}", ", ".join(b.parts)) for b in summary.bodies]
-    return Table("Bodies", ("", "unknowns", "elements", "nodes", "used for"), tuple(rows))
+    return SummaryTable("Bodies", ("", "unknowns", "elements", "nodes", "used for"), tuple(rows))
 
 
-def timings_table(timings_s: Mapping[str, float]) -> Table:
+def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     """Seconds of each stage."""
     rows = [(name.replace("_", "-"), number(t, 2)) for name, t in timings_s.items()]
-    return Table("Time", ("", "s"), tuple(rows))
+    return SummaryTable("Time", ("", "s"), tuple(rows))
 
 
 def marked(text: str, remark: str | None) -> str:

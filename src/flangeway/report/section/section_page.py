@@ -8,7 +8,7 @@ from flangeway.cases.section.section_run import SectionRun
 from flangeway.cases.section.torsion_case import TorsionCase
 from flangeway.report.page.case_text import case_text, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture
-from flangeway.report.page.page_tables import Table, timings_table
+from flangeway.report.page.page_tables import SummaryTable, timings_table
 from flangeway.report.scenes import section_scene
 
 SOLVED = "both formulations of torsion were solved"
@@ -46,7 +46,7 @@ def section_page(
         scene=section_scene(run),
         pictures=pictures,
         tables=[
-            Table("Constants of the section", ("", "value"), tuple(section_rows(summary))),
+            SummaryTable("Constants of the section", ("", "value"), tuple(section_rows(summary))),
             timings_table(summary["timings_s"]),
         ],
         axes=AXES,

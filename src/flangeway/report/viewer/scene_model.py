@@ -62,7 +62,7 @@ class ShownPart:
     cell_arrays
         Arrays (n_cells, n_components) by name, or (n_steps, n_cells, n_components).
     side
-        Name of the group that the part stands with; groups may be drawn closer together than they are.
+        Name of the group that the part stands with; the viewer can bring groups together.
     approach
         Rigid motion (n_points, 2) that brought the points where the mesh has them and is drawn as part of the
         deformation; none if left out.

@@ -11,7 +11,7 @@ from flangeway.cases.convergence import MAX_APPROACH_CHANGE, MAX_POSITION_CHANGE
 from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.report.page.console import plain_table, print_files, print_notices, print_status
 from flangeway.report.page.page_tables import (
-    Table,
+    SummaryTable,
     bending_table,
     bodies_table,
     contacts_table,
@@ -55,7 +55,7 @@ def print_convergence(console: Console, convergence: Convergence, file: Path) ->
     console.print(f"File: {file}", markup=False, soft_wrap=True)
 
 
-def _convergence_table(convergence: Convergence) -> Table:
+def _convergence_table(convergence: Convergence) -> SummaryTable:
     both, changes = convergence.summaries, convergence.changes()
 
     def row(name: str, text: Callable[[ContactSummary], str], change: str) -> tuple[str, ...]:
@@ -76,10 +76,10 @@ def _convergence_table(convergence: Convergence) -> Table:
         ("unknowns", *(f"{sum(body.unknowns for body in each.bodies):,}" for each in both), ""),
     )
     scales = [f"size scale {each.case['size_scale']:g}" for each in both]
-    return Table("The mesh halved (left / right)", ("", *scales, "maximum change"), rows)
+    return SummaryTable("The mesh halved (left / right)", ("", *scales, "maximum change"), rows)
 
 
-def _print_table(console: Console, table: Table) -> None:
+def _print_table(console: Console, table: SummaryTable) -> None:
     # a single column of values needs no header
     shown = plain_table()
     shown.show_header = any(table.header[2:])

@@ -30,7 +30,13 @@ from flangeway.contact import (
 from flangeway.contact.enforcement import Enforcement
 from flangeway.post import Stresses, cell_stresses, corner_stresses
 from flangeway.post.pressure import PressurePatch, pressure_patches
-from flangeway.validation.contact_patch.pressed_boxes import STEEL, ContactCase, Discretisation, Method, pressed_boxes
+from flangeway.validation.contact_patch.pressed_boxes import (
+    STEEL,
+    BoxDiscretisation,
+    ContactCase,
+    Method,
+    pressed_boxes,
+)
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, percent
 
 Weighting = Literal["standard", "dual"]
@@ -92,8 +98,8 @@ class PatchRun:
     code: str
     pairing: str
     law: str
-    upper: Discretisation
-    lower: Discretisation
+    upper: BoxDiscretisation
+    lower: BoxDiscretisation
     matching: bool
     rotation_rad: float
     case: ContactCase
@@ -262,7 +268,7 @@ def _run(
     counts = (n_upper, n_upper if matching else n_lower)
     # slightly larger than an exact part of the width, so that round-off does not add an edge
     sizes = [WIDTH / n * (1.0 + 1e-6) for n in counts]
-    upper, lower = (Discretisation(size, *ELEMENTS[name]) for size, name in zip(sizes, sides, strict=True))
+    upper, lower = (BoxDiscretisation(size, *ELEMENTS[name]) for size, name in zip(sizes, sides, strict=True))
     case = pressed_boxes(
         upper, lower, pairing, enforcement, width=WIDTH, height=HEIGHT, approach=APPROACH, rotation_rad=rotation
     )
@@ -313,5 +319,5 @@ def pass_rows(found: ContactPatchReproduction) -> list[Row]:
     ]
 
 
-def _elements_name(side: Discretisation) -> str:
+def _elements_name(side: BoxDiscretisation) -> str:
     return next(name for name, kind in ELEMENTS.items() if kind == (side.method, side.order))

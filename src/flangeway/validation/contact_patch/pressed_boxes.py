@@ -22,7 +22,7 @@ STEEL = Elastic(20e3, 1.0 / 3.0)
 
 
 @dataclass(frozen=True)
-class Discretisation:
+class BoxDiscretisation:
     """Mesh and elements of one body.
 
     Parameters
@@ -42,9 +42,9 @@ class Discretisation:
 
     def __post_init__(self) -> None:
         if self.method not in get_args(Method):
-            raise InputError(f"Discretisation(method={self.method!r})", "'fem' or 'vem'", "choose one of these")
+            raise InputError(f"BoxDiscretisation(method={self.method!r})", "'fem' or 'vem'", "choose one of these")
         if not (np.isfinite(self.size) and self.size > 0.0):
-            raise InputError(f"Discretisation(size={self.size})", "a positive length", "give the edges' length")
+            raise InputError(f"BoxDiscretisation(size={self.size})", "a positive length", "give the edges' length")
 
     @property
     def element(self) -> Element:
@@ -98,8 +98,8 @@ def surface_of(part: Part, *names: str) -> Surface:
 
 
 def pressed_boxes(
-    upper: Discretisation,
-    lower: Discretisation,
+    upper: BoxDiscretisation,
+    lower: BoxDiscretisation,
     pairing: Pairing,
     enforcement: Enforcement,
     *,

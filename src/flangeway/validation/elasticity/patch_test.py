@@ -63,7 +63,7 @@ class PatchRow:
     n_unknowns
         Components of displacement at nodes; those inside cells are condensed.
     stresses
-        Of all corners of all cells the value farthest from the exact one over the tension: xx, xy, yy.
+        Value of a corner with the maximum difference from the exact one, over the tension: xx, xy, yy.
     displacement_error
         Maximum error of a node's displacement over the maximum displacement.
     solution
@@ -101,8 +101,8 @@ def patch_row(code: PatchCode) -> PatchRow:
     )
     stresses = corner_stresses(solution.problem, solution.displacements).components[:, [0, 2, 1]] / TENSION
     exact = np.array([1.0, 0.0, 0.0])
-    farthest = np.abs(stresses - exact).argmax(axis=0)
-    xx, xy, yy = stresses[farthest, [0, 1, 2]].tolist()
+    worst = np.abs(stresses - exact).argmax(axis=0)
+    xx, xy, yy = stresses[worst, [0, 1, 2]].tolist()
     stretch = np.array([1.0 - POISSON**2, -POISSON * (1.0 + POISSON)]) * TENSION / YOUNG
     wanted = space.nodes * stretch
     error = np.abs(solution.displacements[: space.n_nodes] - wanted).max() / np.abs(wanted).max()

@@ -18,7 +18,7 @@ from flangeway.post import PressurePatch
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset
-from flangeway.railway.track.wheelset_load import Load
+from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 
@@ -98,9 +98,9 @@ def one_arc_contacts(discretisation: Discretisation, material: Elastic) -> tuple
     # round on round a wheelset is not stable sideways
     upright = Prescribed(lateral_mm=0.0, roll_rad=0.0)
     problem = WheelsetProblem(
-        track, wheelset, Load(LOADS_N[0]), material, THICKNESS_MM, discretisation, prescribed=upright
+        track, wheelset, WheelsetLoad(LOADS_N[0]), material, THICKNESS_MM, discretisation, prescribed=upright
     )
-    return tuple(_contact(solve_wheelset(replace(problem, load=Load(load)), cold=True)) for load in LOADS_N)
+    return tuple(_contact(solve_wheelset(replace(problem, load=WheelsetLoad(load)), cold=True)) for load in LOADS_N)
 
 
 def _contact(result: WheelsetResult) -> OneArcContact:

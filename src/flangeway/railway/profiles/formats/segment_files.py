@@ -23,7 +23,7 @@ _N_SAMPLES = 800
 GAP_MM = 0.01
 """Maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
 
-_ROUNDING = 1e-3  # of that, below which nothing is said
+_ROUNDING = 1e-3  # of that, below which nothing is stated
 _FARTHEST = 1e9  # centres of flat arcs lie far away
 _DXF_UNITS = {"mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
 
@@ -50,13 +50,13 @@ def read_segment_csv(text: str) -> RawProfile:
     lines = text.splitlines()
     comments = [line if line.strip().startswith("#") else "#" for line in lines]
     # comments are checked there; the point is a placeholder
-    said = read_two_column("\n".join([*comments, "0 0"]))
+    stated = read_two_column("\n".join([*comments, "0 0"]))
     rows = [(n, line) for n, line in enumerate(lines, 1) if line.strip() and not line.strip().startswith("#")]
     header, unit = outline_csv.parse_header(rows)
     drawn = [outline_csv.parse_segment(row, number) for number, row in outline_csv.parse_rows(header, rows[1:])]
-    if unit is not None and said.unit is not None and unit != said.unit:
-        raise InputError(f"columns in {unit} under a comment with {said.unit}", "one unit", "correct one of them")
-    return _profile(drawn, unit or said.unit, said)
+    if unit is not None and stated.unit is not None and unit != stated.unit:
+        raise InputError(f"columns in {unit} under a comment with {stated.unit}", "one unit", "correct one of them")
+    return _profile(drawn, unit or stated.unit, stated)
 
 
 def read_dxf_profile(content: bytes) -> RawProfile:
@@ -97,7 +97,7 @@ def _dxf_pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], Counter[str]]:
     return pieces, ignored
 
 
-def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) -> RawProfile:
+def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile) -> RawProfile:
     numbers = [c for s in drawn for p in (s.start, s.end, s.centre) if p is not None for c in p]
     if not all(abs(number) <= _FARTHEST for number in numbers):
         raise InputError("a coordinate that is not finite or very large", f"up to {_FARTHEST:g}", "repair it")
@@ -116,14 +116,14 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, said: RawProfile) 
         points,
         np.zeros(len(points), dtype=np.int64),
         unit=unit,
-        kind=said.kind,
-        upwards=said.upwards,
-        mirrored=said.mirrored,
-        origin=said.origin,
-        tape_mm=said.tape_mm,
-        title=said.title,
+        kind=stated.kind,
+        upwards=stated.upwards,
+        mirrored=stated.mirrored,
+        origin=stated.origin,
+        tape_mm=stated.tape_mm,
+        title=stated.title,
         contour=contour,
-        notices=(*said.notices, *notices),
+        notices=(*stated.notices, *notices),
     )
 
 
@@ -148,12 +148,12 @@ def _closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[Dr
                 "close the gap or reorder the segments",
             )
     closed = [_moved(segment, start, end, maximum) for segment, (start, end) in zip(drawn, ends, strict=True)]
-    said = [each for each in gaps if each[0] > _ROUNDING * maximum]
-    if not said:
+    stated = [each for each in gaps if each[0] > _ROUNDING * maximum]
+    if not stated:
         return closed, ()
-    gap, i = max(said)
+    gap, i = max(stated)
     return closed, (
-        f"{len(said)} gaps between lines and arcs are closed, up to {maximum:.3g}, the widest of {gap:.3g} behind "
+        f"{len(stated)} gaps between lines and arcs are closed, up to {maximum:.3g}, the widest of {gap:.3g} behind "
         f"segment {i}, {drawn[i].name}.",
     )
 

@@ -106,14 +106,14 @@ def _enter_or_leave(open_sections: list[str], section: str, edge: str, number: i
 def _refuse_other_kind(keys: dict[str, tuple[int, str]], kind: Kind) -> bool:
     """Return whether the header declares the kind of the ending; refuse the other one."""
     line, value = keys.get("header.type", (0, ""))
-    said = {"0": KINDS[0], "1": KINDS[1]}.get(value)
-    if said is not None and said != kind:
+    stated = {"0": KINDS[0], "1": KINDS[1]}.get(value)
+    if stated is not None and stated != kind:
         raise InputError(
-            f"line {line}: type = {value}, a {said}, in a file with the ending of a {kind}",
+            f"line {line}: type = {value}, a {stated}, in a file with the ending of a {kind}",
             "an ending that agrees: .prr for rails, .prw for wheels",
             "rename the file, or correct its header",
         )
-    return said is not None
+    return stated is not None
 
 
 def _processed(

@@ -74,12 +74,12 @@ def read_two_column(text: str) -> RawProfile:
                 n_wide += len(cells) > 2
                 rows.append((number, *values))
     points, lines = numbered_points(rows)
-    said = _said(header)
+    stated = _stated(header)
     taken = "the first two are" if columns == (0, 1) else f"numbers {columns[0] + 1} and {columns[1] + 1}, by name, are"
     if n_wide:
         notices.append(f"{n_wide} lines have more than two columns; {taken} taken.")
     unit = header["unit"][1].lower() if "unit" in header else unit_of_columns
-    return replace(said, points=points, lines=lines, unit=unit, notices=tuple(notices))
+    return replace(stated, points=points, lines=lines, unit=unit, notices=tuple(notices))
 
 
 def write_two_column(points: FloatArray, kind: Kind, title: str, tape_mm: float | None = None) -> str:
@@ -164,7 +164,7 @@ def _unit_of_columns(line: str) -> str | None:
     return units.pop() if len(units) == 1 else None
 
 
-def _said(header: Mapping[str, tuple[int, str]]) -> RawProfile:
+def _stated(header: Mapping[str, tuple[int, str]]) -> RawProfile:
     """Return the declarations of the comments, checked, without points."""
 
     def chosen(key: str, allowed: tuple[str, ...]) -> str | None:
