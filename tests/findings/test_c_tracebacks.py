@@ -110,7 +110,7 @@ def test_c_a_push_below_rounding_is_said():
     )
     run = case.run()
     assert not run.status.converged
-    assert "less than rounding of the places" in run.status.message
+    assert "less than the rounding error" in run.status.message
     assert np.isfinite(run.contact.forces).all()
 
 
