@@ -91,7 +91,7 @@ def test_the_runs_of_the_page_find_the_same(followed):
     """A cache that is new and one that is filled give the same results to 1e-12."""
     _, folder = followed
     first, second = (json.loads((folder / name / "summary.json").read_text()) for name in ("first", "second"))
-    for key in ("motion", "contacts", "balance", "stresses"):
+    for key in ("position", "contacts", "residual", "stresses"):
         assert numbers(second[key]) == pytest.approx(numbers(first[key]), rel=1e-12, abs=1e-12)
         assert numbers(first[key])
     assert first["peak_memory_MB"] > 10.0
@@ -110,7 +110,7 @@ def test_the_cache_is_where_the_page_says(followed):
     kept = printed[-1][3]
     assert kept
     assert all(re.fullmatch(r"[a-z]+-[0-9a-f]{64}\.arrays", name) for name in kept)
-    assert {name.split("-")[0] for name in kept} == {"mesh", "flexibility", "rest", "equilibrium", "fields"}
+    assert {name.split("-")[0] for name in kept} == {"mesh", "flexibility", "equilibrium", "fields"}
     assert not (folder / "kept").exists()
 
 

@@ -9,7 +9,7 @@ from flangeway.checks import are_finite, check_positive
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps, shape_functions
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.surface import COLLINEAR, Surface, node_normals
+from flangeway.contact.surface import COLLINEAR, CORNER, Surface, node_normals
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
@@ -165,8 +165,15 @@ def facing_pairs(
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
     sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
-    its = edges, partners[behind, None] == np.arange(len(edges))
-    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), its)
+    # at a smooth joint the way to an edge beyond its end crosses the next one, and is no way through the body
+    after, smooth = np.arange(len(edges)) + 1, np.abs(joint_turns(edges)) < CORNER
+    at = partners[behind, None]
+    its = (
+        (at == after - 1)
+        | ((at == after % len(edges)) & smooth)
+        | ((at == (after - 2) % len(edges)) & smooth[after - 2])
+    )
+    near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, its))
     return nodes[near], partners[near], gaps.take(near)
 
 
@@ -174,14 +181,19 @@ def margins_of(edges: Floats, overhang: float) -> Floats:
     """How far beyond the start and the end of each edge of a chain the foot of a point behind it may lie.
 
     In parts of the edge, shape (n, 2): `SLACK` at a corner, beyond which the point is outside, `CONCAVE` at a concave
-    joint, and ``overhang`` where the chain ends.
+    joint, and ``overhang`` where the chain ends or is smooth: the search compares chords, and the edges may be curved.
     """
+    turns = joint_turns(edges)
+    at_end = np.where(turns > CORNER, SLACK, np.where(turns < -COLLINEAR, CONCAVE, overhang))
+    return np.stack((np.roll(at_end, 1), at_end), axis=1)
+
+
+def joint_turns(edges: Floats) -> Floats:
+    """Turn from each edge of a chain to the next one, positive where convex, nan where none follows, shape (n,)."""
     following = np.roll(edges, -1, axis=0)
     into, out = edges[:, -1] - edges[:, 0], following[:, -1] - following[:, 0]
-    concave = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1)) < -COLLINEAR
-    meets = (edges[:, -1] == following[:, 0]).all(axis=1)
-    at_end = np.where(meets, np.where(concave, CONCAVE, SLACK), overhang)
-    return np.stack((np.roll(at_end, 1), at_end), axis=1)
+    turns = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1))
+    return np.where((edges[:, -1] == following[:, 0]).all(axis=1), turns, np.nan)
 
 
 def within(parameters: Floats, margins: Floats) -> Bools:
