@@ -165,8 +165,9 @@ def facing_pairs(
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
     sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
-    # at a smooth joint the way to an edge beyond its end crosses the next one, and is no way through the body
-    after, smooth = np.arange(len(edges)) + 1, np.abs(joint_turns(edges)) < CORNER
+    # at a smooth convex joint the way to an edge beyond its end crosses the next one, and is no way through the body
+    turns = joint_turns(edges)
+    after, smooth = np.arange(len(edges)) + 1, (turns > 0.0) & (turns < CORNER)
     at = partners[behind, None]
     its = (
         (at == after - 1)
@@ -180,11 +181,11 @@ def facing_pairs(
 def margins_of(edges: Floats, overhang: float) -> Floats:
     """How far beyond the start and the end of each edge of a chain the foot of a point behind it may lie.
 
-    In parts of the edge, shape (n, 2): `SLACK` at a corner, beyond which the point is outside, `CONCAVE` at a concave
-    joint, and ``overhang`` where the chain ends or is smooth: the search compares chords, and the edges may be curved.
+    In parts of the edge, shape (n, 2): `SLACK` at a convex joint, beyond which the point is outside, `CONCAVE` at a
+    concave one, and ``overhang`` where the chain ends.
     """
     turns = joint_turns(edges)
-    at_end = np.where(turns > CORNER, SLACK, np.where(turns < -COLLINEAR, CONCAVE, overhang))
+    at_end = np.where(np.isnan(turns), overhang, np.where(turns < -COLLINEAR, CONCAVE, SLACK))
     return np.stack((np.roll(at_end, 1), at_end), axis=1)
 
 
