@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2170,
     "solve": 2800,
-    "contact": 3350,
+    "contact": 3360,
     "post": 1770,
     "railway.profiles": 3630,
     "railway.track": 630,
@@ -38,7 +38,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_840
+MAX_LINES_OF_ALL = 51_850
 MAX_FILES_OF_ALL = 293
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
