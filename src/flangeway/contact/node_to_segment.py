@@ -174,6 +174,7 @@ def facing_pairs(
         | ((at == after % len(edges)) & smooth)
         | ((at == (after - 2) % len(edges)) & smooth[after - 2])
     )
+    its |= overhang > SLACK  # a pairing follows its nodes; only guarded ones must not pass through the other body
     near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, its))
     return nodes[near], partners[near], gaps.take(near)
 
