@@ -19,10 +19,10 @@ from flangeway.contact.node_to_segment import (
     NodePairs,
     NodeToSegment,
     facing_pairs,
-    margins_of,
+    guarded_margins,
 )
 from flangeway.contact.pairs import Pairs
-from flangeway.contact.surface import CORNER, Surface, node_normals, turns_of
+from flangeway.contact.surface import Surface, node_normals
 from flangeway.types import Bools, Floats, Ints
 
 EARLY = 0.9
@@ -178,8 +178,10 @@ def _paired(
     """
     directions = node_normals(positions, edge_places, bisecting=True)
     given = positions, edge_places, edges, np.flatnonzero(guarded_nodes), directions, kept
-    nodes, partners, gaps = facing_pairs(*given, OVERHANG if settle else SLACK, SLACK)
-    found, margins = [(nodes, partners)], margins_of(edges, SLACK)
+    margins = guarded_margins(edges)
+    stay = OVERHANG if settle else SLACK
+    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK, through=False)
+    found = [(nodes, partners)]
     for end, step in ((1, 1), (0, -1)):
         concave = margins[partners, end] == CONCAVE
         both, beside = nodes[concave], (partners[concave] + step) % len(edges)
@@ -229,24 +231,21 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     for side, other in ((0, 1), (1, 0)):
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
-        nodes, partners, gaps = facing_pairs(*given, SLACK, SLACK)
+        nodes, partners, gaps = facing_pairs(*given, SLACK, guarded_margins(edges[other]), SLACK, through=False)
         own = np.full(counts[side], np.inf)
         for column in places.T:
             np.minimum.at(own, column, sagittas[side])
         allowed = EARLY * (own[nodes] + sagittas[other][partners]) + explained
         found[side][nodes[(gaps.gaps < -allowed) & (gaps.gaps > -depth)]] = True
     found = [each & ~before for each, before in zip(found, guarded_nodes, strict=True)]
-    sharp = found[0] & _sharp(positions[0], surfaces[0]), found[1] & _sharp(positions[1], surfaces[1])
+    sharp = found[0] & _sharp(surfaces[0]), found[1] & _sharp(surfaces[1])
     return sharp if sharp[0].any() or sharp[1].any() else (found[0], found[1])
 
 
-def _sharp(positions: Floats, surface: Surface) -> Bools:
+def _sharp(surface: Surface) -> Bools:
     """Which nodes of a surface are at sharp convex corners of its body, shape (n,)."""
-    ends = surface.edge_places[:, [0, -1]]
-    turns = turns_of(positions[ends], np.roll(np.arange(len(ends)), -1))
-    meets = ends[:, 1] == np.roll(ends[:, 0], -1)
     result = np.zeros(len(surface.nodes), dtype=np.bool_)
-    result[ends[meets & (turns > CORNER), 1]] = True
+    result[surface.edge_places[surface.corners, -1]] = True
     return result
 
 
@@ -264,8 +263,8 @@ def corners_on_corners(surfaces: Sides, positions: Positions) -> Floats:
     found = []
     for side, other in ((0, 1), (1, 0)):
         places = surfaces[other].edge_places[:, [0, -1]]
-        joints = np.flatnonzero(_sharp(positions[other], surfaces[other])[places[:, 1]])
-        own = np.flatnonzero(_sharp(positions[side], surfaces[side]))
+        joints = np.flatnonzero(_sharp(surfaces[other])[places[:, 1]])
+        own = np.flatnonzero(_sharp(surfaces[side]))
         if len(own) == 0 or len(joints) == 0:
             continue
         pair = own.repeat(len(joints)), np.tile(joints, len(own))

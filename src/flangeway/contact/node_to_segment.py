@@ -9,7 +9,7 @@ from flangeway.checks import are_finite, check_positive
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps, shape_functions
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
-from flangeway.contact.surface import COLLINEAR, CORNER, Surface, node_normals
+from flangeway.contact.surface import COLLINEAR, Surface, node_normals, turns_of
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
 
@@ -110,7 +110,7 @@ class NodeToSegment(Pairing):
     def pair(
         self,
         secondary: Surface,
-        primary: Surface,  # noqa: ARG002 (its edges are enough)
+        primary: Surface,
         positions: Floats,
         primary_edges: Floats,
         kept: Ints,
@@ -119,7 +119,8 @@ class NodeToSegment(Pairing):
     ) -> NodePairs:
         """See `Pairing.pair`; ``settle``: pairs are kept within ``overhang`` of their edge, not within ``slack``."""
         positions = positions[: len(secondary.nodes)]
-        nodes, edges, kinematics = self.find(positions, secondary.edge_places, primary_edges, kept, settle=settle)
+        given = positions, secondary.edge_places, primary_edges, kept
+        nodes, edges, kinematics = self.find(*given, primary.corners, settle=settle)
         areas, width = self.node_areas(secondary)[nodes], 1 + primary_edges.shape[1]
         slots = np.broadcast_to(np.arange(width), (len(nodes), width))
         each = np.arange(len(nodes))[:, None]
@@ -128,13 +129,27 @@ class NodeToSegment(Pairing):
         )
 
     def find(
-        self, positions: Floats, edge_places: Ints, primary_edges: Floats, kept: Ints, *, settle: bool = False
+        self,
+        positions: Floats,
+        edge_places: Ints,
+        primary_edges: Floats,
+        kept: Ints,
+        corners: Bools | None = None,
+        *,
+        settle: bool = False,
     ) -> tuple[Ints, Ints, NodeEdgeGaps]:
-        """Nodes, the edges they face, and their gaps; ``edge_places`` is the secondary surface's, else as `pair`."""
+        """Nodes, the edges they face, and their gaps; else as `pair`.
+
+        ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
+        """
         stay = self.overhang if settle else self.slack
+        at_end = np.full(len(primary_edges), self.overhang)
+        if corners is not None:
+            at_end[corners] = SLACK
+        margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
-        nodes, edges, gaps = facing_pairs(*given, stay, self.overhang)
+        nodes, edges, gaps = facing_pairs(*given, stay, margins, self.overhang)
         reach = self.reach or 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
@@ -142,13 +157,13 @@ class NodeToSegment(Pairing):
 
 def facing_pairs(
     positions: Floats, edge_places: Ints, edges: Floats, wanted: Ints, directions: Floats, kept: Ints, stay: float,
-    overhang: float,
+    margins: Floats, overhang: float, *, through: bool = True,
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:  # fmt: skip
     """Nodes, of those wanted, that face an edge of another surface, those edges, and their gaps.
 
     The outward directions, and the edges that were ``kept`` (-1 for none), are those of all nodes. A node stays with
-    the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; for one
-    behind an edge see `margins_of`.
+    the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; one
+    behind an edge by the ``margins`` of its ends (n_edges, 2), and unless ``through`` not behind another edge as well.
     """
     points = positions[wanted]
     partners = nearest_edges(points, directions[wanted], edges)
@@ -158,46 +173,26 @@ def facing_pairs(
     found = partners >= 0
     nodes, partners = wanted[found], partners[found]
     gaps = node_edge_gaps(positions[nodes], edges[partners])
-    margins = margins_of(edges, overhang)[partners]
-    margins[gaps.gaps >= 0.0] = np.maximum(margins[gaps.gaps >= 0.0], overhang)
-    near = stays[found] | within(gaps.parameters, margins)
+    beyond = margins[partners]
+    beyond[gaps.gaps >= 0.0] = np.maximum(beyond[gaps.gaps >= 0.0], overhang)
+    at = gaps.parameters
+    near = stays[found] | ((at >= -beyond[:, 0]) & (at <= 1.0 + beyond[:, 1]))
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
     sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
-    # at a smooth convex joint the way to an edge beyond its end crosses the next one, and is no way through the body
-    turns = joint_turns(edges)
-    after, smooth = np.arange(len(edges)) + 1, (turns > 0.0) & (turns < CORNER)
-    at = partners[behind, None]
-    its = (
-        (at == after - 1)
-        | ((at == after % len(edges)) & smooth)
-        | ((at == (after - 2) % len(edges)) & smooth[after - 2])
-    )
-    its |= overhang > SLACK  # a pairing follows its nodes; only guarded ones must not pass through the other body
+    its = through | (partners[behind, None] == np.arange(len(edges)))
     near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, its))
     return nodes[near], partners[near], gaps.take(near)
 
 
-def margins_of(edges: Floats, overhang: float) -> Floats:
-    """How far beyond the start and the end of each edge of a chain the foot of a point behind it may lie.
+def guarded_margins(edges: Floats) -> Floats:
+    """How far beyond the start and the end of each edge of a chain the foot of a guarded node behind it may lie.
 
-    In parts of the edge, shape (n, 2): `SLACK` at a convex joint, beyond which the point is outside, `CONCAVE` at a
-    concave one, and ``overhang`` where the chain ends.
+    In parts of the edge, shape (n, 2): `CONCAVE` at a concave joint, else `SLACK`, beyond which the node is outside.
     """
-    turns = joint_turns(edges)
-    at_end = np.where(np.isnan(turns), overhang, np.where(turns < -COLLINEAR, CONCAVE, SLACK))
+    ends = edges[:, [0, -1]]
+    turns = turns_of(ends, np.roll(np.arange(len(ends)), -1))
+    concave = (turns < -COLLINEAR) & (ends[:, 1] == np.roll(ends[:, 0], -1, axis=0)).all(axis=1)
+    at_end = np.where(concave, CONCAVE, SLACK)
     return np.stack((np.roll(at_end, 1), at_end), axis=1)
-
-
-def joint_turns(edges: Floats) -> Floats:
-    """Turn from each edge of a chain to the next one, positive where convex, nan where none follows, shape (n,)."""
-    following = np.roll(edges, -1, axis=0)
-    into, out = edges[:, -1] - edges[:, 0], following[:, -1] - following[:, 0]
-    turns = np.arctan2(into[:, 0] * out[:, 1] - into[:, 1] * out[:, 0], (into * out).sum(axis=1))
-    return np.where((edges[:, -1] == following[:, 0]).all(axis=1), turns, np.nan)
-
-
-def within(parameters: Floats, margins: Floats) -> Bools:
-    """Whether feet are on their edges, or beyond them by margins (n, 2) at most."""
-    return (parameters >= -margins[:, 0]) & (parameters <= 1.0 + margins[:, 1])

@@ -13,7 +13,7 @@ from flangeway.geometry import Contour
 from flangeway.geometry.arrays import point_text
 from flangeway.mesh.connectivity import chain_starts, ordered_pairs
 from flangeway.problems import Part
-from flangeway.types import Complex, Floats, Ints
+from flangeway.types import Bools, Complex, Floats, Ints
 
 FAR = 0.25
 """Distance of a node from the surface's curve, over the mean edge, above which the curve is refused."""
@@ -151,6 +151,14 @@ class Surface:
         n_edges, width = self.edge_nodes.shape
         places = np.arange(n_edges)[:, None] * (width - 1) + np.arange(width)
         return places % len(self.nodes)
+
+    @cached_property
+    def corners(self) -> Bools:
+        """Which edges end at a sharp convex corner of the undeformed body where another one follows: (n_edges,)."""
+        ends = self.edge_places[:, [0, -1]]
+        points = self.part.placement.points(self.part.body.space.nodes[self.nodes])
+        turns = turns_of(points[ends], np.roll(np.arange(len(ends)), -1))
+        return (turns > CORNER) & (ends[:, 1] == np.roll(ends[:, 0], -1))
 
     @cached_property
     def shifts(self) -> Floats:

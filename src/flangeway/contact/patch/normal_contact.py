@@ -108,9 +108,7 @@ def solve_normal(
     direction = np.zeros(gaps.shape)
     old_norm, restart = 1.0, True
     change, iteration = np.inf, 0
-    while change >= tolerance or restart:
-        if iteration == MOST_ITERATIONS:
-            break
+    while (change >= tolerance or restart) and iteration < MOST_ITERATIONS:
         iteration += 1
         touching = forces > 0.0
         deformed = gaps + influence(forces)
@@ -129,17 +127,15 @@ def solve_normal(
         closed = (forces == 0.0) & (residual < 0.0)
         restart = bool(closed.any())
         forces = np.where(closed, forces - step * residual, forces)
-        total = float((shares * forces).sum())
         if force is not None:
-            forces *= force / total
+            forces *= force / float((shares * forces).sum())
         change = float(np.abs(forces - before).sum()) / max(float(forces.sum()), np.finfo(float).tiny)
     deformed = gaps + influence(forces)
     touching = forces > 0.0
     if approach is None:
         approach = _along(deformed, shares, touching)
-    converged = change < tolerance
-    message = f"forces change by {change:.1e} after {iteration} iterations"
-    return NormalContact(forces, approach, deformed - approach * shares, Status(converged, message, iteration))
+    status = Status(change < tolerance, f"forces change by {change:.1e} after {iteration} iterations", iteration)
+    return NormalContact(forces, approach, deformed - approach * shares, status)
 
 
 def _along(values: Floats, shares: Floats, touching: Bools) -> float:
