@@ -24,7 +24,7 @@ GAP_MM = 0.01
 """Maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
 
 _ROUNDING = 1e-3  # of that, below which nothing is stated
-_FARTHEST = 1e9  # centres of flat arcs lie far away
+_MAX_COORDINATE = 1e9  # centres of flat arcs lie far away
 _DXF_UNITS = {"mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
 
 
@@ -99,8 +99,8 @@ def _dxf_pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], Counter[str]]:
 
 def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile) -> RawProfile:
     numbers = [c for s in drawn for p in (s.start, s.end, s.centre) if p is not None for c in p]
-    if not all(abs(number) <= _FARTHEST for number in numbers):
-        raise InputError("a coordinate that is not finite or very large", f"up to {_FARTHEST:g}", "repair it")
+    if not all(abs(number) <= _MAX_COORDINATE for number in numbers):
+        raise InputError("a coordinate that is not finite or very large", f"up to {_MAX_COORDINATE:g}", "repair it")
     drawn, notices = _closed_gaps(drawn, GAP_MM / UNITS_MM.get(unit or "mm", 1.0))
     segments = [segment.checked() for segment in drawn]
     names = [segment.name for segment in drawn]
