@@ -180,7 +180,7 @@ def _paired(
     given = positions, edge_places, edges, np.flatnonzero(guarded_nodes), directions, kept
     margins = guarded_margins(edges)
     stay = OVERHANG if settle else SLACK
-    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK, through=False)
+    nodes, partners, gaps = facing_pairs(*given, stay, margins, SLACK, np.zeros(len(edges), dtype=np.bool_))
     found = [(nodes, partners)]
     for end, step in ((1, 1), (0, -1)):
         concave = margins[partners, end] == CONCAVE
@@ -231,7 +231,8 @@ def penetrating(surfaces: Sides, positions: Positions, guarded_nodes: Guards, ex
     for side, other in ((0, 1), (1, 0)):
         at, places, none = positions[side], surfaces[side].edge_places, np.full(counts[side], -1)
         given = at, places, edges[other], np.flatnonzero(near[side]), node_normals(at, places, bisecting=True), none
-        nodes, partners, gaps = facing_pairs(*given, SLACK, guarded_margins(edges[other]), SLACK, through=False)
+        none_smooth = np.zeros(len(edges[other]), dtype=np.bool_)
+        nodes, partners, gaps = facing_pairs(*given, SLACK, guarded_margins(edges[other]), SLACK, none_smooth)
         own = np.full(counts[side], np.inf)
         for column in places.T:
             np.minimum.at(own, column, sagittas[side])

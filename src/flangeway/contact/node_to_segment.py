@@ -143,13 +143,13 @@ class NodeToSegment(Pairing):
         ``edge_places`` is the secondary surface's, ``corners`` the primary's `Surface.corners` (left out: none).
         """
         stay = self.overhang if settle else self.slack
-        at_end = np.full(len(primary_edges), self.overhang)
-        if corners is not None:
-            at_end[corners] = SLACK
+        corners = np.zeros(len(primary_edges), dtype=np.bool_) if corners is None else corners
+        at_end = np.where(corners, SLACK, self.overhang)
         margins = np.stack((np.roll(at_end, 1), at_end), axis=1)
+        smooth = ~corners & (primary_edges[:, -1] == np.roll(primary_edges[:, 0], -1, axis=0)).all(axis=1)
         normals, every = node_normals(positions, edge_places), np.arange(len(positions))
         given = positions, edge_places, primary_edges, every, normals, kept
-        nodes, edges, gaps = facing_pairs(*given, stay, margins, self.overhang)
+        nodes, edges, gaps = facing_pairs(*given, stay, margins, self.overhang, smooth)
         reach = self.reach or 2.0 * float(np.linalg.norm(primary_edges[:, -1] - primary_edges[:, 0], axis=1).mean())
         near = gaps.gaps < reach
         return nodes[near], edges[near], gaps.take(near)
@@ -157,13 +157,14 @@ class NodeToSegment(Pairing):
 
 def facing_pairs(
     positions: Floats, edge_places: Ints, edges: Floats, wanted: Ints, directions: Floats, kept: Ints, stay: float,
-    margins: Floats, overhang: float, *, through: bool = True,
+    margins: Floats, overhang: float, smooth: Bools,
 ) -> tuple[Ints, Ints, NodeEdgeGaps]:  # fmt: skip
     """Nodes, of those wanted, that face an edge of another surface, those edges, and their gaps.
 
     The outward directions, and the edges that were ``kept`` (-1 for none), are those of all nodes. A node stays with
     the latter up to parts ``stay`` of the edge beyond it. An open one may be beyond any edge by ``overhang``; one
-    behind an edge by the ``margins`` of its ends (n_edges, 2), and unless ``through`` not behind another edge as well.
+    behind an edge by the ``margins`` of its ends (n_edges, 2), if the way to it crosses no other edge than the next one
+    at a ``smooth`` joint, shape (n_edges,).
     """
     points = positions[wanted]
     partners = nearest_edges(points, directions[wanted], edges)
@@ -175,13 +176,14 @@ def facing_pairs(
     gaps = node_edge_gaps(positions[nodes], edges[partners])
     beyond = margins[partners]
     beyond[gaps.gaps >= 0.0] = np.maximum(beyond[gaps.gaps >= 0.0], overhang)
-    at = gaps.parameters
-    near = stays[found] | ((at >= -beyond[:, 0]) & (at <= 1.0 + beyond[:, 1]))
+    feet = gaps.parameters
+    near = stays[found] | ((feet >= -beyond[:, 0]) & (feet <= 1.0 + beyond[:, 1]))
     behind = np.flatnonzero(near & (gaps.gaps < 0.0))
     vectors = -gaps.gaps[behind, None] * gaps.normals[behind]
     own, on = positions[edge_places], (edge_places == nodes[behind, None, None]).any(axis=2)
     sizes = np.where(on, np.linalg.norm(own[:, -1] - own[:, 0], axis=1), 0.0).max(axis=1)
-    its = through | (partners[behind, None] == np.arange(len(edges)))
+    each, at = np.arange(len(edges)), partners[behind, None]
+    its = (at == each) | (np.roll(smooth, 1) & (at == np.roll(each, 1))) | (smooth & (at == np.roll(each, -1)))
     near[behind] = ~leads_out(positions[nodes[behind]], vectors, sizes, (own, on), (edges, its))
     return nodes[near], partners[near], gaps.take(near)
 

@@ -11,6 +11,7 @@ from flangeway.contact.kinematics import shape_functions
 from flangeway.contact.search import candidate_pairs
 from flangeway.contact.surface import sagittas_of
 from flangeway.contact.system import ROUND_OFF, ContactLinearisation, ContactSystem
+from flangeway.geometry import crossing_shares
 from flangeway.problems import Part
 from flangeway.solve import BodyResponse, ContactState
 from flangeway.types import Bools, Floats, Ints
@@ -156,11 +157,7 @@ def _crossings(segments: Floats, others: Floats) -> tuple[Ints, Floats]:
         return np.empty(0, dtype=np.int64), np.empty(0)
     i, j = candidate_pairs(segments, others, 0.0)
     along, other = segments[i, 1] - segments[i, 0], others[j, 1] - others[j, 0]
-    apart = others[j, 0] - segments[i, 0]
-    area = along[:, 0] * other[:, 1] - along[:, 1] * other[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        s = (apart[:, 0] * other[:, 1] - apart[:, 1] * other[:, 0]) / area
-        t = (apart[:, 0] * along[:, 1] - apart[:, 1] * along[:, 0]) / area
+    s, t = crossing_shares(segments[i, 0], along, others[j, 0], other)
     cross = (s > 0.0) & (s < 1.0) & (t >= 0.0) & (t <= 1.0)
     return i[cross], s[cross]
 

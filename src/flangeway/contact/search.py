@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from flangeway.geometry import crossing_shares
 from flangeway.types import Floats, Ints
 
 PAIRS_PER_CHUNK = 2_000_000
@@ -150,13 +151,9 @@ def _crossed(
 ) -> tuple[NDArray[np.bool_], Floats]:
     """Which other edges the vectors from points, each (n, 2), cross, and the distances of their ends from the edges."""
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
-    apart, vector = starts - points[:, None], vectors[:, None]
-    area = vector[..., 0] * chords[:, 1] - vector[..., 1] * chords[:, 0]
-    with np.errstate(divide="ignore", invalid="ignore"):
-        on_vector = (apart[..., 0] * chords[:, 1] - apart[..., 1] * chords[:, 0]) / area
-        on_edge = (apart[..., 0] * vector[..., 1] - apart[..., 1] * vector[..., 0]) / area
+    on_vector, on_edge = crossing_shares(points[:, None], vectors[:, None], starts, chords)
     crossed = (on_vector > 0.0) & (on_vector < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~but
-    beyond = vector - apart
+    beyond = vectors[:, None] - (starts - points[:, None])
     share = np.einsum("nei,ei->ne", beyond, chords) / (chords**2).sum(axis=1)
     return crossed, np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
 

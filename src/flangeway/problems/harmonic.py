@@ -8,7 +8,7 @@ amplitudes the stiffness is ``K(k) = K0 + k K1 + k^2 K2``. The other parity (sin
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -40,6 +40,12 @@ def _strain_tables(*, revolution: bool) -> tuple[Floats, Floats]:
         constant[2, 0, 2] = 1.0
         constant[5, 2, 2] = -1.0
     return constant, linear
+
+
+def at_wavenumber(parts: Sequence[SymmetricMatrix], wavenumber: float) -> SymmetricMatrix:
+    """Stiffness ``K0 + k K1 + k^2 K2`` of three parts of one pattern."""
+    constant, linear, square = (part.values for part in parts)
+    return replace(parts[0], values=constant + wavenumber * (linear + wavenumber * square))
 
 
 @dataclass(frozen=True)
@@ -179,9 +185,7 @@ class Harmonic:
 
     def stiffness(self, wavenumber: float) -> SymmetricMatrix:
         """Stiffness of all amplitudes at a wavenumber (prism, per length) or harmonic (revolution, per radian)."""
-        constant, linear, square = self.parts
-        values = constant.values + wavenumber * (linear.values + wavenumber * square.values)
-        return SymmetricMatrix(constant.n, constant.indptr, constant.indices, values)
+        return at_wavenumber(self.parts, wavenumber)
 
     def slots(self, batch: CellBatch, reconstruction: Reconstruction) -> tuple[Floats, Floats]:
         """Derivatives by x and y and value (over r in a body of revolution) of one amplitude, as polynomials.

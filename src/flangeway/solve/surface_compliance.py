@@ -23,7 +23,7 @@ from flangeway._core import NotPositiveDefiniteError, n_threads
 from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError
 from flangeway.problems.edges import edge_shapes
-from flangeway.problems.harmonic import Harmonic
+from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats, Ints
@@ -181,13 +181,12 @@ class SurfaceCells:
             If the prism can move without strain.
 
         """
-        (constant, linear, square), unknowns, surface = self._reduced
-        values = constant.values + wavenumber * (linear.values + wavenumber * square.values)
+        parts, unknowns, surface = self._reduced
         _, loads = self._nodes_and_loads
         loose = surface >= 0
         try:
             factor = cholesky(
-                SymmetricMatrix(constant.n, constant.indptr, constant.indices, values),
+                at_wavenumber(parts, wavenumber),
                 (unknowns // 3).astype(np.int32),
                 surface[loose].astype(np.int32),
             )
