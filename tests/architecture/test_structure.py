@@ -14,7 +14,7 @@ MAX_LINES = {
     "": 410,
     "system": 730,
     "exact": 740,
-    "geometry": 1340,
+    "geometry": 1330,
     "mesh": 2610,
     "formats": 2050,
     "elements": 1380,
@@ -24,21 +24,21 @@ MAX_LINES = {
     "solve": 2800,
     "contact": 3360,
     "post": 1770,
-    "railway.profiles": 3630,
-    "railway.track": 630,
-    "railway.rigid": 2160,
-    "railway.wheelset": 1900,
-    "railway.positions": 2860,
+    "railway.profiles": 3420,
+    "railway.track": 620,
+    "railway.rigid": 2030,
+    "railway.wheelset": 1790,
+    "railway.positions": 2630,
     "railway.spatial": 260,
     "cases": 6010,
-    "campaign": 1960,
+    "campaign": 1860,
     "report": 5970,
     "validation": 5100,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_850
+MAX_LINES_OF_ALL = 51_050
 MAX_FILES_OF_ALL = 293
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

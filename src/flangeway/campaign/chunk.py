@@ -36,20 +36,11 @@ _prepared: OrderedDict[str, PreparedWheelset] = OrderedDict()
 class Chunk:
     """Rows that one worker computes together.
 
-    Parameters
-    ----------
-    rows
-        The rows.
-    prepared_for
-        For positions of the same bodies, which are prepared once: the first row of all with these bodies. None: each
-        row is computed alone.
-    losses
-        How many workers have died of it.
-    shear
-        Whether the maximum shear stresses below the contacts of wheelsets are wanted.
-    n_alike
-        Number of rows of the whole campaign with the same bodies.
-
+    - `prepared_for`: for positions of the same bodies, which are prepared once: the first row of all with these bodies.
+      None: each row is computed alone.
+    - `losses`: how many workers have died of it.
+    - `shear`: whether the maximum shear stresses below the contacts of wheelsets are wanted.
+    - `n_alike`: number of rows of the whole campaign with the same bodies.
     """
 
     rows: tuple[Row, ...]
@@ -63,13 +54,8 @@ class Chunk:
 class Outcome:
     """Result of a worker.
 
-    Parameters
-    ----------
-    results
-        Of each row, in their order.
-    version
-        The worker's version of flangeway.
-
+    - `results`: of each row, in their order.
+    - `version`: the worker's version of flangeway.
     """
 
     results: tuple[RowResult, ...]
@@ -80,13 +66,8 @@ class Outcome:
 class Lost:
     """A worker died while it computed a chunk.
 
-    Parameters
-    ----------
-    reason
-        What is known of it, in a sentence.
-    workers
-        How many died of it.
-
+    - `reason`: what is known of it, in a sentence.
+    - `workers`: how many died of it.
     """
 
     reason: str
@@ -106,11 +87,7 @@ class Workers(Protocol):
     def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
         """Wait for chunks that are done or lost, at most some seconds.
 
-        Raises
-        ------
-        MissingLibraryError
-            If the system of a worker lacks a library.
-
+        A `MissingLibraryError` if the system of a worker lacks a library.
         """
 
     def stop(self) -> None:
@@ -120,11 +97,7 @@ class Workers(Protocol):
 def compute(chunk: Chunk) -> Outcome:
     """Compute the rows of a chunk; a row that fails reports the reason and does not stop the others.
 
-    Raises
-    ------
-    MissingLibraryError
-        If the system lacks a library: then every row would fail.
-
+    A `MissingLibraryError` if the system lacks a library: then every row would fail.
     """
     with _ALONE:  # threads of one worker would share objects that are not thread-safe
         return Outcome(_results(chunk), versions()["flangeway"])

@@ -15,18 +15,9 @@ CHUNKS_A_THREAD = 2
 class ClusterWorkers:
     """Workers of a scheduler of `dask.distributed`; they may come and go while the campaign runs.
 
-    Parameters
-    ----------
-    address
-        Where the scheduler listens: ``tcp://host:8786``.
+    A `MissingLibraryError` if the library is not installed. An `InputError` if nothing answers at the address.
 
-    Raises
-    ------
-    MissingLibraryError
-        If the library is not installed.
-    InputError
-        If nothing answers at the address.
-
+    - `address`: where the scheduler listens: ``tcp://host:8786``.
     """
 
     def __init__(self, address: str) -> None:

@@ -52,13 +52,8 @@ _SKIPPED = ("timings_s", "case", "versions", "published", "status")
 class PatchNumbers:
     """One region of contact.
 
-    Parameters
-    ----------
-    patch
-        Its position and force.
-    hertz
-        Hertz's contact there, None where the profiles conform.
-
+    - `patch`: its position and force.
+    - `hertz`: Hertz's contact there, None where the profiles conform.
     """
 
     patch: PositionPatch
@@ -69,21 +64,12 @@ class PatchNumbers:
 class RowResult:
     """What one run gave.
 
-    Parameters
-    ----------
-    status
-        ``converged``, ``not converged`` or ``failed``.
-    message
-        How it ended, in a sentence.
-    warnings
-        What limits it.
-    values
-        Results by column, empty unless converged.
-    patches
-        Patches by column, without the number of the row.
-    seconds
-        Time that it took, its share of what is computed for several rows at once.
-
+    - `status`: ``converged``, ``not converged`` or ``failed``.
+    - `message`: how it ended, in a sentence.
+    - `warnings`: what limits it.
+    - `values`: results by column, empty unless converged.
+    - `patches`: patches by column, without the number of the row.
+    - `seconds`: time that it took, its share of what is computed for several rows at once.
     """
 
     status: str

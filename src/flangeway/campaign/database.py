@@ -39,20 +39,10 @@ class CampaignDatabase:
 
     Each transaction stores the results of whole rows and is on the disk before the next begins (write-ahead log,
     synchronous FULL), so a killed process or a power failure loses no row that was reported. While it is written,
-    others may read it.
+    others may read it. An `InputError` if another process has it open, or it is not the file of a campaign.
 
-    Parameters
-    ----------
-    path
-        The file; made if needed.
-    fresh
-        Whether to drop its content.
-
-    Raises
-    ------
-    InputError
-        If another process has it open, or it is not the file of a campaign.
-
+    - `path`: the file; made if needed.
+    - `fresh`: whether to drop its content.
     """
 
     def __init__(self, path: Path, *, fresh: bool = False) -> None:
@@ -95,11 +85,7 @@ class CampaignDatabase:
     def begin(self, campaign: Campaign) -> None:
         """Store the rows of a campaign as waiting, or make sure that they are those stored before.
 
-        Raises
-        ------
-        InputError
-            If the file is that of another campaign.
-
+        An `InputError` if the file is that of another campaign.
         """
         stored = self._stored_identity()
         if stored is None:
@@ -123,16 +109,7 @@ class CampaignDatabase:
     def store(self, rows: Sequence[Row], results: Sequence[RowResult]) -> list[str]:
         """Store the results of rows, all or none; rows that have one keep it.
 
-        Returns
-        -------
-        list of str
-            Status of each row that was waiting.
-
-        Raises
-        ------
-        InputError
-            If the disk does not take them.
-
+        Returned: status of each row that was waiting. An `InputError` if the disk does not take them.
         """
         with self._transaction():
             return [result.status for row, result in zip(rows, results, strict=True) if self._store(row, result)]

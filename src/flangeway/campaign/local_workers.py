@@ -42,11 +42,7 @@ class LocalWorkers:
 
     So it is known which chunk a process computed that died. The processes end when this one does, however it ends.
 
-    Parameters
-    ----------
-    n_workers
-        How many, one or more.
-
+    - `n_workers`: how many, one or more.
     """
 
     def __init__(self, n_workers: int) -> None:

@@ -129,20 +129,10 @@ def _columns(connection: sqlite3.Connection, table: str, names: list[str], order
 def export_writers(table: CampaignTable, kind: str) -> dict[str, Callable[[Path], None]]:
     """Return functions that write both tables, by the files' names.
 
-    Parameters
-    ----------
-    table
-        What to write.
-    kind
-        ``"csv"`` or ``"parquet"``.
+    An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
 
-    Raises
-    ------
-    InputError
-        If it is neither.
-    MissingLibraryError
-        If Parquet's library is not installed.
-
+    - `table`: what to write.
+    - `kind`: ``"csv"`` or ``"parquet"``.
     """
     refuse_format(kind)
     tables = {"results": table.rows, "patches": table.patches}

@@ -32,20 +32,10 @@ def flattened(values: Mapping[str, Any], above: str = "") -> dict[str, Any]:
 def values_of(key: str, given: Any, place: str) -> list[Any]:
     """Values of one input.
 
-    Parameters
-    ----------
-    key
-        The input.
-    given
-        A list, or a range: a table with ``from``, ``to`` and ``n`` or ``step``.
-    place
-        File and line, before a message.
+    An `InputError` if it is neither, or without values.
 
-    Raises
-    ------
-    InputError
-        If it is neither, or without values.
-
+    - `given`: a list, or a range: a table with ``from``, ``to`` and ``n`` or ``step``.
+    - `place`: file and line, before a message.
     """
     if isinstance(given, dict):
         return _range(key, given, place)
@@ -122,11 +112,7 @@ def refuse_too_many(n_rows: int, place: str) -> None:
 def read_table(path: Path) -> list[dict[str, Any]]:
     """Rows of a CSV file with the names of inputs in its first line, all as text: 60E1 is a rail, not a number.
 
-    Raises
-    ------
-    InputError
-        If it cannot be read, a name comes twice, or a line has another number of cells or an empty one.
-
+    An `InputError` if it cannot be read, a name comes twice, or a line has another number of cells or an empty one.
     """
     try:
         text = path.read_text(encoding="utf-8-sig")

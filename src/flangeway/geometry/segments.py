@@ -278,11 +278,7 @@ def _refuse_zero_length(kind: str, start: Point, end: Point) -> None:
 def halved(segments: Sequence[Segment], maximum_sweep: float) -> list[tuple[Segment, int]]:
     """Return the segments with arcs cut into equal pieces no wider than an angle.
 
-    Returns
-    -------
-    list
-        Pairs (piece, number of the segment it comes from), in order.
-
+    Returned: pairs (piece, number of the segment it comes from), in order.
     """
     pieces: list[tuple[Segment, int]] = []
     for number, segment in enumerate(segments):

@@ -112,13 +112,8 @@ def mesh_bound(
     """Return what the triangulation of regions that make one section needs at most.
 
     A triangle of the edge length h covers ``sqrt(3) h^2 / 4``. A refinement adds the integral of ``1 / h^2`` over the
-    strip on both sides of its polyline in which h is below `size`, so up to twice what it makes along a boundary.
-
-    Raises
-    ------
-    InputError
-        If there can be far too many triangles, edges along a side, or points of refinements.
-
+    strip on both sides of its polyline in which h is below `size`, so up to twice what it makes along a boundary. An
+    `InputError` if there can be far too many triangles, edges along a side, or points of refinements.
     """
     fine = [refinement for refinement in refinements if refinement.size < size]
     n_seeds = sum(refinement.n_seeds for refinement in refinements)

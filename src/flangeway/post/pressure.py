@@ -109,11 +109,7 @@ def oscillation_of(pressures: Floats) -> float:
     pressure whose nodes have 1 - a and 1 + a in turn has 2 a. The root mean square is weighted with the pressures; the
     nodes at both ends, where pressures may have no limit, are left out.
 
-    Parameters
-    ----------
-    pressures
-        Of the nodes along the surface, >= 0, shape (n,); the oscillation of fewer than seven is 0.
-
+    - `pressures`: of the nodes along the surface, >= 0, shape (n,); the oscillation of fewer than seven is 0.
     """
     inner = pressures[1:-1]
     if len(inner) < len(FOURTH):

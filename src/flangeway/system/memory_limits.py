@@ -22,14 +22,7 @@ SMALL = 10_000_000
 
 
 def memory_left() -> int:
-    """Bytes that this process may still take.
-
-    Raises
-    ------
-    InputError
-        If ``FLANGEWAY_MEMORY_GB`` is not a positive number.
-
-    """
+    """Bytes that this process may still take. An `InputError` if ``FLANGEWAY_MEMORY_GB`` is not a positive number."""
     return max(0, min(bytes_left for bytes_left, _ in _bounds()))
 
 

@@ -32,13 +32,8 @@ AT_ONCE = 32
 class Lines:
     """Points of straight lines from the surface into a body, in its frame.
 
-    Parameters
-    ----------
-    starts, directions
-        Where they begin and unit vectors, each (m, 2).
-    depths
-        Distances of the points from the starts, >= 0 and rising along each line, shape (m, n).
-
+    - `starts`, `directions`: where they begin and unit vectors, each (m, 2).
+    - `depths`: distances of the points from the starts, >= 0 and rising along each line, shape (m, n).
     """
 
     starts: Floats
@@ -54,13 +49,7 @@ class Lines:
 class LineStresses:
     """A body with what serves all lines: its cells, and the displacements under unit forces that were needed so far.
 
-    Parameters
-    ----------
-    body
-        The body.
-    n_nodes
-        Number of the nodes of its surface.
-
+    - `n_nodes`: number of the nodes of its surface.
     """
 
     def __init__(self, body: Body, n_nodes: int) -> None:
@@ -77,17 +66,10 @@ class LineStresses:
     def in_plane_shear(self, lines: Lines, forces: Floats, solve: Solve, *, superposed: bool) -> Floats:
         """Maximum in-plane shear stress on the lines, shape (m, n), not-a-number outside of the body.
 
-        Parameters
-        ----------
-        lines
-            The lines.
-        forces
-            For each line the forces on the surface nodes, shape (m, n_nodes, 2).
-        solve
-            Gives the fields of forces, the same at each call.
-        superposed
-            Whether fields are superposed from those of unit forces, which pays for hundreds of lines over all calls.
-
+        - `forces`: for each line the forces on the surface nodes, shape (m, n_nodes, 2).
+        - `solve`: gives the fields of forces, the same at each call.
+        - `superposed`: whether fields are superposed from those of unit forces, which pays for hundreds of lines over
+          all calls.
         """
         cells = cells_along(self._body.mesh, lines.starts, lines.directions, lines.depths)
         shear = np.full(cells.size, np.nan)
@@ -136,15 +118,8 @@ class LineStresses:
 class _Chosen:
     """Cells of one kind that lines run through, once for each line.
 
-    Parameters
-    ----------
-    stretches
-        Their stretches, shape (k,).
-    cells
-        The cells.
-    unknowns
-        Their unknowns, numbered through all lines, shape (n_local, k).
-
+    - `stretches`: their stretches, shape (k,).
+    - `unknowns`: their unknowns, numbered through all lines, shape (n_local, k).
     """
 
     stretches: Ints
@@ -160,13 +135,8 @@ class _Chosen:
 class _Stretches:
     """Neighbouring points of a line in the same cell.
 
-    Parameters
-    ----------
-    lines, cells
-        Of each stretch, shape (k,).
-    of_point
-        Stretch of each point, line by line.
-
+    - `lines`, `cells`: of each stretch, shape (k,).
+    - `of_point`: stretch of each point, line by line.
     """
 
     lines: Ints
@@ -204,13 +174,8 @@ class FieldColumns:
     The unit forces are solved for in blocks, always the same, and each load's field is superposed by itself. So a
     field has the same digits whatever was asked for before.
 
-    Parameters
-    ----------
-    n_nodes
-        Number of the surface's nodes.
-    n_dofs
-        Number of the unknowns of one component.
-
+    - `n_nodes`: number of the surface's nodes.
+    - `n_dofs`: number of the unknowns of one component.
     """
 
     def __init__(self, n_nodes: int, n_dofs: int) -> None:
@@ -222,22 +187,11 @@ class FieldColumns:
     def at(self, loads: Floats, wanted: Sequence[Ints], solve: Solve) -> list[Floats]:
         """Displacements at some unknowns of each load's field.
 
-        Loads whose columns need more than `MOST_BYTES` are solved for.
+        Loads whose columns need more than `MOST_BYTES` are solved for. Returned: for each load, shape (n_wanted, 2).
 
-        Parameters
-        ----------
-        loads
-            Forces on the surface nodes, shape (m, n, 2).
-        wanted
-            Unknowns of one component, for each load.
-        solve
-            Solves for fields, the same at each call.
-
-        Returns
-        -------
-        list
-            For each load, shape (n_wanted, 2).
-
+        - `loads`: forces on the surface nodes, shape (m, n, 2).
+        - `wanted`: unknowns of one component, for each load.
+        - `solve`: solves for fields, the same at each call.
         """
         flat = loads.reshape(len(loads), -1)
         needed = np.unique(np.flatnonzero(flat.any(axis=0)) // AT_ONCE)
@@ -303,22 +257,10 @@ def cells_along(mesh: PolyMesh, starts: Floats, directions: Floats, distances: F
 
     Each point of the mesh is on one of two sides of a line, so that the line crosses an even number of a cell's edges
     and is in the cell between the first and the second, and so on. An edge of two cells is crossed at one place: the
-    cells cover the line without gaps, whatever is rounded.
+    cells cover the line without gaps, whatever is rounded. Returned: shape (m, n), -1 outside of the mesh.
 
-    Parameters
-    ----------
-    mesh
-        The mesh.
-    starts, directions
-        Where the lines begin and their unit vectors, each (m, 2).
-    distances
-        Of the points from the start, >= 0 and rising along each line, shape (m, n).
-
-    Returns
-    -------
-    Ints
-        Shape (m, n), -1 outside of the mesh.
-
+    - `starts`, `directions`: where the lines begin and their unit vectors, each (m, 2).
+    - `distances`: of the points from the start, >= 0 and rising along each line, shape (m, n).
     """
     near = NEAR * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
     passages = _passages(mesh, starts, directions, distances[:, -1], near)

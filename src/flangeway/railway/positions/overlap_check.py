@@ -17,15 +17,9 @@ ALLOWED_MM = 0.05
 class BoundaryNodes:
     """Corners of a body's whole boundary; what is beside the running surface moves with the nearer end of it.
 
-    Parameters
-    ----------
-    previous, following
-        Neighbours along the boundary, the body on the left, each (n,).
-    moves_with
-        Node of the running surface that each of them is or moves with, shape (n,).
-    offsets
-        Vectors from that node, shape (n, 2).
-
+    - `previous`, `following`: neighbours along the boundary, the body on the left, each (n,).
+    - `moves_with`: node of the running surface that each of them is or moves with, shape (n,).
+    - `offsets`: vectors from that node, shape (n, 2).
     """
 
     previous: Ints

@@ -36,17 +36,9 @@ SMALL_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)
 class Continuation:
     """How a slot comes to a position.
 
-    Parameters
-    ----------
-    number
-        The position.
-    origin
-        Position that has been found and where the way begins; None: rigid wheels, and a way of increasing load.
-    shares
-        Parts of the way at which it is stopped, the last is 1.
-    follows
-        Whether the slot is already where the next part of the way begins.
-
+    - `origin`: position that has been found and where the way begins; None: rigid wheels, and a way of increasing load.
+    - `shares`: parts of the way at which it is stopped, the last is 1.
+    - `follows`: whether the slot is already where the next part of the way begins.
     """
 
     number: int
@@ -71,15 +63,9 @@ class PositionQueue:
     there is one; if they are lost, from others that are found later, then with stops on the way, then once more from
     rigid wheels.
 
-    Parameters
-    ----------
-    targets
-        All positions.
-    possible
-        Which of them are wanted, shape (n,).
-    n_first
-        How many are begun from rigid wheels at first.
-
+    - `targets`: all positions.
+    - `possible`: which of them are wanted, shape (n,).
+    - `n_first`: how many are begun from rigid wheels at first.
     """
 
     def __init__(self, targets: Targets, possible: Bools, n_first: int) -> None:
@@ -116,16 +102,9 @@ class PositionQueue:
     def next(self, at: int | None) -> Continuation | None:
         """How a slot goes on.
 
-        Parameters
-        ----------
-        at
-            The position that it has just found; None if it has not.
+        None if all ways to all open positions have been tried.
 
-        Returns
-        -------
-        Continuation or None
-            None if all ways to all open positions have been tried.
-
+        - `at`: the position that it has just found; None if it has not.
         """
         if self.first:
             return self._begin(self.first.pop(), SHARES)

@@ -74,13 +74,8 @@ RIDGE = np.array([1e-3, 1e-3, 1e3])
 class PositionState:
     """A position that a slot has found.
 
-    Parameters
-    ----------
-    position
-        Motion of the wheelset, shape (3,).
-    loads
-        Of both sides; see `Loads.packed`.
-
+    - `position`: motion of the wheelset, shape (3,).
+    - `loads`: of both sides; see `Loads.packed`.
     """
 
     position: Floats
@@ -188,15 +183,9 @@ class PositionSide:
 class PositionBatch:
     """Positions that are solved side by side; a slot that has found its position is given another one.
 
-    Parameters
-    ----------
-    poses
-        Both sides.
-    targets
-        What the slots are asked for.
-    position
-        First guess, shape (L, 3).
-
+    - `poses`: both sides.
+    - `targets`: what the slots are asked for.
+    - `position`: first guess, shape (L, 3).
     """
 
     def __init__(self, poses: tuple[SidePose, ...], targets: Targets, position: Floats) -> None:
@@ -304,29 +293,17 @@ class PositionBatch:
 class Window:
     """Linearised equations of one side in the slots' windows, filled up to one size m.
 
-    Parameters
-    ----------
-    pose, gaps, around, tangents
-        Where the side is.
-    rows
-        Hat functions, shape (L, m).
-    is_real
-        Which of them are constraints, shape (L, m).
-    matrix
-        Tangents' matrices, shape (L, m, m).
-    forces, slack, compliance
-        Current forces, left side of the law with forces not in equilibrium, and penetration per force, shape (L, m).
-    by_position
-        Derivatives of the gaps by the position, shape (L, m, 3).
-    to_resultant
-        Forces and moment on the wheelset by the forces, shape (L, m, 3).
-    resultant
-        Those now, shape (L, 3).
-    stiffness
-        Their derivatives by the position with forces that stay, shape (L, 3, 3).
-    imbalance, moved
-        T P F h and T Q of the tangents, shapes (L, 4) and (L, 4, 3).
-
+    - `pose`, `gaps`, `around`, `tangents`: where the side is.
+    - `rows`: hat functions, shape (L, m).
+    - `is_real`: which of them are constraints, shape (L, m).
+    - `matrix`: tangents' matrices, shape (L, m, m).
+    - `forces`, `slack`, `compliance`: current forces, left side of the law with forces not in equilibrium, and
+      penetration per force, shape (L, m).
+    - `by_position`: derivatives of the gaps by the position, shape (L, m, 3).
+    - `to_resultant`: forces and moment on the wheelset by the forces, shape (L, m, 3).
+    - `resultant`: those now, shape (L, 3).
+    - `stiffness`: their derivatives by the position with forces that stay, shape (L, 3, 3).
+    - `imbalance`, `moved`: T P F h and T Q of the tangents, shapes (L, 4) and (L, 4, 3).
     """
 
     pose: SidePose

@@ -23,25 +23,14 @@ from flangeway.types import Floats, Ints
 class PositionPatch:
     """One region of contact; see `flangeway.railway.wheelset.wheel_rail_patch.WheelRailPatch`.
 
-    Parameters
-    ----------
-    side, region
-        Where it is.
-    force_on_wheel_N
-        Resultant on the wheel, axes of the track.
-    max_pressure_MPa, half_width_mm
-        Maximum pressure, and half of the loaded length.
-    wheel_point_mm, rail_point_mm
-        Centre of pressure on the undeformed profiles, in their frames.
-    at_edge
-        Whether it reaches an end of either surface.
-    n_segments
-        Number of segments of the secondary surface that it is wide.
-    oscillation
-        Of its pressures, see `flangeway.post.PressurePatch.oscillation`.
-    shear
-        Maximum shear stress below it in the wheel and in the rail, where that was asked for.
-
+    - `side`, `region`: where it is.
+    - `force_on_wheel_N`: resultant on the wheel, axes of the track.
+    - `max_pressure_MPa`, `half_width_mm`: maximum pressure, and half of the loaded length.
+    - `wheel_point_mm`, `rail_point_mm`: centre of pressure on the undeformed profiles, in their frames.
+    - `at_edge`: whether it reaches an end of either surface.
+    - `n_segments`: number of segments of the secondary surface that it is wide.
+    - `oscillation`: of its pressures, see `flangeway.post.PressurePatch.oscillation`.
+    - `shear`: maximum shear stress below it in the wheel and in the rail, where that was asked for.
     """
 
     side: Side

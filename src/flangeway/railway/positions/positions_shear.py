@@ -25,13 +25,7 @@ N_POINTS = 201
 class LoadedPatch:
     """A region of contact and the forces on the whole surfaces of its bodies.
 
-    Parameters
-    ----------
-    patch
-        The region.
-    wheel, rail
-        Forces on the nodes of the surfaces in the bodies' own frames and order, each (n, 2).
-
+    - `wheel`, `rail`: forces on the nodes of the surfaces in the bodies' own frames and order, each (n, 2).
     """
 
     patch: PositionPatch
@@ -55,16 +49,8 @@ def maximum_shears(
     the centre of pressure, smoothed over the cells. All regions are treated together, and displacements are found
     only where their lines run.
 
-    Parameters
-    ----------
-    prepared
-        The wheelset.
-    loaded
-        The regions.
-    superposed
-        Whether fields are superposed from those of unit forces, which are kept with the condensed bodies; it pays for
-        hundreds of regions over all calls.
-
+    - `superposed`: whether fields are superposed from those of unit forces, which are kept with the condensed bodies;
+      it pays for hundreds of regions over all calls.
     """
     found: list[dict[Role, SubsurfaceExtreme]] = [{} for _ in loaded]
     parts = [part.name for part in prepared.model.system.parts]
@@ -91,15 +77,8 @@ def maximum_shears(
 def lines_below(prepared: PreparedWheelset, role: Role, side: Side, patches: Sequence[PositionPatch]) -> Lines:
     """Lines into a body below regions of contact, in the body's frame.
 
-    Parameters
-    ----------
-    prepared
-        The wheelset.
-    role, side
-        Which of its bodies.
-    patches
-        The regions, of this side or of a side with the same bodies.
-
+    - `role`, `side`: which of its bodies.
+    - `patches`: the regions, of this side or of a side with the same bodies.
     """
     problem = prepared.model.problem
     profile = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)

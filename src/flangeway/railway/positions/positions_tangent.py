@@ -32,27 +32,16 @@ ARM_MM = 10.0
 class Tangent:
     """Tangent of one side of one slot, in the rail's frame.
 
-    Parameters
-    ----------
-    rows
-        Hat functions of the window, shape (m,).
-    matrix
-        ``B F B^T`` with the turning of the forces, shape (m, m).
-    by_turning
-        ``B F E T`` with ``T = (1 - P F E)^-1``, shape (m, 4).
-    turned_by
-        ``T P F B^T``, shape (4, m).
-    inverse
-        T, shape (4, 4).
-    centre
-        Point about which displacements are counted, shape (2,).
-    wheel_fit, rail_fit
-        Motion of each surface by its nodes' displacements, shape (3, n, 2).
-    wheel_turning, rail_turning
-        E on the nodes, shape (4, n, 2).
-    resultants
-        Forces in the track's axes and moment about the axle of E on the wheel, with the side's signs, shape (3, 4).
-
+    - `rows`: hat functions of the window, shape (m,).
+    - `matrix`: ``B F B^T`` with the turning of the forces, shape (m, m).
+    - `by_turning`: ``B F E T`` with ``T = (1 - P F E)^-1``, shape (m, 4).
+    - `turned_by`: ``T P F B^T``, shape (4, m).
+    - `inverse`: T, shape (4, 4).
+    - `centre`: point about which displacements are counted, shape (2,).
+    - `wheel_fit`, `rail_fit`: motion of each surface by its nodes' displacements, shape (3, n, 2).
+    - `wheel_turning`, `rail_turning`: E on the nodes, shape (4, n, 2).
+    - `resultants`: forces in the track's axes and moment about the axle of E on the wheel, with the side's signs, shape
+      (3, 4).
     """
 
     rows: Ints

@@ -34,19 +34,11 @@ BESIDE_MM = 0.2
 class Chain:
     """Running surface of one body in its frame, nodes one after the other with the body on the left.
 
-    Parameters
-    ----------
-    points
-        Places of the nodes on the drawn surface, shape (n, 2).
-    mesh_points
-        Their places in the mesh, shape (n, 2).
-    edges
-        Places of the edges' nodes, shape (n_edges, order + 1).
-    flexibility
-        Displacements by forces, shape (2 n, 2 n).
-    places
-        Places of the nodes among the body's surface nodes, shape (n,).
-
+    - `points`: places of the nodes on the drawn surface, shape (n, 2).
+    - `mesh_points`: their places in the mesh, shape (n, 2).
+    - `edges`: places of the edges' nodes, shape (n_edges, order + 1).
+    - `flexibility`: displacements by forces, shape (2 n, 2 n).
+    - `places`: places of the nodes among the body's surface nodes, shape (n,).
     """
 
     points: Floats
@@ -85,13 +77,9 @@ class Chain:
 class Candidates:
     """Where the contact of slots is evaluated.
 
-    Parameters
-    ----------
-    window
-        Hat functions whose constraints are evaluated, shape (L, n_hats).
-    edges, partners
-        Edges of the secondary and of the primary that may face each other, numbered through all slots.
-
+    - `window`: hat functions whose constraints are evaluated, shape (L, n_hats).
+    - `edges`, `partners`: edges of the secondary and of the primary that may face each other, numbered through all
+      slots.
     """
 
     window: Bools
@@ -103,23 +91,14 @@ class Candidates:
 class Gaps:
     """Gaps of slots about some positions.
 
-    Parameters
-    ----------
-    gaps, areas
-        Of all hat functions, zero outside of windows, shape (L, n_hats); areas are length times thickness.
-    pieces
-        Pieces of the secondary, edges numbered through all slots.
-    rows
-        Constraints of each piece, numbered through all slots, shape (p, 2).
-    nodes
-        Nodes of each piece's wheel's edge and rail's edge, numbered through all slots, each (p, order + 1).
-    on_wheel, on_rail
-        Derivatives of the gaps of its constraints by their positions, each (p, 2, order + 1, 2).
-    shapes
-        See `PieceIntegrals.primary_shapes`.
-    covered
-        See `PieceIntegrals.lengths`.
-
+    - `gaps`, `areas`: of all hat functions, zero outside of windows, shape (L, n_hats); areas are length times
+      thickness.
+    - `pieces`: pieces of the secondary, edges numbered through all slots.
+    - `rows`: constraints of each piece, numbered through all slots, shape (p, 2).
+    - `nodes`: nodes of each piece's wheel's edge and rail's edge, numbered through all slots, each (p, order + 1).
+    - `on_wheel`, `on_rail`: derivatives of the gaps of its constraints by their positions, each (p, 2, order + 1, 2).
+    - `shapes`: see `PieceIntegrals.primary_shapes`.
+    - `covered`: see `PieceIntegrals.lengths`.
     """
 
     gaps: Floats
@@ -137,27 +116,15 @@ class Gaps:
 class RunningPair:
     """A wheel and the rail under it.
 
-    Parameters
-    ----------
-    wheel, rail
-        Their surfaces.
-    wheel_is_secondary
-        Whether the wheel carries the hat functions.
-    hats, edge_lengths
-        Hat functions and undeformed lengths of the secondary's edges.
-    thickness
-        Length along the track.
-    compliance
-        Penetration per pressure.
-    dual
-        Whether gaps are weighted with biorthogonal functions.
-    reach, depth
-        See `SegmentToSegment`.
-    rail_edge
-        Mean length of the rail's edges.
-    boundaries
-        Whole boundaries of wheel and rail.
-
+    - `wheel`, `rail`: their surfaces.
+    - `wheel_is_secondary`: whether the wheel carries the hat functions.
+    - `hats`, `edge_lengths`: hat functions and undeformed lengths of the secondary's edges.
+    - `thickness`: length along the track.
+    - `compliance`: penetration per pressure.
+    - `dual`: whether gaps are weighted with biorthogonal functions.
+    - `reach`, `depth`: see `SegmentToSegment`.
+    - `rail_edge`: mean length of the rail's edges.
+    - `boundaries`: whole boundaries of wheel and rail.
     """
 
     wheel: Chain
@@ -177,14 +144,7 @@ class RunningPair:
 
     @classmethod
     def of(cls, system: ContactSystem, contact: Contact, response: CondensedBodies) -> "RunningPair":
-        """Pair of one contact.
-
-        Raises
-        ------
-        InputError
-            If it is not segment-to-segment with a penalty or multipliers.
-
-        """
+        """Pair of one contact. An `InputError` if it is not segment-to-segment with a penalty or multipliers."""
         law, pairing = contact.enforcement, contact.pairing
         if not (isinstance(pairing, SegmentToSegment) and isinstance(law, Penalty | Multiplier)):
             raise InputError(
@@ -236,17 +196,10 @@ class RunningPair:
     def search(self, wheel: Floats, rail: Floats, turns: Floats, lowered: Floats, margin: Floats | float) -> Candidates:
         """Look for hat functions whose gap is below a margin, and for the edges that make their gaps.
 
-        Parameters
-        ----------
-        wheel, rail
-            Positions of the nodes in the rail's frame, shape (L, n, 2).
-        turns
-            Matrices from the wheel's frame into the rail's, shape (L, 2, 2).
-        lowered
-            About how far the rail's head has moved, shape (L, 2).
-        margin
-            Maximum gap, one for all or shape (L,).
-
+        - `wheel`, `rail`: positions of the nodes in the rail's frame, shape (L, n, 2).
+        - `turns`: matrices from the wheel's frame into the rail's, shape (L, 2, 2).
+        - `lowered`: about how far the rail's head has moved, shape (L, 2).
+        - `margin`: maximum gap, one for all or shape (L,).
         """
         wheel_ends, rail_ends = self.wheel.ends, self.rail.ends
         points = wheel[:, wheel_ends]

@@ -14,19 +14,11 @@ from flangeway.types import Bools, Floats, Ints
 class SidePose:
     """Placement of the pair of a side, in the right-hand form.
 
-    Parameters
-    ----------
-    side
-        The side; positions of the left one are mirrored.
-    pair
-        Its wheel and rail.
-    rail_angle, rail_point
-        Placement of the rail.
-    wheel_angle, wheel_point
-        Placement of the wheel in the reference position.
-    axle_height
-        Height of the axle above the rails' tops in the reference position.
-
+    - `side`: the side; positions of the left one are mirrored.
+    - `pair`: its wheel and rail.
+    - `rail_angle`, `rail_point`: placement of the rail.
+    - `wheel_angle`, `wheel_point`: placement of the wheel in the reference position.
+    - `axle_height`: height of the axle above the rails' tops in the reference position.
     """
 
     side: Side
@@ -67,13 +59,8 @@ class SidePose:
 class Targets:
     """Loads and prescribed components of each position.
 
-    Parameters
-    ----------
-    loads
-        Loads on the wheelset, each shape (L,).
-    prescribed
-        Prescribed components of the position, nan for those that are found, shape (L, 3).
-
+    - `loads`: loads on the wheelset, each shape (L,).
+    - `prescribed`: prescribed components of the position, nan for those that are found, shape (L, 3).
     """
 
     loads: AxleLoads
@@ -100,17 +87,9 @@ class Targets:
     def changed(self, slot: int, other: "Targets", number: int, share: float, origin: int | None) -> "Targets":
         """Those with another target for one slot: a share of the way to it from another, or a share of its load.
 
-        Parameters
-        ----------
-        slot
-            The slot.
-        other, number
-            Targets, and which of them.
-        share
-            Part of the way or of the load.
-        origin
-            Which of the other targets the way begins at; None: the same without load.
-
+        - `other`, `number`: targets, and which of them.
+        - `share`: part of the way or of the load.
+        - `origin`: which of the other targets the way begins at; None: the same without load.
         """
 
         def part_way(mine: Floats, theirs: Floats, start: Floats | float) -> Floats:
@@ -133,13 +112,8 @@ class Targets:
 class Loads:
     """Contact forces on one side of slots.
 
-    Parameters
-    ----------
-    forces
-        Of all hat functions, shape (L, n_hats).
-    wheel, rail
-        Forces on the nodes in the bodies' own frames, shapes (L, n, 2).
-
+    - `forces`: of all hat functions, shape (L, n_hats).
+    - `wheel`, `rail`: forces on the nodes in the bodies' own frames, shapes (L, n, 2).
     """
 
     forces: Floats
@@ -179,19 +153,11 @@ class Loads:
 class SurfacePositions:
     """Positions of one side's surfaces in the rail's frame.
 
-    Parameters
-    ----------
-    wheel, rail
-        Positions of the nodes, shapes (L, n, 2).
-    turns
-        Matrices from the wheel's frame to the rail's, shape (L, 2, 2).
-    axles
-        The axle's middle, shape (L, 2).
-    lowered
-        About how far the rail's head has moved, shape (L, 2).
-    scale
-        Maximum displacement, shape (L,).
-
+    - `wheel`, `rail`: positions of the nodes, shapes (L, n, 2).
+    - `turns`: matrices from the wheel's frame to the rail's, shape (L, 2, 2).
+    - `axles`: the axle's middle, shape (L, 2).
+    - `lowered`: about how far the rail's head has moved, shape (L, 2).
+    - `scale`: maximum displacement, shape (L,).
     """
 
     wheel: Floats

@@ -399,11 +399,7 @@ def _mirrored_and_joined(field_side: Mapping[str, Segment]) -> Outline:
 def bundled_section(name: str) -> DrawnSection:
     """Return a bundled section; capital and small letters are the same.
 
-    Raises
-    ------
-    InputError
-        If there is none of that name; the message lists those there are.
-
+    An `InputError` if there is none of that name; the message lists those there are.
     """
     found = {known.upper(): known for known in SECTIONS}.get(name.upper())
     if found is None:

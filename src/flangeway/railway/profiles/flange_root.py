@@ -26,21 +26,11 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
     """Return an AAR-1B with another radius of the wide arc of its flange root, the arcs moved so that all fits.
 
     Taper, height, thickness and angle of the flange stay, the radius of the narrow arc and the slope (30 degrees) at
-    which it follows the wide one too. Narrow arc and flange face move by what keeps the thickness at
-    `GAUGE_HEIGHT_MM`.
+    which it follows the wide one too. Narrow arc and flange face move by what keeps the thickness at `GAUGE_HEIGHT_MM`.
+    An `InputError` if the wheel has no such arcs, or they do not fit between tread and tip of the flange.
 
-    Parameters
-    ----------
-    profile
-        Wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
-    wide_radius_mm
-        Radius of the wide arc.
-
-    Raises
-    ------
-    InputError
-        If the wheel has no such arcs, or they do not fit between tread and tip of the flange.
-
+    - `profile`: wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
+    - `wide_radius_mm`: radius of the wide arc.
     """
     parts, narrow, wide, tread = _root_of(profile)
     face, tip, land = (parts.get(part) for part in ("flange_face_75deg", "flange_tip_front", "flange_tip_land"))
@@ -90,20 +80,11 @@ def with_flange_root(profile: WheelProfile, wide_radius_mm: float) -> WheelProfi
 def with_wide_flange_root(profile: WheelProfile, radius_mm: float) -> WheelProfile:
     """Return an AAR-1B with another radius of the wide arc between tread and narrow arc, tangent to both.
 
-    The narrow arc keeps its place, and the slope between the arcs changes; see `with_flange_root` for the other way.
+    The narrow arc keeps its place, and the slope between the arcs changes; see `with_flange_root` for the other way. An
+    `InputError` if the wheel has no such arcs, or no arc of the radius is tangent to both neighbours.
 
-    Parameters
-    ----------
-    profile
-        Wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
-    radius_mm
-        Radius, larger than that of the narrow arc.
-
-    Raises
-    ------
-    InputError
-        If the wheel has no such arcs, or no arc of the radius is tangent to both neighbours.
-
+    - `profile`: wheel with segments ``flange_root_R1``, ``flange_root_R2`` and ``tread_1:20``.
+    - `radius_mm`: radius, larger than that of the narrow arc.
     """
     parts, narrow, wide, tread = _root_of(profile)
     if profile.title == IDENTIFIED or not (

@@ -72,19 +72,11 @@ STRAIGHT_MM = 0.02
 class Joint:
     """Where a measured surface goes over into the nominal outline.
 
-    Parameters
-    ----------
-    end
-        End of the measured surface.
-    foot
-        Closest point of the nominal outline.
-    landing
-        Where the transition reaches the nominal outline.
-    gap_mm
-        Distance between end and foot.
-    name
-        Name of the transition.
-
+    - `end`: end of the measured surface.
+    - `foot`: closest point of the nominal outline.
+    - `landing`: where the transition reaches the nominal outline.
+    - `gap_mm`: distance between end and foot.
+    - `name`: name of the transition.
     """
 
     end: Point
@@ -98,17 +90,10 @@ class Joint:
 class Joined:
     """A body with a measured running surface.
 
-    Parameters
-    ----------
-    profile
-        The rail or wheel, to be used like a bundled one.
-    nominal
-        The rail or wheel whose body it has.
-    measured
-        The measured surface as it was placed.
-    joints
-        Both joints, in the direction of the outline.
-
+    - `profile`: the rail or wheel, to be used like a bundled one.
+    - `nominal`: the rail or wheel whose body it has.
+    - `measured`: the measured surface as it was placed.
+    - `joints`: both joints, in the direction of the outline.
     """
 
     profile: RailProfile | WheelProfile
@@ -204,11 +189,7 @@ def _fitted(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> t
 def nominal_profile(name: str) -> RailProfile | WheelProfile:
     """Return a bundled rail or wheel by a name such as ``136RE-8``; capital and small letters are the same.
 
-    Raises
-    ------
-    InputError
-        If there is none of that name.
-
+    An `InputError` if there is none of that name.
     """
     rail_name, _, radius = name.upper().partition("-")
     if rail_name == "136RE" and (not radius or name.upper() in CROWNED):
@@ -289,18 +270,10 @@ def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
 
     The cut is `PLAIN_CUT_MM` above the tape line, or 10 mm above the higher end of the surface if that is more.
 
-    For wheels different from all bundled ones: the stresses beside the contact are those of a block of steel.
+    For wheels different from all bundled ones: the stresses beside the contact are those of a block of steel. An
+    `InputError` if it is no wheel or no running surface, or the faces meet it.
 
-    Parameters
-    ----------
-    measured
-        Running surface of a wheel.
-
-    Raises
-    ------
-    InputError
-        If it is no wheel or no running surface, or the faces meet it.
-
+    - `measured`: running surface of a wheel.
     """
     if measured.kind != "wheel" or isinstance(measured.surface, Outline):
         raise InputError(f"a plain body for {measured.title}", "the running surface of a wheel", "leave it out")

@@ -40,15 +40,9 @@ _UPRIGHT = 0.18  # tangent of 10 degrees: a rounding of 20 mm goes on for 0.3 mm
 class WornSide:
     """Side of a rail's head that is worn more.
 
-    Parameters
-    ----------
-    name
-        ``"gauge side"`` (negative x) or ``"field side"``.
-    more_mm
-        How much more, > 0.
-    measure
-        What was compared.
-
+    - `name`: ``"gauge side"`` (negative x) or ``"field side"``.
+    - `more_mm`: how much more, > 0.
+    - `measure`: what was compared.
     """
 
     name: str
@@ -64,13 +58,8 @@ def measures(surface: Contour, kind: Kind) -> dict[str, float]:
     below it at `SIDE_MM` from the head's middle, and ``gauge_half_width_mm`` and ``field_half_width_mm`` at `HEAD_MM`
     from that middle, which lies between the faces as far down as both are seen, where no wheel wears them.
 
-    Parameters
-    ----------
-    surface
-        In this package's frame of a wheel or a rail.
-    kind
-        What it is.
-
+    - `surface`: in this package's frame of a wheel or a rail.
+    - `kind`: what it is.
     """
     points = surface.sampled(spacing=_SPACING_MM, max_deviation=1e-4)
     return _wheel(points) if kind == "wheel" else _rail(points)

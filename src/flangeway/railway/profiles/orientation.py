@@ -36,27 +36,16 @@ _HEAD_WIDTHS_MM = (45.0, 120.0)
 class Orientation:
     """How the numbers of a file were interpreted.
 
-    Parameters
-    ----------
-    kind
-        Rail or wheel.
-    unit
-        Unit of length of the file.
-    upwards
-        Whether the file's second coordinate points up.
-    mirrored
-        Whether the file's first coordinate was reversed.
-    reversed_order
-        Whether the order of the points was reversed.
-    origin
-        Where the file's (0, 0) lies.
-    tape_mm
-        Distance of a wheel's tape line from the flange's back; None for rails, and if neither user nor file gives it.
-    shift_mm
-        What was added to the points in mm, after mirrors.
-    how
-        Where each of these comes from: ``{"kind": "from the ending", ...}``.
-
+    - `kind`: rail or wheel.
+    - `unit`: unit of length of the file.
+    - `upwards`: whether the file's second coordinate points up.
+    - `mirrored`: whether the file's first coordinate was reversed.
+    - `reversed_order`: whether the order of the points was reversed.
+    - `origin`: where the file's (0, 0) lies.
+    - `tape_mm`: distance of a wheel's tape line from the flange's back; None for rails, and if neither user nor file
+      gives it.
+    - `shift_mm`: what was added to the points in mm, after mirrors.
+    - `how`: where each of these comes from: ``{"kind": "from the ending", ...}``.
     """
 
     kind: Kind
@@ -98,23 +87,14 @@ def orientation(
 ) -> tuple[Orientation, list[str]]:
     """Return the interpretation of a file, and notices of what was assumed or is unusual.
 
-    Parameters
-    ----------
-    raw
-        What was read.
-    unit, kind, origin, tape_mm
-        Options of the user; see `Orientation`. The origin may be two numbers as well, ``"X,Y"``: the place, in the
-        file's axes and unit, of the top's middle (rails) or of the tread at the tape line (wheels).
-    mirror
-        Whether to reverse the first coordinate.
-    flip
-        Whether to reverse the second coordinate of the file.
+    An `InputError` if the user, the file and the shape contradict each other, or something that is needed is missing.
 
-    Raises
-    ------
-    InputError
-        If the user, the file and the shape contradict each other, or something that is needed is missing.
-
+    - `raw`: what was read.
+    - `unit`, `kind`, `origin`, `tape_mm`: options of the user; see `Orientation`. The origin may be two numbers as
+      well, ``"X,Y"``: the place, in the file's axes and unit, of the top's middle (rails) or of the tread at the tape
+      line (wheels).
+    - `mirror`: whether to reverse the first coordinate.
+    - `flip`: whether to reverse the second coordinate of the file.
     """
     how: dict[str, str] = {}
     in_unit = agreed_unit(raw, unit)
@@ -160,11 +140,7 @@ def orientation(
 def agreed_unit(raw: RawProfile, unit: str | None) -> str:
     """Return the unit of a file: the one given, the file's own, or mm.
 
-    Raises
-    ------
-    InputError
-        If it is unknown, or the file has another one than the user.
-
+    An `InputError` if it is unknown, or the file has another one than the user.
     """
     for name in (unit, raw.unit):
         if name is not None and name not in UNITS_MM:

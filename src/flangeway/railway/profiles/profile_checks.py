@@ -37,23 +37,13 @@ def checked_points(
 ) -> tuple[FloatArray, Lines, list[str]]:
     """Return the points (n, 2) in mm that can be used, their lines (n,), and a notice of what was left out or bridged.
 
-    Parameters
-    ----------
-    points
-        Points (n, 2) in mm, in the order of the file.
-    lines
-        Line of the file of each.
-    unit_is_sure
-        Whether the unit was named; lengths of a profile in an assumed unit have to be usual ones.
-    drop_outliers
-        Whether single points off the curve are left out; else they are refused.
+    An `InputError` if there are too few points, the length is no profile's, points are out of order, a point is off the
+    curve, or a part is missing.
 
-    Raises
-    ------
-    InputError
-        If there are too few points, the length is no profile's, points are out of order, a point is off the curve, or
-        a part is missing.
-
+    - `points`: points (n, 2) in mm, in the order of the file.
+    - `lines`: line of the file of each.
+    - `unit_is_sure`: whether the unit was named; lengths of a profile in an assumed unit have to be usual ones.
+    - `drop_outliers`: whether single points off the curve are left out; else they are refused.
     """
     _refuse_few(points)
     refuse_length(points, unit_is_sure)
@@ -77,11 +67,7 @@ def _refuse_few(points: FloatArray) -> None:
 def refuse_length(points: FloatArray, unit_is_sure: bool) -> None:
     """Refuse points (n, 2) in mm along a curve that is far shorter or longer than any rail or wheel.
 
-    Raises
-    ------
-    InputError
-        If it is; the message names the unit that the file may have.
-
+    An `InputError` if it is; the message names the unit that the file may have.
     """
     low, high = LENGTHS_MM if unit_is_sure else USUAL_LENGTHS_MM
     # noise lengthens the path of dense points, the box does not

@@ -301,20 +301,13 @@ def profile_text(
 ) -> str:
     """Return a profile in the format of a file's ending; see `FORMATS`. CSV has lines and arcs, text two columns.
 
-    Parameters
-    ----------
-    profile
-        What to write.
-    ending
-        Ending of the file's name.
-    outline, outline_origin
-        Whole outline, and where its origin lies, to be written into CSV and DXF instead of the profile's surface.
+    An `InputError` if the ending is unknown, belongs to the other kind, or its format holds running surfaces but no
+    whole outline.
 
-    Raises
-    ------
-    InputError
-        If the ending is unknown, belongs to the other kind, or its format holds running surfaces but no whole outline.
-
+    - `profile`: what to write.
+    - `ending`: ending of the file's name.
+    - `outline`, `outline_origin`: whole outline, and where its origin lies, to be written into CSV and DXF instead of
+      the profile's surface.
     """
     if ending not in FORMATS:
         raise InputError(f"--to a file with the ending {ending!r}", ", ".join(FORMATS), "choose one of these formats")

@@ -68,23 +68,13 @@ _SAME_MM = 1e-9  # neighbours that differ by rounding are one point
 class Smoothing:
     """A smooth curve near measured points.
 
-    Parameters
-    ----------
-    points
-        Points (n, 2) on the curve that belong to the given ones.
-    curve
-        Arcs along the spline, within `ARC_TOLERANCE_MM` of it, in the direction of the points.
-    deviations_um
-        Signed distance (n,) of each given point from the curve, positive to the left of its direction.
-    wavelength_mm
-        Wavelength whose height is halved; 0 for a curve through all points.
-    limit_um
-        Maximum distance that was allowed.
-    noise_um
-        Noise of the points, estimated.
-    n_held
-        Number of points that were held to the limit.
-
+    - `points`: points (n, 2) on the curve that belong to the given ones.
+    - `curve`: arcs along the spline, within `ARC_TOLERANCE_MM` of it, in the direction of the points.
+    - `deviations_um`: signed distance (n,) of each given point from the curve, positive to the left of its direction.
+    - `wavelength_mm`: wavelength whose height is halved; 0 for a curve through all points.
+    - `limit_um`: maximum distance that was allowed.
+    - `noise_um`: noise of the points, estimated.
+    - `n_held`: number of points that were held to the limit.
     """
 
     points: FloatArray
@@ -131,13 +121,8 @@ def usual_wavelength_mm(noise_um: float, spacing_mm: float) -> float:
     has the wave number k, with a curvature of variance ``s^2 h k^5 / pi`` times the integral of
     ``t^4 / (1 + t^4)^2`` over all t > 0, which is 0.2777.
 
-    Parameters
-    ----------
-    noise_um
-        Standard deviation of the noise across the curve.
-    spacing_mm
-        Distance of neighbouring points.
-
+    - `noise_um`: standard deviation of the noise across the curve.
+    - `spacing_mm`: distance of neighbouring points.
     """
     variance = (1e-3 * noise_um) ** 2 * spacing_mm / math.pi * _GAIN_INTEGRAL
     if variance == 0.0:
@@ -151,23 +136,14 @@ def smoothed(
 ) -> Smoothing:
     """Return a smooth curve near points (n, 2) in mm.
 
-    Parameters
-    ----------
-    points
-        In order along the profile, neighbours differing.
-    wavelength_mm
-        Wavelength whose height is halved; 0 for a curve through all points; None for `usual_wavelength_mm` if their
-        noise is above `NOISE_UM`, else 0.
-    limit_um
-        Maximum deviation of any point; `USUAL_LIMIT_UM` or six times the noise if left out.
-    name
-        Name of the segments of the curve.
+    An `InputError` if there are fewer than `FEWEST_POINTS` points, a number is out of range, or the smooth curve meets
+    itself.
 
-    Raises
-    ------
-    InputError
-        If there are fewer than `FEWEST_POINTS` points, a number is out of range, or the smooth curve meets itself.
-
+    - `points`: in order along the profile, neighbours differing.
+    - `wavelength_mm`: wavelength whose height is halved; 0 for a curve through all points; None for
+      `usual_wavelength_mm` if their noise is above `NOISE_UM`, else 0.
+    - `limit_um`: maximum deviation of any point; `USUAL_LIMIT_UM` or six times the noise if left out.
+    - `name`: name of the segments of the curve.
     """
     low, high = WAVELENGTHS_MM
     if wavelength_mm is not None and wavelength_mm != 0.0 and not low <= wavelength_mm <= high:
@@ -292,21 +268,13 @@ def _lengths(points: FloatArray) -> FloatArray:
 def biarcs(curve: Curve, breaks: FloatArray, tolerance: float) -> list[Segment]:
     """Return arcs and lines along a curve, tangent to each other.
 
-    Parameters
-    ----------
-    curve
-        Smooth between the breaks; where the tangent jumps there must be a break, with the tangent of either side for
-        parameters inside it.
-    breaks
-        Parameters (n,), increasing; joints of the chain are at all of them.
-    tolerance
-        Maximum distance between curve and arcs.
+    An `InputError` if the curve turns so sharply that pieces of a thousandth of those between the breaks do not
+    suffice.
 
-    Raises
-    ------
-    InputError
-        If the curve turns so sharply that pieces of a thousandth of those between the breaks do not suffice.
-
+    - `curve`: smooth between the breaks; where the tangent jumps there must be a break, with the tangent of either side
+      for parameters inside it.
+    - `breaks`: parameters (n,), increasing; joints of the chain are at all of them.
+    - `tolerance`: maximum distance between curve and arcs.
     """
     found: list[Segment] = []
     for first, last in itertools.pairwise(breaks.tolist()):

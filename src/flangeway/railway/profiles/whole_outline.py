@@ -20,13 +20,8 @@ def whole_profile(measured: MeasuredProfile) -> RailProfile | WheelProfile:
 
     A rail's origin is put to the middle of its base. Its head reaches from the widest point of the upper part at one
     side over the top to that at the other; its base are the sides at the lowest height. A wheel's running surface is
-    all but the straight cut on top and the upright faces below it.
-
-    Raises
-    ------
-    InputError
-        If the file holds a running surface only, a rail has no flat base, or a wheel no level cut.
-
+    all but the straight cut on top and the upright faces below it. An `InputError` if the file holds a running surface
+    only, a rail has no flat base, or a wheel no level cut.
     """
     outline = measured.surface
     if not isinstance(outline, Outline):

@@ -39,18 +39,10 @@ MAX_LATERAL_MM = 50.0
 class RollingRadiusDifference:
     """Rolling radius of the right wheel less that of the left one; straight between the given points.
 
-    Parameters
-    ----------
-    lateral_mm
-        Lateral displacements to the right, increasing, (n,), n >= 2.
-    difference_mm
-        Differences there, (n,).
+    An `InputError` if the arrays differ in length, are too short, not finite, or the displacements do not increase.
 
-    Raises
-    ------
-    InputError
-        If the arrays differ in length, are too short, not finite, or the displacements do not increase.
-
+    - `lateral_mm`: lateral displacements to the right, increasing, (n,), n >= 2.
+    - `difference_mm`: differences there, (n,).
     """
 
     lateral_mm: Floats
@@ -118,13 +110,7 @@ class RollingRadiusDifference:
     def centred_mm(self) -> float:
         """Lateral displacement without a difference of the radii, about which the wheelset oscillates.
 
-        Of several the one nearest to zero.
-
-        Raises
-        ------
-        InputError
-            If the difference has no zero at which it grows.
-
+        Of several the one nearest to zero. An `InputError` if the difference has no zero at which it grows.
         """
         sides = np.flatnonzero(np.abs(self.difference_mm) > NO_DIFFERENCE_MM)
         signs = self.difference_mm[sides]
@@ -153,20 +139,12 @@ class RollingRadiusDifference:
 def read_rolling_radius_difference(file: str | Path, unit: str | None = None) -> RollingRadiusDifference:
     """Read lateral displacements and rolling radius differences from a text file of two columns.
 
-    Parameters
-    ----------
-    file
-        Lateral displacement to the right, and radius of the right wheel less that of the left one; separators, decimal
-        commas and comments as in profiles of two columns. Rows in either order.
-    unit
-        Unit of both columns, one of `flangeway.railway.profiles.orientation.UNITS_MM`; by default what the file says in
-        a comment such as ``# unit: mm`` or in the names of its columns such as ``y_mm, delta_r_mm``.
+    An `InputError` if the file cannot be read, names no unit, or does not hold a rolling radius difference.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, names no unit, or does not hold a rolling radius difference.
-
+    - `file`: lateral displacement to the right, and radius of the right wheel less that of the left one; separators,
+      decimal commas and comments as in profiles of two columns. Rows in either order.
+    - `unit`: unit of both columns, one of `flangeway.railway.profiles.orientation.UNITS_MM`; by default what the file
+      says in a comment such as ``# unit: mm`` or in the names of its columns such as ``y_mm, delta_r_mm``.
     """
     path = Path(file)
     try:
@@ -196,26 +174,13 @@ def equivalent_conicity(difference: RollingRadiusDifference, amplitudes_mm: Arra
     The motion between its ends y1 and y2 has a first integral, ``y'^2 / 2 + S(y) / (e r0)`` with S the integral of the
     difference. So the amplitude fixes both ends, ``y2 - y1 = 2 a`` and ``S(y1) = S(y2)``, and half a wave takes
     ``integral of dy / y'``. With straight pieces of the difference both are exact: jumps, given as two near points, do
-    no harm, and no step is chosen.
+    no harm, and no step is chosen. Returned: ``tan(gamma)`` for each amplitude, (n,); zero where there is no
+    difference, nan where the wheelset does not oscillate about the middle, because the difference pushes it away on the
+    whole. An `InputError` if an amplitude is not positive, or the motion leaves the range in which the difference is
+    given.
 
-    Parameters
-    ----------
-    difference
-        Rolling radius difference; it need not be symmetric.
-    amplitudes_mm
-        Half the width of the motion, > 0, (n,).
-
-    Returns
-    -------
-    Floats
-        ``tan(gamma)`` for each amplitude, (n,); zero where there is no difference, nan where the wheelset does not
-        oscillate about the middle, because the difference pushes it away on the whole.
-
-    Raises
-    ------
-    InputError
-        If an amplitude is not positive, or the motion leaves the range in which the difference is given.
-
+    - `difference`: rolling radius difference; it need not be symmetric.
+    - `amplitudes_mm`: half the width of the motion, > 0, (n,).
     """
     amplitudes = _checked(amplitudes_mm)
     middles = motion_middles(difference, amplitudes)
@@ -245,25 +210,12 @@ def conicity_by_regression(difference: RollingRadiusDifference, amplitudes_mm: A
     """Equivalent conicity as half the slope of the straight line that fits the difference best.
 
     Least squares over the whole width of the motion, ``-a`` to ``a`` about the position without difference, every
-    lateral displacement with the same weight; the integrals are exact for straight pieces.
+    lateral displacement with the same weight; the integrals are exact for straight pieces. Returned: half the slopes,
+    (n,). An `InputError` if an amplitude is not positive, or the width leaves the range in which the difference is
+    given.
 
-    Parameters
-    ----------
-    difference
-        Rolling radius difference.
-    amplitudes_mm
-        Half the width of the motion, > 0, (n,).
-
-    Returns
-    -------
-    Floats
-        Half the slopes, (n,).
-
-    Raises
-    ------
-    InputError
-        If an amplitude is not positive, or the width leaves the range in which the difference is given.
-
+    - `difference`: rolling radius difference.
+    - `amplitudes_mm`: half the width of the motion, > 0, (n,).
     """
     middle = difference.centred_mm
     slopes = []
@@ -282,15 +234,9 @@ def conicity_by_regression(difference: RollingRadiusDifference, amplitudes_mm: A
 def klingel_wavelength(conicity: ArrayLike, contact_distance_mm: float, radius_mm: float) -> Floats:
     """Wavelength of a wheelset of cones in mm (Klingel, 1883).
 
-    Parameters
-    ----------
-    conicity
-        ``tan(gamma)``, > 0.
-    contact_distance_mm
-        Distance of the two points of contact; 1500 mm for a gauge of 1435 mm.
-    radius_mm
-        Nominal rolling radius.
-
+    - `conicity`: ``tan(gamma)``, > 0.
+    - `contact_distance_mm`: distance of the two points of contact; 1500 mm for a gauge of 1435 mm.
+    - `radius_mm`: nominal rolling radius.
     """
     return 2.0 * math.pi * np.sqrt(contact_distance_mm * radius_mm / (2.0 * np.asarray(conicity, dtype=np.float64)))
 

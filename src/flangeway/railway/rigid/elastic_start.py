@@ -50,17 +50,11 @@ class RigidStart:
     Beyond the lateral displacement at which a rigid flange begins to climb it is where the flange does not climb yet:
     rigid rails would lift it by some millimetres, elastic ones deflect.
 
-    Parameters
-    ----------
-    geometry
-        Rigid geometry of the wheelset on its track.
-    starts
-        Displacements of the axle's middle in equilibrium, or perhaps so for elastic wheels: the one that is reached
-        first, then the others, and the middle of the track. At a prescribed lateral displacement: where the flange does
-        not climb yet, then, if that is elsewhere, at the lateral displacement itself.
-    equilibrium
-        All equilibria under the load; None at a prescribed lateral displacement.
-
+    - `geometry`: rigid geometry of the wheelset on its track.
+    - `starts`: displacements of the axle's middle in equilibrium, or perhaps so for elastic wheels: the one that is
+      reached first, then the others, and the middle of the track. At a prescribed lateral displacement: where the
+      flange does not climb yet, then, if that is elsewhere, at the lateral displacement itself.
+    - `equilibrium`: all equilibria under the load; None at a prescribed lateral displacement.
     """
 
     geometry: RigidGeometry
@@ -133,19 +127,11 @@ class RigidStart:
 def rigid_start(problem: WheelsetProblem, geometry: RigidGeometry | None = None) -> RigidStart:
     """Find the equilibrium that a rigid wheelset reaches from the middle of the track, or its prescribed position.
 
-    Parameters
-    ----------
-    problem
-        Wheelset, track, load and prescribed displacements.
-    geometry
-        Rigid geometry of this wheelset on this track, if it is there already.
+    An `InputError` if the wheels do not fit the rails, the load overturns the wheelset or carries a flange over its
+    rail, or a prescribed lateral displacement cannot be reached.
 
-    Raises
-    ------
-    InputError
-        If the wheels do not fit the rails, the load overturns the wheelset or carries a flange over its rail, or a
-        prescribed lateral displacement cannot be reached.
-
+    - `problem`: wheelset, track, load and prescribed displacements.
+    - `geometry`: rigid geometry of this wheelset on this track, if it is there already.
     """
     geometry = geometry or RigidGeometry.of(problem.track, problem.wheelset)
     lateral = problem.prescribed.lateral_mm

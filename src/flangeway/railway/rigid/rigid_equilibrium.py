@@ -38,25 +38,14 @@ _ONE_POINT_MM = 1e-2
 class RigidContactPoint:
     """A point of contact of a wheelset in equilibrium.
 
-    Parameters
-    ----------
-    side
-        Side of the track.
-    wheel_point_mm, rail_point_mm
-        In the frames of the profiles, in the right-hand form on both sides.
-    point_mm
-        In the track's axes.
-    contact_angle_rad
-        Angle of the common tangent from the track's plane, positive towards the flange.
-    rolling_radius_mm
-        Distance from the axle.
-    relative_curvature_per_mm
-        Sum of the curvatures of wheel and rail, convex positive.
-    normal_force_N
-        Force, >= 0.
-    ahead_mm
-        Longitudinal distance by which the point is ahead of the axle, zero without yaw.
-
+    - `side`: side of the track.
+    - `wheel_point_mm`, `rail_point_mm`: in the frames of the profiles, in the right-hand form on both sides.
+    - `point_mm`: in the track's axes.
+    - `contact_angle_rad`: angle of the common tangent from the track's plane, positive towards the flange.
+    - `rolling_radius_mm`: distance from the axle.
+    - `relative_curvature_per_mm`: sum of the curvatures of wheel and rail, convex positive.
+    - `normal_force_N`: force, >= 0.
+    - `ahead_mm`: longitudinal distance by which the point is ahead of the axle, zero without yaw.
     """
 
     side: Side
@@ -89,22 +78,13 @@ class RigidContactPoint:
 class RigidPosition:
     """A position in which the forces are in equilibrium.
 
-    Parameters
-    ----------
-    motion
-        Displacement of the axle's middle in the track's axes.
-    motion_in_space
-        Its horizontal and vertical components, and the roll.
-    contacts
-        Points of contact with a force, left side first.
-    stable
-        Whether the wheelset comes back after a small push.
-    residual
-        Equilibrium residual over the load; above `MAX_RESIDUAL` no compressive forces carry the load.
-    neutral_mm
-        Least and maximum lateral displacement of the axle's middle between which every position is in equilibrium, as
-        for cylinders; None where the equilibrium is a single position.
-
+    - `motion`: displacement of the axle's middle in the track's axes.
+    - `motion_in_space`: its horizontal and vertical components, and the roll.
+    - `contacts`: points of contact with a force, left side first.
+    - `stable`: whether the wheelset comes back after a small push.
+    - `residual`: equilibrium residual over the load; above `MAX_RESIDUAL` no compressive forces carry the load.
+    - `neutral_mm`: least and maximum lateral displacement of the axle's middle between which every position is in
+      equilibrium, as for cylinders; None where the equilibrium is a single position.
     """
 
     motion: WheelsetPosition
@@ -304,13 +284,8 @@ def _derivative(geometry: RigidGeometry, path: TouchingPositions, load: Wheelset
 def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
     """Lateral over vertical force at the centre of gravity in equilibrium at each position, nan where none is.
 
-    Parameters
-    ----------
-    geometry
-        Wheels and rails.
-    path
-        Positions in which both wheels touch.
-
+    - `geometry`: wheels and rails.
+    - `path`: positions in which both wheels touch.
     """
     lift, lateral = _work(geometry, path)
     return np.where(lateral > 1e-3, lift / np.where(lateral > 1e-3, lateral, 1.0), np.nan)

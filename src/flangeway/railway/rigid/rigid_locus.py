@@ -16,25 +16,15 @@ class SideLocus:
     Points in the frames of the profiles are in the right-hand form on both sides. Column 0 is the touch, further
     columns are the next smallest gaps, nan where there are none.
 
-    Parameters
-    ----------
-    side
-        Side of the track.
-    wheel_points_mm, rail_points_mm
-        In the frames of the profiles, shape (n, N_TOUCHES, 2).
-    gaps_mm
-        Vertical gap at these points, zero in column 0, inf where there is none, shape (n, N_TOUCHES).
-    contact_angles_rad
-        Angle of the common tangent from the track's plane, positive towards the flange, shape (n, N_TOUCHES).
-    rolling_radii_mm
-        Distance from the axle, shape (n, N_TOUCHES).
-    relative_curvatures_per_mm
-        Sum of the curvatures of wheel and rail, shape (n, N_TOUCHES).
-    points_mm
-        In the track's axes, shape (n, N_TOUCHES, 2); here the left side has negative x.
-    ahead_mm
-        Longitudinal distance by which the point is ahead of the axle, zero without yaw, shape (n, N_TOUCHES).
-
+    - `side`: side of the track.
+    - `wheel_points_mm`, `rail_points_mm`: in the frames of the profiles, shape (n, N_TOUCHES, 2).
+    - `gaps_mm`: vertical gap at these points, zero in column 0, inf where there is none, shape (n, N_TOUCHES).
+    - `contact_angles_rad`: angle of the common tangent from the track's plane, positive towards the flange, shape (n,
+      N_TOUCHES).
+    - `rolling_radii_mm`: distance from the axle, shape (n, N_TOUCHES).
+    - `relative_curvatures_per_mm`: sum of the curvatures of wheel and rail, shape (n, N_TOUCHES).
+    - `points_mm`: in the track's axes, shape (n, N_TOUCHES, 2); here the left side has negative x.
+    - `ahead_mm`: longitudinal distance by which the point is ahead of the axle, zero without yaw, shape (n, N_TOUCHES).
     """
 
     side: Side
@@ -57,15 +47,10 @@ class SideLocus:
 class ContactLocus:
     """Positions in which both wheels touch, and their points of contact.
 
-    Parameters
-    ----------
-    lateral_mm, vertical_mm, roll_rad
-        Displacement of the axle's middle from its reference position, each (n,); see `WheelsetPosition`.
-    rail_level_mm
-        Lateral displacement of the wheelset at the height of the rails, (n,).
-    left, right
-        Points of contact.
-
+    - `lateral_mm`, `vertical_mm`, `roll_rad`: displacement of the axle's middle from its reference position, each (n,);
+      see `WheelsetPosition`.
+    - `rail_level_mm`: lateral displacement of the wheelset at the height of the rails, (n,).
+    - `left`, `right`: points of contact.
     """
 
     lateral_mm: Floats
@@ -101,15 +86,10 @@ class ContactLocus:
 class ContactJump:
     """A position in which the point of contact of a side jumps: there it touches in two points.
 
-    Parameters
-    ----------
-    side
-        Side of the track.
-    motion
-        Displacement of the axle's middle.
-    wheel_points_mm, rail_points_mm
-        Both points in the frames of the profiles, that of the smaller lateral displacement first.
-
+    - `side`: side of the track.
+    - `motion`: displacement of the axle's middle.
+    - `wheel_points_mm`, `rail_points_mm`: both points in the frames of the profiles, that of the smaller lateral
+      displacement first.
     """
 
     side: Side

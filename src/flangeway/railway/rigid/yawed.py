@@ -33,23 +33,11 @@ _APART_MM = 1e-5
 def outline_across(profile: RigidCurve, yaw_rad: float) -> RigidCurve:
     """Outline of a yawed wheel in the longitudinal view.
 
-    Parameters
-    ----------
-    profile
-        About the middle of the axle: x along it to the field side, -y the rolling radius.
-    yaw_rad
-        Rotation about the axis that is normal to the axle and to the track; its sign does not matter.
+    Returned: about the middle of the axle: x across the track, y up. Without yaw the profile itself. An `InputError` if
+    the yaw is larger than `MAX_YAW_RAD`.
 
-    Returns
-    -------
-    RigidCurve
-        About the middle of the axle: x across the track, y up. Without yaw the profile itself.
-
-    Raises
-    ------
-    InputError
-        If the yaw is larger than `MAX_YAW_RAD`.
-
+    - `profile`: about the middle of the axle: x along it to the field side, -y the rolling radius.
+    - `yaw_rad`: rotation about the axis that is normal to the axle and to the track; its sign does not matter.
     """
     if not abs(yaw_rad) <= MAX_YAW_RAD:
         raise InputError(
@@ -73,18 +61,11 @@ def outline_across(profile: RigidCurve, yaw_rad: float) -> RigidCurve:
 def on_profile(across: Floats, height: Floats, angle: Floats, yaw_rad: float) -> tuple[Floats, Floats, Floats]:
     """Where points of the outline lie on the wheel.
 
-    Parameters
-    ----------
-    across, height, angle
-        Points of `outline_across` and angles of its tangent, any shape.
-    yaw_rad
-        The yaw; positive where this wheel is ahead of the other one.
+    Returned: position along the axle, rolling radius, and longitudinal distance by which the point is ahead of the
+    axle.
 
-    Returns
-    -------
-    tuple
-        Position along the axle, rolling radius, and longitudinal distance by which the point is ahead of the axle.
-
+    - `across`, `height`, `angle`: points of `outline_across` and angles of its tangent, any shape.
+    - `yaw_rad`: the yaw; positive where this wheel is ahead of the other one.
     """
     tangent = math.tan(yaw_rad)
     sine = -np.tan(np.arcsin(np.sin(angle) * math.cos(yaw_rad))) * tangent

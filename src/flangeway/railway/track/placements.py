@@ -24,15 +24,9 @@ SIDES: tuple[Side, Side] = ("left", "right")
 class UsualGauge:
     """A gauge, and the distance of the wheels' inner faces that goes with it.
 
-    Parameters
-    ----------
-    gauge_mm
-        Nominal gauge.
-    back_to_back_mm
-        Distance of the wheels' inner faces.
-    source
-        Where this is from.
-
+    - `gauge_mm`: nominal gauge.
+    - `back_to_back_mm`: distance of the wheels' inner faces.
+    - `source`: where this is from.
     """
 
     gauge_mm: float
@@ -56,11 +50,7 @@ GAUGE_OFF_MM = (-10.0, 35.0)
 def usual_gauge(gauge_mm: float) -> UsualGauge:
     """Return the usual gauge that a track is built to.
 
-    Raises
-    ------
-    InputError
-        If there is none near: the distance of the wheels is needed then.
-
+    An `InputError` if there is none near: the distance of the wheels is needed then.
     """
     near = min(USUAL_GAUGES, key=lambda each: abs(gauge_mm - each.gauge_mm))
     if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
@@ -270,11 +260,7 @@ FLANGE_MM = 10.0
 def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
     """Refuse wheels that stand beside their rails, and flanges that do not go between them, in the middle of the track.
 
-    Raises
-    ------
-    InputError
-        If gauge and distance of the wheels do not fit; the message says by how much.
-
+    An `InputError` if gauge and distance of the wheels do not fit; the message says by how much.
     """
     given = f"gauge_mm = {track.gauge_mm:g} and back_to_back_mm = {wheelset.back_to_back_mm:g} do not fit"
     allowed, room = "wheels that stand on the heads of the rails, with their flanges between these", 0.0

@@ -35,19 +35,11 @@ class FaceStresses:
     They are the strains of the mesh's edges times the plane modulus: nothing acts on the surface, so the other stress
     in the plane is zero.
 
-    Parameters
-    ----------
-    face
-        ``gauge`` or ``field`` side.
-    points_mm
-        Middles of the edges in the frame of the rail's profile, from the base up, shape (n, 2).
-    outwards
-        Unit normals out of the rail there, shape (n, 2).
-    stresses_MPa
-        Normal stress along the surface, tension positive, shape (n,).
-    web_MPa
-        That at the narrowest place of the web; nan if the surface does not pass it.
-
+    - `face`: ``gauge`` or ``field`` side.
+    - `points_mm`: middles of the edges in the frame of the rail's profile, from the base up, shape (n, 2).
+    - `outwards`: unit normals out of the rail there, shape (n, 2).
+    - `stresses_MPa`: normal stress along the surface, tension positive, shape (n,).
+    - `web_MPa`: that at the narrowest place of the web; nan if the surface does not pass it.
     """
 
     face: Face
@@ -72,23 +64,15 @@ class FaceStresses:
 class RailBending:
     """How a rail bends on its base.
 
-    Parameters
-    ----------
-    side
-        Side of the track.
-    head_motion
-        Rigid motion that fits best the displacement of the head, all that is above the ends of its running surface, by
-        its cells' areas: translation of the rail's top in the track's axes, and counter-clockwise rotation.
-    gauge_outward_mm
-        Motion of the fitted head at the height of the gauge away from the middle of the track.
-    web_height_mm, web_thickness_mm
-        Narrowest place of the web, above the base.
-    web_normal_N, web_shear_N, web_moment_Nmm
-        What the upper part does to the lower one there: force along the web (tension positive), force across it and
-        moment about the web's middle, in the frame of the rail's profile (x away from the track, counter-clockwise).
-    faces
-        Stresses of the gauge and the field side.
-
+    - `side`: side of the track.
+    - `head_motion`: rigid motion that fits best the displacement of the head, all that is above the ends of its running
+      surface, by its cells' areas: translation of the rail's top in the track's axes, and counter-clockwise rotation.
+    - `gauge_outward_mm`: motion of the fitted head at the height of the gauge away from the middle of the track.
+    - `web_height_mm`, `web_thickness_mm`: narrowest place of the web, above the base.
+    - `web_normal_N`, `web_shear_N`, `web_moment_Nmm`: what the upper part does to the lower one there: force along the
+      web (tension positive), force across it and moment about the web's middle, in the frame of the rail's profile (x
+      away from the track, counter-clockwise).
+    - `faces`: stresses of the gauge and the field side.
     """
 
     side: Side

@@ -108,15 +108,9 @@ def find_equilibrium(
     The search starts a little below a rigid equilibrium, where the forces have derivatives. Steps are limited; the
     limit grows while they lead on and shrinks when one makes the residual much worse.
 
-    Parameters
-    ----------
-    model, response
-        The wheelset and its bodies.
-    progress
-        Called with a sentence after each step.
-    start
-        A rigid equilibrium; the model's own by default.
-
+    - `model`, `response`: the wheelset and its bodies.
+    - `progress`: called with a sentence after each step.
+    - `start`: a rigid equilibrium; the model's own by default.
     """
     search = _Search(model, response, model.rigid_position if start is None else start)
     iteration = 0
@@ -236,17 +230,9 @@ def contact_at(
 ) -> ContactState:
     """Contact forces at a position of the wheelset, by adaptive steps from one before.
 
-    Parameters
-    ----------
-    model, response
-        The wheelset and its bodies.
-    position
-        The position.
-    before
-        A position and its contact forces.
-    start
-        Without one before: where the wheels only just touch; the model's rigid equilibrium by default.
-
+    - `model`, `response`: the wheelset and its bodies.
+    - `before`: a position and its contact forces.
+    - `start`: without one before: where the wheels only just touch; the model's rigid equilibrium by default.
     """
     origin, state = before if before is not None else (model.rigid_position if start is None else start, None)
     change = position.moved(origin, -1.0)

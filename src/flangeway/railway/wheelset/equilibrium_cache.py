@@ -25,15 +25,9 @@ SAME_FORCES = 1e-10
 class EquilibriumCache:
     """Stored equilibria of one model from some starts.
 
-    Parameters
-    ----------
-    cache
-        The user's cache, or None.
-    model, response
-        The wheelset and its bodies.
-    starts
-        Positions from which the searches start.
-
+    - `cache`: the user's cache, or None.
+    - `model`, `response`: the wheelset and its bodies.
+    - `starts`: positions from which the searches start.
     """
 
     cache: Cache | None

@@ -26,17 +26,11 @@ MAX_STEP = np.array([0.3, 0.3, 3e-4])
 class AxleLoads:
     """Loads of one wheelset or of many, each shape (...).
 
-    Parameters
-    ----------
-    along, onto
-        Force in the track's plane, to the right, and force onto it, in N; they act at the centre of gravity.
-    weight
-        Reference of the vertical residual in N.
-    height
-        Height of the centre of gravity above the axle in mm.
-    arm
-        Arm of the weight in the reference moment in mm: half of the distance between the wheels.
-
+    - `along`, `onto`: force in the track's plane, to the right, and force onto it, in N; they act at the centre of
+      gravity.
+    - `weight`: reference of the vertical residual in N.
+    - `height`: height of the centre of gravity above the axle in mm.
+    - `arm`: arm of the weight in the reference moment in mm: half of the distance between the wheels.
     """
 
     along: Floats
@@ -119,12 +113,8 @@ def residuals_of(
 ) -> tuple[Floats, RelativeResiduals]:
     """Residual of the wheelset's equilibrium and its relative values, in the current configuration.
 
-    Returns
-    -------
-    tuple
-        Lateral force, vertical force and moment about the axle's middle in the track's axes (N, N, N mm), and the
-        relative residuals.
-
+    Returned: lateral force, vertical force and moment about the axle's middle in the track's axes (N, N, N mm), and the
+    relative residuals.
     """
     problem = model.problem
     forces = np.where(model.moving[response.body_of_node][:, None], state.nodal_forces, 0.0)
@@ -157,13 +147,8 @@ def jacobian_of(
 def is_stable(model: WheelsetModel, jacobian: Floats) -> bool:
     """Whether a wheelset in equilibrium comes back after a small push: contact and load have a potential.
 
-    Parameters
-    ----------
-    model
-        The wheelset, nothing prescribed.
-    jacobian
-        Derivatives of the residual at the equilibrium.
-
+    - `model`: the wheelset, nothing prescribed.
+    - `jacobian`: derivatives of the residual at the equilibrium.
     """
     # in units of one length, so that the roll has the weight of the translations
     scale = np.diag([1.0, 1.0, 1.0 / model.problem.wheelset.back_to_back_mm])

@@ -34,13 +34,8 @@ SMOOTHED = 0.5
 class SubsurfaceExtreme:
     """Maximum stress below a contact.
 
-    Parameters
-    ----------
-    value_MPa
-        The stress in MPa, >= 0.
-    depth_mm
-        Its depth below the undeformed surface in mm.
-
+    - `value_MPa`: the stress in MPa, >= 0.
+    - `depth_mm`: its depth below the undeformed surface in mm.
     """
 
     value_MPa: float  # noqa: N815 (the unit megapascal)
@@ -100,15 +95,9 @@ def by_normal(line: StressLine) -> Stresses:
 def hertz_below(hertz: LineContact, depths_mm: Floats, poisson: float) -> Stresses:
     """Stresses of Hertz's line contact of half planes below its middle, in the axes of `by_normal`, plane strain.
 
-    Parameters
-    ----------
-    hertz
-        The contact (Johnson, 1985, 4.2).
-    depths_mm
-        Depths >= 0, shape (n,).
-    poisson
-        Poisson's ratio of the body.
-
+    - `hertz`: the contact (Johnson, 1985, 4.2).
+    - `depths_mm`: depths >= 0, shape (n,).
+    - `poisson`: Poisson's ratio of the body.
     """
     along, across, shear = hertz.stresses(0.0, depths_mm).T
     return Stresses(np.stack((along, across, shear, poisson * (along + across)), axis=1))
@@ -139,15 +128,9 @@ def maximum_on(depths: Floats, values: Floats, share: float = 1.0) -> Subsurface
 def maximum_of_lines(depths: Floats, values: Floats, share: float = 1.0) -> list[SubsurfaceExtreme]:
     """Return the largest value of each line, and where; smoothed by a cubic if that has a top.
 
-    Parameters
-    ----------
-    depths
-        Depths in mm, rising along each line, shape (m, n).
-    values
-        Stresses in MPa, shape (m, n), not-a-number outside of the body.
-    share
-        Part of each line's length, from its first point, on which the largest value is sought.
-
+    - `depths`: depths in mm, rising along each line, shape (m, n).
+    - `values`: stresses in MPa, shape (m, n), not-a-number outside of the body.
+    - `share`: part of each line's length, from its first point, on which the largest value is sought.
     """
     values = np.where(depths <= share * (1.0 + 1e-12) * depths[:, -1:], values, np.nan)
     places = np.nanargmax(values, axis=1)[:, None]

@@ -17,26 +17,17 @@ class SupportReaction:
 
     The bodies are linear: forces act on them at their undeformed nodes, and moments are of those.
 
-    Parameters
-    ----------
-    part
-        Name of the part: ``rail-left`` and so on.
-    side
-        Side of the track.
-    reference_mm
-        Point of the moments, axes of the track, shape (2,): the middle of a rail's base, the middle of the axle.
-    force_N
-        Force of the support on the part, axes of the track, shape (2,).
-    moment_Nmm
-        Moment of the support on the part, counter-clockwise.
-    contact_force_N
-        Resultant of the contact forces on the part, in the same axes.
-    eccentricity_mm
-        Place of the resultant along a rail's base from its middle, away from the track; nan for a wheel and without
-        a force across the base.
-    force_error, moment_residual
-        What is left of force and moment, over the contact force and over the sum of its nodes' forces times arms.
-
+    - `part`: name of the part: ``rail-left`` and so on.
+    - `side`: side of the track.
+    - `reference_mm`: point of the moments, axes of the track, shape (2,): the middle of a rail's base, the middle of
+      the axle.
+    - `force_N`: force of the support on the part, axes of the track, shape (2,).
+    - `moment_Nmm`: moment of the support on the part, counter-clockwise.
+    - `contact_force_N`: resultant of the contact forces on the part, in the same axes.
+    - `eccentricity_mm`: place of the resultant along a rail's base from its middle, away from the track; nan for a
+      wheel and without a force across the base.
+    - `force_error`, `moment_residual`: what is left of force and moment, over the contact force and over the sum of its
+      nodes' forces times arms.
     """
 
     part: str
@@ -97,13 +88,8 @@ def support_reactions(result: WheelsetResult) -> tuple[SupportReaction, ...]:
 class HoldingForce:
     """Force and moment on the wheelset where its position is prescribed, at the middle of the axle.
 
-    Parameters
-    ----------
-    lateral_N, vertical_N
-        Force on the wheelset, axes of the track: positive to the right and up.
-    moment_Nmm
-        Moment on the wheelset, counter-clockwise, about the middle of the axle.
-
+    - `lateral_N`, `vertical_N`: force on the wheelset, axes of the track: positive to the right and up.
+    - `moment_Nmm`: moment on the wheelset, counter-clockwise, about the middle of the axle.
     """
 
     lateral_N: float  # noqa: N815

@@ -22,13 +22,8 @@ from flangeway.types import Bools, Floats
 class Zone:
     """A stretch of a curve about some points.
 
-    Parameters
-    ----------
-    centres
-        Points on or near the curve in its frame, at least one.
-    reach
-        Length of the stretch beyond the first and the last of them, along the curve; infinite: all of it.
-
+    - `centres`: points on or near the curve in its frame, at least one.
+    - `reach`: length of the stretch beyond the first and the last of them, along the curve; infinite: all of it.
     """
 
     centres: tuple[tuple[float, float], ...]

@@ -33,21 +33,12 @@ LEAST_CURVATURE_PER_MM = 1e-4
 class WheelsetModel:
     """Meshed parts and their contacts.
 
-    Parameters
-    ----------
-    problem
-        What is modelled.
-    rigid_start
-        Equilibria of the rigid wheelset: the search for the elastic one starts there.
-    hertz
-        Hertz's contact of one wheel for half the load and the curvatures of the rigid contact: sets the zones.
-    system
-        The contacts of both sides.
-    parts
-        The placed parts by name: ``wheel-left``, ``rail-left``, ``wheel-right``, ``rail-right``.
-    zones
-        Candidate zone of each part by name, in the frame of its profile.
-
+    - `problem`: what is modelled.
+    - `rigid_start`: equilibria of the rigid wheelset: the search for the elastic one starts there.
+    - `hertz`: Hertz's contact of one wheel for half the load and the curvatures of the rigid contact: sets the zones.
+    - `system`: the contacts of both sides.
+    - `parts`: the placed parts by name: ``wheel-left``, ``rail-left``, ``wheel-right``, ``rail-right``.
+    - `zones`: candidate zone of each part by name, in the frame of its profile.
     """
 
     problem: WheelsetProblem

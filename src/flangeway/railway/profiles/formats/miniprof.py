@@ -27,18 +27,10 @@ _REFERENCE = "".join(
 def read_miniprof(text: str, kind: Kind) -> RawProfile:
     """Return the profile in a MiniProf file.
 
-    Parameters
-    ----------
-    text
-        Contents of the file.
-    kind
-        From the ending of its name.
+    An `InputError` if it has several profiles, no columns X and Y, no points, or not as many points as its header.
 
-    Raises
-    ------
-    InputError
-        If it has several profiles, no columns X and Y, no points, or not as many points as its header.
-
+    - `text`: contents of the file.
+    - `kind`: from the ending of its name.
     """
     lines = text.splitlines()
     if any(line.strip().startswith("[FileInfo]") for line in lines[:_N_FIRST_LINES]):
@@ -120,17 +112,10 @@ def write_miniprof(points: FloatArray, kind: Kind, title: str, back_mm: float = 
 
     Rails: from the top, second column up. Wheels: from the flange's back, second column towards the flange's tip.
 
-    Parameters
-    ----------
-    points
-        In this package's frame of a rail's running surface or a wheel.
-    kind
-        What it is.
-    title
-        Goes into ``MPDN``.
-    back_mm
-        Distance of the flange's back from the tape line of a wheel; goes into ``WheelDiameterTaperline``.
-
+    - `points`: in this package's frame of a rail's running surface or a wheel.
+    - `kind`: what it is.
+    - `title`: goes into ``MPDN``.
+    - `back_mm`: distance of the flange's back from the tape line of a wheel; goes into ``WheelDiameterTaperline``.
     """
     shown = points if kind == "rail" else points * [1.0, -1.0] + [back_mm, 0.0]
     tape = f"WheelDiameterTaperline={back_mm!r}\n" if kind == "wheel" else ""

@@ -28,33 +28,18 @@ MAX_COORDINATE = 1e6
 class RawProfile:
     """Points or segments of a profile in the file's own unit and axes.
 
-    Parameters
-    ----------
-    points
-        Points (n, 2) in the order of the file: lateral coordinate, vertical coordinate.
-    lines
-        Line of the file that holds each point (n,), for messages.
-    unit
-        Unit of length that the file names, None if it names none.
-    kind
-        ``"rail"`` or ``"wheel"`` if the file declares it.
-    kind_is_sure
-        Whether the file declares it inside, not only by its name.
-    upwards
-        Whether the second coordinate points up, None if the file does not declare it.
-    mirrored
-        Whether the file declares that it has to be mirrored to be a right-hand profile.
-    origin
-        Where the file's (0, 0) lies, if the file declares it.
-    tape_mm
-        Distance of the tape line from the flange's back, if the file declares it.
-    title
-        Name or comment in the file.
-    contour
-        Exact lines and arcs, in the order of `points` (their joints), instead of measured points.
-    notices
-        What the reader left out or assumed, in sentences.
-
+    - `points`: points (n, 2) in the order of the file: lateral coordinate, vertical coordinate.
+    - `lines`: line of the file that holds each point (n,), for messages.
+    - `unit`: unit of length that the file names, None if it names none.
+    - `kind`: ``"rail"`` or ``"wheel"`` if the file declares it.
+    - `kind_is_sure`: whether the file declares it inside, not only by its name.
+    - `upwards`: whether the second coordinate points up, None if the file does not declare it.
+    - `mirrored`: whether the file declares that it has to be mirrored to be a right-hand profile.
+    - `origin`: where the file's (0, 0) lies, if the file declares it.
+    - `tape_mm`: distance of the tape line from the flange's back, if the file declares it.
+    - `title`: name or comment in the file.
+    - `contour`: exact lines and arcs, in the order of `points` (their joints), instead of measured points.
+    - `notices`: what the reader left out or assumed, in sentences.
     """
 
     points: FloatArray
@@ -74,11 +59,7 @@ class RawProfile:
 def numbered_points(rows: Sequence[tuple[int, float, float]]) -> tuple[FloatArray, NDArray[np.int64]]:
     """Return points (n, 2) and their lines (n,) from rows of line, x and y.
 
-    Raises
-    ------
-    InputError
-        If there is no row, or a number is not finite or absurdly large; the message names the line.
-
+    An `InputError` if there is no row, or a number is not finite or absurdly large; the message names the line.
     """
     if not rows:
         raise InputError("a file without points", "one point a line: two numbers", "check that the file is whole")
@@ -106,14 +87,7 @@ def leading_numbers(line: str) -> list[float]:
 
 
 def number_of(text: str, what: str, line: int) -> float:
-    """Return a number from the header of a file.
-
-    Raises
-    ------
-    InputError
-        If the text is no finite number.
-
-    """
+    """Return a number from the header of a file. An `InputError` if the text is no finite number."""
     try:
         value = float(text)
     except ValueError:

@@ -39,13 +39,8 @@ def is_segment_csv(text: str) -> bool:
 def read_segment_csv(text: str) -> RawProfile:
     """Return the chain of lines and arcs in a CSV file; for its columns see `flangeway.formats.outline_csv`.
 
-    The comments of `flangeway.railway.profiles.formats.two_column` are read as well.
-
-    Raises
-    ------
-    InputError
-        If a column or number is missing or wrong, or the segments are no chain.
-
+    The comments of `flangeway.railway.profiles.formats.two_column` are read as well. An `InputError` if a column or
+    number is missing or wrong, or the segments are no chain.
     """
     lines = text.splitlines()
     comments = [line if line.strip().startswith("#") else "#" for line in lines]
@@ -62,11 +57,7 @@ def read_segment_csv(text: str) -> RawProfile:
 def read_dxf_profile(content: bytes) -> RawProfile:
     """Return the one chain of lines and arcs in the model space of a DXF drawing, open or closed.
 
-    Raises
-    ------
-    InputError
-        If it is no DXF drawing, holds other curves, or its lines and arcs are not one chain.
-
+    An `InputError` if it is no DXF drawing, holds other curves, or its lines and arcs are not one chain.
     """
     drawing = outline_dxf.open_drawing(content)
     with outline_dxf.damage_reported():

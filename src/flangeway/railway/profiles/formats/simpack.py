@@ -31,18 +31,10 @@ _MM_PER_M = 1000.0
 def read_simpack(text: str, kind: Kind) -> RawProfile:
     """Return the profile in a Simpack file, processed as the file asks.
 
-    Parameters
-    ----------
-    text
-        Contents of the file.
-    kind
-        From the ending of its name.
+    An `InputError` if sections are missing, the type is another one than that of the ending, or a number is wrong.
 
-    Raises
-    ------
-    InputError
-        If sections are missing, the type is another one than that of the ending, or a number is wrong.
-
+    - `text`: contents of the file.
+    - `kind`: from the ending of its name.
     """
     keys: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []

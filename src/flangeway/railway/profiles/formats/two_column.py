@@ -40,11 +40,7 @@ _ORIGINS = (*RAIL_ORIGINS, *WHEEL_ORIGINS)
 def read_two_column(text: str) -> RawProfile:
     """Return the profile that a text of two columns holds; see the module for what is read.
 
-    Raises
-    ------
-    InputError
-        If a line is neither a comment nor a point, or a comment has a value that is not allowed.
-
+    An `InputError` if a line is neither a comment nor a point, or a comment has a value that is not allowed.
     """
     header: dict[str, tuple[int, str]] = {}
     rows: list[tuple[int, float, float]] = []
