@@ -23,7 +23,7 @@ second value is for an edge with the point itself: it exceeds that of a sharp co
 CLASS_FACTOR = 4.0  # edges of one spatial index differ in size by this factor at most
 
 
-def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float) -> tuple[Ints, Ints]:
+def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float | Floats) -> tuple[Ints, Ints]:
     """All pairs of edges whose bounding boxes, those of the secondary enlarged by ``reach``, touch or overlap.
 
     Edges are sorted into classes of size with a spatial index each, so that a few long ones do not slow the search.
@@ -33,7 +33,7 @@ def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float
     secondary_edges, primary_edges
         Positions of the edges' nodes, shapes (n, k + 1, 2) and (m, j + 1, 2); boxes are those of the nodes.
     reach
-        Length >= 0 by which boxes are enlarged on all sides; infinity pairs all with all.
+        Length >= 0 by which boxes are enlarged on all sides, one or one an edge (n,); infinity pairs all with all.
 
     Returns
     -------
@@ -42,11 +42,13 @@ def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float
 
     """
     sides = [_boxes(edges) for edges in (secondary_edges, primary_edges)]
+    reaches = np.broadcast_to(reach, len(secondary_edges))
+    reach = float(reaches.max(initial=0.0))
     if not np.isfinite(reach) or len(secondary_edges) * len(primary_edges) <= FEW_PAIRS:
         near = np.ones((len(secondary_edges), len(primary_edges)), dtype=np.bool_)
         for axis in range(2):
             (middles, halves), (others, other_halves) = ((side[0][:, axis], side[1][:, axis]) for side in sides)
-            near &= np.abs(middles[:, None] - others) <= (halves + reach)[:, None] + other_halves
+            near &= np.abs(middles[:, None] - others) <= (halves + reaches)[:, None] + other_halves
         i, j = np.nonzero(near)
         return i, j
     classes = [_size_classes(half.max(axis=1), reach) for _, half in sides]
@@ -60,7 +62,7 @@ def candidate_pairs(secondary_edges: Floats, primary_edges: Floats, reach: float
             found.append((mine[close["i"]], theirs[close["j"]]))
     i, j = (np.concatenate([pair[side] for pair in found]) for side in range(2))
     apart = np.abs(sides[0][0][i] - sides[1][0][j]) - sides[0][1][i] - sides[1][1][j]
-    close = (apart <= reach).all(axis=1)
+    close = (apart <= reaches[i, None]).all(axis=1)
     i, j = i[close], j[close]
     order = np.lexsort((j, i))
     return i[order], j[order]
@@ -118,9 +120,8 @@ def leads_out(
 ) -> NDArray[np.bool_]:
     """Whether points of a surface lie behind edges of another one that they did not enter through.
 
-    The far sides of two slender bodies side by side face each other through both bodies. The vector from a point to
-    such an edge crosses another edge of the point's own surface or of the other one. A point that is deep behind an
-    edge, over its length, and much nearer to another edge entered through the latter.
+    The far sides of two slender bodies side by side face each other through both bodies: the vector to such an edge
+    crosses another edge. A point deep behind an edge, over its length, and much nearer to another one entered there.
 
     Parameters
     ----------
@@ -138,24 +139,28 @@ def leads_out(
     far = np.flatnonzero(depths > ZERO_DEPTH * float(np.linalg.norm(own[0][:, -1] - own[0][:, 0], axis=1).max()))
     if len(far) == 0:
         return result
-    points, vectors, depths = points[far], vectors[far], depths[far]
-    crossed, apart = _crossed(points, vectors, own[0], own[1][far])
-    nearer = (np.where(own[1][far], OWN_EDGE, OTHER_EDGE) * apart).min(axis=1) < depths
-    through = crossed.any(axis=1) | _crossed(points, vectors, other[0], other[1][far])[0].any(axis=1)
-    result[far] = through | (nearer & (depths > DEEP * sizes[far]))
+    ways = np.stack((points[far], points[far] + vectors[far]), axis=1)
+    through, nearer = np.zeros(len(far), dtype=np.bool_), np.zeros(len(far), dtype=np.bool_)
+    of, edges = candidate_pairs(ways, own[0][:, [0, -1]], depths[far] / OTHER_EDGE)
+    on = own[1][far[of], edges]
+    crossed, apart = _crossed(ways[of], own[0][edges])
+    through[of[crossed & ~on]] = True
+    nearer[of[np.where(on, OWN_EDGE, OTHER_EDGE) * apart < depths[far[of]]]] = True
+    of, edges = candidate_pairs(ways, other[0][:, [0, -1]], 0.0)
+    crossed, _ = _crossed(ways[of], other[0][edges])
+    through[of[crossed & ~other[1][far[of], edges]]] = True
+    result[far] = through | (nearer & (depths[far] > DEEP * sizes[far]))
     return result
 
 
-def _crossed(
-    points: Floats, vectors: Floats, edges: Floats, but: NDArray[np.bool_]
-) -> tuple[NDArray[np.bool_], Floats]:
-    """Which other edges the vectors from points, each (n, 2), cross, and the distances of their ends from the edges."""
+def _crossed(ways: Floats, edges: Floats) -> tuple[NDArray[np.bool_], Floats]:
+    """Whether straight ways (n, 2, 2) cross the edges beside them, and the distances of their ends from these, (n,)."""
     starts, chords = edges[:, 0], edges[:, -1] - edges[:, 0]
-    on_vector, on_edge = crossing_shares(points[:, None], vectors[:, None], starts, chords)
-    crossed = (on_vector > 0.0) & (on_vector < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0) & ~but
-    beyond = vectors[:, None] - (starts - points[:, None])
-    share = np.einsum("nei,ei->ne", beyond, chords) / (chords**2).sum(axis=1)
-    return crossed, np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[..., None] * chords, axis=2)
+    on_way, on_edge = crossing_shares(ways[:, 0], ways[:, 1] - ways[:, 0], starts, chords)
+    crossed = (on_way > 0.0) & (on_way < 1.0 - ZERO_DEPTH) & (on_edge >= 0.0) & (on_edge <= 1.0)
+    beyond = ways[:, 1] - starts
+    share = (beyond * chords).sum(axis=1) / (chords**2).sum(axis=1)
+    return crossed, np.linalg.norm(beyond - np.clip(share, 0.0, 1.0)[:, None] * chords, axis=1)
 
 
 class _Chords:

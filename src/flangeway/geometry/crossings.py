@@ -79,6 +79,12 @@ def first_crossing(segments: Sequence[Segment], *, closed: bool, tolerance: floa
         later = slice(i + 1, n)
         beside = np.all((low[later] <= high[i]) & (low[i] <= high[later]), axis=1)
         for j in (i + 1 + np.flatnonzero(beside)).tolist():
+            # the boxes of most neighbours have the joint's surroundings alone in common
+            if (
+                j == i + 1
+                and float((np.minimum(high[i], high[j]) - np.maximum(low[i], low[j])).max()) < 500 * tolerance
+            ):
+                continue
             found = meetings(segments[i], segments[j], tolerance)
             joints = [segments[i].end] if j == i + 1 else []
             if closed and i == 0 and j == n - 1:

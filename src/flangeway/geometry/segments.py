@@ -8,6 +8,7 @@ import itertools
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
@@ -25,6 +26,13 @@ RADIUS_TOLERANCE = 1e-5
 def _parameters(s: ArrayLike) -> Floats:
     """Return the parameters as an array (n,)."""
     return np.atleast_1d(np.asarray(s, dtype=np.float64))
+
+
+def _fixed(rows: list[list[float]]) -> Floats:
+    """Return an array that is kept and therefore cannot be changed."""
+    array = np.array(rows)
+    array.flags.writeable = False
+    return array
 
 
 def _right_of(tangents: Floats) -> Floats:
@@ -60,12 +68,11 @@ class Line:
         object.__setattr__(self, "end", as_point(self.end, "end of a line"))
         _refuse_zero_length("line", self.start, self.end)
 
-    @property
+    @cached_property
     def _step(self) -> Floats:
-        step: Floats = np.array(self.end) - np.array(self.start)
-        return step
+        return _fixed([[self.end[0] - self.start[0], self.end[1] - self.start[1]]])[0]
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length."""
         return math.dist(self.start, self.end)
@@ -75,11 +82,11 @@ class Line:
         """Zero."""
         return 0.0
 
-    @property
+    @cached_property
     def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2)."""
-        ends = np.array([self.start, self.end])
-        return np.array([ends.min(axis=0), ends.max(axis=0)])
+        (a, b), (c, d) = self.start, self.end
+        return _fixed([[min(a, c), min(b, d)], [max(a, c), max(b, d)]])
 
     def point(self, s: ArrayLike) -> Floats:
         """Return the points (n, 2) at the parameters (n,)."""
@@ -166,17 +173,17 @@ class Arc:
         for name, value in (("start", start), ("end", end), ("centre", centre)):
             object.__setattr__(self, name, value)
 
-    @property
+    @cached_property
     def radius(self) -> float:
         """Radius, positive."""
         return math.dist(self.start, self.centre)
 
-    @property
+    @cached_property
     def start_angle(self) -> float:
         """Angle of the start about the centre, in (-pi, pi]."""
         return math.atan2(self.start[1] - self.centre[1], self.start[0] - self.centre[0])
 
-    @property
+    @cached_property
     def sweep(self) -> float:
         """Angle travelled: in (0, 2 pi) if counter-clockwise, in (-2 pi, 0) if clockwise."""
         a = (self.start[0] - self.centre[0], self.start[1] - self.centre[1])
@@ -187,7 +194,7 @@ class Arc:
             return turn if turn > 0.0 else turn + 2.0 * math.pi
         return turn if turn < 0.0 else turn - 2.0 * math.pi
 
-    @property
+    @cached_property
     def length(self) -> float:
         """Length along the arc."""
         return self.radius * abs(self.sweep)
@@ -197,17 +204,17 @@ class Arc:
         """``1 / radius``, positive if counter-clockwise (convex on an outline)."""
         return math.copysign(1.0 / self.radius, self.sweep)
 
-    @property
+    @cached_property
     def bounds(self) -> Floats:
         """Lower-left and upper-right corner (2, 2), with the extremes between the ends."""
         quarter = 0.5 * math.pi
         low, high = sorted((self.start_angle, self.start_angle + self.sweep))
         # a pole at an end is the end itself, without rounding
         first, last = math.ceil(low / quarter + 1e-9), math.floor(high / quarter - 1e-9)
-        quarters = np.arange(first, last + 1)
-        poles = np.array([[1, 0], [0, 1], [-1, 0], [0, -1]])[quarters % 4]
-        candidates = np.vstack([self.start, self.end, np.array(self.centre) + self.radius * poles])
-        return np.array([candidates.min(axis=0), candidates.max(axis=0)])
+        poles = [((1, 0), (0, 1), (-1, 0), (0, -1))[number % 4] for number in range(first, last + 1)]
+        x, y = ([c + self.radius * pole[axis] for pole in poles] for axis, c in enumerate(self.centre))
+        x, y = ([*found, self.start[axis], self.end[axis]] for axis, found in enumerate((x, y)))
+        return _fixed([[min(x), min(y)], [max(x), max(y)]])
 
     def point(self, s: ArrayLike) -> Floats:
         """Return the points (n, 2) at the parameters (n,); the ends are returned exactly."""
