@@ -13,23 +13,23 @@ MAX_FILES = 20
 MAX_LINES = {
     "": 410,
     "system": 730,
-    "exact": 870,
+    "exact": 740,
     "geometry": 1345,
     "mesh": 2610,
     "formats": 2050,
     "elements": 1380,
-    "space": 640,
+    "space": 630,
     "materials": 400,
     "problems": 2170,
-    "solve": 2950,
-    "contact": 3360,
+    "solve": 2785,
+    "contact": 4230,
     "post": 1770,
     "railway.profiles": 3420,
     "railway.track": 620,
     "railway.rigid": 2030,
     "railway.wheelset": 1790,
     "railway.positions": 2630,
-    "railway.spatial": 260,
+    "railway.spatial": 80,
     "cases": 6010,
     "campaign": 1860,
     "report": 5970,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_360
-MAX_FILES_OF_ALL = 295
+MAX_LINES_OF_ALL = 51_750
+MAX_FILES_OF_ALL = 296
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -1,0 +1,340 @@
+"""Contact patch of two prisms or bodies of revolution in three dimensions."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.ndimage
+
+from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
+from flangeway.contact.patch.patch_body import PatchBody
+from flangeway.contact.patch.patch_grid import LEAST_ACROSS, USUAL_ACROSS, GridGaps, PatchGrid, gaps_of, grid_of
+from flangeway.errors import InputError
+from flangeway.solve import ComplianceTable, Status, SurfaceCells, compliance_table
+from flangeway.types import Bools, Floats
+
+CHANGE = 1e-9
+"""Change of the forces, over their sum, at which the iteration ends: single pressures are then within 1e-7."""
+LEAST_WAVENUMBER = 1e-4
+"""Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
+LONGER_EDGE = 1.05
+"""Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
+MOST_GRIDS = 4
+
+Progress = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class ContactEllipse:
+    """One patch: its resultant, and the ellipse with the same second moments of pressure as Hertz's.
+
+    Parameters
+    ----------
+    force
+        Resultant on the second body, shape (2,).
+    centre
+        Centre of pressure (x, y, z), shape (3,).
+    semi_axes
+        Longer and shorter semi-axis of the ellipse under a Hertzian pressure with the patch's second moments.
+    angle_rad
+        From z to the longer semi-axis, towards the first body's tangent (counter-clockwise seen from above for a flat
+        body: z up, x to the left), within pi / 2.
+    max_pressure
+        Maximum mean pressure of a cell.
+    area
+        Of the cells under pressure.
+    cells
+        Maximum numbers of them across and along z.
+
+    """
+
+    force: Floats
+    centre: Floats
+    semi_axes: tuple[float, float]
+    angle_rad: float
+    max_pressure: float
+    area: float
+    cells: tuple[int, int]
+
+
+@dataclass(frozen=True, eq=False)
+class PatchContact:
+    """Pressures of two bodies on each other.
+
+    Parameters
+    ----------
+    pair
+        The bodies on their grid; ``pair.press`` solves for other loads.
+    contact
+        Forces on the cells, gaps of the deformed surfaces, and how the iteration ended; its ``approach`` is from the
+        position as given.
+
+    """
+
+    pair: "PatchPair"
+    contact: NormalContact
+
+    @property
+    def status(self) -> Status:
+        """How the iteration ended, with the errors of the solution."""
+        status = self.contact.status
+        return Status(
+            status.converged,
+            f"{status.message}; gaps under pressure up to {self.closed_error:.1e} and overlaps elsewhere up to "
+            f"{self.overlap:.1e} of the approach",
+            status.iterations,
+        )
+
+    @cached_property
+    def pressures(self) -> Floats:
+        """Mean pressures of the cells, shape (n_cells, n_strips)."""
+        grid = self.pair.grid
+        return self.contact.forces / (grid.widths[:, None] * grid.strip)
+
+    @property
+    def approach(self) -> float:
+        """Approach along y from the position in which the rigid surfaces touch first."""
+        return self.contact.approach - self.pair.gaps.first_touch
+
+    @property
+    def closed_error(self) -> float:
+        """Maximum gap under pressure over the approach."""
+        return float(np.abs(self.contact.gaps[self.loaded]).max(initial=0.0)) / max(self.approach, 1e-300)
+
+    @property
+    def overlap(self) -> float:
+        """Maximum overlap without pressure over the approach."""
+        return float(-self.contact.gaps[~self.loaded].min(initial=0.0)) / max(self.approach, 1e-300)
+
+    @property
+    def loaded(self) -> Bools:
+        """Cells under pressure, shape (n_cells, n_strips)."""
+        return self.contact.forces > 0.0
+
+    @property
+    def force(self) -> Floats:
+        """Resultant on the second body, shape (2,)."""
+        total: Floats = self.contact.forces.sum(axis=1) @ self.pair.gaps.normals
+        return total
+
+    @cached_property
+    def patches(self) -> list[ContactEllipse]:
+        """Separate patches, by falling force."""
+        labels, count = scipy.ndimage.label(self.loaded, structure=np.ones((3, 3)))
+        found = [self._ellipse(labels == number) for number in range(1, count + 1)]
+        return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
+
+    def _ellipse(self, inside: Bools) -> ContactEllipse:
+        grid, gaps = self.pair.grid, self.pair.gaps
+        forces = np.where(inside, self.contact.forces, 0.0)
+        total = float(forces.sum())
+        along, across = grid.along, (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
+        by_cell, by_strip = forces.sum(axis=1) / total, forces.sum(axis=0) / total
+        s, z = across - by_cell @ across, along - by_strip @ along
+        # a cell's own second moments are those of its area
+        mixed = float(s @ forces @ z) / total
+        moments = np.array(
+            [[by_strip @ z**2 + grid.strip**2 / 12.0, mixed], [mixed, by_cell @ (s**2 + grid.widths**2 / 12.0)]]
+        )
+        values, vectors = np.linalg.eigh(moments)
+        direction = vectors[:, 1] * (1.0 if vectors[0, 1] >= 0.0 else -1.0)
+        return ContactEllipse(
+            forces.sum(axis=1) @ gaps.normals,
+            np.append(by_cell @ gaps.points, by_strip @ along),
+            (float(np.sqrt(5.0 * values[1])), float(np.sqrt(5.0 * values[0]))),
+            float(np.arctan2(direction[1], direction[0])),
+            float(self.pressures[inside].max()),
+            float((inside * grid.widths[:, None]).sum() * grid.strip),
+            (int(inside.sum(axis=0).max()), int(inside.sum(axis=1).max())),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class PatchPair:
+    """Two bodies on a grid, ready to be pressed together.
+
+    Parameters
+    ----------
+    first, second
+        The bodies; the grid is on the first one, the second one is above it.
+    grid
+        The cells.
+    tolerance
+        See `flangeway.solve.compliance_table`.
+    progress
+        Called with a sentence at each stage.
+
+    """
+
+    first: PatchBody
+    second: PatchBody
+    grid: PatchGrid
+    tolerance: float = 1e-3
+    progress: Progress = lambda _: None
+
+    @cached_property
+    def gaps(self) -> GridGaps:
+        """Gaps as the bodies are placed."""
+        found = gaps_of(self.first, self.second, self.grid)
+        if not (np.isfinite(found.values).all() and np.isfinite(found.others).all()):
+            raise InputError(
+                f"a window of {np.ptp(self.grid.bounds):.4g} by {self.grid.strip * self.grid.n_strips:.4g} beyond the "
+                f"contact surface of {self.second.name!r}",
+                "a window within the contact surfaces of both bodies",
+                "give a smaller window, or longer contact surfaces",
+            )
+        return found
+
+    @cached_property
+    def tables(self) -> tuple[ComplianceTable, ComplianceTable]:
+        """Compliances of the first and the second body on the cells."""
+        first, second = (
+            self._table(*each) for each in ((self.first, self.grid.bounds), (self.second, self.gaps.others))
+        )
+        return first, second
+
+    def _table(self, body: PatchBody, bounds: Floats) -> ComplianceTable:
+        if body.placement.mirrored:
+            bounds = body.length - bounds  # the same places in the body's own direction
+        cells = SurfaceCells(body.problem, body.edges, np.sort(bounds))
+        longest, narrowest = cells.longest_edge, float(self.grid.widths.min())
+        if longest > LONGER_EDGE * narrowest:
+            raise InputError(
+                f"cells of {narrowest:.3g} on edges of the mesh of {body.name!r} of up to {longest:.3g}",
+                "edges no longer than the cells",
+                f"refine the mesh along the contact surface to {narrowest:.2g}, or take larger cells",
+            )
+        self.progress(f"compliance of {body.name} at many wavenumbers")
+        return compliance_table(cells, LEAST_WAVENUMBER, 2.0 * np.pi / self.grid.strip, self.tolerance)
+
+    def backwards(self, which: int) -> bool:
+        """Whether the cells of the first (0) or second (1) body's table run against those of the grid."""
+        body, bounds = ((self.first, self.grid.bounds), (self.second, self.gaps.others))[which]
+        return bool(bounds[-1] < bounds[0]) != body.placement.mirrored
+
+    @cached_property
+    def influence(self) -> Convolution:
+        """Normal displacements of both bodies together by normal forces."""
+        total = np.zeros((self.grid.n_strips, len(self.grid.widths), len(self.grid.widths)))
+        for which, table in enumerate(self.tables):
+            found = table.influence(self.grid.strip, self.grid.n_strips, axes=(1,))
+            total += found[:, ::-1, ::-1] if self.backwards(which) else found
+        return Convolution(total)
+
+    def press(
+        self, *, force: float | None = None, approach: float | None = None, start: Floats | None = None
+    ) -> PatchContact:
+        """Find the pressures.
+
+        Parameters
+        ----------
+        force, approach
+            Force on the second body along -y, or approach from first touch: one of them.
+        start
+            Forces to start from, as from another load, shape (n_cells, n_strips).
+
+        Raises
+        ------
+        InputError
+            If the force is not positive, or neither or both are given.
+
+        """
+        whole = None if approach is None else approach + self.gaps.first_touch
+        return PatchContact(
+            self,
+            solve_normal(
+                self.influence,
+                self.gaps.values,
+                force=force,
+                approach=whole,
+                share=self.gaps.normals[:, 1:],
+                start=start,
+                tolerance=CHANGE,
+            ),
+        )
+
+
+def press_patch(
+    first: PatchBody,
+    second: PatchBody,
+    *,
+    force: float | None = None,
+    approach: float | None = None,
+    grid: PatchGrid | None = None,
+    tolerance: float = 1e-3,
+    progress: Progress = lambda _: None,
+) -> PatchContact:
+    """Press two bodies together along y and find the pressures between them.
+
+    ``press_patch(lower, upper, force=100e3)`` chooses the cells itself. ``found.patches[0]`` has semi-axes and maximum
+    pressure; ``found.pair.press(force=..., start=found.contact.forces)`` solves for another load on the same cells.
+    A grid of one's own is `PatchGrid`.
+
+    Parameters
+    ----------
+    first
+        The lower body, which the cells are on.
+    second
+        The upper body.
+    force
+        Force on the upper body along -y. Along x it is held.
+    approach
+        Instead of the force: approach from the position in which the rigid surfaces touch first.
+    grid
+        The cells; left out: 26 cells or more across each patch, and a window that is enlarged when the patch reaches
+        its edge.
+    tolerance
+        See `flangeway.solve.compliance_table`.
+    progress
+        Called with a sentence at each stage.
+
+    Raises
+    ------
+    InputError
+        If the force is not positive, the bodies touch nowhere, the patch reaches the edge of a given window or of a
+        contact surface, the given cells are too large for it, or the meshes are coarser than the cells.
+
+    """
+    if (force is None) == (approach is None) or not ((force or 0.0) > 0.0 or (approach or 0.0) > 0.0):
+        raise InputError(
+            f"force={force} and approach={approach}",
+            "a force > 0, or an approach > 0: otherwise the second body lifts off",
+            "give one of them",
+        )
+    chosen = grid or grid_of(first, second, force=force, approach=approach)
+    for attempt in range(MOST_GRIDS):
+        found = PatchPair(first, second, chosen, tolerance, progress).press(force=force, approach=approach)
+        if not found.loaded.any():
+            raise InputError("bodies that do not touch", "an approach that closes the gap", "give a larger one")
+        at_edge = _at_edge(found.loaded)
+        across = min(min(each.cells) for each in found.patches)
+        if not at_edge.any() and across >= LEAST_ACROSS:
+            break
+        better = chosen.changed(np.where(at_edge, 1.5, 1.0), min(across / USUAL_ACROSS, 1.0), first.length)
+        if grid is not None or attempt == MOST_GRIDS - 1:
+            _refuse(chosen, at_edge, across)
+        progress("a larger window" if at_edge.any() else "smaller cells")
+        chosen = better
+    return found
+
+
+def _at_edge(loaded: Bools) -> Bools:
+    """Whether a patch reaches the edge of the window across, and along z, shape (2,)."""
+    return np.array([loaded[[0, -1]].any(), loaded[:, [0, -1]].any()])
+
+
+def _refuse(grid: PatchGrid, at_edge: Bools, across: int) -> None:
+    cell = min(float(grid.widths.min()), grid.strip)
+    if at_edge.any():
+        raise InputError(
+            f"a contact patch that reaches the edge of its window of {np.ptp(grid.bounds):.4g} by "
+            f"{grid.strip * grid.n_strips:.4g}",
+            "a larger window",
+            "give a larger one, or leave it out",
+        )
+    raise InputError(
+        f"cells of {cell:.3g}: {across} across the patch",
+        f"{LEAST_ACROSS} or more",
+        f"take cells of {cell * across / (LEAST_ACROSS + 1):.2g}, or leave the grid out",
+    )

@@ -1,0 +1,341 @@
+"""Grid of a contact patch: cells across on the first body, strips along z, and the gaps of two bodies on them."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+import scipy.ndimage
+
+from flangeway.contact.patch.normal_contact import Convolution, solve_normal
+from flangeway.contact.patch.patch_body import PatchBody, cast, points_along, stations_of
+from flangeway.errors import InputError
+from flangeway.types import Bools, Floats
+
+LEAST_ACROSS = 20
+"""Cells across the patch from which semi-axes are within 0.3 % of Hertz's."""
+USUAL_ACROSS = 26
+"""Cells across the patch that are chosen."""
+MOST_CELLS = 300
+"""Cells across that are chosen at most: the influence coefficients need their square."""
+LENGTHENED = 3.0
+"""Longer side over shorter side of a cell, at most."""
+MARGIN = 0.25
+"""Width of the window beyond the patch, on each side, over the patch."""
+COARSE = 32
+"""Cells of each direction while the window is sought."""
+FILLED = 0.4
+"""Part of the window that the patch must fill in both directions while it is sought."""
+MOST_WINDOWS = 60
+STEEP = 0.05
+"""Component of the normal along the load, below which a cell is not where bodies touch first."""
+
+
+@dataclass(frozen=True, eq=False)
+class PatchGrid:
+    """Cells of a contact patch.
+
+    Parameters
+    ----------
+    bounds
+        Ends of the cells as lengths along the first body's meshed surface in the common axes, rising, (n_cells + 1,).
+    strip
+        Width of the strips along z.
+    n_strips
+        Number of strips.
+    middle
+        z of the middle of all strips.
+
+    """
+
+    bounds: Floats
+    strip: float
+    n_strips: int
+    middle: float = 0.0
+
+    @property
+    def along(self) -> Floats:
+        """Middles of the strips, shape (n_strips,)."""
+        return self.middle + self.strip * (np.arange(self.n_strips, dtype=np.float64) - (self.n_strips - 1) / 2.0)
+
+    @property
+    def widths(self) -> Floats:
+        """Widths of the cells across, shape (n_cells,)."""
+        return np.diff(self.bounds)
+
+    def changed(self, larger: Floats, finer: float, length: float) -> "PatchGrid":
+        """Even cells in a window larger by factors (2,) on a surface of a length, with cells smaller by one factor."""
+        middle, half = (self.bounds[0] + self.bounds[-1]) / 2.0, larger[0] * np.ptp(self.bounds) / 2.0
+        low, high = np.clip([middle - half, middle + half], 0.0, length)
+        cell, strip = finer * np.ptp(self.bounds) / len(self.widths), finer * self.strip
+        whole = larger[1] * self.strip * self.n_strips
+        n_strips = int(np.ceil(whole / strip - 1e-9))
+        return PatchGrid(
+            np.linspace(low, high, int(np.ceil((high - low) / cell - 1e-9)) + 1), strip, n_strips, self.middle
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class GridGaps:
+    """Gaps of two bodies on a grid.
+
+    Parameters
+    ----------
+    points
+        Middles of the cells, shape (n_cells, 2).
+    normals
+        Outward normals of the first body there, shape (n_cells, 2).
+    values
+        Gaps along the normals, positive where open, infinite where there is no second body, (n_cells, n_strips).
+    others
+        Ends of the cells as lengths along the second body's meshed surface in the common axes, shape (n_cells + 1,).
+
+    """
+
+    points: Floats
+    normals: Floats
+    values: Floats
+    others: Floats
+
+    @cached_property
+    def first_touch(self) -> float:
+        """Approach along y at which the rigid surfaces touch."""
+        open_to_load = self.normals[:, 1] > STEEP
+        return float((self.values[open_to_load] / self.normals[open_to_load, 1:]).min(initial=np.inf))
+
+
+def gaps_of(first: PatchBody, second: PatchBody, grid: PatchGrid) -> GridGaps:
+    """Gaps between the drawn surfaces of two bodies along the normals of the first one.
+
+    Raises
+    ------
+    InputError
+        If the grid is larger than the first body's surface.
+
+    """
+    length = first.length
+    if grid.bounds[0] < 0.0 or grid.bounds[-1] > length:
+        raise InputError(
+            f"a window from {grid.bounds[0]:.4g} to {grid.bounds[-1]:.4g} on the contact surface of {first.name!r}, "
+            f"which is {length:.4g} long",
+            "a window within the surface",
+            "give a narrower window, or a longer contact surface",
+        )
+    ends, end_normals = points_along(first.chain, grid.bounds)
+    _, others = cast(ends, end_normals, second.chain)
+    middles = (ends[1:] + ends[:-1]) / 2.0
+    normals = end_normals[1:] + end_normals[:-1]
+    normals /= np.linalg.norm(normals, axis=1)[:, None]
+    values = np.empty((len(middles), grid.n_strips))
+    bodies = (first, second)
+    straight = all(body.axis is None or body.axis.yaw_rad == 0.0 for body in bodies)
+    planes, numbers = np.unique(np.round(np.abs(grid.along) if straight else grid.along, 12), return_inverse=True)
+    nearby = [_near(body, ends, end_normals, grid) for body in bodies]
+    prisms = [
+        cast(ends, end_normals, body.drawn[part])[0] if body.axis is None else None
+        for body, part in zip(bodies, nearby, strict=True)
+    ]
+    for number, z in enumerate(planes.tolist()):
+        low, high = (
+            cast(ends, end_normals, body.section(z, part))[0] if prism is None else prism
+            for body, prism, part in zip(bodies, prisms, nearby, strict=True)
+        )
+        met = np.isfinite(low) & np.isfinite(high)
+        found = np.where(met, high, np.inf) - np.where(met, low, 0.0)
+        values[:, numbers == number] = ((found[1:] + found[:-1]) / 2.0)[:, None]
+    return GridGaps(middles, normals, values, others)
+
+
+def _near(body: PatchBody, points: Floats, normals: Floats, grid: PatchGrid) -> slice:
+    """Points of a drawn surface that the window's rays can meet in any of its planes."""
+    distances, _ = cast(points, normals, body.drawn)
+    met = np.isfinite(distances)
+    if not met.any():
+        return slice(None)
+    hits = points[met] + distances[met, None] * normals[met]
+    reach = float(np.ptp(grid.bounds) + np.abs(grid.along).max())
+    inside = (body.drawn > hits.min(axis=0) - reach) & (body.drawn < hits.max(axis=0) + reach)
+    at = np.flatnonzero(inside.all(axis=1))
+    return slice(max(int(at[0]) - 1, 0), int(at[-1]) + 2) if len(at) else slice(None)
+
+
+def grid_about(first: PatchBody, second: PatchBody, cell: float, window: tuple[float, float]) -> PatchGrid:
+    """Square cells in a window, width and length along z, about the place where the sections are closest."""
+    n_cells, n_strips = (int(np.ceil(length / cell)) for length in window)
+    station = _first_station(first, second)
+    bounds: Floats = station + cell * (np.arange(n_cells + 1, dtype=np.float64) - n_cells / 2.0)
+    return PatchGrid(bounds, cell, n_strips)
+
+
+def grid_of(
+    first: PatchBody,
+    second: PatchBody,
+    *,
+    force: float | None = None,
+    approach: float | None = None,
+    across: int = USUAL_ACROSS,
+) -> PatchGrid:
+    """Window about the patch, and cells in it, from the contact of half-spaces with the bodies' gaps.
+
+    Parameters
+    ----------
+    first, second
+        The bodies, the second one above.
+    force, approach
+        Force along y, or approach from first touch: one of them.
+    across
+        Number of cells across the patch in each direction, but for cells that are three times as long as wide.
+
+    Raises
+    ------
+    InputError
+        If nothing touches, or the patch reaches the end of a surface.
+
+    """
+    limits = np.array([[0.0, first.length], [-np.inf, np.inf]])
+    modulus = 1.0 / sum(1.0 / _plane_modulus(body) for body in (first, second))
+    reach = np.sqrt((force or 0.0) / modulus if approach is None else approach * first.length / 64.0)
+    station = _first_station(first, second)
+    window: Floats = np.array([[station - reach, station + reach], [-reach, reach]])
+    for _ in range(MOST_WINDOWS):
+        window = np.clip(window, limits[:, :1], limits[:, 1:])
+        sizes = np.ptp(window, axis=1)
+        grid = PatchGrid(
+            np.linspace(window[0, 0], window[0, 1], COARSE + 1), sizes[1] / COARSE, COARSE, float(window[1].mean())
+        )
+        gaps = gaps_of(first, second, grid)
+        loaded = half_space_forces(grid, gaps, modulus, force=force, approach=approach) > 0.0
+        patch = np.array([_extent(used, side) for used, side in zip(_sides(loaded), window, strict=True)])
+        cut = ((patch == window) & (window != limits)).any(axis=1)
+        extents = np.ptp(patch, axis=1)
+        small = extents < FILLED * sizes
+        if not (cut | small).any():
+            break
+        half = np.where(cut, 0.75 * sizes, np.where(small, extents, sizes / 2.0))[:, None]
+        centre = np.where(cut | small, patch.mean(axis=1), window.mean(axis=1))[:, None]
+        window = centre + half * [-1.0, 1.0]
+    met = np.isfinite(gaps.values)
+    free = met.min(axis=1), met.min(axis=0)
+    room = np.array([_extent(_run(*each), side) for *each, side in zip(free, _sides(loaded), window, strict=True)])
+    if cut.any() or (patch <= room[:, :1]).any() or (patch >= room[:, 1:]).any():
+        raise InputError(
+            f"a contact patch of {extents[0]:.4g} by {extents[1]:.4g} that reaches the end of the contact surface of "
+            f"{first.name!r} or {second.name!r}",
+            "a patch inside of both surfaces",
+            "lower the force, name more edges as contact surfaces, or check the positions of the bodies",
+        )
+    narrowest = np.min([np.ptp(each, axis=1) for each in boxes_of(loaded, window)], axis=0)
+    # cells are not smaller than the edges below them, if enough of them fit
+    low, high = np.clip(patch + MARGIN * extents[:, None] * [-1.0, 1.0], room[:, :1], room[:, 1:]).T
+    others = np.interp([low[0], high[0]], grid.bounds, gaps.others)
+    longest = max(first.longest_edge(low[0], high[0]), second.longest_edge(*np.sort(others)))
+    cells = np.maximum(narrowest / across, [min(longest, narrowest[0] / (LEAST_ACROSS + 2)), 0.0])
+    cells = np.minimum(cells, LENGTHENED * cells.min())
+    counts = np.ceil((high - low) / cells - 1e-9).astype(int)
+    if counts[0] > MOST_CELLS:
+        raise InputError(
+            f"{counts[0]} cells across: patches of {narrowest[0]:.3g} on {extents[0]:.3g}",
+            f"up to {MOST_CELLS} cells",
+            "give the grid of each patch by itself",
+        )
+    return PatchGrid(
+        np.linspace(low[0], high[0], counts[0] + 1),
+        float(high[1] - low[1]) / counts[1],
+        int(counts[1]),
+        float(high[1] + low[1]) / 2.0,
+    )
+
+
+def half_space_forces(
+    grid: PatchGrid, gaps: GridGaps, modulus: float, *, force: float | None = None, approach: float | None = None
+) -> Floats:
+    """Forces on the cells if both bodies were half-spaces of a contact modulus, shape (n_cells, n_strips).
+
+    Raises
+    ------
+    InputError
+        If nothing touches.
+
+    """
+    met = np.isfinite(gaps.values)
+    if not met.any() or not np.isfinite(gaps.first_touch):
+        raise InputError(
+            "two bodies of which none is above the other",
+            "contact surfaces that face each other along y",
+            "move the bodies over each other, or name other contact surfaces",
+        )
+    far = 10.0 * np.ptp(gaps.values[met]) + np.ptp(gaps.points) + (approach or 0.0)
+    values = np.where(met, gaps.values, gaps.values[met].max() + far)
+    apart = np.linalg.norm(gaps.points[:, None] - gaps.points[None], axis=2)
+    along = grid.strip * np.arange(grid.n_strips)[:, None, None]
+    half, step = grid.widths / 2.0, grid.strip / 2.0
+    # Love (1929): the middle of a cell by a uniform pressure on another one, from corner to corner
+    found = sum(
+        sign * x * np.arcsinh(z / np.abs(x)) + sign * z * np.arcsinh(x / np.abs(z))
+        for sign, x, z in (
+            (1.0, apart + half, along + step),
+            (-1.0, apart - half, along + step),
+            (-1.0, apart + half, along - step),
+            (1.0, apart - half, along - step),
+        )
+    )
+    influence = Convolution(found / (np.pi * modulus * grid.strip * grid.widths))
+    whole = None if approach is None else approach + gaps.first_touch
+    return solve_normal(
+        influence, values, force=force, approach=whole, share=gaps.normals[:, 1:], tolerance=1e-3
+    ).forces
+
+
+def _plane_modulus(body: PatchBody) -> float:
+    """E / (1 - nu^2) of an isotropic body; of others that along y in the plane y, z."""
+    compliance = np.linalg.inv(body.problem.elasticity.materials[0].full_matrix)
+    return float(1.0 / (compliance[1, 1] - compliance[1, 2] ** 2 / compliance[2, 2]))
+
+
+def _first_station(first: PatchBody, second: PatchBody) -> float:
+    """Length along the first body's surface at which the sections are closest along y."""
+    ends = stations_of(first.chain)
+    stations = np.unique(np.concatenate((ends, np.linspace(0.0, ends[-1], 8 * COARSE))))
+    points, normals = points_along(first.chain, stations)
+    low, high = (cast(points, normals, body.drawn)[0] for body in (first, second))
+    usable = np.isfinite(low) & np.isfinite(high) & (normals[:, 1] > STEEP)
+    if not usable.any():
+        raise InputError(
+            f"{second.name!r} which is nowhere above {first.name!r}",
+            "contact surfaces that face each other along y",
+            "move the bodies over each other, or name other contact surfaces",
+        )
+    return float(stations[usable][((high - low) / normals[:, 1])[usable].argmin()])
+
+
+def _extent(used: Bools, side: Floats) -> Floats:
+    """Ends of the used ones of equal pieces of a side."""
+    at = np.flatnonzero(used)
+    return side[0] + (side[1] - side[0]) / len(used) * np.array([at[0], at[-1] + 1])
+
+
+def _sides(cells: Bools) -> tuple[Bools, Bools]:
+    """In which rows and in which strips there are some of the cells."""
+    return cells.max(axis=1), cells.max(axis=0)
+
+
+def _run(usable: Bools, loaded: Bools) -> Bools:
+    """The run of usable rows about the loaded ones, these at least."""
+    at = np.flatnonzero(loaded)
+    gaps = np.flatnonzero(~usable)
+    low, high = gaps[gaps < at[0]].max(initial=-1), gaps[gaps > at[-1]].min(initial=len(usable))
+    numbers = np.arange(len(usable))
+    return (numbers > low) & (numbers < high)
+
+
+def boxes_of(loaded: Bools, window: Floats) -> list[Floats]:
+    """Ends of each separate patch across and along z, (2, 2) each, in a window (2, 2) of equal cells."""
+    labels, _ = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
+    return [
+        np.array(
+            [
+                [side[0] + np.ptp(side) * at / n for at in (place.start, place.stop)]
+                for place, side, n in zip(places, window, loaded.shape, strict=True)
+            ]
+        )
+        for places in scipy.ndimage.find_objects(labels)
+    ]

@@ -1,0 +1,151 @@
+"""Contact patches of prisms and bodies of revolution in three dimensions."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+from scipy.special import ellipe, ellipk
+
+from flangeway.contact.patch.patch_body import Axis, PatchBody
+from flangeway.contact.patch.patch_contact import PatchContact, press_patch
+from flangeway.contact.patch.patch_grid import grid_about
+from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Line, Outline, Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import Refinement, dual, triangulate
+from flangeway.problems import Elasticity, Harmonic
+from flangeway.space import Space
+
+STEEL = Elastic(210e3, 0.3)
+FORCE = 20e3
+HALF, HEIGHT = 15.0, 25.0
+
+
+def block(
+    crown: float | None, size: float = 0.3, element: Element | None = None, *, zone: float = 5.0, **placed
+) -> PatchBody:
+    """A block below y = 0 whose top is an arc of a radius, or flat, held at its base."""
+    element = element or Lagrange(2)
+    drop = 0.0 if crown is None else np.sqrt(crown**2 - HALF**2) - crown
+    left, right = (-HALF, drop), (HALF, drop)
+    top = Line(right, left) if crown is None else Arc(right, left, (0.0, -crown), counter_clockwise=True)
+    sides = [Line((-HALF, -HEIGHT), (HALF, -HEIGHT)), Line((HALF, -HEIGHT), right), top, Line(left, (-HALF, -HEIGHT))]
+    outline = Outline.from_segments(sides, ["base", "right", "top", "left"])
+    mesh = triangulate(outline, size=6.0, refinements=[Refinement(np.array([[-zone, 0.0], [zone, 0.0]]), size, 0.3)])
+    if isinstance(element, Virtual):
+        mesh = dual(mesh)
+    problem = Harmonic(Elasticity(Space(mesh, element), STEEL, name="block"), held={"base": "xyz"})
+    return PatchBody(problem, "top", outline.part(["top"]), **placed)
+
+
+TURNED = Placement(np.pi)
+
+
+def hertz(one: float, other: float, force: float, angle: float = np.pi / 2.0) -> tuple[float, float, float]:
+    """Longer and shorter semi-axis, and largest pressure, of cylinders of two radii whose axes cross."""
+    modulus = STEEL.plane_modulus / 2.0
+    total = 0.5 * (1.0 / one + 1.0 / other)
+    difference = 0.5 * np.sqrt(1 / one**2 + 1 / other**2 + 2.0 / (one * other) * np.cos(2.0 * angle))
+    smaller, larger = total - difference, total + difference
+    if difference < 1e-12:
+        radius = (3.0 * force / (4.0 * modulus * total)) ** (1.0 / 3.0)
+        return radius, radius, 1.5 * force / (np.pi * radius**2)
+
+    def ratio(square: float) -> float:
+        return (ellipe(square) / (1.0 - square) - ellipk(square)) / (ellipk(square) - ellipe(square))
+
+    square = brentq(lambda m: ratio(m) - larger / smaller, 1e-9, 1.0 - 1e-9)
+    long = (3.0 * force * ellipe(square) / (2.0 * np.pi * modulus * (1.0 - square) * total)) ** (1.0 / 3.0)
+    short = long * np.sqrt(1.0 - square)
+    return long, short, 1.5 * force / (np.pi * long * short)
+
+
+def check(found: PatchContact, wanted: tuple[float, float, float], axes: float, pressure: float) -> None:
+    assert found.status.converged
+    assert len(found.patches) == 1
+    np.testing.assert_allclose(found.patches[0].semi_axes, wanted[:2], rtol=axes)
+    assert found.pressures.max() == pytest.approx(wanted[2], rel=pressure)
+    assert found.force[1] == pytest.approx(FORCE, rel=1e-9)
+    assert found.pressures.min() >= 0.0
+    assert found.closed_error < 1e-6
+    assert found.overlap < 1e-6
+
+
+@pytest.mark.parametrize(
+    ("crown", "radius", "size", "element"),
+    [(40.0, 200.0, 0.11, Lagrange(2)), (100.0, 30.0, 0.14, Virtual(1))],
+)
+def test_a_roller_on_a_crowned_prism_touches_as_hertz_says(crown, radius, size, element) -> None:
+    """With the grid and the window that are chosen: semi-axes and the largest pressure within 1 %."""
+    roller = block(None, size, element, placement=TURNED, axis=Axis((0.0, -radius)))
+    found = press_patch(block(crown, size, element), roller, force=FORCE, tolerance=1e-2)
+    check(found, hertz(crown, radius, FORCE), 1e-2, 1e-2)
+    assert found.patches[0].angle_rad == pytest.approx(0.0 if crown < radius else np.pi / 2.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("angle", [90.0, 45.0])
+def test_crossed_cylinders_touch_as_hertz_says(angle) -> None:
+    """A cylinder across a prism at an angle: semi-axes and pressure within 1 %, the patch turned as its principal axes.
+
+    The longer axis lies between the axes of the cylinders, for equal radii in the middle.
+    """
+    turned = np.deg2rad(90.0 - angle)
+    cylinder = block(None, 0.08, placement=TURNED, axis=Axis((0.0, -50.0), (-1.0, 0.0), turned))
+    found = press_patch(block(50.0, 0.08), cylinder, force=FORCE, tolerance=1e-2)
+    check(found, hertz(50.0, 50.0, FORCE, np.deg2rad(angle)), 1e-2, 1e-2)
+    if angle < 90.0:
+        assert abs(found.patches[0].angle_rad) == pytest.approx(np.deg2rad(angle) / 2.0, abs=0.01)
+
+
+def test_patches_are_equal_under_mirror_and_under_exchange_of_the_bodies() -> None:
+    """Both bodies mirrored: equal to 1e-7 of the pressure; upside down with the bodies exchanged: 1e-3."""
+    lower = block(40.0, 0.12, placement=Placement.about((0.0, 0.0), 0.02))
+    upper = block(None, 0.12, placement=TURNED, axis=Axis((0.0, -60.0)))
+    grid = grid_about(lower, upper, 0.15, (4.5, 6.0))
+    found = press_patch(lower, upper, force=FORCE, grid=grid, tolerance=1e-2)
+    # x -> -x after the rotation about the origin is x -> -x before the opposite one
+    mirror = [
+        PatchBody(body.problem, body.surface, body.curve, Placement(-body.placement.rotation_rad, mirrored=True), axis)
+        for body, axis in ((lower, None), (upper, upper.axis))
+    ]
+    mirrored = press_patch(*mirror, force=FORCE, grid=grid_about(*mirror, 0.15, (4.5, 6.0)), tolerance=1e-2)
+    peak = found.pressures.max()
+    np.testing.assert_allclose(mirrored.pressures[::-1], found.pressures, atol=1e-4 * peak)
+    over = Placement(np.pi)
+    upside = [PatchBody(b.problem, b.surface, b.curve, over.after(b.placement), b.axis) for b in (upper, lower)]
+    exchanged = press_patch(*upside, force=FORCE, grid=grid_about(*upside, 0.15, (4.5, 6.0)), tolerance=1e-2)
+    np.testing.assert_allclose(exchanged.patches[0].semi_axes, found.patches[0].semi_axes, rtol=2e-3)
+    assert exchanged.pressures.max() == pytest.approx(peak, rel=2e-3)
+    assert exchanged.approach == pytest.approx(found.approach, rel=1e-3)
+
+
+def test_other_loads_start_from_a_solution_and_an_approach_gives_its_force() -> None:
+    """From half the load in fewer iterations the same pressures; the approach of a force gives this force again."""
+    upper = block(None, 0.15, placement=TURNED, axis=Axis((0.0, -60.0)))
+    found = press_patch(block(60.0, 0.15), upper, force=FORCE, tolerance=1e-2)
+    more = found.pair.press(force=1.05 * FORCE)
+    warm = found.pair.press(force=1.05 * FORCE, start=found.contact.forces)
+    np.testing.assert_allclose(warm.pressures, more.pressures, atol=1e-5 * more.pressures.max())
+    assert warm.status.iterations < more.status.iterations
+    again = found.pair.press(approach=found.approach)
+    assert again.force[1] == pytest.approx(FORCE, rel=1e-6)
+
+
+def test_what_cannot_be_pressed_is_refused() -> None:
+    """Windows, cells, meshes, loads and positions that do not fit end in errors that say what to do."""
+    lower, upper = block(60.0, 0.25), block(None, 0.25, placement=TURNED, axis=Axis((0.0, -60.0)))
+    beside = block(None, 0.25, placement=Placement(np.pi, (200.0, 0.0)))
+    for words, bodies, load, grid in (
+        ("lifts off", (lower, upper), -FORCE, None),
+        ("nowhere above", (lower, beside), FORCE, None),
+        ("reaches the end of the contact surface", (lower, upper), 1e4 * FORCE, None),
+        ("refine the mesh along", (lower, upper), FORCE, (0.1, (5.0, 5.0))),
+        ("take cells of 0\\.", (lower, upper), FORCE, (0.6, (6.0, 6.0))),
+        ("a larger window", (lower, upper), FORCE, (0.3, (3.0, 3.0))),
+    ):
+        with pytest.raises(InputError, match=words):
+            press_patch(*bodies, force=load, grid=grid and grid_about(*bodies, *grid), tolerance=0.1)
+    with pytest.raises(InputError, match="without a support along z"):
+        PatchBody(Harmonic(lower.problem.elasticity, held={"base": "xy"}), "top", lower.curve)
+    with pytest.raises(InputError, match="exchange the bodies"):
+        Axis((0.0, 0.0), yaw_rad=1.2)
