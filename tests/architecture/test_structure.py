@@ -13,15 +13,15 @@ MAX_FILES = 20
 MAX_LINES = {
     "": 410,
     "system": 730,
-    "exact": 740,
+    "exact": 870,
     "geometry": 1345,
     "mesh": 2610,
     "formats": 2050,
     "elements": 1380,
-    "space": 630,
+    "space": 640,
     "materials": 400,
     "problems": 2170,
-    "solve": 2785,
+    "solve": 2950,
     "contact": 4230,
     "post": 1770,
     "railway.profiles": 3420,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_750
-MAX_FILES_OF_ALL = 296
+MAX_LINES_OF_ALL = 52_060
+MAX_FILES_OF_ALL = 298
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -9,7 +9,8 @@ from flangeway.solve.newton import ContactState, Iteration, NewtonSettings, solv
 from flangeway.solve.sparse import SparseBodies
 from flangeway.solve.status import Status
 from flangeway.solve.steps import StepSettings, follow
-from flangeway.solve.surface_compliance import ComplianceTable, SurfaceCells, compliance_table
+from flangeway.solve.surface_cells import SurfaceCells
+from flangeway.solve.surface_compliance import ComplianceTable, compliance_table
 from flangeway.solve.torsion_solution import TorsionSolution, solve_torsion
 
 __all__ = [

@@ -1,204 +1,42 @@
-"""Compliance of a surface in three dimensions: plane problems at many wavenumbers, condensed and summed.
+"""Compliance of a surface in three dimensions: plane problems at many wavenumbers, summed.
 
-A contact surface is a row of cells across, each some edges of the plane mesh with a frame of its own (tangent, outward
-normal, z). At each wavenumber the prism is condensed once to the surface's nodes; C(k) are the mean displacements of
-the cells by uniform loads on them. The inverse transform over strips of a width dz gives the mean displacement of a
-cell by a force on a cell at the distance z; ``w = sinc^2(k dz / 2)`` averages over both strips:
+The inverse transform over strips of a width dz gives the mean displacement of a cell by a force on a cell at the
+distance z from C(k), see `SurfaceCells`; ``w = sinc^2(k dz / 2)`` averages over both strips:
 
     g(z) = (1 / pi) int_0^inf C(k) w(k) cos kz dk          among t and n, and z by z
     g(z) = -+ (1 / pi) int_0^inf C(k) w(k) sin kz dk       t or n by z (-), z by t or n (+)
+
+The mesh errs in g(z) between the nearest cells only. There the part of a half-space is replaced by its closed form.
 """
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, product
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.linalg import cho_factor, cho_solve
 
-from flangeway._core import NotPositiveDefiniteError, n_threads
-from flangeway.elements.quadrature import gauss
+from flangeway._core import n_threads
 from flangeway.errors import InputError
-from flangeway.problems.edges import edge_shapes
-from flangeway.problems.harmonic import Harmonic, at_wavenumber
-from flangeway.solve.linear import cholesky
-from flangeway.space import SymmetricMatrix
-from flangeway.types import Floats, Ints
+from flangeway.exact import half_space_influence
+from flangeway.solve.surface_cells import SAME, SurfaceCells
+from flangeway.system.disk_cache import Arrays, Cache
+from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
+from flangeway.types import Floats
 
 PER_DECADE = 4
 """Wavenumbers for each decade before their number is doubled where the interpolation is not good enough."""
 MOST_DOUBLINGS = 4
 """Times that an interval between wavenumbers is halved at most."""
+HALVED = 8.0
+"""Factor by which a cubic spline errs less with half the steps, at least (16 in the limit)."""
 TAIL = 4.0
 """Factor on the largest wavenumber up to which C ~ 1 / k continues the table."""
-SAME = 1e-9
-"""Length over that of a surface that is round-off."""
 PHASE = np.pi / 2.0
 """Largest phase k z of an interval of six Gauss points."""
-
-
-@dataclass(frozen=True, eq=False)
-class SurfaceCells:
-    """A row of cells on a prism's surface.
-
-    Parameters
-    ----------
-    problem
-        The prism with its supports.
-    edges
-        Boundary edges one after the other, body on their left, shape (n_edges, 2).
-    bounds
-        Ends of the cells as lengths along the edges, rising, shape (n_cells + 1,); left out: each edge is a cell. Cells
-        of two edges have half the error of a cell's own coefficient.
-
-    """
-
-    problem: Harmonic
-    edges: Ints
-    bounds: Floats | None = None
-
-    def __post_init__(self) -> None:
-        edges = np.asarray(self.edges)
-        if edges.ndim != 2 or len(edges) == 0 or (edges[1:, 0] != edges[:-1, 1]).any():
-            raise InputError(
-                f"cells on edges of shape {edges.shape}", "edges that follow each other", "order them along the surface"
-            )
-        if self.problem.revolution:
-            raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
-        first, last = self.limits[0], self.limits[-1]
-        length = self._stations[-1]
-        if not (np.diff(self.limits) > 0.0).all() or first < -SAME * length or last > (1.0 + SAME) * length:
-            raise InputError(
-                f"cells from {first:g} to {last:g} along a surface of the length {length:g}",
-                "rising lengths within the surface",
-                "take a smaller window, or more edges",
-            )
-
-    @cached_property
-    def _stations(self) -> Floats:
-        """Lengths at the ends of the edges, shape (n_edges + 1,)."""
-        points = self.problem.elasticity.space.mesh.points[self.edges]
-        return np.concatenate(([0.0], np.cumsum(np.linalg.norm(points[:, 1] - points[:, 0], axis=1))))
-
-    @property
-    def limits(self) -> Floats:
-        """Ends of the cells as lengths along the edges, shape (n_cells + 1,)."""
-        return self._stations if self.bounds is None else self.bounds
-
-    @property
-    def longest_edge(self) -> float:
-        """Maximum length of the mesh's edges below the cells."""
-        below = (self._stations[1:] > self.limits[0]) & (self._stations[:-1] < self.limits[-1])
-        return float(np.diff(self._stations)[below].max())
-
-    @property
-    def n_cells(self) -> int:
-        """Number of cells."""
-        return len(self.limits) - 1
-
-    @cached_property
-    def ends(self) -> Floats:
-        """Ends of the cells, shape (n_cells + 1, 2)."""
-        points = self.problem.elasticity.space.mesh.points
-        chain = np.concatenate((points[self.edges[:, 0]], points[self.edges[-1:, 1]]))
-        return np.stack([np.interp(self.limits, self._stations, chain[:, axis]) for axis in range(2)], axis=1)
-
-    @cached_property
-    def widths(self) -> Floats:
-        """Widths of the cells along the surface, shape (n_cells,)."""
-        return np.diff(self.limits)
-
-    @property
-    def middles(self) -> Floats:
-        """Middles of the cells' chords, shape (n_cells, 2)."""
-        middles: Floats = (self.ends[1:] + self.ends[:-1]) / 2.0
-        return middles
-
-    @cached_property
-    def frames(self) -> Floats:
-        """Axes tangent, outward normal and z of the cells, rows of (n_cells, 3, 3)."""
-        chords = np.diff(self.ends, axis=0)
-        tangents = chords / np.linalg.norm(chords, axis=1)[:, None]
-        frames = np.zeros((self.n_cells, 3, 3))
-        frames[:, 0, :2] = tangents
-        frames[:, 1, 0], frames[:, 1, 1] = tangents[:, 1], -tangents[:, 0]
-        frames[:, 2, 2] = 1.0
-        return frames
-
-    @cached_property
-    def _nodes_and_loads(self) -> tuple[Ints, Floats]:
-        """Surface nodes, and their forces by unit forces on the cells: (3 n_nodes, 3 n_cells)."""
-        space = self.problem.elasticity.space
-        inside = self._stations[(self._stations > self.limits[0]) & (self._stations < self.limits[-1])]
-        cuts = np.unique(np.concatenate((self.limits, inside)))
-        middles, lengths = (cuts[1:] + cuts[:-1]) / 2.0, np.diff(cuts)
-        edge = np.clip(np.searchsorted(self._stations, middles) - 1, 0, len(self.edges) - 1)
-        cell = np.clip(np.searchsorted(self.limits, middles) - 1, 0, self.n_cells - 1)
-        abscissae, weights = gauss(space.order + 1)
-        # places of the Gauss points of each piece on its edge, in [0, 1]
-        places = (cuts[:-1, None] + lengths[:, None] * abscissae - self._stations[edge, None]) / np.diff(
-            self._stations
-        )[edge, None]
-        shapes = edge_shapes(space.order, places.ravel()).reshape(*places.shape, -1)
-        # a unit force on a cell is spread evenly over its width
-        shares = np.einsum("pq,pqm->pm", lengths[:, None] * weights, shapes) / self.widths[cell, None]
-        of_edges = space.edge_nodes(self.edges)[edge]
-        nodes, numbers = np.unique(of_edges, return_inverse=True)
-        on_nodes = np.zeros((len(nodes), self.n_cells))
-        np.add.at(on_nodes, (numbers.reshape(of_edges.shape), cell[:, None]), shares)
-        # P_(n i)(c a) = share of node n in cell c times axis a of the cell along i
-        loads = np.einsum("nc,cai->nica", on_nodes, self.frames)
-        return nodes.astype(np.int64), loads.reshape(3 * len(nodes), 3 * self.n_cells)
-
-    @cached_property
-    def _reduced(self) -> tuple[tuple[SymmetricMatrix, ...], Ints, Ints]:
-        """K0, K1, K2 of the free unknowns, the unknown of each, and those of the surface nodes (-1: held)."""
-        free = self.problem.free(1.0).ravel()
-        numbers = np.where(free, np.cumsum(free) - 1, -1)
-        nodes, _ = self._nodes_and_loads
-        surface = numbers[(3 * nodes[:, None] + np.arange(3)).ravel()]
-        return tuple(part.restricted(free) for part in self.problem.parts), np.flatnonzero(free), surface
-
-    def compliance(self, wavenumber: float) -> Floats:
-        """Mean displacements of the cells by unit forces per length on them at a wavenumber, in their frames.
-
-        Parameters
-        ----------
-        wavenumber
-            k > 0.
-
-        Returns
-        -------
-        Floats
-            Amplitudes, shape (3 n_cells, 3 n_cells), symmetric; of ``cos kz`` along t and n, of ``sin kz`` along z.
-
-        Raises
-        ------
-        InputError
-            If the prism can move without strain.
-
-        """
-        parts, unknowns, surface = self._reduced
-        _, loads = self._nodes_and_loads
-        loose = surface >= 0
-        try:
-            factor = cholesky(
-                at_wavenumber(parts, wavenumber),
-                (unknowns // 3).astype(np.int32),
-                surface[loose].astype(np.int32),
-            )
-            condensed = cho_factor(factor.schur(), lower=True)
-        except (NotPositiveDefiniteError, np.linalg.LinAlgError) as error:
-            raise InputError(
-                f"body `{self.problem.elasticity.name}` at wavenumber {wavenumber:g}: it can move without strain",
-                "a prism that is held, or on a foundation, along x, y and z",
-                "give held=... or foundations=...",
-            ) from error
-        found: Floats = loads[loose].T @ cho_solve(condensed, loads[loose])
-        return (found + found.T) / 2.0
+NEAREST = 3.0
+"""Distance up to which cells are corrected, over the largest of strip, cells' widths and edges below them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +52,8 @@ class ComplianceTable:
     values
         `SurfaceCells.compliance` at each, shape (n_k, 3 n_cells, 3 n_cells).
     error
-        Largest difference of the interpolation from a value that was left out, over the largest k C.
+        Of the interpolation, over the largest k C: from the differences at wavenumbers that were left out, which then
+        came in.
 
     """
 
@@ -239,21 +78,52 @@ class ComplianceTable:
         -------
         Floats
             Shape (n_strips, m n_cells, m n_cells) for m axes, by displacement and force. At negative distances it is
-            the transpose.
+            the transpose. On an isotropic material those of the nearest cells are corrected; see `NEAREST`.
 
         """
-        distances = strip * np.arange(n_strips, dtype=np.float64)
-        n, m = self.cells.n_cells, len(axes)
+        n, m, material = self.cells.n_cells, len(axes), self.cells.material
+        refuse_beyond_memory(f"influence coefficients of {n} x {n_strips} cells", 4 * 8 * n_strips * (n * m) ** 2)
+        reach = NEAREST * max(strip, float(self.cells.widths.max()), self.cells.longest_edge)
+        last = int(np.ceil(reach / strip))
+        n_distances = n_strips if material is None else max(n_strips, last + 3)
+        distances = strip * np.arange(n_distances, dtype=np.float64)
         chosen = self.values.reshape(len(self.values), n, 3, n, 3)[:, :, axes][..., axes]
         even, odd = inverse_weights(self.wavenumbers, distances, strip)
+        result = np.empty((n_distances, n, m, n, m))
+        for i, j in product(range(m), repeat=2):
+            weights = even if (axes[i] == 2) == (axes[j] == 2) else odd if axes[i] == 2 else -odd
+            coefficients = chosen[:, :, i, :, j].reshape(len(chosen), n * n)
+            result[:, :, i, :, j] = (weights @ coefficients).reshape(-1, n, n)
+        if material is not None:
+            self._correct(result, axes, strip, reach, last)
+        return result[:n_strips].reshape(n_strips, n * m, n * m)
+
+    def _correct(self, result: Floats, axes: Sequence[int], strip: float, reach: float, last: int) -> None:
+        """Replace the coefficients of the nearest cells, up to the distance number `last`.
+
+        They are those of a half-space and what the body adds to them, taken from the next two distances along z: it
+        hardly changes there, or, where z is coupled with the plane, in proportion to z.
+        """
+        material, limits = self.cells.material, self.cells.limits
+        assert material is not None
+        n = self.cells.n_cells
+        exact = half_space_influence(material.young, material.poisson, limits, strip, last + 3)
+        # each frame is turned by half of the angle between both from that of the plane
+        tangents = self.cells.frames[:, 0, :2] @ np.array([1.0, 1j])
+        half = np.sqrt(tangents / tangents[:, None])
+        turn = np.zeros((n, n, 3, 3))
+        turn[..., 0, 0] = turn[..., 1, 1] = half.real
+        turn[..., 0, 1], turn[..., 1, 0] = half.imag, -half.imag
+        turn[..., 2, 2] = 1.0
+        exact = exact.reshape(last + 3, n, 3, n, 3).transpose(0, 1, 3, 2, 4)
+        exact = (turn @ exact @ turn)[..., axes, :][..., axes].transpose(0, 1, 3, 2, 4)
         longitudinal = np.array(axes) == 2
-        result = np.empty((n_strips, n, m, n, m))
-        for i in range(m):
-            for j in range(m):
-                mixed = longitudinal[i] != longitudinal[j]
-                weights = (odd if longitudinal[i] else -odd) if mixed else even
-                result[:, :, i, :, j] = np.einsum("zk,kab->zab", weights, chosen[:, :, i, :, j], optimize=True)
-        return result.reshape(n_strips, n * m, n * m)
+        mixed = (longitudinal[:, None] != longitudinal)[:, None]
+        growth = np.where(mixed, np.arange(last + 3)[:, None, None, None, None], 1.0)
+        beyond = ((result[: last + 3] - exact)[last + 1 :] / growth[last + 1 :]).mean(axis=0)
+        middles = (limits[1:] + limits[:-1]) / 2.0
+        near = (np.abs(middles[:, None] - middles) <= (1.0 + SAME) * reach)[:, None, :, None]
+        result[: last + 1] = np.where(near, exact + growth * beyond, result[: last + 3])[: last + 1]
 
 
 def compliance_table(
@@ -262,6 +132,7 @@ def compliance_table(
     maximum: float,
     tolerance: float = 1e-4,
     progress: Callable[[str], None] = lambda _: None,
+    cache: Cache | None = None,
 ) -> ComplianceTable:
     """Compliance at as many wavenumbers as the interpolation between them needs.
 
@@ -270,56 +141,89 @@ def compliance_table(
     cells
         The surface.
     least, maximum
-        Range of the wavenumbers. Below, the compliance is taken as constant; above, it falls with 1 / k. The largest
-        one should be 2 pi / dz or more for strips of the width dz.
+        Range of the wavenumbers. Below, the compliance is taken as constant; above, it falls with 1 / k. For strips of
+        the width dz the largest one should be pi / dz or more, without the correction of the nearest cells 2 pi / dz.
     tolerance
         Error of the interpolation of k C, over the largest k C.
     progress
         Called with a sentence at each stage.
+    cache
+        Where tables are kept from one process to the next.
+
+    Raises
+    ------
+    InputError
+        If the range is wrong, or the prism can move without strain.
+    OutOfMemoryError
+        If there is too little memory.
 
     """
-    if not 0.0 < least < maximum:
-        raise InputError(f"wavenumbers from {least} to {maximum}", "0 < least < maximum", "give per length")
+    if not 0.0 < least < maximum or not tolerance > 0.0:
+        raise InputError(
+            f"wavenumbers from {least} to {maximum} to {tolerance}",
+            "0 < least < maximum, and a tolerance > 0",
+            "give per length",
+        )
+    key = cells.key(least, maximum, tolerance, (PER_DECADE, MOST_DOUBLINGS, HALVED)) if cache is not None else None
+    if cache is None or key is None:
+        found: Arrays = _computed(cells, least, maximum, tolerance, progress)
+    else:
+        found = cache.get(key, lambda: _computed(cells, least, maximum, tolerance, progress))
+    return ComplianceTable(cells, found["wavenumbers"], found["values"], float(found["error"]))
+
+
+def _computed(
+    cells: SurfaceCells, least: float, maximum: float, tolerance: float, progress: Callable[[str], None]
+) -> Arrays:
     count = max(int(np.ceil(PER_DECADE * np.log10(maximum / least))), 3) + 1
+    size = 8 * (3 * cells.n_cells) ** 2
+    refuse_beyond_memory(f"the compliance of {cells.n_cells} cells at {2 * count} wavenumbers", 6 * count * size)
     logs = np.linspace(np.log(least), np.log(maximum), count)
     values = _at_all(cells, logs)
     open_intervals = np.ones(count - 1, dtype=np.bool_)
-    error = np.inf
-    for _ in range(MOST_DOUBLINGS):
+    error = 0.0
+    for stage in range(MOST_DOUBLINGS):
         middles = (logs[:-1] + logs[1:])[open_intervals] / 2.0
         new = _at_all(cells, middles)
         scaled = values * np.exp(logs)[:, None, None]
-        predicted = CubicSpline(logs, scaled, bc_type="natural")(middles)
-        errors = np.abs(predicted - new * np.exp(middles)[:, None, None]).max(axis=(1, 2)) / np.abs(scaled).max()
-        error = float(errors.max())
-        rough = dict(zip(middles.tolist(), errors > tolerance, strict=True))
+        missed = _spline(logs, scaled)(middles) - new * np.exp(middles)[:, None, None]
+        errors = np.abs(missed).max(axis=(1, 2)) / np.abs(scaled).max() / HALVED
+        rough = errors > tolerance if stage < MOST_DOUBLINGS - 1 else np.zeros(len(errors), dtype=np.bool_)
+        error = max(error, float(errors[~rough].max(initial=0.0)))
         order = np.argsort(np.concatenate((logs, middles)))
         logs = np.concatenate((logs, middles))[order]
         values = np.concatenate((values, new))[order]
-        progress(f"{len(logs)} wavenumbers, interpolation to {error:.1e}")
-        # both halves of an interval whose middle was not met are halved again
-        bad = np.array([rough.get(each, False) for each in logs.tolist()])
-        open_intervals = bad[:-1] | bad[1:]
-        if not open_intervals.any():
+        progress(f"{len(logs)} wavenumbers, interpolation to {float(errors.max()):.1e}")
+        if not rough.any():
             break
-    return ComplianceTable(cells, np.exp(logs), values, error)
+        # both halves of an interval whose middle was not met are halved again
+        bad = np.isin(logs, middles[rough])
+        open_intervals = bad[:-1] | bad[1:]
+    return {"wavenumbers": np.exp(logs), "values": values, "error": np.array(error)}
+
+
+def _spline(logs: Floats, values: Floats) -> CubicSpline:
+    """The interpolation, of the fourth order up to both ends."""
+    return CubicSpline(logs, values, bc_type="not-a-knot")
 
 
 def _at_all(cells: SurfaceCells, logs: Floats) -> Floats:
-    """Compliances at wavenumbers exp(logs), side by side on all cores."""
-    _ = cells._reduced, cells._nodes_and_loads
-    with ThreadPoolExecutor(min(n_threads(), len(logs))) as pool:
-        return np.stack(list(pool.map(cells.compliance, np.exp(logs).tolist())))
+    """Compliances at wavenumbers exp(logs), side by side on as many cores as there is memory for."""
+    wavenumbers = np.exp(logs).tolist()
+    first, n_bytes = cells.compliance_and_bytes(wavenumbers[0])
+    with ThreadPoolExecutor(max(1, min(n_threads(), memory_left() // n_bytes))) as pool:
+        # where one raises, as where the user interrupts, those that have not begun are dropped
+        return np.stack([first, *pool.map(cells.compliance, wavenumbers[1:])])
 
 
 def inverse_weights(wavenumbers: Floats, distances: Floats, strip: float) -> tuple[Floats, Floats]:
     """Weights of values C at wavenumbers in the integrals with cosine and sine over all wavenumbers, each (n_z, n_k).
 
-    k C is a natural cubic spline over log k, C is constant below the least wavenumber, and falls with 1 / k above the
+    k C is a cubic spline over log k, C is constant below the least wavenumber, and falls with 1 / k above the
     largest one.
     """
     logs = np.log(wavenumbers)
-    cardinal = CubicSpline(logs, np.eye(len(logs)), bc_type="natural")
+    cardinal = _spline(logs, np.eye(len(logs)))
     bounds = np.concatenate(([0.0], wavenumbers, [TAIL * wavenumbers[-1]]))
     reach = max(float(distances.max()), strip)
     nodes, weights = np.polynomial.legendre.leggauss(6)

@@ -55,6 +55,14 @@ class SymmetricMatrix:
             self.values[stays],
         )
 
+    def bordered(self, rows: sp.sparray) -> "SymmetricMatrix":
+        """Take more rows (m, n) below, with their transpose and an explicit zero diagonal beside them."""
+        m = rows.shape[0]
+        zero = sp.csc_array((np.zeros(m), np.arange(m), np.arange(m + 1)), shape=(m, m))
+        lower = sp.csc_array(sp.block_array([[self.lower, None], [rows, zero]]))
+        lower.sort_indices()
+        return SymmetricMatrix(self.n + m, lower.indptr.astype(np.int64), lower.indices.astype(np.int32), lower.data)
+
     @classmethod
     def from_full(cls, matrix: sp.sparray) -> "SymmetricMatrix":
         """Take the lower triangle of a symmetric SciPy array."""

@@ -1,0 +1,134 @@
+"""Displacements of a half-space's surface by uniform tractions on rectangles (Boussinesq, Cerruti; Love, 1929).
+
+With the distance ``r^2 = x^2 + z^2`` and the axes x, n (outwards) and z, unit point forces move the surface by
+
+    u_n = (1 - nu) / (2 pi G r),  u_x = (1 - 2 nu) x / (4 pi G r^2)          by a force along n,
+    u_x = ((1 - nu) / r + nu x^2 / r^3) / (2 pi G),  u_z = nu x z / (2 pi G r^3),
+    u_n = -(1 - 2 nu) x / (4 pi G r^2)                                        by a force along x
+
+(Johnson, 1985, "Contact Mechanics", 3.2 and 3.6), and alike by one along z. Every kernel is ``z^2 / r^3``,
+``x z / r^3`` or ``x / r^2`` with x and z in either order. They are integrated in closed form, over the rectangle under
+load and, for a mean displacement, over the other one as well.
+"""
+
+from collections.abc import Callable, Sequence
+from itertools import product
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.types import Floats
+
+Primitive = Callable[[Floats, Floats, Floats], Floats]
+
+
+def half_space_influence(
+    young: float,
+    poisson: float,
+    bounds: Floats,
+    strip: float,
+    n_strips: int,
+    axes: Sequence[int] = (0, 1, 2),
+    *,
+    averaged: bool = True,
+) -> Floats:
+    """Displacements of cells by unit forces, spread evenly, on cells of strips at distances along z.
+
+    Parameters
+    ----------
+    young, poisson
+        Young's modulus and Poisson's ratio of the half-space.
+    bounds
+        Ends of the cells across, rising, shape (n_cells + 1,).
+    strip
+        Width dz of the strips.
+    n_strips
+        Number of distances 0, dz, 2 dz, ...
+    axes
+        Which of x, n, z.
+    averaged
+        Mean displacements of the cells, or those of their middles.
+
+    Returns
+    -------
+    Floats
+        Shape (n_strips, m n_cells, m n_cells) for m axes, by displacement and force, as from
+        `flangeway.solve.ComplianceTable.influence`.
+
+    """
+    bounds = np.asarray(bounds, dtype=np.float64)
+    if bounds.ndim != 1 or not (np.diff(bounds) > 0.0).all() or not (strip > 0.0 and n_strips >= 1):
+        raise InputError(
+            f"cells between {bounds.shape} ends and {n_strips} strips of {strip}",
+            "rising ends, one strip or more of a width > 0",
+            "give the ends of the cells",
+        )
+    # differences of a primitive over the corners under load, and over those of the displaced cell for its mean
+    displaced = bounds if averaged else (bounds[1:] + bounds[:-1]) / 2.0
+    times = 2 if averaged else 1
+    shape = (n_strips + times, len(displaced), len(bounds))
+    x: Floats = np.broadcast_to(displaced[:, None] - bounds, shape)
+    z: Floats = np.broadcast_to(strip * (np.arange(shape[0]) - times / 2.0)[:, None, None], shape)
+    r = np.hypot(x, z)
+    over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip if averaged else 1.0)
+    square, mixed, odd = _AVERAGED if averaged else _AT_POINTS
+    n_cells, m = len(bounds) - 1, len(axes)
+
+    def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
+        corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=times, axis=0)
+        for axis in (1, 2) if averaged else (2,):
+            corners = np.diff(corners, axis=axis)
+        found: Floats = -corners / over
+        return found
+
+    xx_zz = integrated(square, swapped=True), integrated(square, swapped=False)  # of x^2 / r^3 and z^2 / r^3
+    inverse = (1.0 - poisson) * (xx_zz[0] + xx_zz[1])
+    shear = young / (2.0 + 2.0 * poisson)
+    full = {
+        (0, 0): inverse + poisson * xx_zz[0],
+        (1, 1): inverse,
+        (2, 2): inverse + poisson * xx_zz[1],
+    }
+    half = 0.5 - poisson
+    for place, kernel, swapped in (((0, 1), odd, False), ((2, 1), odd, True)):
+        if set(place) <= set(axes):
+            full[place] = half * integrated(kernel, swapped=swapped)
+            full[place[::-1]] = -full[place]
+    if {0, 2} <= set(axes):
+        full[0, 2] = full[2, 0] = poisson * integrated(mixed, swapped=False)
+    result = np.empty((n_strips, n_cells, m, n_cells, m))
+    for i, j in product(range(m), repeat=2):
+        result[:, :, i, :, j] = full[axes[i], axes[j]] / (2.0 * np.pi * shear)
+    return result.reshape(n_strips, n_cells * m, n_cells * m)
+
+
+def _times_log(factor: Floats, value: Floats) -> Floats:
+    """``factor log(value)``, 0 where the value is 0 (the factor is then 0 too)."""
+    return factor * np.log(np.where(value > 0.0, value, 1.0))
+
+
+def _sum(x: Floats, r: Floats, other: Floats) -> Floats:
+    """``x + r`` without cancellation for x < 0, where ``r^2 = x^2 + other^2``."""
+    return np.where(x >= 0.0, r + x, other**2 / np.where(x < 0.0, r - x, 1.0))
+
+
+_AT_POINTS: tuple[Primitive, Primitive, Primitive] = (
+    lambda x, z, r: _times_log(x, _sum(z, r, x)),
+    lambda _x, _z, r: -r,
+    lambda x, z, r: _times_log(z, r) + x * _arctan(z, x),
+)
+"""Functions whose ``d2 / dx dz`` are z^2 / r^3, x z / r^3 and x / r^2."""
+
+_AVERAGED: tuple[Primitive, Primitive, Primitive] = (
+    lambda x, z, r: r**3 / 6.0 - x**2 * r / 2.0 + _times_log(x**2 * z, _sum(z, r, x)) / 2.0,
+    lambda x, z, r: -(x * z * r + (_times_log(x**3, _sum(z, r, x)) + _times_log(z**3, _sum(x, r, z))) / 2.0) / 3.0,
+    lambda x, z, r: (
+        _times_log(x * (3.0 * z**2 - x**2) / 6.0, r) + z**3 * _arctan(x, z) / 6.0 + x**2 * z * _arctan(z, x) / 2.0
+    ),
+)
+"""Functions whose ``d4 / dx^2 dz^2`` are these."""
+
+
+def _arctan(y: Floats, x: Floats) -> Floats:
+    """``arctan(y / x)``, 0 for x = 0."""
+    return np.arctan(y / np.where(x == 0.0, np.inf, x))
