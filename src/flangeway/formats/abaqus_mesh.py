@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 
 from flangeway.errors import LONGEST_VALUE, InputError, short
-from flangeway.formats.abaqus_assembly import DeckBlock, flat_blocks
 from flangeway.formats.mesh_repair import DrawnMesh
 
 _PLANE = re.compile(r"(?:CPE|CPS|CAX|CPEG|CGAX|M3D|S|STRI|R3D)(3|4|6|8|9|65)(?:[A-Z0-9]*)$")
@@ -30,6 +29,48 @@ MOST_NAMED = 30
 _SILENT = ("HEADING", "PREPRINT", "PART", "END PART", "ASSEMBLY", "END ASSEMBLY", "END INSTANCE")
 
 
+@dataclass(frozen=True)
+class _Block:
+    """A keyword in capitals, parameters by their names in capitals, words of its data lines, and the lines of all."""
+
+    keyword: str
+    parameters: dict[str, str]
+    line: int
+    rows: list[tuple[str, ...]] = field(default_factory=list)
+    lines: list[int] = field(default_factory=list)
+
+    @property
+    def place(self) -> str:
+        """How messages call it."""
+        return f"*{self.keyword} in line {self.line}"
+
+    def place_of(self, entry: tuple[str, ...]) -> str:
+        """How messages call one of its rows."""
+        line = self.lines[next(number for number, row in enumerate(self.rows) if row is entry)]
+        return f"line {line} in the block of {self.place}"
+
+
+def _blocks(text: str) -> list[_Block]:
+    """Keywords of a deck with their data lines, comments left out."""
+    blocks: list[_Block] = []
+    pending = ""
+    for number, raw in enumerate(text.splitlines(), 1):
+        row, pending = pending + raw.strip(), ""
+        if not row or row.startswith("**"):
+            continue
+        words = [word.strip() for word in row.split(",")]
+        if row.startswith("*") and words[-1] == "":
+            pending = row
+        elif row.startswith("*"):
+            pairs = [word.partition("=") for word in words[1:] if word]
+            parameters = {key.strip().upper(): value.strip().strip('"') for key, _, value in pairs}
+            blocks.append(_Block(" ".join(words[0][1:].upper().split()), parameters, number))
+        elif blocks:
+            blocks[-1].rows.append(tuple(words[:-1] if words[-1] == "" else words))
+            blocks[-1].lines.append(number)
+    return blocks
+
+
 @dataclass
 class _Model:
     """What has been read so far; elements and nodes by the numbers of the file."""
@@ -46,7 +87,7 @@ class _Model:
 
 
 def read_abaqus(path: Path) -> DrawnMesh:
-    """Read nodes, plane elements, sets and surfaces, of parts and instances too (see `flat_blocks`).
+    """Read nodes, plane elements, sets and surfaces; of a deck of parts those of its one instance, which is not moved.
 
     Element sets become cell sets. Surfaces of elements (``S1`` to ``S4``, or the whole rim), sets of line elements, and
     the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name. Elements
@@ -63,7 +104,11 @@ def read_abaqus(path: Path) -> DrawnMesh:
         raise InputError(f"{path}, which is binary", "an Abaqus input file, which is text", "export it as .inp")
     model = _Model()
     left: dict[str, None] = {}
-    for block in flat_blocks(text):
+    in_assembly = False
+    for block in _blocks(text):
+        in_assembly |= block.keyword == "ASSEMBLY"
+        if in_assembly and block.keyword == "NODE":
+            continue  # reference points: no element has them
         if block.keyword in _READ or block.keyword in _GENERATING:
             _take(model, block)
         elif block.keyword not in _SILENT:
@@ -79,7 +124,7 @@ def read_abaqus(path: Path) -> DrawnMesh:
     return _drawn(model)
 
 
-def _take(model: _Model, block: DeckBlock) -> None:
+def _take(model: _Model, block: _Block) -> None:
     if block.keyword in _GENERATING:
         raise InputError(block.place, "a file that lists its nodes and elements", "export the mesh as plain lists")
     for name in block.parameters:
@@ -98,7 +143,7 @@ def _take(model: _Model, block: DeckBlock) -> None:
         name = block.parameters.get(block.keyword, "")
         found = _members(sets, block)
         if block.keyword == "NSET" and "ELSET" in block.parameters:
-            elements = _members(model.element_sets, replace(block, rows=((block.parameters["ELSET"],),)))
+            elements = _members(model.element_sets, replace(block, rows=[(block.parameters["ELSET"],)]))
             of_element = model.cells | model.lines
             found = [node for each in elements for node in of_element.get(each, ())]
         sets.setdefault(name, []).extend(found)
@@ -114,7 +159,7 @@ def _take(model: _Model, block: DeckBlock) -> None:
             )
 
 
-def _take_nodes(model: _Model, block: DeckBlock) -> None:
+def _take_nodes(model: _Model, block: _Block) -> None:
     if block.parameters.get("SYSTEM", "R").upper() != "R":
         raise InputError(f"{block.place} in another system", "rectangular coordinates", "export them as such")
     for row in block.rows:
@@ -140,7 +185,7 @@ def _take_nodes(model: _Model, block: DeckBlock) -> None:
             model.node_sets.setdefault(block.parameters["NSET"], []).append(number)
 
 
-def _take_elements(model: _Model, block: DeckBlock) -> None:
+def _take_elements(model: _Model, block: _Block) -> None:
     kind = block.parameters.get("TYPE", "").upper()
     plane = _PLANE.match(kind)
     if plane is None and kind not in _LINES:
@@ -169,7 +214,7 @@ def _take_elements(model: _Model, block: DeckBlock) -> None:
             model.element_sets.setdefault(block.parameters["ELSET"], []).append(number)
 
 
-def _members(sets: dict[str, list[int]], block: DeckBlock) -> list[int]:
+def _members(sets: dict[str, list[int]], block: _Block) -> list[int]:
     """Numbers of a set: given one by one, as ranges, or by the names of other sets."""
     members: list[int] = []
     for row in block.rows:
@@ -190,7 +235,7 @@ def _members(sets: dict[str, list[int]], block: DeckBlock) -> list[int]:
     return members
 
 
-def _take_surface(model: _Model, block: DeckBlock) -> None:
+def _take_surface(model: _Model, block: _Block) -> None:
     name = block.parameters.get("NAME", "")
     kind = block.parameters.get("TYPE", "ELEMENT").upper()
     if kind == "NODE":
@@ -259,7 +304,7 @@ def _drawn(model: _Model) -> DrawnMesh:
     )
 
 
-def _numbers(block: DeckBlock, row: Sequence[str]) -> list[int]:
+def _numbers(block: _Block, row: Sequence[str]) -> list[int]:
     try:
         return [int(word) for word in row]
     except ValueError as reason:
