@@ -34,15 +34,9 @@ FEWEST_TOGETHER = 12
 class Row:
     """One run of a campaign.
 
-    Parameters
-    ----------
-    number
-        Its number in the campaign, from 1.
-    varied
-        The inputs that vary, as they are written in the campaign's file.
-    case
-        The case with all its inputs.
-
+    - `number`: its number in the campaign, from 1.
+    - `varied`: the inputs that vary, as they are written in the campaign's file.
+    - `case`: the case with all its inputs.
     """
 
     number: int

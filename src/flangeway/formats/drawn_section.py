@@ -16,18 +16,10 @@ UNITS = ("mm", "cm", "m", "in", "ft")
 class PartMaterial:
     """Elastic material of a part.
 
-    Parameters
-    ----------
-    young_MPa
-        Young's modulus, positive.
-    poisson
-        Poisson's ratio, above -1 and below 0.5.
+    An `InputError` if a number is out of range.
 
-    Raises
-    ------
-    InputError
-        If a number is out of range.
-
+    - `young_MPa`: Young's modulus, positive.
+    - `poisson`: Poisson's ratio, above -1 and below 0.5.
     """
 
     young_MPa: float  # noqa: N815 (the unit megapascal)

@@ -51,13 +51,7 @@ class DrawnMesh:
 class MeshFile:
     """A mesh that was read.
 
-    Parameters
-    ----------
-    mesh
-        The mesh.
-    notices
-        A sentence for each thing that was repaired or left out.
-
+    - `notices`: a sentence for each thing that was repaired or left out.
     """
 
     mesh: PolyMesh

@@ -18,23 +18,10 @@ Point: TypeAlias = tuple[float, float]
 def as_points(values: ArrayLike, name: str = "points") -> Floats:
     """Return `values` as an array of finite points.
 
-    Parameters
-    ----------
-    values
-        One point (2,) or points (n, 2).
-    name
-        What the message calls them.
+    Returned: points (n, 2), float64. An `InputError` if the shape is another one or a coordinate is not finite.
 
-    Returns
-    -------
-    Floats
-        Points (n, 2), float64.
-
-    Raises
-    ------
-    InputError
-        If the shape is another one or a coordinate is not finite.
-
+    - `values`: one point (2,) or points (n, 2).
+    - `name`: what the message calls them.
     """
     points = np.atleast_2d(as_numbers(name, values, "an array of shape (n, 2)", "give one row (x, y) a point"))
     if points.ndim != 2 or points.shape[1] != 2:

@@ -193,21 +193,10 @@ class Section:
 def nested_regions(loops: Sequence[Outline]) -> tuple[Region, ...]:
     """Sort loops into regions by what lies in what: every second one inwards is a hole.
 
-    Parameters
-    ----------
-    loops
-        Outlines that do not cross.
+    Returned: largest first. An `InputError` if two loops cross or lie on each other, or a hole touches; the message
+    names the place.
 
-    Returns
-    -------
-    tuple of Region
-        Largest first.
-
-    Raises
-    ------
-    InputError
-        If two loops cross or lie on each other, or a hole touches; the message names the place.
-
+    - `loops`: outlines that do not cross.
     """
     order = sorted(loops, key=lambda loop: -loop.area)
     owners = [[j for j in range(i) if _lies_in(order[i], order[j])] for i in range(len(order))]

@@ -176,18 +176,10 @@ def _with_names(mesh: PolyMesh, section: Section) -> PolyMesh:
 def dual_section(mesh: PolyMesh) -> PolyMesh:
     """Return the dual polygons of every cell set apart, glued where the sets touch.
 
-    So that each polygon lies in one part; see `dual`. The cell sets must cover the mesh once.
+    So that each polygon lies in one part; see `dual`. The cell sets must cover the mesh once. Returned: with the same
+    cell sets and edge sets.
 
-    Parameters
-    ----------
-    mesh
-        Triangles, as from `triangulate_section`.
-
-    Returns
-    -------
-    PolyMesh
-        With the same cell sets and edge sets.
-
+    - `mesh`: triangles, as from `triangulate_section`.
     """
     if len(mesh.cell_sets) == 1:
         return dual(mesh)

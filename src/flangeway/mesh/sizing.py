@@ -162,11 +162,7 @@ def refuse_size(outline: Outline, size: float) -> None:
 def long_meshes_reported(progress: Callable[[str], None]) -> Iterator[None]:
     """Report triangulations that take long, wherever they are begun inside this context.
 
-    Parameters
-    ----------
-    progress
-        Called with a sentence before each triangulation that can take more than `LONG` seconds.
-
+    - `progress`: called with a sentence before each triangulation that can take more than `LONG` seconds.
     """
     token = _REPORT.set(progress)
     try:

@@ -19,15 +19,8 @@ Solution = TypeVar("Solution")
 class AdaptiveStep(Generic[Solution]):
     """One solution of an adaptive run.
 
-    Parameters
-    ----------
-    mesh
-        Its mesh.
-    solution
-        What `solve` gave.
-    cell_errors
-        Estimated error of each cell, shape (n_cells,).
-
+    - `solution`: what `solve` gave.
+    - `cell_errors`: estimated error of each cell, shape (n_cells,).
     """
 
     mesh: PolyMesh
@@ -44,13 +37,8 @@ class AdaptiveStep(Generic[Solution]):
 class AdaptiveRun(Generic[Solution]):
     """Solutions on meshes of which each is refined where the error of the one before was maximum.
 
-    Parameters
-    ----------
-    steps
-        First mesh first; at least one.
-    status
-        Whether the tolerance was reached, in a sentence.
-
+    - `steps`: first mesh first; at least one.
+    - `status`: whether the tolerance was reached, in a sentence.
     """
 
     steps: tuple[AdaptiveStep[Solution], ...]

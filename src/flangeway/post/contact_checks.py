@@ -28,13 +28,8 @@ MAX_TURN = np.deg2rad(30.0)
 class ContactChecks:
     """What was found.
 
-    Parameters
-    ----------
-    errors
-        Sentences about what makes the result wrong.
-    warnings
-        Sentences about what makes it less exact.
-
+    - `errors`: sentences about what makes the result wrong.
+    - `warnings`: sentences about what makes it less exact.
     """
 
     errors: tuple[str, ...] = ()
@@ -186,13 +181,8 @@ def _goes_on(surface: Surface, *, forwards: bool) -> bool:
 class Overlap:
     """Where two bodies overlap most.
 
-    Parameters
-    ----------
-    depth
-        Distance of a point of one body from the boundary of the other, in which it lies.
-    place
-        That point, x and y.
-
+    - `depth`: distance of a point of one body from the boundary of the other, in which it lies.
+    - `place`: that point, x and y.
     """
 
     depth: float

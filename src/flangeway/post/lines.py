@@ -27,15 +27,9 @@ Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
 class StressLine:
     """Stresses along a straight line.
 
-    Parameters
-    ----------
-    points
-        Shape (n, 2).
-    distances
-        From the start of the line, shape (n,).
-    stresses
-        At the points; not-a-number where the line is outside of the body.
-
+    - `points`: shape (n, 2).
+    - `distances`: from the start of the line, shape (n,).
+    - `stresses`: at the points; not-a-number where the line is outside of the body.
     """
 
     points: Floats
@@ -47,15 +41,9 @@ class StressLine:
 class CutForce:
     """Resultant of the stresses on a straight cut: what the right of its direction does to the left.
 
-    Parameters
-    ----------
-    force
-        Shape (2,), in a body of revolution all around the axis.
-    moment
-        Moment about the origin, counter-clockwise.
-    length
-        Length of the cut inside the body.
-
+    - `force`: shape (2,), in a body of revolution all around the axis.
+    - `moment`: moment about the origin, counter-clockwise.
+    - `length`: length of the cut inside the body.
     """
 
     force: Floats
@@ -79,11 +67,7 @@ def stresses_at(solution: ElasticField, points: ArrayLike) -> Stresses:
 def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
     """Displacements (n, 2) at points (n, 2) inside the body, from the projection of each cell.
 
-    Raises
-    ------
-    InputError
-        If a point lies outside of the body.
-
+    An `InputError` if a point lies outside of the body.
     """
     given = np.asarray(points, dtype=np.float64)
 
@@ -120,11 +104,7 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
 def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutForce:
     """Integrate the stresses on the parts of a straight line that are inside the body, cell by cell, exactly.
 
-    Raises
-    ------
-    InputError
-        If the ends are the same, or the line does not cross the body.
-
+    An `InputError` if the ends are the same, or the line does not cross the body.
     """
     first, along = _line(start, end)
     length = float(np.linalg.norm(along))

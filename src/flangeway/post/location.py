@@ -17,13 +17,8 @@ OUTSIDE = -1
 def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
     """Cell of each point (n, 2), shape (n,); -1 outside of the mesh.
 
-    A point on a common edge belongs to one of its cells.
-
-    Raises
-    ------
-    InputError
-        If the points have another shape or are not finite.
-
+    A point on a common edge belongs to one of its cells. An `InputError` if the points have another shape or are not
+    finite.
     """
     given = as_numbers("points", points)
     if given.ndim != 2 or given.shape[1:] != (2,) or not np.isfinite(given).all():

@@ -14,13 +14,8 @@ from flangeway.types import Floats
 class ErrorNorms:
     """Norms of an error and of the exact function over the mesh.
 
-    Parameters
-    ----------
-    l2, h1
-        L2 norm of the error, and of the gradient's error (a seminorm).
-    exact_l2, exact_h1
-        The same of the exact function.
-
+    - `l2`, `h1`: L2 norm of the error, and of the gradient's error (a seminorm).
+    - `exact_l2`, `exact_h1`: the same of the exact function.
     """
 
     l2: float
@@ -44,19 +39,10 @@ def error_norms(
 ) -> ErrorNorms:
     """Compare the L2 projections of a discrete function and of its gradient with an exact function.
 
-    Parameters
-    ----------
-    space
-        The space.
-    dofs
-        Unknowns, shape (n_dofs,).
-    exact
-        Takes points (n, 2), gives values (n,).
-    exact_gradient
-        Takes points (n, 2), gives gradients (n, 2).
-    degree
-        Degree of the quadrature, ``2 k + 2`` by default.
-
+    - `dofs`: unknowns, shape (n_dofs,).
+    - `exact`: takes points (n, 2), gives values (n,).
+    - `exact_gradient`: takes points (n, 2), gives gradients (n, 2).
+    - `degree`: degree of the quadrature, ``2 k + 2`` by default.
     """
     degree = quadrature_degree(space) if degree is None else degree
     totals = np.zeros(4)

@@ -15,15 +15,8 @@ from flangeway.types import Bools, Floats
 class Reaction:
     """What one support does to the body.
 
-    Parameters
-    ----------
-    support
-        The support.
-    force
-        Components x and y, shape (2,); in a body of revolution, summed around the axis.
-    moment
-        Moment about the origin, counter-clockwise.
-
+    - `force`: components x and y, shape (2,); in a body of revolution, summed around the axis.
+    - `moment`: moment about the origin, counter-clockwise.
     """
 
     support: Support
@@ -101,13 +94,8 @@ def nodal_residual(field: ElasticField, forces: Floats) -> Floats:
 
     The stiffness is assembled anew on all unknowns and multiplied with the displacements.
 
-    Parameters
-    ----------
-    field
-        Displacements and the problem with its loads.
-    forces
-        Further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
-
+    - `field`: displacements and the problem with its loads.
+    - `forces`: further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
     """
     return _internal_and_left(field, forces)[1]
 
@@ -118,15 +106,9 @@ def relative_nodal_residual(field: ElasticField, forces: Floats, held: Bools) ->
     It is that of `nodal_residual`, so it does not depend on the factor, the condensation and the contact iteration that
     found the displacements.
 
-    Parameters
-    ----------
-    field
-        Displacements and the problem with its loads.
-    forces
-        Further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
-    held
-        Which components of which nodes a support holds, shape (n_nodes, 2).
-
+    - `field`: displacements and the problem with its loads.
+    - `forces`: further forces on the nodes in the body's frame, those of contact, shape (n_nodes, 2).
+    - `held`: which components of which nodes a support holds, shape (n_nodes, 2).
     """
     internal, left = _internal_and_left(field, forces)
     reference = max(float(np.abs(each).max(initial=0.0)) for each in (left, forces, internal))

@@ -22,15 +22,9 @@ SMALLEST_SINGULAR = 1e-11
 class RecoveredStresses:
     """Stresses of one order more than the reconstruction's, and the difference between both.
 
-    Parameters
-    ----------
-    solution
-        The solution.
-    coefficients
-        Polynomials of degree k of each cell in its patch's coordinates, shape (n_cells, 4, n_monomials(k)).
-    scales
-        Lengths by which the patches' coordinates about the cells' centroids are divided, shape (n_cells,).
-
+    - `coefficients`: polynomials of degree k of each cell in its patch's coordinates, shape (n_cells, 4,
+      n_monomials(k)).
+    - `scales`: lengths by which the patches' coordinates about the cells' centroids are divided, shape (n_cells,).
     """
 
     solution: ElasticitySolution

@@ -22,19 +22,10 @@ Measure = Callable[[ElasticitySolution], tuple[float, float]]
 class RefinementRow:
     """Errors of one solution.
 
-    Parameters
-    ----------
-    refinement
-        ``"uniform"`` or ``"adaptive"``.
-    mesh
-        The mesh.
-    n_unknowns
-        Components of displacement at nodes, prescribed ones too; those inside cells are condensed.
-    error, estimated_error
-        Error of the stresses in the energy norm over the exact norm: true, and estimated by recovery.
-    solution
-        The solution.
-
+    - `refinement`: ``"uniform"`` or ``"adaptive"``.
+    - `n_unknowns`: components of displacement at nodes, prescribed ones too; those inside cells are condensed.
+    - `error`, `estimated_error`: error of the stresses in the energy norm over the exact norm: true, and estimated by
+      recovery.
     """
 
     refinement: Literal["uniform", "adaptive"]
@@ -50,15 +41,9 @@ def stress_errors(
 ) -> tuple[float, float]:
     """Energy norms, roots of the integrals of stress times strain, of a solution's error and of the exact stresses.
 
-    Parameters
-    ----------
-    solution
-        Plane strain or stress, one material.
-    exact
-        Gives stresses xx, yy, xy (n, 3) at points (n, 2).
-    degree
-        Degree of the polynomials that are integrated exactly.
-
+    - `solution`: plane strain or stress, one material.
+    - `exact`: gives stresses xx, yy, xy (n, 3) at points (n, 2).
+    - `degree`: degree of the polynomials that are integrated exactly.
     """
     problem = solution.problem
     compliance = np.linalg.inv(problem.materials[0].matrix[:3, :3])

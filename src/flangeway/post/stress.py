@@ -48,13 +48,7 @@ class Stresses:
 def cell_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
     """Mean stresses of the cells.
 
-    Parameters
-    ----------
-    elasticity
-        The problem.
-    displacement
-        All unknowns, shape (n_dofs, 2).
-
+    - `displacement`: all unknowns, shape (n_dofs, 2).
     """
     components = np.empty((elasticity.space.mesh.n_cells, 4))
     for batch in elasticity.space.batches():
@@ -67,13 +61,7 @@ def cell_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
 def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
     """Stresses at the cells' corners, each from its own cell, in the order of ``mesh.cell_points``.
 
-    Parameters
-    ----------
-    elasticity
-        The problem.
-    displacement
-        All unknowns, shape (n_dofs, 2).
-
+    - `displacement`: all unknowns, shape (n_dofs, 2).
     """
     mesh = elasticity.space.mesh
     components = np.empty((len(mesh.cell_points), 4))

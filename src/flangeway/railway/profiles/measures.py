@@ -172,13 +172,8 @@ def conforming(
     it, or the gap of the profiles at either end of it, ``int_0^a (a - s) k(s) ds`` with the relative curvature k along
     the surfaces, is not that of the curvature at the middle, ``k(0) a^2 / 2``, within a factor of `MAX_CHANGE`.
 
-    Parameters
-    ----------
-    wheel, wheel_point, rail, rail_point
-        Profiles, and the points of contact in their frames, each (2,).
-    half_width_mm
-        Hertz's half width for the curvatures at these points, > 0.
-
+    - `wheel`, `wheel_point`, `rail`, `rail_point`: profiles, and the points of contact in their frames, each (2,).
+    - `half_width_mm`: Hertz's half width for the curvatures at these points, > 0.
     """
     along = half_width_mm * (np.arange(_N_ALONG) + 0.5) / _N_ALONG
     along = np.concatenate([-along[::-1], along])
