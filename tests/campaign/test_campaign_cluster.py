@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from flangeway.campaign import Campaign, cluster_workers, results, run_campaign
+from flangeway.campaign import Campaign, results, run_campaign, workers
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.errors import InputError, MissingLibraryError
 
@@ -88,7 +88,7 @@ def test_a_scheduler_that_is_not_there_is_told(monkeypatch, tmp_path):
     pytest.importorskip("distributed")
     file = tmp_path / "c.toml"
     file.write_text(CAMPAIGN, encoding="utf-8")
-    monkeypatch.setattr(cluster_workers, "CONNECT_S", 0.5)
+    monkeypatch.setattr(workers, "CONNECT_S", 0.5)
     for address in ("tcp://127.0.0.1:9", "nonsense"):
         with pytest.raises(InputError, match="scheduler") as caught:
             run_campaign(Campaign.from_file(file), tmp_path / "c.sqlite", scheduler=address)

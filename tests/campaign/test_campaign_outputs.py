@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from flangeway.campaign import Campaign, CampaignProgress, chunk, results
-from flangeway.campaign import results_table as table
+from flangeway.campaign import database as table
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS

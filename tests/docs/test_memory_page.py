@@ -135,10 +135,9 @@ def test_the_page_tells_the_programs_numbers():
     """Names and numbers on the page are those of the program."""
     assert f"assembly | {BYTES_AN_ENTRY} bytes" in TEXT
     of_one = sizing.BYTES_A_TRIANGLE
-    of_parts = of_one["delaunay"] + sizing.BYTES_TO_COLLECT
     assert (
-        f"{of_one['delaunay']} bytes for each triangle, {of_one['frontal-delaunay']} with `frontal-delaunay`, "
-        f"{of_parts} in sections of several parts; {sizing.BYTES_A_BOUNDARY_EDGE} for each edge on the boundary; "
+        f"{of_one['delaunay']} bytes for each triangle, {of_one['frontal-delaunay']} with `frontal-delaunay`; "
+        f"{sizing.BYTES_A_BOUNDARY_EDGE} for each edge on the boundary; "
         f"up to {sizing.BYTES_A_SEED:,} for each point along a refinement"
     ) in TEXT
     assert f"dual polygons | {sys.modules[dual.__module__].BYTES_A_TRIANGLE} bytes" in TEXT

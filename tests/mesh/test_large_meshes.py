@@ -16,7 +16,7 @@ from flangeway.geometry import Arc, Line, Outline, Placement, Region, Section, c
 from flangeway.mesh import (
     Refinement,
     dual,
-    gmsh_session,
+    gmsh_mesher,
     long_meshes_reported,
     rectangle_grid,
     refined,
@@ -138,7 +138,7 @@ def no_gmsh():
 def little_memory(monkeypatch):
     """Leave nothing to work that is compared, and let no work reach Gmsh."""
     monkeypatch.setenv("FLANGEWAY_MEMORY_GB", "0.001")
-    monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)
+    monkeypatch.setattr(gmsh_mesher, "load_gmsh", no_gmsh)
 
 
 HALVES = Section({"left": Region(rectangle(1.0, 1.0)), "right": Region(rectangle(1.0, 1.0, (1.0, 0.0)))})
@@ -182,7 +182,7 @@ FAR_TOO_LARGE = {
 @pytest.mark.parametrize(("kind", "given"), FAR_TOO_LARGE.items(), ids=FAR_TOO_LARGE)
 def test_what_would_take_hours_is_refused(kind, given, monkeypatch):
     """Too many triangles, edges along a side or points of refinements are told at once, with the number allowed."""
-    monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)
+    monkeypatch.setattr(gmsh_mesher, "load_gmsh", no_gmsh)
     outline, size, refinements = given
     with pytest.raises(InputError) as caught:
         triangulate(outline, size=size, refinements=refinements)
@@ -204,7 +204,7 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
     here = list(both())
     assert reports == []
     monkeypatch.setattr(sizing, "LONG", 0.0)
-    monkeypatch.setattr(gmsh_session, "load_gmsh", no_gmsh)  # of this process
+    monkeypatch.setattr(gmsh_mesher, "load_gmsh", no_gmsh)  # of this process
     for mine, other in zip(here, both(), strict=True):
         assert same(mine, other)
     assert len(reports) == 2

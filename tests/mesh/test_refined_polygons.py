@@ -11,7 +11,7 @@ from flangeway.geometry import circle, square
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, check, doerfler_marking, dual, rectangle_grid, refined, triangulate
 from flangeway.mesh.kernel import kernel_centre, star_parts
-from flangeway.mesh.sides import cell_sides
+from flangeway.mesh.refine import cell_sides
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space

@@ -12,7 +12,7 @@ import pytest
 
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.geometry import Arc, Line, Outline, Placement, circle, polygon, rectangle, square
-from flangeway.mesh import Refinement, check, gmsh_session, triangulate
+from flangeway.mesh import Refinement, check, gmsh_mesher, triangulate
 
 HALF_DISC = Outline.from_segments(
     [Line((-2.0, 0.0), (2.0, 0.0)), Arc((2.0, 0.0), (-2.0, 0.0), (0.0, 0.0), True)],
@@ -202,11 +202,11 @@ def test_a_missing_library_is_named_with_its_packages(monkeypatch, library):
     def fail(name):
         raise OSError(f"{library}: cannot open shared object file: No such file or directory")
 
-    monkeypatch.setattr(gmsh_session.importlib, "import_module", fail)
+    monkeypatch.setattr(gmsh_mesher.importlib, "import_module", fail)
     stem = library.split(".", maxsplit=1)[0]
     with pytest.raises(MissingLibraryError) as caught:
         triangulate(square(1.0), size=0.2)
-    assert f"{stem} (Debian package {gmsh_session.DEBIAN_PACKAGES[stem]})" in str(caught.value)
+    assert f"{stem} (Debian package {gmsh_mesher.DEBIAN_PACKAGES[stem]})" in str(caught.value)
     assert "apt-get install" in str(caught.value)
     assert "libglu1-mesa" in str(caught.value)
 

@@ -2,7 +2,7 @@
 
 from flangeway.campaign.campaign import Campaign, Row
 from flangeway.campaign.campaign_run import CampaignProgress, run_campaign
-from flangeway.campaign.results_table import CampaignTable, results
+from flangeway.campaign.database import CampaignTable, results
 
 __all__ = [
     "Campaign",

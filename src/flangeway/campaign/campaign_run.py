@@ -10,10 +10,9 @@ from pathlib import Path
 
 from flangeway.campaign.campaign import Campaign, Row
 from flangeway.campaign.chunk import Chunk, Lost, Outcome, Workers
-from flangeway.campaign.cluster_workers import ClusterWorkers
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import WAITING, CampaignDatabase
-from flangeway.campaign.local_workers import LocalWorkers
+from flangeway.campaign.workers import ClusterWorkers, LocalWorkers
 from flangeway.errors import InputError
 from flangeway.system.versions import versions
 

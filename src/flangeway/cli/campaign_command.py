@@ -48,7 +48,7 @@ def campaign(
     """Run a case over many inputs: results row by row in one SQLite file, tables, pictures (out/FILE)."""
     with errors_as_exit_status():
         from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
-        from flangeway.campaign.results_table import refuse_format  # noqa: PLC0415
+        from flangeway.campaign.database import refuse_format  # noqa: PLC0415
         from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
             DATABASE,
             check_campaign_folder,

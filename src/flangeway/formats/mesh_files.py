@@ -12,7 +12,7 @@ import numpy as np
 from flangeway.errors import InputError
 from flangeway.formats.abaqus_mesh import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
-from flangeway.mesh.gmsh_session import gmsh_model
+from flangeway.mesh.gmsh_mesher import gmsh_model
 from flangeway.system.file_content import is_file
 from flangeway.types import Ints
 

@@ -1,12 +1,11 @@
 """Meshes of polygons: triangulation, dual polygons, refinement, checks and files."""
 
 from flangeway.mesh.conforming import conforming, edges_halved
-from flangeway.mesh.dual import dual
-from flangeway.mesh.gmsh_mesher import triangulate
+from flangeway.mesh.dual import dual, dual_section
+from flangeway.mesh.gmsh_mesher import triangulate, triangulate_section
 from flangeway.mesh.mesh_checks import check
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.refine import doerfler_marking, refined
-from flangeway.mesh.section_mesher import dual_section, triangulate_section
 from flangeway.mesh.sizing import Refinement, long_meshes_reported
 from flangeway.mesh.structured import rectangle_grid
 

@@ -1,8 +1,10 @@
-"""Dual polygons of a triangulation: one cell about every point."""
+"""Dual polygons of a triangulation, one cell about every point, and those of a section of several parts."""
 
+import functools
 from collections.abc import Mapping
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
@@ -166,3 +168,43 @@ def _carried_sets(mesh: PolyMesh) -> Mapping[str, IntArray]:
             )
         carried[name] = np.flatnonzero(inside).astype(np.int32)
     return carried
+
+
+def dual_section(mesh: PolyMesh) -> PolyMesh:
+    """Return the dual polygons of every cell set apart, glued where the sets touch.
+
+    So that each polygon lies in one part; see `dual`. The cell sets must cover the mesh once. Returned: with the same
+    cell sets and edge sets.
+
+    - `mesh`: triangles, as from `triangulate_section`.
+    """
+    if len(mesh.cell_sets) == 1:
+        return dual(mesh)
+    parts = [dual(_extracted(mesh, name, cells)) for name, cells in mesh.cell_sets.items()]
+    glued = _glued(functools.reduce(PolyMesh.merged, parts), 1e-9 * float(np.ptp(mesh.points, axis=0).max()))
+    middles = glued.points[glued.boundary_edges].mean(axis=1)
+    for name, pairs in mesh.edge_sets.items():
+        start, end = mesh.points[pairs].swapaxes(0, 1)
+        halves = np.vstack([0.75 * start + 0.25 * end, 0.25 * start + 0.75 * end])
+        glued = glued.with_edge_set(name, glued.boundary_edges[cKDTree(middles).query(halves)[1]])
+    return glued
+
+
+def _extracted(mesh: PolyMesh, name: str, cells: IntArray) -> PolyMesh:
+    """Return the triangles of one cell set as a separate mesh."""
+    used, corners = np.unique(mesh.cell_points.reshape(-1, 3)[cells], return_inverse=True)
+    offsets = np.arange(len(cells) + 1, dtype=np.int32) * 3
+    return PolyMesh(
+        mesh.points[used], offsets, corners.astype(np.int32).ravel(), {name: np.arange(len(cells), dtype=np.int32)}
+    )
+
+
+def _glued(mesh: PolyMesh, tolerance: float) -> PolyMesh:
+    """Return the mesh with points nearer than a tolerance made one."""
+    pairs = cKDTree(mesh.points).query_pairs(tolerance, output_type="ndarray")
+    first = np.arange(mesh.n_points)
+    # each group of coinciding points has one of every part, so that its lowest is paired with all others
+    for low, high in sorted(pairs.tolist(), reverse=True):
+        first[high] = low
+    kept, numbers = np.unique(first, return_inverse=True)
+    return PolyMesh(mesh.points[kept], mesh.cell_offsets, numbers[mesh.cell_points].astype(np.int32), mesh.cell_sets)

@@ -1,17 +1,22 @@
-"""Triangulation of a region with Gmsh."""
+"""Triangulation of regions and of sections of several parts with Gmsh, which is brought in only when it is needed."""
 
+import importlib
 import math
-from collections.abc import Sequence
+import re
+import threading
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import Any, Literal
 
 import numpy as np
 
-from flangeway.errors import InputError, short
+from flangeway.checks import check_positive
+from flangeway.errors import InputError, MissingLibraryError, short
 from flangeway.geometry.arrays import IntArray
 from flangeway.geometry.outline import Outline
-from flangeway.geometry.region import Region
+from flangeway.geometry.placement import Placement
+from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Arc, halved
-from flangeway.mesh.gmsh_session import generate, gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, made, mesh_bound, refuse_size
 from flangeway.types import Floats, Ints
@@ -34,6 +39,87 @@ OPTIONS = {
     "Mesh.RecombineAll": 0,
     "Mesh.SubdivisionAlgorithm": 0,
 }
+
+
+_FAR = 100.0  # of the section's size
+
+DEBIAN_PACKAGES = {
+    "libGL": "libgl1",
+    "libGLU": "libglu1-mesa",
+    "libX11": "libx11-6",
+    "libXcursor": "libxcursor1",
+    "libXext": "libxext6",
+    "libXfixes": "libxfixes3",
+    "libXft": "libxft2",
+    "libXinerama": "libxinerama1",
+    "libXrender": "libxrender1",
+    "libfontconfig": "libfontconfig1",
+    "libgomp": "libgomp1",
+}
+"""Debian packages that bring the shared libraries which the Gmsh wheel expects of the system."""
+
+_LOCK = threading.RLock()
+
+
+def load_gmsh() -> Any:
+    """Return the module gmsh; a `MissingLibraryError` names the packages of a shared library that is missing."""
+    try:
+        return importlib.import_module("gmsh")
+    except OSError as reason:
+        library = re.search(r"(lib[A-Za-z0-9_+-]+)\.so", str(reason))
+        missing = library.group(1) if library else "a shared library"
+        package = DEBIAN_PACKAGES.get(missing)
+        first = f" (Debian package {package})" if package else ""
+        raise MissingLibraryError(
+            f"Gmsh needs {missing}{first}, which this system lacks: {reason}\n"
+            "  what to do: on Debian or Ubuntu run\n"
+            f"    apt-get install {' '.join(sorted(DEBIAN_PACKAGES.values()))}\n"
+            "  elsewhere install the packages that bring the same libraries"
+        ) from reason
+
+
+@contextmanager
+def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
+    """Give gmsh with a new, empty model that is removed at the end, and options by name for its time.
+
+    If the caller has initialised Gmsh, the options and the current model are restored; if not, Gmsh is finalised. One
+    thread at a time.
+    """
+    with _LOCK:
+        gmsh = load_gmsh()
+        owner = not gmsh.isInitialized()
+        if owner:
+            # no configuration files and no signal handlers: the caller's process stays his
+            gmsh.initialize(readConfigFiles=False, interruptible=False)
+        before = {} if owner else {option: gmsh.option.getNumber(option) for option in options}
+        current = None if owner else gmsh.model.getCurrent()
+        try:
+            for option, value in options.items():
+                gmsh.option.setNumber(option, value)
+            gmsh.model.add(name)
+            try:
+                yield gmsh
+            finally:
+                gmsh.model.remove()
+        finally:
+            if owner:
+                gmsh.finalize()
+            else:
+                for option, value in before.items():
+                    gmsh.option.setNumber(option, value)
+                gmsh.model.setCurrent(current)
+
+
+def _generate(gmsh: Any) -> None:
+    """Make the plane mesh of the current model; an `InputError` with Gmsh's reason if it fails."""
+    try:
+        gmsh.model.mesh.generate(2)
+    except Exception as reason:
+        raise InputError(
+            f"a region that Gmsh does not mesh: {reason}",
+            "outlines without slivers much smaller than the size",
+            "reduce the size, or look at the outline",
+        ) from reason
 
 
 def triangulate(
@@ -80,14 +166,67 @@ def triangulate(
         If Gmsh lacks a shared library of the system.
 
     """
-    refuse_algorithm(algorithm)
+    _refuse_algorithm(algorithm)
     refuse_size(outline, size)
     region = Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
     bound = mesh_bound([region], size, refinements, algorithm)
     return made(bound, _meshed, region, size, tuple(refinements), algorithm)
 
 
-def refuse_algorithm(algorithm: str) -> None:
+def triangulate_section(
+    section: Section,
+    *,
+    size: float,
+    refinements: Sequence[Refinement] = (),
+    algorithm: Literal["delaunay", "frontal-delaunay"] = "delaunay",
+) -> PolyMesh:
+    """Return a mesh of triangles of all parts, conforming where they touch.
+
+    Parameters
+    ----------
+    section
+        The parts. Edges that two parts share must be at the same place; their ends need not be.
+    size
+        Length of a triangle's edge away from refinements.
+    refinements
+        Where triangles are smaller; see `triangulate`.
+    algorithm
+        As for `triangulate`.
+
+    Returns
+    -------
+    PolyMesh
+        With a cell set for every part, and an edge set for every name of a segment on the boundary.
+
+    Raises
+    ------
+    InputError
+        If parts overlap, or as for `triangulate`.
+    OutOfMemoryError
+        As for `triangulate`.
+
+    """
+    check_positive("triangulate_section", "size", size, "a positive length")
+    low, high = section.bounds()
+    middle = 0.5 * (low + high)
+    if np.abs(middle).max() > _FAR * section.size:
+        # Gmsh compares points with a tolerance of their distance from the origin
+        away = Placement(translation=(float(middle[0]), float(middle[1])))
+        nearer = [Refinement(r.points - middle, r.size, r.growth) for r in refinements]
+        mesh = triangulate_section(
+            section.transformed(away.inverse()), size=size, refinements=nearer, algorithm=algorithm
+        )
+        return mesh.placed(away)
+    if len(section.parts) == 1:
+        ((name, region),) = section.parts.items()
+        mesh = triangulate(region.outer, size=size, refinements=refinements, holes=region.holes, algorithm=algorithm)
+        return mesh.with_cell_set(name, np.arange(mesh.n_cells))
+    _refuse_algorithm(algorithm)
+    bound = mesh_bound(section.regions, size, refinements, algorithm)
+    return made(bound, _meshed_section, dict(section.parts), size, tuple(refinements), algorithm)
+
+
+def _refuse_algorithm(algorithm: str) -> None:
     """Refuse the name of an algorithm that is not known."""
     if algorithm not in ALGORITHMS:
         raise InputError(f"algorithm = {short(algorithm)}", f"one of {sorted(ALGORITHMS)}", "choose one of them")
@@ -95,39 +234,78 @@ def refuse_algorithm(algorithm: str) -> None:
 
 def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:
     with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
-        loops = [_add_loop(gmsh, loop) for loop in region.loops]
+        loops = [_add_loop(gmsh.model.geo, loop) for loop in region.loops]
         surface = gmsh.model.geo.addPlaneSurface(
             [gmsh.model.geo.addCurveLoop([curve for curve, _ in loop]) for loop in loops]
         )
-        seeds = [[_add_point(gmsh, p) for p in r.seeds()] for r in refinements]
+        seeds = [[gmsh.model.geo.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
         gmsh.model.geo.synchronize()
-        set_size_field(gmsh, size, refinements, seeds)
-        generate(gmsh)
-        return _collected(gmsh, surface, region.loops, loops)
+        _set_size_field(gmsh, size, refinements, seeds)
+        _generate(gmsh)
+        return _of_region(gmsh, surface, region.loops, loops)
 
 
-def _add_point(gmsh: Any, point: Sequence[float] | Floats) -> int:
-    return int(gmsh.model.geo.addPoint(float(point[0]), float(point[1]), 0.0))
+def _meshed_section(
+    parts: dict[str, Region], size: float, refinements: Sequence[Refinement], algorithm: str
+) -> PolyMesh:
+    section = Section(parts)
+    with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+        surfaces = _fragments(gmsh, section)
+        seeds = [[gmsh.model.occ.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
+        gmsh.model.occ.synchronize()
+        _set_size_field(gmsh, size, refinements, seeds)
+        _generate(gmsh)
+        return _of_section(gmsh, section, surfaces)
 
 
-def _add_loop(gmsh: Any, outline: Outline) -> list[tuple[int, int]]:
-    """Add a loop's curves; return (curve, number of its segment) for each."""
+def _fragments(gmsh: Any, section: Section) -> dict[str, list[int]]:
+    """Give the parts to Gmsh, cut where they touch; return the surfaces of each."""
+    occ = gmsh.model.occ
+    first = []
+    for region in section.regions:
+        loops = [_add_loop(occ, loop, center=False) for loop in region.loops]
+        first.append((2, occ.addPlaneSurface([occ.addCurveLoop([curve for curve, _ in loop]) for loop in loops])))
+    _, children = occ.fragment(first[:1], first[1:])
+    occ.synchronize()
+    owners: dict[int, str] = {}
+    surfaces: dict[str, list[int]] = {name: [] for name in section.parts}
+    for name, pieces in zip(section.parts, children, strict=True):
+        for dimension, tag in pieces:
+            if dimension != 2:
+                continue
+            if tag in owners:
+                x, y, _ = occ.getCenterOfMass(2, tag)
+                raise InputError(
+                    f"parts {owners[tag]} and {name}, which overlap about ({x:.6g}, {y:.6g})",
+                    "parts that touch along edges or keep apart",
+                    "move one of them, or cut a hole where the other is",
+                )
+            owners[tag] = name
+            surfaces[name].append(tag)
+    return surfaces
+
+
+def _add_loop(kernel: Any, outline: Outline, **center: bool) -> list[tuple[int, int]]:
+    """Add a loop's curves to a kernel of Gmsh; return (curve, number of its segment) for each.
+
+    With ``center=False`` arcs go through their middles: no radius to disagree by rounding.
+    """
     # Gmsh takes arcs below half a turn
     pieces = halved(outline.segments, 0.9 * math.pi)
-    corners = [_add_point(gmsh, piece.start) for piece, _ in pieces]
+    corners = [kernel.addPoint(*piece.start, 0.0) for piece, _ in pieces]
     curves = []
     for i, (piece, number) in enumerate(pieces):
         start, end = corners[i], corners[(i + 1) % len(corners)]
         if isinstance(piece, Arc):
-            centre = _add_point(gmsh, piece.centre)
-            curve = gmsh.model.geo.addCircleArc(start, centre, end)
+            third = piece.point(0.5)[0].tolist() if center else piece.centre
+            curve = kernel.addCircleArc(start, kernel.addPoint(*third, 0.0), end, **center)
         else:
-            curve = gmsh.model.geo.addLine(start, end)
+            curve = kernel.addLine(start, end)
         curves.append((int(curve), number))
     return curves
 
 
-def set_size_field(gmsh: Any, size: float, refinements: Sequence[Refinement], seeds: Sequence[Sequence[int]]) -> None:
+def _set_size_field(gmsh: Any, size: float, refinements: Sequence[Refinement], seeds: Sequence[Sequence[int]]) -> None:
     """Make the target size Gmsh's background field.
 
     Gmsh's own distance to a cloud of points is a search tree in compiled code, so that meshing
@@ -154,41 +332,68 @@ def set_size_field(gmsh: Any, size: float, refinements: Sequence[Refinement], se
     field.setAsBackgroundMesh(least)
 
 
-def _collected(
-    gmsh: Any,
-    surface: int,
-    outlines: Sequence[Outline],
-    loops: Sequence[Sequence[tuple[int, int]]],
-) -> PolyMesh:
-    """Return Gmsh's triangles with points in the order of its tags, unused ones left out."""
+def _triangles(gmsh: Any, surfaces: Sequence[int]) -> tuple[Ints, Floats, IntArray, list[int]]:
+    """Gmsh's tags of the points that triangles use, these points, triangles, and their number on each surface."""
     mesh = gmsh.model.mesh
     tags, coordinates, _ = mesh.getNodes()
     order = np.argsort(tags)
     tags, points = tags[order], coordinates.reshape(-1, 3)[order, :2]
-    used, corners = np.unique(mesh.getElementsByType(2, surface)[1], return_inverse=True)
+    corners = [mesh.getElementsByType(2, surface)[1] for surface in surfaces]
+    counts = [len(each) // 3 for each in corners]
+    used, numbers = np.unique(corners[0] if len(corners) == 1 else np.concatenate(corners), return_inverse=True)
+    del corners  # large
+    points, triangles = points[np.searchsorted(tags, used)], numbers.reshape(-1, 3).astype(np.int32)
+    del numbers
+    a, b, c = (points[triangles[:, i]] for i in range(3))
+    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
+    triangles[clockwise, 1:] = triangles[clockwise, :0:-1]
+    return used, points, triangles, counts
+
+
+def _of_region(
+    gmsh: Any, surface: int, outlines: Sequence[Outline], loops: Sequence[Sequence[tuple[int, int]]]
+) -> PolyMesh:
+    """Return Gmsh's triangles with points in the order of its tags, unused ones left out."""
+    used, points, triangles, _ = _triangles(gmsh, [surface])
     if not len(used):
         raise InputError("a region in which Gmsh made no triangle", "a region", "reduce the size")
-    points = points[np.searchsorted(tags, used)]
     pairs: dict[str, list[IntArray]] = {}
     for k, (outline, loop) in enumerate(zip(outlines, loops, strict=True)):
         for curve, number in loop:
-            nodes = mesh.getElementsByType(1, curve)[1]
+            nodes = gmsh.model.mesh.getElementsByType(1, curve)[1]
             edges = np.searchsorted(used, nodes).reshape(-1, 2).astype(np.int32)
             # a hole has the body on its right
             pairs.setdefault(outline.names[number], []).append(edges[::-1, ::-1] if k else edges)
-    triangles = corners.reshape(-1, 3)
+    offsets = np.arange(len(triangles) + 1, dtype=np.int32) * 3
     return PolyMesh(
-        points,
-        np.arange(len(triangles) + 1, dtype=np.int32) * 3,
-        counter_clockwise(points, triangles).astype(np.int32).ravel(),
-        edge_sets={name: np.vstack(parts) for name, parts in pairs.items()},
+        points, offsets, triangles.ravel(), edge_sets={name: np.vstack(parts) for name, parts in pairs.items()}
     )
 
 
-def counter_clockwise(points: Floats, triangles: Ints) -> Ints:
-    """Return triangles (n, 3) that all turn counter-clockwise."""
-    a, b, c = (points[triangles[:, i]] for i in range(3))
-    clockwise = (b - a)[:, 0] * (c - a)[:, 1] < (b - a)[:, 1] * (c - a)[:, 0]
-    turned = triangles.copy()
-    turned[clockwise, 1:] = triangles[clockwise, :0:-1]
-    return turned
+def _of_section(gmsh: Any, section: Section, surfaces: dict[str, list[int]]) -> PolyMesh:
+    """Return Gmsh's triangles, those of each part as a cell set."""
+    _, points, triangles, counts = _triangles(gmsh, [tag for mine in surfaces.values() for tag in mine])
+    owners = np.repeat(np.repeat(np.arange(len(surfaces)), [len(mine) for mine in surfaces.values()]), counts)
+    cell_sets = {name: np.flatnonzero(owners == number).astype(np.int32) for number, name in enumerate(surfaces)}
+    for name, cells in cell_sets.items():
+        if not len(cells):
+            raise InputError(f"part {name}, in which Gmsh made no triangle", "a part", "reduce the size")
+    offsets = np.arange(len(triangles) + 1, dtype=np.int32) * 3
+    return _with_names(PolyMesh(points, offsets, triangles.ravel(), cell_sets), section)
+
+
+def _with_names(mesh: PolyMesh, section: Section) -> PolyMesh:
+    """Name each boundary edge after the segment that it is closest to."""
+    pairs: IntArray = mesh.boundary_edges
+    middles = mesh.points[pairs].mean(axis=1)
+    names = np.full(len(pairs), "", dtype=object)
+    best = np.full(len(pairs), np.inf)
+    for region in section.regions:
+        for loop in region.loops:
+            number, _, distance = loop.closest(middles)
+            nearer = distance < best
+            best[nearer] = distance[nearer]
+            names[nearer] = np.array(loop.names, dtype=object)[number[nearer]]
+    for name in sorted(set(names.tolist())):
+        mesh = mesh.with_edge_set(name, pairs[names == name])
+    return mesh

@@ -28,8 +28,6 @@ TRIANGLES_AN_AREA = {"delaunay": 1.14, "frontal-delaunay": 1.0}
 """Triangles over what the target size alone would make, measured."""
 BYTES_A_TRIANGLE = {"delaunay": 460, "frontal-delaunay": 950}
 """Of Gmsh and of the mesh taken from it; measured 440 to 480 and 900 to 980."""
-BYTES_TO_COLLECT = 220
-"""For each triangle of a section of several parts, beyond those of one region; measured."""
 BYTES_A_BOUNDARY_EDGE = 1200
 BYTES_A_SEED = 10_000
 """Up to this much, mostly while Gmsh integrates the size along a curve beside them; measured 2,300 to 10,500."""
@@ -139,10 +137,9 @@ def mesh_bound(
             raise InputError(f"{given}: about {found:.2g} {kind}", f"sizes that make up to {most} {kind}", what)
     n_edges = np.maximum(sides, 1.0).sum() + added
     n_triangles = math.ceil(max(TRIANGLES_AN_AREA[algorithm] * _AN_AREA * area, n_edges))
-    bytes_a_triangle = BYTES_A_TRIANGLE[algorithm] + BYTES_TO_COLLECT * (len(regions) > 1)
     return MeshBound(
         n_triangles,
-        math.ceil(bytes_a_triangle * n_triangles + BYTES_A_BOUNDARY_EDGE * n_edges + BYTES_A_SEED * n_seeds),
+        math.ceil(BYTES_A_TRIANGLE[algorithm] * n_triangles + BYTES_A_BOUNDARY_EDGE * n_edges + BYTES_A_SEED * n_seeds),
         2.5e-5 * n_triangles * (1e-5 * n_triangles) ** 0.3 + 1e-7 * float(np.sum(sides**2) + added**2) + 1e-4 * n_seeds,
     )
 

@@ -1,14 +1,28 @@
 """What is computed from a solution: stresses, contact pressure, section constants, error norms."""
 
-from flangeway.post.adaptive import AdaptiveRun, AdaptiveStep, adapt
+from flangeway.post.adaptive import (
+    AdaptiveRun,
+    AdaptiveStep,
+    RefinementRow,
+    adapt,
+    refine_adaptively,
+    refine_uniformly,
+    stress_errors,
+)
 from flangeway.post.contact_checks import ContactChecks, Overlap, check_contact, cut_zones, deepest_overlap
-from flangeway.post.lines import CutForce, StressLine, displacements_at, force_through_cut, stresses_along, stresses_at
-from flangeway.post.location import locate
+from flangeway.post.lines import (
+    CutForce,
+    StressLine,
+    displacements_at,
+    force_through_cut,
+    locate,
+    stresses_along,
+    stresses_at,
+)
 from flangeway.post.norms import ErrorNorms, error_norms
 from flangeway.post.pressure import PressurePatch, pressure_patches
 from flangeway.post.reactions import Reaction, nodal_residual, reactions, relative_nodal_residual
 from flangeway.post.recovery import RecoveredStresses, recovered_stresses
-from flangeway.post.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.post.section_constants import SectionConstants, section_constants
 from flangeway.post.stress import (
     Stresses,

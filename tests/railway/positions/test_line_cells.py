@@ -5,7 +5,7 @@ import pytest
 
 from flangeway.geometry import Arc, Line, Outline
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
-from flangeway.post.location import OUTSIDE, locate
+from flangeway.post.lines import OUTSIDE, locate
 from flangeway.railway.positions.line_stresses import cells_along
 
 HOLLOW = Outline(

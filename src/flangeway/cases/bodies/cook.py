@@ -17,8 +17,7 @@ from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
 from flangeway.post import displacements_at, recovered_stresses, stresses_at
-from flangeway.post.adaptive import adapt
-from flangeway.post.refinement import Measure, RefinementRow, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.post.adaptive import Measure, RefinementRow, adapt, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space

@@ -13,7 +13,7 @@ from flangeway.elements import monomials
 from flangeway.elements.monomials import Frame
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
-from flangeway.post.location import NEAR, OUTSIDE
+from flangeway.post.lines import NEAR, OUTSIDE
 from flangeway.problems import Body
 from flangeway.space import CellBatch
 from flangeway.types import Bools, Floats, Ints
@@ -253,7 +253,7 @@ class _Passages:
 
 
 def cells_along(mesh: PolyMesh, starts: Floats, directions: Floats, distances: Floats) -> Ints:
-    """Cells that points of lines lie in, as `flangeway.post.location.locate` finds them point by point.
+    """Cells that points of lines lie in, as `flangeway.post.lines.locate` finds them point by point.
 
     Each point of the mesh is on one of two sides of a line, so that the line crosses an even number of a cell's edges
     and is in the cell between the first and the second, and so on. An edge of two cells is crossed at one place: the

@@ -7,7 +7,7 @@ from pathlib import Path
 from rich.console import Console
 
 from flangeway.campaign import Campaign, CampaignProgress, CampaignTable
-from flangeway.campaign.results_table import FORMATS, export_writers
+from flangeway.campaign.database import FORMATS, export_writers
 from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
 from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.sweep_animation import NAME as SWEEP

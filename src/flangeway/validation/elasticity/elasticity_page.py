@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from flangeway.cases.bodies.cook import CookRow
 from flangeway.mesh import PolyMesh
 from flangeway.post import recovered_stresses
-from flangeway.post.refinement import RefinementRow
+from flangeway.post.adaptive import RefinementRow
 from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, cell_corners, new_figure
 from flangeway.report.figures.plots import COLOURS, plot_mesh, plot_stress

@@ -18,7 +18,7 @@ from flangeway.cases.bodies.cook import (
 )
 from flangeway.cases.case import Progress
 from flangeway.elements import Virtual
-from flangeway.post.refinement import RefinementRow
+from flangeway.post.adaptive import RefinementRow
 from flangeway.validation.elasticity.closed_form import closed_form_numbers
 from flangeway.validation.elasticity.l_shape import adaptive_rows, l_shape, uniform_rows
 from flangeway.validation.elasticity.patch_test import PatchRow, patch_codes, patch_row
@@ -170,7 +170,7 @@ def incompressible_rows(found: ElasticityReproduction) -> list[Row]:
 
 
 def refinement_rows(found: ElasticityReproduction) -> list[Row]:
-    """Rows of ``refinement.csv``; errors as in `flangeway.post.refinement.RefinementRow`."""
+    """Rows of ``refinement.csv``; errors as in `flangeway.post.adaptive.RefinementRow`."""
     return [
         {
             "body": case.body,

@@ -6,7 +6,7 @@ from flangeway.elements import Element
 from flangeway.exact.notch import Notch
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid
-from flangeway.post.refinement import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.post.adaptive import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.problems import Elasticity, PrescribedDisplacement
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
