@@ -14,16 +14,16 @@ MAX_LINES = {
     "": 410,
     "system": 730,
     "exact": 870,
-    "geometry": 1345,
-    "mesh": 2610,
-    "formats": 2050,
+    "geometry": 1320,
+    "mesh": 2530,
+    "formats": 1830,
     "elements": 1380,
     "space": 640,
     "materials": 400,
     "problems": 2170,
     "solve": 2950,
     "contact": 4230,
-    "post": 1770,
+    "post": 1650,
     "railway.profiles": 3420,
     "railway.track": 620,
     "railway.rigid": 2030,
@@ -31,15 +31,15 @@ MAX_LINES = {
     "railway.positions": 2630,
     "railway.spatial": 80,
     "cases": 6010,
-    "campaign": 1860,
+    "campaign": 1840,
     "report": 5970,
     "validation": 5100,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 52_060
-MAX_FILES_OF_ALL = 298
+MAX_LINES_OF_ALL = 51_580
+MAX_FILES_OF_ALL = 290
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
