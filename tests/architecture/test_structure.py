@@ -18,7 +18,7 @@ MAX_LINES = {
     "mesh": 2530,
     "formats": 1830,
     "elements": 1380,
-    "space": 640,
+    "space": 700,
     "materials": 400,
     "problems": 2170,
     "solve": 2950,
@@ -38,7 +38,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_580
+MAX_LINES_OF_ALL = 51_640
 MAX_FILES_OF_ALL = 290
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

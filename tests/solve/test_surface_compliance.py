@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
+from scipy.sparse.linalg import splu
 from scipy.special import ellipe, ellipk
 
 from flangeway._core import n_threads
@@ -173,6 +174,19 @@ def test_short_waves_do_not_need_the_whole_mesh(monkeypatch) -> None:
         np.testing.assert_allclose(found, exact, atol=3e-5 * exact.max())
         depths[wavenumber] = n_bytes / n_whole
     assert depths[8.0] < 0.95
+
+
+@pytest.mark.parametrize("element", [Lagrange(2), Virtual(1), Virtual(3)])
+def test_the_compliance_is_the_displacement_of_cells_by_loads_on_them(element) -> None:
+    """It is P' K^-1 P of the whole stiffness, with the unknowns inside cells, to 1e-9."""
+    cells = cells_of(element)
+    problem = cells.problem
+    nodes, loads = cells.nodes_and_loads
+    free = problem.free(0.2).ravel()
+    forces = np.zeros((free.size, loads.shape[1]))
+    forces[(3 * nodes[:, None] + np.arange(3)).ravel()] = loads
+    exact = forces[free].T @ splu(problem.stiffness(0.2).restricted(free).full().tocsc()).solve(forces[free])
+    np.testing.assert_allclose(cells.compliance(0.2), exact, atol=1e-9 * exact.max())
 
 
 def test_the_error_of_the_interpolation_is_not_more_than_what_is_stated() -> None:

@@ -174,13 +174,10 @@ class Harmonic:
         """K0 with the foundations, K1 and K2, on ``3 * dof + amplitude``, all of one pattern."""
         constant, linear, square = self.elasticity.space.assemble_each(self._cell_parts, n_components=3)
         values = constant.values.copy()
-        columns = np.repeat(np.arange(constant.n), np.diff(constant.indptr))
-        places = columns * constant.n + constant.indices
         for foundation in self.foundations:
             rows, columns, stiffness = self._foundation(foundation)
             lower = rows >= columns
-            at = np.searchsorted(places, columns[lower] * constant.n + rows[lower])
-            np.add.at(values, at, stiffness[lower])
+            np.add.at(values, constant.places(rows[lower], columns[lower]), stiffness[lower])
         return SymmetricMatrix(constant.n, constant.indptr, constant.indices, values), linear, square
 
     def stiffness(self, wavenumber: float) -> SymmetricMatrix:

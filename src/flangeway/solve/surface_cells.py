@@ -5,7 +5,7 @@ normal, z). C(k) are the mean displacements of the cells by uniform loads on the
 1/k into the body: where it is short, the mesh is cut off below the surface.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -20,7 +20,7 @@ from flangeway.materials import Elastic
 from flangeway.problems.edges import edge_shapes
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
-from flangeway.space import SymmetricMatrix
+from flangeway.space import InnerUnknowns, SymmetricMatrix
 from flangeway.system.disk_cache import content_key
 from flangeway.types import Bools, Floats, Ints
 
@@ -43,8 +43,10 @@ class _CutMesh:
     depth
         Largest distance of a node from the cells.
     parts
-        K0, K1 and K2 of the free unknowns, each bordered: K0 by the loads P of the cells, ``[K, P; P', 0]``, the others
-        by zeros. The Schur complement on the border is ``-P' K^-1 P``.
+        K0, K1 and K2 of the free unknowns at nodes, each bordered: K0 by the loads P of the cells, ``[K, P; P', 0]``,
+        the others by zeros. The Schur complement on the border is ``-P' K^-1 P``.
+    inner
+        The unknowns inside its cells.
     groups
         Number of the node of each unknown, (n,), and such numbers for the border.
     scale
@@ -54,6 +56,7 @@ class _CutMesh:
 
     depth: float
     parts: tuple[SymmetricMatrix, SymmetricMatrix, SymmetricMatrix]
+    inner: InnerUnknowns
     groups: NDArray[np.int32]
     scale: float
 
@@ -198,12 +201,15 @@ class SurfaceCells:
         return tuple(self._cut(depth, (free & (depths <= depth)[:, None]).ravel(), border) for depth in at)
 
     def _cut(self, depth: float, kept: Bools, border: sp.csc_array) -> _CutMesh:
-        constant, linear, square = (part.restricted(kept) for part in self.problem.parts)
-        loads, scale = border[:, kept], float(np.abs(constant.values).max())
+        space = self.problem.elasticity.space
+        at_nodes = kept & (np.arange(len(kept)) < 3 * space.n_nodes)
+        constant, linear, square = (part.restricted(at_nodes) for part in self.problem.parts)
+        loads, scale = border[:, at_nodes], float(np.abs(constant.values).max())
         parts = constant.bordered(scale * loads), linear.bordered(0.0 * loads), square.bordered(0.0 * loads)
-        groups = np.flatnonzero(kept) // 3
+        groups = np.flatnonzero(at_nodes) // 3
         groups = np.concatenate((groups, groups[-1] + 1 + np.arange(loads.shape[0]) // 3))
-        return _CutMesh(depth, parts, groups.astype(np.int32), scale)
+        inner = InnerUnknowns.of(space, self.problem.parts, kept, parts[0])
+        return _CutMesh(depth, parts, inner, groups.astype(np.int32), scale)
 
     def compliance(self, wavenumber: float) -> Floats:
         """Mean displacements of the cells by unit forces per length on them at a wavenumber, in their frames.
@@ -231,6 +237,7 @@ class SurfaceCells:
         whole, *cut = self._cut_meshes
         mesh = min([whole, *(each for each in cut if wavenumber * each.depth >= WAVE_DEPTH)], key=lambda one: one.depth)
         matrix = at_wavenumber(mesh.parts, wavenumber)
+        matrix = replace(matrix, values=mesh.inner.eliminated(matrix.values, wavenumber))
         border = np.arange(matrix.n - 3 * self.n_cells, matrix.n, dtype=np.int32)
         try:
             factor = cholesky(matrix, mesh.groups, border)

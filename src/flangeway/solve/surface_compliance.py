@@ -25,7 +25,7 @@ from flangeway.system.disk_cache import Arrays, Cache
 from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
 from flangeway.types import Floats
 
-PER_DECADE = 4
+PER_DECADE = 3
 """Wavenumbers for each decade before their number is doubled where the interpolation is not good enough."""
 MOST_DOUBLINGS = 4
 """Times that an interval between wavenumbers is halved at most."""

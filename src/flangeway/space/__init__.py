@@ -1,6 +1,6 @@
 """Spaces of discrete functions on a mesh."""
 
-from flangeway.space.cell_condensation import CondensedMatrix, assemble_condensed
+from flangeway.space.cell_condensation import CondensedMatrix, InnerUnknowns, assemble_condensed
 from flangeway.space.functions import interpolate, load_vector
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
@@ -8,6 +8,7 @@ from flangeway.space.symmetric import SymmetricMatrix
 __all__ = [
     "CellBatch",
     "CondensedMatrix",
+    "InnerUnknowns",
     "Space",
     "SymmetricMatrix",
     "assemble_condensed",

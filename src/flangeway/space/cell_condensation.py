@@ -1,6 +1,6 @@
 """Static condensation: the unknowns inside cells are eliminated cell by cell, before assembly."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -80,6 +80,62 @@ class CondensedMatrix:
                 inside += batched.solve_lower(cells.factor, load.ravel()[cells.inner][:, None])[:, 0]
             result[cells.inner] = batched.solve_upper(cells.factor, inside[:, None])[:, 0]
         return result.reshape(-1, self.n_components)
+
+
+@dataclass(frozen=True, eq=False)
+class InnerUnknowns:
+    """What the unknowns inside cells add to a matrix ``K0 + k K1 + k^2 K2`` on the nodes when they are eliminated.
+
+    Parameters
+    ----------
+    blocks
+        Rows of K0, K1, K2 of the internal unknowns of each batch, those of the nodes first, (3, n_inner, n, n_cells).
+    pairs
+        Rows and columns of a cell's lower triangle on the nodes, for each batch.
+    places
+        Where these pairs are among the values of the matrix on the nodes, for all batches; after the last one if held.
+
+    """
+
+    blocks: tuple[Floats, ...]
+    pairs: tuple[tuple[NDArray[np.int64], NDArray[np.int64]], ...]
+    places: NDArray[np.int64]
+
+    @classmethod
+    def of(
+        cls, space: Space, parts: Sequence[SymmetricMatrix], kept: NDArray[np.bool_], matrix: SymmetricMatrix
+    ) -> "InnerUnknowns":
+        """Find them in assembled parts, for the matrix of the unknowns at nodes that are kept."""
+        n_components = parts[0].n // space.n_dofs
+        numbers = np.where(kept, np.cumsum(kept) - 1, -1)
+        blocks, pairs, places = [], [], []
+        for batch in space.batches():
+            n_inner = n_components * batch.element.n_interior()
+            unknowns = batch.vector_dofs(n_components)
+            unknowns = unknowns[:, kept[unknowns[-1]]] if n_inner else unknowns[:, :0]
+            if unknowns.size == 0:
+                continue
+            inner = parts[0].places(unknowns[-n_inner:, None], unknowns[None])
+            blocks.append(np.stack([part.values[inner] for part in parts]))
+            lower = np.tril_indices(len(unknowns) - n_inner)
+            rows, columns = (numbers[unknowns[each]] for each in lower)
+            loose = np.minimum(rows, columns) >= 0
+            pairs.append(lower)
+            places.append(np.where(loose, matrix.places(rows, columns), len(matrix.values)).ravel())
+        return cls(tuple(blocks), tuple(pairs), np.concatenate(places) if places else np.empty(0, dtype=np.int64))
+
+    def eliminated(self, values: Floats, wavenumber: float) -> Floats:
+        """Values of the matrix on the nodes, once the internal unknowns at a wavenumber have been eliminated."""
+        if not self.blocks:
+            return values
+        moved = []
+        for (constant, linear, square), pair in zip(self.blocks, self.pairs, strict=True):
+            rows = constant + wavenumber * (linear + wavenumber * square)
+            n_outer = rows.shape[1] - rows.shape[0]
+            coupling = batched.solve_lower(batched.cholesky(rows[:, n_outer:]), rows[:, :n_outer])
+            moved.append(batched.symmetric_product(coupling, coupling)[pair].ravel())
+        summed = np.bincount(self.places, np.concatenate(moved), minlength=len(values) + 1)
+        return np.subtract(values, summed[: len(values)], dtype=np.float64)
 
 
 def assemble_condensed(

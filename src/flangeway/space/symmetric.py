@@ -36,6 +36,12 @@ class SymmetricMatrix:
         """Both triangles, as a SciPy array."""
         return sp.csr_array(self.lower + sp.tril(self.lower, -1).T)
 
+    def places(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> NDArray[np.int64]:
+        """Where entries, which must be in the pattern on either side of the diagonal, are among the values."""
+        stored = np.repeat(np.arange(self.n), np.diff(self.indptr)) * self.n + self.indices
+        asked = np.minimum(rows, columns).astype(np.int64) * self.n + np.maximum(rows, columns)
+        return np.searchsorted(stored, asked)
+
     def times(self, vector: Floats) -> Floats:
         """Product with a vector (n,)."""
         lower = self.lower
