@@ -4,11 +4,4 @@ from flangeway.campaign.campaign import Campaign, Row
 from flangeway.campaign.campaign_run import CampaignProgress, run_campaign
 from flangeway.campaign.database import CampaignTable, results
 
-__all__ = [
-    "Campaign",
-    "CampaignProgress",
-    "CampaignTable",
-    "Row",
-    "results",
-    "run_campaign",
-]
+__all__ = ["Campaign", "CampaignProgress", "CampaignTable", "Row", "results", "run_campaign"]

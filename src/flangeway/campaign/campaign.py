@@ -26,8 +26,7 @@ KEYS = ("case", "table", "inputs", "vary", "results")
 ROWS_OF_A_CHUNK = 48
 """Maximum number of positions in a chunk. Fixed: a table depends neither on workers nor on interruptions."""
 
-FEWEST_TOGETHER = 12
-"""Minimum number of positions of the same bodies for which these are prepared for many positions."""
+FEWEST_TOGETHER = 12  # minimum number of positions of the same bodies for which these are prepared for many positions
 
 
 @dataclass(frozen=True)

@@ -16,8 +16,7 @@ from flangeway.campaign.workers import ClusterWorkers, LocalWorkers
 from flangeway.errors import InputError
 from flangeway.system.versions import versions
 
-MOST_LOSSES = 3
-"""Number of workers that may end during a row before its status is failed."""
+MOST_LOSSES = 3  # number of workers that may end during a row before its status is failed
 PATIENCE_S = 1.0
 
 

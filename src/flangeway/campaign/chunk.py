@@ -26,8 +26,7 @@ from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 
 _ALONE = threading.Lock()
-KEPT = 2
-"""Wheelsets that a worker keeps prepared; each takes some hundred megabytes."""
+KEPT = 2  # wheelsets that a worker keeps prepared; each takes some hundred megabytes
 
 _prepared: OrderedDict[str, PreparedWheelset] = OrderedDict()
 

@@ -13,8 +13,7 @@ from flangeway.system.file_content import csv_cells
 
 RANGE_KEYS = ("from", "to", "n", "step")
 MOST_ROWS = 1_000_000
-MAX_VALUE = 1e100
-"""No input is larger; up to it ends and steps of ranges do not overflow."""
+MAX_VALUE = 1e100  # no input is larger; up to it ends and steps of ranges do not overflow
 VALUES_ALLOWED = "a list such as [100, 150, 200], or a range such as { from = -7, to = 7, n = 141 }"
 
 

@@ -18,12 +18,7 @@ from flangeway.errors import FlangewayError, InputError, MissingLibraryError
 
 READY = "ready"
 # read when NumPy and the core are imported: one thread each, or processes wait for each other's
-ONE_THREAD = {
-    "OPENBLAS_NUM_THREADS": "1",
-    "OMP_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
-    "RAYON_NUM_THREADS": "1",
-}
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "MKL_NUM_THREADS": "1", "RAYON_NUM_THREADS": "1"}
 STOP_S = 2.0
 CONNECT_S = 10.0
 CHUNKS_A_THREAD = 2

@@ -6,12 +6,4 @@ from flangeway.formats.mesh_repair import MeshFile
 from flangeway.formats.outline_files import read_section
 from flangeway.formats.vtu import write_vtu
 
-__all__ = [
-    "UNITS",
-    "DrawnSection",
-    "MeshFile",
-    "PartMaterial",
-    "read_mesh",
-    "read_section",
-    "write_vtu",
-]
+__all__ = ["UNITS", "DrawnSection", "MeshFile", "PartMaterial", "read_mesh", "read_section", "write_vtu"]

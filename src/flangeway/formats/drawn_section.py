@@ -8,8 +8,7 @@ from flangeway.checks import is_finite
 from flangeway.errors import InputError, short
 from flangeway.geometry.region import Section
 
-UNITS = ("mm", "cm", "m", "in", "ft")
-"""Units of length that a section can be given in; nothing is converted."""
+UNITS = ("mm", "cm", "m", "in", "ft")  # units of length that a section can be given in; nothing is converted
 
 
 @dataclass(frozen=True)

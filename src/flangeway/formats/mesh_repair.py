@@ -18,8 +18,7 @@ from flangeway.mesh.mesh_checks import check, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Ints
 
-FLAT = 1e-9
-"""Range of the third coordinate, over the size of the mesh, up to which a mesh is plane."""
+FLAT = 1e-9  # range of the third coordinate, over the size of the mesh, up to which a mesh is plane
 
 _FAULTS = {
     "short": "with one point several times in a row: the repetitions are left out",

@@ -12,8 +12,7 @@ from flangeway.geometry.contour import JOINT_TOLERANCE, _joined
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.segments import Arc, Line, Segment
 
-MAX_COORDINATE = 1e30
-"""So that the sixth power of a length, and products of such, stay within floating-point numbers."""
+MAX_COORDINATE = 1e30  # so that the sixth power of a length, and products of such, stay within floating-point numbers
 
 
 @dataclass(frozen=True)

@@ -17,14 +17,9 @@ from flangeway.geometry.placement import Placement
 from flangeway.geometry.segments import Arc, Segment
 from flangeway.types import Floats
 
-JOINT_TOLERANCE = 1e-6
-"""Maximum gap between neighbours that `from_segments` closes, relative to the size of the whole."""
-
-CROSSING_TOLERANCE = 1e-9
-"""Distance at which segments touch, relative to the size of the whole."""
-
-BLOCK = 1_000_000
-"""Distances of points from segments that are held at a time: 8 MB."""
+JOINT_TOLERANCE = 1e-6  # maximum gap between neighbours that `from_segments` closes, relative to the size of the whole
+CROSSING_TOLERANCE = 1e-9  # distance at which segments touch, relative to the size of the whole
+BLOCK = 1_000_000  # distances of points from segments that are held at a time: 8 MB
 
 
 def _joined(segments: Sequence[Segment], *, closed: bool) -> tuple[Segment, ...]:
@@ -142,9 +137,7 @@ class Contour:
         unknown = sorted(wanted - set(self.names))
         if unknown or not wanted:
             raise InputError(
-                f"segment names {unknown}",
-                f"one or more of {sorted(set(self.names))}",
-                "correct the names",
+                f"segment names {unknown}", f"one or more of {sorted(set(self.names))}", "correct the names"
             )
         return [i for i, name in enumerate(self.names) if name in wanted]
 

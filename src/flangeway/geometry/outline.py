@@ -55,9 +55,7 @@ class Outline(Contour):
             )
         if self._signed_area < 0.0:
             raise InputError(
-                "a clockwise outline",
-                "counter-clockwise segments",
-                "use Outline.from_segments, which reverses them",
+                "a clockwise outline", "counter-clockwise segments", "use Outline.from_segments, which reverses them"
             )
 
     @classmethod

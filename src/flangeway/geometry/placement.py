@@ -80,8 +80,4 @@ class Placement:
         """Return the composition: first `other`, then this placement."""
         turn = -other.rotation_rad if self.mirrored else other.rotation_rad
         moved = self.points([other.translation])[0]
-        return Placement(
-            self.rotation_rad + turn,
-            (float(moved[0]), float(moved[1])),
-            self.mirrored != other.mirrored,
-        )
+        return Placement(self.rotation_rad + turn, (float(moved[0]), float(moved[1])), self.mirrored != other.mirrored)

@@ -213,9 +213,7 @@ def _lies_in(inner: Outline, outer: Outline) -> bool:
     apart = outer.closest(points)[2] > CROSSING_TOLERANCE * outer.size
     if not apart.any():
         raise InputError(
-            f"two loops that lie on each other at {_place(inner)}",
-            "loops that differ",
-            "remove one of them",
+            f"two loops that lie on each other at {_place(inner)}", "loops that differ", "remove one of them"
         )
     inside = outer.contains(points[apart])
     if inside.any() and not inside.all():

@@ -19,8 +19,7 @@ from flangeway.geometry.arrays import Point, as_point, as_points
 from flangeway.geometry.placement import Placement
 from flangeway.types import Floats
 
-RADIUS_TOLERANCE = 1e-5
-"""Maximum difference of an arc's two radii, relative to the radius (files carry 6 decimals)."""
+RADIUS_TOLERANCE = 1e-5  # maximum difference of an arc's two radii, relative to the radius (files carry 6 decimals)
 
 
 def _parameters(s: ArrayLike) -> Floats:

@@ -39,9 +39,7 @@ def polygon(points: ArrayLike, names: Sequence[str] | None = None) -> Outline:
         raise InputError(f"{len(corners)} corners", "three corners or more", "add corners")
     if np.array_equal(corners[0], corners[-1]):
         raise InputError(
-            f"corner 0 repeated as corner {len(corners) - 1}",
-            "corners that differ",
-            "leave the closing corner out",
+            f"corner 0 repeated as corner {len(corners) - 1}", "corners that differ", "leave the closing corner out"
         )
     labels = [f"side_{i}" for i in range(len(corners))] if names is None else names
     ends = [as_point(corner) for corner in corners]

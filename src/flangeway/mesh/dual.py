@@ -13,8 +13,7 @@ from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Floats, Ints
 
-BYTES_A_TRIANGLE = 420
-"""Of the construction; measured 170 to 450."""
+BYTES_A_TRIANGLE = 420  # of the construction; measured 170 to 450
 
 
 def dual(mesh: PolyMesh) -> PolyMesh:

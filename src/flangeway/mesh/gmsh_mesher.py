@@ -21,8 +21,7 @@ from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, made, mesh_bound, refuse_size
 from flangeway.types import Floats, Ints
 
-ALGORITHMS = {"delaunay": 5, "frontal-delaunay": 6}
-"""Gmsh's numbers of the algorithms."""
+ALGORITHMS = {"delaunay": 5, "frontal-delaunay": 6}  # Gmsh's numbers of the algorithms
 
 OPTIONS = {
     "General.Terminal": 0,

@@ -8,8 +8,7 @@ from flangeway.geometry.arrays import IntArray, cross_product, point_text
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Floats
 
-GOOD_DISTANCE = 0.1
-"""Distance from all sides, over area by diameter, with which a centroid is taken as the centre."""
+GOOD_DISTANCE = 0.1  # distance from all sides, over area by diameter, with which a centroid is taken as the centre
 
 SMALLEST_KERNEL = 1e-3
 """Radius of the kernel, over area by diameter, below which a polygon counts as one that no point sees whole."""

@@ -18,8 +18,7 @@ ROUNDING = 1e-9
 DIRECTIONS = (0.6, 1.4, 2.2, 3.0)
 """Angles in radians of the sweeps, of which the one with the fewest candidates is taken."""
 
-MOST_CANDIDATES = 2_000_000
-"""Pairs of segments that are examined at a time."""
+MOST_CANDIDATES = 2_000_000  # pairs of segments that are examined at a time
 
 
 def touching_distance(lengths: Floats, points: Floats) -> Floats:

@@ -12,8 +12,7 @@ from flangeway.mesh.meeting import Meeting, layers, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Ints
 
-FLAT = 1e-14
-"""Area of a cell over the sum of its squared distances from its middle, up to which it counts as flat."""
+FLAT = 1e-14  # area of a cell over the sum of its squared distances from its middle, up to which it counts as flat
 
 SHORT = 1e-9
 """Area between a side and the middle of a cell, over the cell's, below which the side is looked at more closely; and
@@ -88,9 +87,7 @@ def _check_points(mesh: PolyMesh) -> None:
     if used.min() == 0:
         point = int(used.argmin())
         raise InputError(
-            f"point {point} at {point_text(mesh.points[point])} of no cell",
-            "points that a cell uses",
-            "remove it",
+            f"point {point} at {point_text(mesh.points[point])} of no cell", "points that a cell uses", "remove it"
         )
 
 

@@ -29,17 +29,10 @@ As large as that, since the middle of a coarse chord is far from its arc; the ne
 """
 
 BYTES_A_TRIANGLE = 740
-BYTES_A_POLYGON = 2400
-"""Of the construction, for each cell that is refined; measured."""
-
-STRAIGHT = np.deg2rad(15.0)
-"""Turn at a point below which both edges belong to one side."""
-
-HANGING = 1e-6
-"""Turn in radians below which a point of a cell counts as one that hangs on its side."""
-
-MIDDLE = 0.25
-"""Distance from the middle of a side, over its length, within which a point of it divides the side."""
+BYTES_A_POLYGON = 2400  # of the construction, for each cell that is refined; measured
+STRAIGHT = np.deg2rad(15.0)  # turn at a point below which both edges belong to one side
+HANGING = 1e-6  # turn in radians below which a point of a cell counts as one that hangs on its side
+MIDDLE = 0.25  # distance from the middle of a side, over its length, within which a point of it divides the side
 
 
 def refined(

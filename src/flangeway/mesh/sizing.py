@@ -32,11 +32,8 @@ BYTES_A_BOUNDARY_EDGE = 1200
 BYTES_A_SEED = 10_000
 """Up to this much, mostly while Gmsh integrates the size along a curve beside them; measured 2,300 to 10,500."""
 
-LONG = 3.0
-"""Seconds of a triangulation without a report, and after Ctrl-C."""
-
-_AN_AREA = 4.0 / math.sqrt(3.0)
-"""Equilateral triangles of side one in an area of one."""
+LONG = 3.0  # seconds of a triangulation without a report, and after Ctrl-C
+_AN_AREA = 4.0 / math.sqrt(3.0)  # equilateral triangles of side one in an area of one
 
 _REPORT: ContextVar[Callable[[str], None]] = ContextVar("_REPORT", default=lambda _: None)
 

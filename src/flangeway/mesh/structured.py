@@ -10,8 +10,7 @@ from flangeway.geometry.arrays import Point, as_point
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 
-BYTES_A_SQUARE = 140
-"""Of triangles, the larger; measured."""
+BYTES_A_SQUARE = 140  # of triangles, the larger; measured
 
 
 def rectangle_grid(
@@ -65,12 +64,7 @@ def rectangle_grid(
         rows = np.column_stack([a, b, c, d])
     else:
         raise InputError(f"cells = {short(cells)}", "'triangles' or 'quadrilaterals'", "choose one")
-    sides = {
-        "bottom": grid[0],
-        "right": grid[:, -1],
-        "top": grid[-1, ::-1],
-        "left": grid[::-1, 0],
-    }
+    sides = {"bottom": grid[0], "right": grid[:, -1], "top": grid[-1, ::-1], "left": grid[::-1, 0]}
     return PolyMesh(
         np.column_stack([x.ravel(), y.ravel()]),
         np.arange(len(rows) + 1, dtype=np.int32) * rows.shape[1],

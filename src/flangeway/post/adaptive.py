@@ -193,12 +193,7 @@ def refine_uniformly(solve: Solve, mesh: PolyMesh, measure: Measure, n_levels: i
 
 
 def refine_adaptively(
-    solve: Solve,
-    mesh: PolyMesh,
-    measure: Measure,
-    *,
-    tolerance: float,
-    most_steps: int = 50,
+    solve: Solve, mesh: PolyMesh, measure: Measure, *, tolerance: float, most_steps: int = 50
 ) -> list[RefinementRow]:
     """Refine a mesh by the recovered stresses' error estimate, see `adapt`, down to a tolerance in the energy norm."""
     run = adapt(

@@ -20,8 +20,7 @@ SMALL_PENETRATION = 0.05
 
 MAX_PENETRATION = 1.0
 MAX_PULL = 1e-9
-MAX_TURN = np.deg2rad(30.0)
-"""Turn at the end of a surface below which the boundary goes on as the same surface."""
+MAX_TURN = np.deg2rad(30.0)  # turn at the end of a surface below which the boundary goes on as the same surface
 
 
 @dataclass(frozen=True)

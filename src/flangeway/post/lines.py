@@ -18,8 +18,7 @@ from flangeway.problems import ElasticField
 from flangeway.space import CellBatch
 from flangeway.types import Floats, Ints
 
-NEAR = 1e-9
-"""Distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh."""
+NEAR = 1e-9  # distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh
 OUTSIDE = -1
 
 Point = Sequence[float]

@@ -26,8 +26,7 @@ from flangeway.errors import InputError
 
 Arrays = Mapping[str, NDArray[Any]]
 
-FORMAT = 2
-"""Rises when what is stored, or how it is computed, changes within one version of the package."""
+FORMAT = 2  # rises when what is stored, or how it is computed, changes within one version of the package
 
 MAGIC = b"flangeway cache\n"
 DIGEST = 32

@@ -8,8 +8,7 @@ from typing import Any
 from flangeway.errors import InputError
 
 MAX_BYTES = 50_000_000
-MAX_DEPTH = 50
-"""Tables and lists inside of each other; no input has more than ten."""
+MAX_DEPTH = 50  # tables and lists inside of each other; no input has more than ten
 
 
 def is_file(path: Path) -> bool:

@@ -17,8 +17,7 @@ from flangeway.errors import InputError, OutOfMemoryError
 LIMIT = "FLANGEWAY_MEMORY_GB"
 GB = 1e9
 UNLIMITED = 2**63 - 1
-SMALL = 10_000_000
-"""Bytes that every machine has: to ask the system takes longer than small work."""
+SMALL = 10_000_000  # bytes that every machine has: to ask the system takes longer than small work
 
 
 def memory_left() -> int:

@@ -19,8 +19,7 @@ from flangeway.errors import FlangewayError, InputError, OutOfMemoryError, Unfor
 
 Result = TypeVar("Result")
 
-BYTES = 120_000_000
-"""Memory of a process that has loaded NumPy, SciPy and Gmsh; measured 104 to 115 MB."""
+BYTES = 120_000_000  # memory of a process that has loaded NumPy, SciPy and Gmsh; measured 104 to 115 MB
 
 _PROGRAM = """
 import pickle, signal, sys

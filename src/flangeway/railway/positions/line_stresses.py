@@ -21,11 +21,8 @@ from flangeway.types import Bools, Floats, Ints
 Solve = Callable[[Floats], Floats]
 """Displacements (m, n_dofs, 2) of all nodes under loads (m, n, 2) on the surface nodes."""
 
-MOST_BYTES = 200e6
-"""Memory for the columns of one body."""
-
-AT_ONCE = 32
-"""Loads that are solved for together, and unit forces of a block."""
+MOST_BYTES = 200e6  # memory for the columns of one body
+AT_ONCE = 32  # loads that are solved for together, and unit forces of a block
 
 
 @dataclass(frozen=True, eq=False)

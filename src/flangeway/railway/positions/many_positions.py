@@ -26,14 +26,12 @@ from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.residual import AxleLoads
 from flangeway.types import Bools, Floats, Ints
 
-AT_ONCE = 32
-"""Positions that are solved side by side."""
+AT_ONCE = 32  # positions that are solved side by side
 
 PRESSED_MM = 0.01
 """Depth to which rigid wheels are pressed on the rails at first: small, so that only what carries the load touches."""
 
-MOST_WAITING = 128
-"""Regions of contact that may wait for the stresses below them, which are found together."""
+MOST_WAITING = 128  # regions of contact that may wait for the stresses below them, which are found together
 
 FEWEST_SUPERPOSED = 200
 """Positions from which on it pays to solve for unit forces: they take as long as some hundred fields."""

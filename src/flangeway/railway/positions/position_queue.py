@@ -9,23 +9,12 @@ from flangeway.railway.positions.positions_newton import PositionState
 from flangeway.railway.positions.surface_positions import Targets
 from flangeway.types import Bools, Floats
 
-NEAR = np.array([0.1, 0.02, 0.02])
-"""One step: lateral position in mm, relative load, lateral over vertical force."""
-
-NEXT = 3.0
-"""Steps within which a slot goes on from the position where it is, and between stops on a way."""
-
-FARTHEST = 8.0
-"""Steps beyond which a position is not begun from another at once."""
-
-MOST_TRIES = 3
-"""How often a position is begun from neighbours, each time from another one."""
-
-MOST_POINTS = 24
-"""Most stops on the way to a position that was lost."""
-
-MOST_STATES = 512
-"""States that are kept before those are dropped that serve no more."""
+NEAR = np.array([0.1, 0.02, 0.02])  # one step: lateral position in mm, relative load, lateral over vertical force
+NEXT = 3.0  # steps within which a slot goes on from the position where it is, and between stops on a way
+FARTHEST = 8.0  # steps beyond which a position is not begun from another at once
+MOST_TRIES = 3  # how often a position is begun from neighbours, each time from another one
+MOST_POINTS = 24  # most stops on the way to a position that was lost
+MOST_STATES = 512  # states that are kept before those are dropped that serve no more
 
 SHARES = (0.1, 0.3, 1.0)
 SMALL_SHARES = (0.02, 0.05, 0.1, 0.2, 0.35, 0.5, 0.65, 0.8, 0.9, 1.0)

@@ -29,45 +29,24 @@ from flangeway.railway.positions.surface_positions import (
 from flangeway.railway.wheelset.residual import MAX_STEP, TOLERANCE, residual_norm
 from flangeway.types import Bools, Floats, Ints
 
-MARGIN_MM = 0.12
-"""Gap below which contact is evaluated; with a displacement still to come, this much more."""
-
-SURE_MM = 0.02
-"""Gap, as measured at nodes, above which a place that was not looked at is sure not to touch."""
-
-NEAR_MM = 0.02
-"""Gap below which a constraint has to have its part in the tangent."""
-
-IN_TANGENT_MM = 0.06
-"""Gap below which a constraint is taken into a tangent."""
-
-MOVED_MM = 0.06
-"""Motion after which is looked anew."""
-
-STALE_MM = 0.2
-"""Motion aside after which the tangent is made anew."""
+MARGIN_MM = 0.12  # gap below which contact is evaluated; with a displacement still to come, this much more
+SURE_MM = 0.02  # gap, as measured at nodes, above which a place that was not looked at is sure not to touch
+NEAR_MM = 0.02  # gap below which a constraint has to have its part in the tangent
+IN_TANGENT_MM = 0.06  # gap below which a constraint is taken into a tangent
+MOVED_MM = 0.06  # displacement after which candidates are searched anew
+STALE_MM = 0.2  # lateral displacement after which the tangent is made anew
 
 MOST_ROUNDS = 25
-FIRST_ROUNDS = 12
-"""Rounds after which a slot is lost whose error has not come below `LOWERED`."""
-
-SLOW = 0.2
-"""Part of the error left by a round above which the tangent is made anew."""
-
-FEWEST_ROUNDS = 3
-"""Rounds that a tangent is kept at least."""
-
-SWAPS = 8
-"""Rounds for the active set within one of the positions."""
-
-LOWERED = 1e-2
-"""Error above which the wheelset may still have a long way to go."""
+FIRST_ROUNDS = 12  # rounds after which a slot is lost whose error has not come below `LOWERED`
+SLOW = 0.2  # part of the error left by a round above which the tangent is made anew
+FEWEST_ROUNDS = 3  # rounds that a tangent is kept at least
+SWAPS = 8  # rounds for the active set within one of the positions
+LOWERED = 1e-2  # error above which the wheelset may still have a long way to go
 
 LOST_MM = 1e-3
 """What a force on a node that faces nothing violates, and the least displacement that violations are measured by."""
 
-RIDGE = np.array([1e-3, 1e-3, 1e3])
-"""Stiffness where no wheel touches: N/mm, N/mm, N mm."""
+RIDGE = np.array([1e-3, 1e-3, 1e3])  # stiffness where no wheel touches: N/mm, N/mm, N mm
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,8 +17,7 @@ from flangeway.railway.wheelset.subsurface import DEPTH, SEARCHED, SubsurfaceExt
 from flangeway.solve import CondensedBodies
 from flangeway.types import Floats
 
-N_POINTS = 201
-"""Points of a line into a body, as `stresses_below` has them."""
+N_POINTS = 201  # points of a line into a body, as `stresses_below` has them
 
 
 @dataclass(frozen=True, eq=False)

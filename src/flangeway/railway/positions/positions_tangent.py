@@ -21,11 +21,8 @@ from flangeway.types import Bools, Floats, Ints
 
 DIFFERENCE_MM = 1e-5
 
-MOST_TURNED = 0.8
-"""Maximum eigenvalue of P F E that is used: where forces turn more, the tangent would mislead."""
-
-ARM_MM = 10.0
-"""Length by which rotations are multiplied, so that all modes move points alike."""
+MOST_TURNED = 0.8  # maximum eigenvalue of P F E that is used: where forces turn more, the tangent would mislead
+ARM_MM = 10.0  # length by which rotations are multiplied, so that all modes move points alike
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,9 +78,7 @@ def restricted(candidates: Candidates, pair: RunningPair, stays: Bools) -> Candi
     mine = stays[slots]
     moved = number[slots[mine]] - slots[mine]
     return Candidates(
-        candidates.window[stays],
-        candidates.edges[mine] + moved * n_second,
-        candidates.partners[mine] + moved * n_first,
+        candidates.window[stays], candidates.edges[mine] + moved * n_second, candidates.partners[mine] + moved * n_first
     )
 
 

@@ -105,9 +105,7 @@ class PreparedWheelset:
 
 
 def prepare(
-    problem: WheelsetProblem,
-    progress: Callable[[str], None] = lambda _: None,
-    cache: Cache | None = None,
+    problem: WheelsetProblem, progress: Callable[[str], None] = lambda _: None, cache: Cache | None = None
 ) -> PreparedWheelset:
     """Mesh and condense a wheelset for many positions.
 

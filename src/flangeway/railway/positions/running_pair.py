@@ -20,14 +20,9 @@ from flangeway.railway.positions.overlap_check import BoundaryNodes
 from flangeway.solve import CondensedBodies
 from flangeway.types import Bools, Floats, Ints
 
-SEEN_MM = 3.0
-"""Distance beyond which a wheel's node faces no node of the rail."""
-
-FACING = -0.3
-"""Cosine between outward normals above which two nodes do not face each other."""
-
-BESIDE_MM = 0.2
-"""Length of the rail beside what faces a wheel's edge that is compared with it as well."""
+SEEN_MM = 3.0  # distance beyond which a wheel's node faces no node of the rail
+FACING = -0.3  # cosine between outward normals above which two nodes do not face each other
+BESIDE_MM = 0.2  # length of the rail beside what faces a wheel's edge that is compared with it as well
 
 
 @dataclass(frozen=True, eq=False)

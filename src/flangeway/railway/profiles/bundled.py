@@ -22,14 +22,9 @@ _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
 """Files by rail and radius of the crown in inches, the default first; None for a rail with one crown."""
 
 _WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
-WHEELS = ("AAR-1B", "S1002", "heavy-haul")
-"""Names of the bundled wheels."""
-
-RAILS = tuple(_RAIL_FILES)
-"""Names of the bundled rails."""
-
-CROWNED = ("136RE-8", "136RE-10", "136RE-14")
-"""What `nominal_profile` calls the crowns of the 136RE."""
+WHEELS = ("AAR-1B", "S1002", "heavy-haul")  # names of the bundled wheels
+RAILS = tuple(_RAIL_FILES)  # names of the bundled rails
+CROWNED = ("136RE-8", "136RE-10", "136RE-14")  # what `nominal_profile` calls the crowns of the 136RE
 
 SECTIONS = {
     "136RE": ("136RE", None),
@@ -182,11 +177,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     return RailProfile(
         title=name if radius is None else f"{name}, crown radius {radius:g} in",
         outline=_mirrored_and_joined(_read_segments(radii[radius], "x{}_mm", "y{}_mm")),
-        head_names=(
-            *(f"{part}_gauge" for part in side[:0:-1]),
-            "crown",
-            *(f"{part}_field" for part in side[1:]),
-        ),
+        head_names=(*(f"{part}_gauge" for part in side[:0:-1]), "crown", *(f"{part}_field" for part in side[1:])),
         base_names=("base",),
         certainty=certainty,
         source=source,

@@ -11,8 +11,7 @@ from flangeway.geometry import Arc, Line, Outline, Segment
 from flangeway.geometry.arrays import Point, as_point
 from flangeway.railway.profiles.bundled import WheelProfile, wheel
 
-GAUGE_HEIGHT_MM = 9.525
-"""Depth below the tape line, 3/8 in, at which the standard measures the flange's thickness."""
+GAUGE_HEIGHT_MM = 9.525  # depth below the tape line, 3/8 in, at which the standard measures the flange's thickness
 
 IDENTIFIED = "AAR-1B (identified)"
 """Name of the wheel with the identified root. The reproduction of Tables 15 and 16 uses it, and nothing by default."""

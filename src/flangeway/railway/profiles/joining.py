@@ -34,11 +34,8 @@ A new head that its file holds inclined by 1:40 about its top ends 3 mm from the
 MAX_WEAR_MM = 12.0
 """The same at the gauge side of a head, where the end lies inside of the nominal outline: a face that is worn."""
 
-MAX_RIM_GAP_MM = 15.0
-"""The same at the rim of a wheel: rims differ in width."""
-
-MAX_SHIFT_MM = 15.0
-"""Maximum shift sideways that lays the field side of a measured head on the nominal one."""
+MAX_RIM_GAP_MM = 15.0  # the same at the rim of a wheel: rims differ in width
+MAX_SHIFT_MM = 15.0  # maximum shift sideways that lays the field side of a measured head on the nominal one
 
 REACHES_MM = {"rail": (-15.0, 10.0), "wheel": (-40.0, 20.0)}
 """First and last x that a measured surface covers at least, from the head's middle or the tape line: where contact is.
@@ -52,8 +49,7 @@ HEIGHTS_MM = (-30.0, 1.0)
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
 
-TIP_OFF_MM = 0.05
-"""Height of a measured flange above the tip of the joined body below which the tip counts as measured."""
+TIP_OFF_MM = 0.05  # height of a measured flange above the tip of the joined body below which the tip counts as measured
 
 PLAIN_CUT_MM = 50.0
 MEASURED = "measured"
@@ -61,11 +57,8 @@ MEASURED = "measured"
 LEANS_DEG = (0.8, 4.0)
 """Lean of a head's field side from the nominal one that is reported: inclinations are 1:60 to 1:15."""
 
-FACE_MM = 5.0
-"""Height of the face, above the end of the measured surface, whose lean is measured."""
-
-STRAIGHT_MM = 0.02
-"""Distance from a straight line below which a face counts as straight."""
+FACE_MM = 5.0  # height of the face, above the end of the measured surface, whose lean is measured
+STRAIGHT_MM = 0.02  # distance from a straight line below which a face counts as straight
 
 
 @dataclass(frozen=True)
@@ -132,10 +125,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     outline, joints = _closed(surface, nominal)
     notices = measured.notices
     if offset:
-        notices = (
-            *notices,
-            f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.",
-        )
+        notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
     title = f"{measured.title} on {nominal.title}"
     certainty = (

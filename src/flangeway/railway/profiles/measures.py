@@ -9,23 +9,12 @@ from flangeway.geometry import Contour, FloatArray
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.formats.raw_profile import Kind
 
-FACE_MM = 10.0
-"""Distance from the tread, towards the flange's tip, at which the flange is measured (EN 15313)."""
-
-TIP_MM = 2.0
-"""Distance below the flange's tip of the upper point of the measure qR (EN 15313)."""
-
-HEAD_MM = 14.0
-"""Depth below the top at which a head's width is measured."""
-
-SIDE_MM = 25.0
-"""Distance from a head's middle, to each side, at which its drop below the top is measured."""
-
-WORN_MM = 0.5
-"""Difference of both sides of a head from which one of them is the worn one."""
-
-MAX_WIDTH = 0.5
-"""Half width of a contact over a radius of its bodies up to which these are half planes."""
+FACE_MM = 10.0  # distance from the tread, towards the flange's tip, at which the flange is measured (EN 15313)
+TIP_MM = 2.0  # distance below the flange's tip of the upper point of the measure qR (EN 15313)
+HEAD_MM = 14.0  # depth below the top at which a head's width is measured
+SIDE_MM = 25.0  # distance from a head's middle, to each side, at which its drop below the top is measured
+WORN_MM = 0.5  # difference of both sides of a head from which one of them is the worn one
+MAX_WIDTH = 0.5  # half width of a contact over a radius of its bodies up to which these are half planes
 
 MAX_CHANGE = 1.5
 """Factor between the gap at an end of the contact and that of constant curvature up to which Hertz's theory applies."""

@@ -15,11 +15,8 @@ from flangeway.railway.profiles.formats.miniprof import TAPE_MM
 from flangeway.railway.profiles.formats.raw_profile import KINDS, RAIL_ORIGINS, WHEEL_ORIGINS, Kind, Origin, RawProfile
 from flangeway.railway.profiles.smoothing import FEWEST_POINTS
 
-UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
-"""Lengths of the units in mm."""
-
-TREAD_OFF_MM = 0.05
-"""Height of the tread at the tape line above which a wheel is moved to have it at zero."""
+UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}  # lengths of the units in mm
+TREAD_OFF_MM = 0.05  # height of the tread at the tape line above which a wheel is moved to have it at zero
 
 _LEAST_DROP_MM = 4.0
 _LEAST_END_DROP_MM = 3.0
@@ -131,10 +128,7 @@ def orientation(
         shift = _on_tread(placed, shift, notices)
     if "assumed" in how["unit"]:
         notices.append(f"The unit {in_unit} is assumed; --unit gives another one.")
-    return (
-        Orientation(agreed_kind, in_unit, upwards, mirrored, reversed_order, label, tape, shift, how),
-        notices,
-    )
+    return (Orientation(agreed_kind, in_unit, upwards, mirrored, reversed_order, label, tape, shift, how), notices)
 
 
 def agreed_unit(raw: RawProfile, unit: str | None) -> str:

@@ -9,14 +9,9 @@ from flangeway.errors import InputError
 from flangeway.geometry import FloatArray
 from flangeway.railway.profiles.smoothing import FEWEST_POINTS, noise_um
 
-SAME_MM = 0.01
-"""Neighbours nearer than this are one point given twice."""
-
-LENGTHS_MM = (5.0, 1000.0)
-"""Lengths along a profile, for a unit that the file or the user names."""
-
-USUAL_LENGTHS_MM = (40.0, 500.0)
-"""Lengths along a profile, for a unit that is assumed."""
+SAME_MM = 0.01  # neighbours nearer than this are one point given twice
+LENGTHS_MM = (5.0, 1000.0)  # lengths along a profile, for a unit that the file or the user names
+USUAL_LENGTHS_MM = (40.0, 500.0)  # lengths along a profile, for a unit that is assumed
 
 UNITS_TO_GUESS = {"in": 25.4, "m": 1000.0, "cm": 10.0}
 

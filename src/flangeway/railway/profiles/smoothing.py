@@ -23,29 +23,20 @@ from scipy.interpolate import BSpline, make_interp_spline, make_smoothing_spline
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Segment, as_point
 
-ARC_TOLERANCE_MM = 2e-4
-"""Maximum distance between the spline and the arcs that replace it."""
+ARC_TOLERANCE_MM = 2e-4  # maximum distance between the spline and the arcs that replace it
 
 USUAL_WAVELENGTH_MM = 5.0
 """Wavelength that noisy points are smoothed by: about the width of a contact. Very noisy ones need a longer one."""
 
-MAX_USUAL_WAVELENGTH_MM = 20.0
-"""Maximum wavelength by default."""
+MAX_USUAL_WAVELENGTH_MM = 20.0  # maximum wavelength by default
 
 CURVATURE_NOISE_PER_MM = 1e-3
 """Noise of the smooth curve's curvature above which the wavelength grows: a quarter of a crown of 10 in."""
 
-WAVELENGTHS_MM = (0.1, 100.0)
-"""Allowed wavelengths."""
-
-LIMITS_UM = (0.1, 10_000.0)
-"""Allowed limits."""
-
-NOISE_UM = 0.02
-"""Noise above which points are smoothed by default; rounding to the fifth decimal stays below."""
-
-USUAL_LIMIT_UM = 20.0
-"""Maximum deviation of a point, or six times the noise if that is more, by default."""
+WAVELENGTHS_MM = (0.1, 100.0)  # allowed wavelengths
+LIMITS_UM = (0.1, 10_000.0)  # allowed limits
+NOISE_UM = 0.02  # noise above which points are smoothed by default; rounding to the fifth decimal stays below
+USUAL_LIMIT_UM = 20.0  # maximum deviation of a point, or six times the noise if that is more, by default
 
 Curve = Callable[[FloatArray], tuple[FloatArray, FloatArray]]
 """Points (n, 2) and tangents (n, 2), not zero, at parameters (n,)."""

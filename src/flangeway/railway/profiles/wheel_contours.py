@@ -15,8 +15,7 @@ from flangeway.railway.profiles.smoothing import biarcs
 
 Named: TypeAlias = tuple[str, Segment]
 
-POLYNOMIAL_TOLERANCE_MM = 5e-5
-"""Maximum distance between the polynomials of an S1002 and the arcs that stand for them."""
+POLYNOMIAL_TOLERANCE_MM = 5e-5  # maximum distance between the polynomials of an S1002 and the arcs that stand for them
 
 # EN 13715, S1002: y from the tape line towards the flange negative, z from the tread at the tape line down
 _TREAD = (

@@ -25,14 +25,12 @@ from flangeway.railway.rigid.rigid_locus import ContactLocus
 from flangeway.system.file_content import file_content
 from flangeway.types import Floats
 
-REFERENCE_AMPLITUDE_MM = 3.0
-"""Amplitude for which one number is usually given."""
+REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
 
 NO_DIFFERENCE_MM = 1e-4
 """Difference of rolling radii below which there is none, as between cylinders: less than is measured or published."""
 
-MAX_LATERAL_MM = 50.0
-"""Lateral displacement beyond which a file holds something else, as a profile."""
+MAX_LATERAL_MM = 50.0  # lateral displacement beyond which a file holds something else, as a profile
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,26 +15,19 @@ from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.types import Floats
 
-FLANGE_MM = 1.0
-"""How much farther than a rigid one an elastic wheelset may go sideways."""
-
-CLOSE_MM = 0.2
-"""Gap in the rigid equilibrium that elastic bodies close."""
+FLANGE_MM = 1.0  # how much farther than a rigid one an elastic wheelset may go sideways
+CLOSE_MM = 0.2  # gap in the rigid equilibrium that elastic bodies close
 
 MARGIN_MM = 8.0
 """Gap in the rigid equilibrium within which a second point may come into contact: flanges may push the rails apart."""
 
-END_MM = 2.0
-"""Points nearer to the end of a running surface are where it ends, not where smooth curves come close."""
-
-APART_MM = 0.1
-"""Lateral distance below which two positions are the same start."""
+END_MM = 2.0  # points nearer to the end of a running surface are where it ends, not where smooth curves come close
+APART_MM = 0.1  # lateral distance below which two positions are the same start
 
 CLIMBING_RAD = math.radians(45.0)
 """Contact angle above which a rigid flange climbs; elastic rails deflect there, and no flange rises."""
 
-CLIMBED_MM = 3.0
-"""Rise of the axle from the middle of the track above which a flange has climbed."""
+CLIMBED_MM = 3.0  # rise of the axle from the middle of the track above which a flange has climbed
 
 SCAN_MM = 0.1
 """Distance of the positions in which the contact angle is checked, up to a prescribed lateral displacement."""

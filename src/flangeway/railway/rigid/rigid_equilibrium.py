@@ -21,12 +21,8 @@ from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.solve import Status
 from flangeway.types import Floats
 
-MAX_RESIDUAL = 1e-5
-"""Maximum residual force over the load in equilibrium."""
-
-NEUTRAL_MM = 1.0
-"""Least length of the positions of a neutral equilibrium."""
-
+MAX_RESIDUAL = 1e-5  # maximum residual force over the load in equilibrium
+NEUTRAL_MM = 1.0  # least length of the positions of a neutral equilibrium
 _TOGETHER_MM = 1e-7  # gap below which a further point touches as well
 _PRECISION_MM = 1e-13
 _SECTIONS = 32
@@ -144,9 +140,7 @@ class RigidEquilibrium:
         if self.outcome.neutral_mm is not None:
             low, high = self.outcome.neutral_mm
             return Status(
-                True,
-                f"in neutral equilibrium between {low:.2f} and {high:.2f} mm, without friction; shown {where}",
-                0,
+                True, f"in neutral equilibrium between {low:.2f} and {high:.2f} mm, without friction; shown {where}", 0
             )
         return Status(True, f"in equilibrium {where}", 0)
 

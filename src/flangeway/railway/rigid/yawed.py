@@ -20,8 +20,7 @@ from flangeway.errors import InputError
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.types import Floats
 
-MAX_YAW_RAD = 0.2
-"""Maximum yaw; beyond it steep flanges touch at the height of the axle."""
+MAX_YAW_RAD = 0.2  # maximum yaw; beyond it steep flanges touch at the height of the axle
 
 _SPACING_MM = 0.1
 _EDGE_STEP_RAD = 0.02

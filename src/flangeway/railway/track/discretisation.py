@@ -14,8 +14,7 @@ ROLES: tuple[Role, Role] = ("wheel", "rail")
 Choice = Literal["auto", "rail", "wheel"]
 PairingName = Literal["node-to-segment", "segment-to-segment"]
 EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]
-NODAL = ("node-to-segment", "penalty")
-"""Pairing and enforcement that can have a penalty per node."""
+NODAL = ("node-to-segment", "penalty")  # pairing and enforcement that can have a penalty per node
 
 
 @dataclass(frozen=True)

@@ -43,8 +43,7 @@ USUAL_GAUGES = (
 )
 """Gauges whose wheelsets are known, with the distance of the wheels' inner faces."""
 
-GAUGE_OFF_MM = (-10.0, 35.0)
-"""Narrowing and widening of a track that keeps its wheelsets."""
+GAUGE_OFF_MM = (-10.0, 35.0)  # narrowing and widening of a track that keeps its wheelsets
 
 
 def usual_gauge(gauge_mm: float) -> UsualGauge:

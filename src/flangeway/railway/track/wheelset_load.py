@@ -6,11 +6,8 @@ from dataclasses import dataclass
 from flangeway.checks import check_finite, check_positive, is_finite, refused
 from flangeway.errors import InputError
 
-GRAVITY_M_S2 = 9.80665
-"""Standard acceleration of free fall."""
-
-MAX_SLOPE = 0.2
-"""Largest superelevation over its base width."""
+GRAVITY_M_S2 = 9.80665  # standard acceleration of free fall
+MAX_SLOPE = 0.2  # largest superelevation over its base width
 
 
 @dataclass(frozen=True)

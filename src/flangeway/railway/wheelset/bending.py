@@ -21,8 +21,7 @@ Face = Literal["gauge", "field"]
 WEB_SHARES = np.linspace(0.2, 0.75, 221)
 """Heights over that of the rail between which the web's narrowest place is sought."""
 
-DEVIATION_MM = 0.02
-"""Of chords from the outline, for widths and heights."""
+DEVIATION_MM = 0.02  # of chords from the outline, for widths and heights
 
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top of the gauge face whose displacement is reported, unless the track has its own (EN 13848-1)."""

@@ -20,22 +20,15 @@ from flangeway.types import Floats
 
 FIRST_PENETRATION_MM = 0.1
 MAX_GROWTH = 64.0
-MIN_GROWTH = 1.0 / 1024.0
-"""Factors on the step limits."""
+MIN_GROWTH = 1.0 / 1024.0  # factors on the step limits
 
 MAX_ITERATIONS = 60
-STALLED = 15
-"""Steps in which the residual does not fall by a tenth, after which the search is given up."""
-
-ROUND_OFF = 1e-12
-"""Equilibrium residual at which the search ends at once."""
-
-LOWERED = 0.05
-"""Vertical residual below which the wheelset is free to move laterally and to roll."""
+STALLED = 15  # steps in which the residual does not fall by a tenth, after which the search is given up
+ROUND_OFF = 1e-12  # equilibrium residual at which the search ends at once
+LOWERED = 0.05  # vertical residual below which the wheelset is free to move laterally and to roll
 
 DOWN = np.array([False, True, False])
-WORSE = 4.0
-"""Growth of the residual above which a step is taken back and tried at a quarter of its length."""
+WORSE = 4.0  # growth of the residual above which a step is taken back and tried at a quarter of its length
 
 NEXT_STEP = StepSettings(smallest=0.125)
 """Steps of contact on the way to the next position: where they fail, a shorter way is tried before shorter steps."""
@@ -43,8 +36,7 @@ NEXT_STEP = StepSettings(smallest=0.125)
 MAX_WAY = np.array([30.0, 30.0, 0.05])
 """Displacement in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""
 
-SAME = 1e-3
-"""Distance of two equilibria, in mm and rad, below which they are one."""
+SAME = 1e-3  # distance of two equilibria, in mm and rad, below which they are one
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,10 +72,7 @@ class Equilibrium:
 
 
 def find_equilibria(
-    model: WheelsetModel,
-    response: BodyResponse,
-    progress: Callable[[str], None],
-    starts: tuple[WheelsetPosition, ...],
+    model: WheelsetModel, response: BodyResponse, progress: Callable[[str], None], starts: tuple[WheelsetPosition, ...]
 ) -> list[Equilibrium]:
     """Equilibria from some starts, the stable ones first; one is enough unless the problem asks for all."""
     found: list[Equilibrium] = []

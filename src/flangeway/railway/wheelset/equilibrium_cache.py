@@ -17,8 +17,7 @@ from flangeway.solve.condensed import body_key
 from flangeway.system.disk_cache import Arrays, Cache, content_key
 from flangeway.types import Floats
 
-SAME_FORCES = 1e-10
-"""Difference of nodal forces over their maximum up to which stored fields are theirs."""
+SAME_FORCES = 1e-10  # difference of nodal forces over their maximum up to which stored fields are theirs
 
 
 @dataclass(frozen=True)

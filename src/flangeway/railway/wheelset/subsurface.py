@@ -17,14 +17,12 @@ from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 
-DEPTH = 4.0
-"""Default depth of a line over the half width of the contact."""
+DEPTH = 4.0  # default depth of a line over the half width of the contact
 
 SEARCHED = 0.5
 """Part of such a line on which the maximum stress is sought: two half widths. A wide contact's line ends in the web."""
 
-FEWEST = 8
-"""Points within that distance below which nothing is smoothed."""
+FEWEST = 8  # points within that distance below which nothing is smoothed
 
 SMOOTHED = 0.5
 """Distance on both sides of the largest value, over its depth, within which a cubic smooths the cells' jumps."""

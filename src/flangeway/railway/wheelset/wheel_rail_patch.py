@@ -10,8 +10,7 @@ from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.types import Floats
 
-GAUGE_SIDE = np.tan(np.deg2rad(15.0))
-"""Slope of the contact from which it is named after the gauge corner."""
+GAUGE_SIDE = np.tan(np.deg2rad(15.0))  # slope of the contact from which it is named after the gauge corner
 
 
 @dataclass(frozen=True, eq=False)

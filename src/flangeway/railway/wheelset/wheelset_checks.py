@@ -15,8 +15,7 @@ from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 
-MAX_RESIDUAL = 1e-6
-"""Difference of contact forces and load over the vertical load; the search stops below 1e-10."""
+MAX_RESIDUAL = 1e-6  # difference of contact forces and load over the vertical load; the search stops below 1e-10
 
 YIELD_MPa = 510.0
 """Least yield strength of standard rail steel, 74 ksi (AREMA Manual for Railway Engineering, chapter 4)."""

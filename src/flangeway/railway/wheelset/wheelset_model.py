@@ -21,12 +21,10 @@ from flangeway.railway.wheelset.wheelset_mesh import Zone, meshed_body
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
 
-BENDING_MM = 10.0
-"""How far the bending of the rail may shift a contact."""
+BENDING_MM = 10.0  # how far the bending of the rail may shift a contact
 
 
-LEAST_CURVATURE_PER_MM = 1e-4
-"""Relative curvature that conforming curves are given for the size of the zones."""
+LEAST_CURVATURE_PER_MM = 1e-4  # relative curvature that conforming curves are given for the size of the zones
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,8 +15,7 @@ from flangeway.geometry import FloatArray
 from flangeway.railway.profiles.formats.raw_profile import Kind, RawProfile, leading_numbers, number_of, numbered_points
 from flangeway.railway.profiles.formats.two_column import one_line
 
-TAPE_MM = 70.0
-"""Usual distance of the tape line from the flange's back (EN 13715)."""
+TAPE_MM = 70.0  # usual distance of the tape line from the flange's back (EN 13715)
 
 _N_FIRST_LINES = 3
 _REFERENCE = "".join(
@@ -91,14 +90,7 @@ def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[floa
     tape = _tape(header) if kind == "wheel" else None
     title = next((header[key][1] for key in ("mpdn", "comment", "filename", "uof1") if header.get(key, (0, ""))[1]), "")
     return RawProfile(
-        points,
-        lines,
-        unit="mm",
-        kind=kind,
-        upwards=kind == "rail",
-        tape_mm=tape,
-        title=title,
-        notices=tuple(notices),
+        points, lines, unit="mm", kind=kind, upwards=kind == "rail", tape_mm=tape, title=title, notices=tuple(notices)
     )
 
 

@@ -20,8 +20,7 @@ WHEEL_ORIGINS: tuple[Origin, ...] = ("tape", "flange-back")
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
 LEADING_NUMBER = re.compile(rf"\s*({_NUMBER})(?=[\s,;]|$)")
-MAX_COORDINATE = 1e6
-"""In the file's unit: beyond it no profile was meant."""
+MAX_COORDINATE = 1e6  # in the file's unit: beyond it no profile was meant
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,9 +20,7 @@ from flangeway.railway.profiles.formats.two_column import read_two_column
 from flangeway.railway.profiles.orientation import UNITS_MM
 
 _N_SAMPLES = 800
-GAP_MM = 0.01
-"""Maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded."""
-
+GAP_MM = 0.01  # maximum gap between the lines and arcs of a profile that is closed, with a notice: tables are rounded
 _ROUNDING = 1e-3  # of that, below which nothing is stated
 _MAX_COORDINATE = 1e9  # centres of flat arcs lie far away
 _DXF_UNITS = {"mm": 4, "cm": 5, "m": 6, "in": 1, "ft": 2}
