@@ -24,15 +24,9 @@ PATIENCE_S = 1.0
 class CampaignProgress:
     """How far a campaign is.
 
-    Parameters
-    ----------
-    n_rows
-        Number of all rows.
-    counts
-        Number of rows by status: ``waiting``, ``converged``, ``not converged``, ``failed``.
-    seconds_left
-        Estimated time for the other rows; None at the beginning.
-
+    - `n_rows`: number of all rows.
+    - `counts`: number of rows by status: ``waiting``, ``converged``, ``not converged``, ``failed``.
+    - `seconds_left`: estimated time for the other rows; None at the beginning.
     """
 
     n_rows: int

@@ -41,26 +41,13 @@ class PartMaterial:
 class DrawnSection:
     """What was read.
 
-    Parameters
-    ----------
-    title
-        Name to show.
-    section
-        The parts.
-    unit
-        Unit of length of all coordinates, one of `UNITS`.
-    materials
-        Material of each part; empty for a section of one material.
-    notices
-        What was repaired or left out, in sentences.
-    certainty
-        How accurate the outline is, if its source says so.
+    An `InputError` if the unit is unknown, or some parts have a material and others none.
 
-    Raises
-    ------
-    InputError
-        If the unit is unknown, or some parts have a material and others none.
-
+    - `title`: name to show.
+    - `unit`: unit of length of all coordinates, one of `UNITS`.
+    - `materials`: material of each part; empty for a section of one material.
+    - `notices`: what was repaired or left out, in sentences.
+    - `certainty`: how accurate the outline is, if its source says so.
     """
 
     title: str

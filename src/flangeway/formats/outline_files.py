@@ -17,20 +17,11 @@ ENDINGS = (".toml", ".csv", ".dxf")
 def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
     """Read a section; the ending of the file's name gives its format.
 
-    Parameters
-    ----------
-    path
-        File that ends with ``.toml``, ``.csv`` or ``.dxf``.
-    unit
-        Unit of length of a file that does not name one (CSV and DXF).
-    mirrored
-        Whether the file (CSV) holds one half only, to be mirrored about x = 0.
+    An `InputError` if the file cannot be read, is no section, or its outline is wrong; the message names the place.
 
-    Raises
-    ------
-    InputError
-        If the file cannot be read, is no section, or its outline is wrong; the message names the place.
-
+    - `path`: file that ends with ``.toml``, ``.csv`` or ``.dxf``.
+    - `unit`: unit of length of a file that does not name one (CSV and DXF).
+    - `mirrored`: whether the file (CSV) holds one half only, to be mirrored about x = 0.
     """
     file = Path(path)
     ending = file.suffix.lower()

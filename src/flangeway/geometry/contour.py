@@ -51,21 +51,11 @@ def _size(segments: Sequence[Segment]) -> float:
 class Contour:
     """Open chain of lines and arcs, each with a name that several may share.
 
-    `Contour.from_segments` closes the small gaps of files; the constructor wants exact joints.
+    `Contour.from_segments` closes the small gaps of files; the constructor wants exact joints. An `InputError` if there
+    is no segment, a joint is open, the chain meets itself, or names are missing; the message names the place.
 
-    Parameters
-    ----------
-    segments
-        Each starts where the one before ends.
-    names
-        One name a segment.
-
-    Raises
-    ------
-    InputError
-        If there is no segment, a joint is open, the chain meets itself, or names are missing;
-        the message names the place.
-
+    - `segments`: each starts where the one before ends.
+    - `names`: one name a segment.
     """
 
     segments: tuple[Segment, ...]
@@ -149,11 +139,7 @@ class Contour:
     def part(self, names: Iterable[str]) -> "Contour":
         """Return the named segments as an open chain, in the direction of this one.
 
-        Raises
-        ------
-        InputError
-            If a name is unknown or the segments are not one open chain.
-
+        An `InputError` if a name is unknown or the segments are not one open chain.
         """
         picked = self._named(names)
         if self._closed and 0 < len(picked) < self.n_segments:
@@ -182,18 +168,10 @@ class Contour:
     def sampled(self, *, spacing: float | None = None, max_deviation: float | None = None) -> Floats:
         """Return points (n, 2) along the chain; all joints are among them.
 
-        Parameters
-        ----------
-        spacing
-            Maximum distance of neighbours along the chain.
-        max_deviation
-            Maximum distance between chords and arcs. At least one of both is needed.
+        An `InputError` if neither is given or one is not positive.
 
-        Raises
-        ------
-        InputError
-            If neither is given or one is not positive.
-
+        - `spacing`: maximum distance of neighbours along the chain.
+        - `max_deviation`: maximum distance between chords and arcs. At least one of both is needed.
         """
         for name, value in (("spacing", spacing), ("max_deviation", max_deviation)):
             if value is not None:

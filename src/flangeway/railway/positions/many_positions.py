@@ -41,18 +41,10 @@ FEWEST_SUPERPOSED = 200
 class Positions:
     """What each position is asked for.
 
-    Parameters
-    ----------
-    lateral_mm
-        Lateral position of the axle's middle, not-a-number where it is found from equilibrium, shape (n,).
-    vertical_N, lateral_N
-        Weight and lateral force as in `WheelsetLoad`, shape (n,).
+    An `InputError` if lengths differ, there is no position, or a load is not positive.
 
-    Raises
-    ------
-    InputError
-        If lengths differ, there is no position, or a load is not positive.
-
+    - `lateral_mm`: lateral position of the axle's middle, not-a-number where it is found from equilibrium, shape (n,).
+    - `vertical_N`, `lateral_N`: weight and lateral force as in `WheelsetLoad`, shape (n,).
     """
 
     lateral_mm: Floats
@@ -101,23 +93,13 @@ class Positions:
 class PositionTable:
     """What was found for each position.
 
-    Parameters
-    ----------
-    positions
-        What was asked for.
-    converged
-        Whether it was found, shape (n,).
-    by_full_search
-        Whether the full search was needed, shape (n,).
-    rounds
-        Newton iterations of the fast path, shape (n,).
-    position
-        Lateral and vertical position in mm and roll in rad; nan where it was not found, shape (n, 3).
-    patches
-        Regions of contact of each position, left side first.
-    messages
-        Why positions were not found, by number.
-
+    - `positions`: what was asked for.
+    - `converged`: whether it was found, shape (n,).
+    - `by_full_search`: whether the full search was needed, shape (n,).
+    - `rounds`: Newton iterations of the fast path, shape (n,).
+    - `position`: lateral and vertical position in mm and roll in rad; nan where it was not found, shape (n, 3).
+    - `patches`: regions of contact of each position, left side first.
+    - `messages`: why positions were not found, by number.
     """
 
     positions: Positions
@@ -158,27 +140,13 @@ def solve_positions(
 
     Vertical position and roll are found, or as the prepared problem prescribes them; the track's tilt is that of its
     load. Where a lateral position is to be found and there are several equilibria, it is the one that is reached from a
-    neighbouring load.
+    neighbouring load. An `InputError` if the contact is not segment-to-segment with a penalty or multipliers.
 
-    Parameters
-    ----------
-    prepared
-        The wheelset.
-    positions
-        What is asked for.
-    progress
-        Called with the number of positions that are done and that of all.
-    shear
-        Whether the maximum shear stress below each contact is wanted: it needs the fields of all bodies.
-    n_alike
-        Number of positions of the same bodies in this call and others together; this call alone if left out. From
-        `FEWEST_SUPERPOSED` on the fields for shear stresses are superposed, which changes nothing beyond round-off.
-
-    Raises
-    ------
-    InputError
-        If the contact is not segment-to-segment with a penalty or multipliers.
-
+    - `positions`: what is asked for.
+    - `progress`: called with the number of positions that are done and that of all.
+    - `shear`: whether the maximum shear stress below each contact is wanted: it needs the fields of all bodies.
+    - `n_alike`: number of positions of the same bodies in this call and others together; this call alone if left out.
+      From `FEWEST_SUPERPOSED` on the fields for shear stresses are superposed, which changes nothing beyond round-off.
     """
     superposed = (len(positions) if n_alike is None else n_alike) >= FEWEST_SUPERPOSED
     run = _Run(prepared, positions, progress, shear, superposed)

@@ -23,13 +23,8 @@ from flangeway.system.disk_cache import Cache
 class PreparedWheelset:
     """Whole running surfaces and heads, meshed and condensed: each further position needs only its contact.
 
-    Parameters
-    ----------
-    model
-        The meshed wheelset.
-    response
-        Flexibilities of its surfaces.
-
+    - `model`: the meshed wheelset.
+    - `response`: flexibilities of its surfaces.
     """
 
     model: WheelsetModel
@@ -43,14 +38,9 @@ class PreparedWheelset:
     ) -> Equilibrium:
         """Find one position by the full search.
 
-        Parameters
-        ----------
-        load, prescribed
-            What differs from the problem that was prepared.
-        start
-            A rigid equilibrium; that of the prepared problem if left out. That is the second try if nothing is found
-            from the first: rigid flanges climb where elastic rails deflect.
-
+        - `load`, `prescribed`: what differs from the problem that was prepared.
+        - `start`: a rigid equilibrium; that of the prepared problem if left out. That is the second try if nothing is
+          found from the first: rigid flanges climb where elastic rails deflect.
         """
         changed = replace(self.model, problem=self.problem_with(load, prescribed))
         found = self._without_overlap(find_equilibrium(changed, self.response, start=start))
@@ -73,14 +63,7 @@ class PreparedWheelset:
 
     @cached_property
     def poses(self) -> tuple[SidePose, ...]:
-        """Both sides in the form for many positions.
-
-        Raises
-        ------
-        InputError
-            See `RunningPair.of`.
-
-        """
+        """Both sides in the form for many positions. An `InputError`: see `RunningPair.of`."""
         track, wheelset = self.model.problem.track, self.model.problem.wheelset
         pairs: dict[tuple[int, int], RunningPair] = {}
         poses = []
@@ -109,20 +92,11 @@ def prepare(
 ) -> PreparedWheelset:
     """Mesh and condense a wheelset for many positions.
 
-    Parameters
-    ----------
-    problem
-        The wheelset; its load and what it prescribes are those of one of the positions.
-    progress
-        Called with a sentence at each stage.
-    cache
-        Where meshes and flexibilities are kept, as ``Cache.of_user()``; None: nowhere.
+    An `InputError` as `build_model`.
 
-    Raises
-    ------
-    InputError
-        As `build_model`.
-
+    - `problem`: the wheelset; its load and what it prescribes are those of one of the positions.
+    - `progress`: called with a sentence at each stage.
+    - `cache`: where meshes and flexibilities are kept, as ``Cache.of_user()``; None: nowhere.
     """
     model = build_model(problem, progress, whole=True, cache=cache)
     progress("condensing the bodies to their whole running surfaces")

@@ -60,24 +60,13 @@ class RailProfile:
 
     Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
 
-    Parameters
-    ----------
-    title
-        Name to show.
-    outline
-        Whole section. Names of segments beside the middle end with ``_gauge`` or ``_field``.
-    head_names
-        Segments of the running surface from the gauge side to the field side. (The outline, being
-        counter-clockwise, passes them from the field side to the gauge side.)
-    base_names
-        Segments of the base's underside.
-    certainty
-        Accuracy of the contour.
-    source
-        Its source.
-    notices
-        Sentences on what was left out, bridged, smoothed or assumed when its file was read.
-
+    - `title`: name to show.
+    - `outline`: whole section. Names of segments beside the middle end with ``_gauge`` or ``_field``.
+    - `head_names`: segments of the running surface from the gauge side to the field side. (The outline, being
+      counter-clockwise, passes them from the field side to the gauge side.)
+    - `base_names`: segments of the base's underside.
+    - `certainty`: accuracy of the contour.
+    - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
     """
 
     title: str
@@ -101,25 +90,13 @@ class WheelProfile:
     Origin on the tape line: x lateral, the flange at negative x (towards the centre of the track);
     y up towards the axle, the tip of the flange at negative y; mm.
 
-    Parameters
-    ----------
-    title
-        Name to show.
-    outline
-        Region below the straight segment ``cut``.
-    running_names
-        Segments from the flange's back to the rim's edge, in the direction of the outline.
-    flange_height_mm
-        Depth of the flange's tip below the tape line.
-    flange_back_mm
-        Distance of the flange's back face from the tape line.
-    certainty
-        Accuracy of the contour.
-    source
-        Its source.
-    notices
-        Sentences on what was left out, bridged, smoothed or assumed when its file was read.
-
+    - `title`: name to show.
+    - `outline`: region below the straight segment ``cut``.
+    - `running_names`: segments from the flange's back to the rim's edge, in the direction of the outline.
+    - `flange_height_mm`: depth of the flange's tip below the tape line.
+    - `flange_back_mm`: distance of the flange's back face from the tape line.
+    - `certainty`: accuracy of the contour.
+    - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
     """
 
     title: str

@@ -93,23 +93,14 @@ class MeasuredProfile:
     Wheels have their origin on the tread at the tape line. Rails have it where the file has it: at the middle of the
     head's top, of the base, or at the gauge face, see `orientation`.
 
-    Parameters
-    ----------
-    title
-        Name to show.
-    format
-        Format of the file.
-    orientation
-        How the numbers of the file were interpreted.
-    points
-        Points (n, 2) as measured; of lines and arcs, points along them.
-    surface
-        Lines and arcs: the file's own, or arcs along the smooth curve. An `Outline` if the file holds a closed one.
-    smoothing
-        The smooth curve beside the points; None for lines and arcs.
-    notices
-        Sentences on what was left out, bridged or assumed.
-
+    - `title`: name to show.
+    - `format`: format of the file.
+    - `orientation`: how the numbers of the file were interpreted.
+    - `points`: points (n, 2) as measured; of lines and arcs, points along them.
+    - `surface`: lines and arcs: the file's own, or arcs along the smooth curve. An `Outline` if the file holds a closed
+      one.
+    - `smoothing`: the smooth curve beside the points; None for lines and arcs.
+    - `notices`: sentences on what was left out, bridged or assumed.
     """
 
     title: str
@@ -133,11 +124,7 @@ class MeasuredProfile:
     def flange_back_mm(self) -> float:
         """Distance of a wheel's inner face from the tape line, from its file, its flange's back, or assumed.
 
-        Raises
-        ------
-        InputError
-            If it is a rail.
-
+        An `InputError` if it is a rail.
         """
         if self.orientation.tape_mm is None:
             raise InputError(f"the tape line of {self.title}, a rail", "a wheel", "give the file of a wheel")

@@ -108,15 +108,10 @@ class RigidPosition:
 class RigidEquilibrium:
     """Equilibria of a rigid wheelset under a load.
 
-    Parameters
-    ----------
-    outcome
-        The equilibrium that the wheelset reaches from the middle of the track; without one the error with the reason.
-    positions
-        All equilibria between climbing flanges, from left to right.
-    load_ratio
-        Lateral over vertical force in the track's axes, L/V of the axle.
-
+    - `outcome`: the equilibrium that the wheelset reaches from the middle of the track; without one the error with the
+      reason.
+    - `positions`: all equilibria between climbing flanges, from left to right.
+    - `load_ratio`: lateral over vertical force in the track's axes, L/V of the axle.
     """
 
     outcome: RigidPosition | InputError
@@ -147,11 +142,7 @@ class RigidEquilibrium:
     def reached(self) -> RigidPosition:
         """Return the equilibrium that is reached.
 
-        Raises
-        ------
-        InputError
-            If there is none: the load overturns the wheelset, or carries a flange over its rail.
-
+        An `InputError` if there is none: the load overturns the wheelset, or carries a flange over its rail.
         """
         if isinstance(self.outcome, InputError):
             raise self.outcome

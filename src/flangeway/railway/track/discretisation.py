@@ -21,41 +21,25 @@ NODAL = ("node-to-segment", "penalty")  # pairing and enforcement that can have 
 class Discretisation:
     """How the bodies are meshed and joined.
 
-    Parameters
-    ----------
-    method
-        ``"fem"``: triangles. ``"vem"``: the polygons dual to the same triangles.
-    order
-        Order of the elements.
-    contact_size_mm
-        Size of the triangles in the candidate contact zones, for order 1; order 2 has triangles of twice the size, with
-        nodes as far apart.
-    body_size_mm
-        Size of the triangles far from them, in the same way.
-    growth
-        Growth of the size per distance from the zones.
-    size_scale
-        Factor on both sizes.
-    penalty_factor
-        Penalty as pressure per penetration, over the contact modulus per mm.
-    nodal_penalty_N_per_mm
-        Penalty of node-to-segment contact as force per penetration at each secondary node, as in Moherdaui (2021);
-        None: by `penalty_factor`.
-    primary
-        Which bodies give the segments; the others give the nodes. ``"auto"``: see `WheelsetProblem.primary`.
-    wheel_method, rail_method, wheel_order, rail_order, wheel_contact_size_mm, rail_contact_size_mm
-        What differs for one body; None: as for both.
-    pairing
-        ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures oscillate. At
-        order 2 it needs sizes that differ between wheel and rail: where nodes face nodes, each of them has two curved
-        edges to choose from, and Newton's method cycles between these.
-    enforcement
-        ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
-    penetration_mm
-        Maximum penetration that augmented Lagrange tolerates.
-    stabilisation
-        Of polygons; None: their usual one.
-
+    - `method`: ``"fem"``: triangles. ``"vem"``: the polygons dual to the same triangles.
+    - `order`: order of the elements.
+    - `contact_size_mm`: size of the triangles in the candidate contact zones, for order 1; order 2 has triangles of
+      twice the size, with nodes as far apart.
+    - `body_size_mm`: size of the triangles far from them, in the same way.
+    - `growth`: growth of the size per distance from the zones.
+    - `size_scale`: factor on both sizes.
+    - `penalty_factor`: penalty as pressure per penetration, over the contact modulus per mm.
+    - `nodal_penalty_N_per_mm`: penalty of node-to-segment contact as force per penetration at each secondary node, as
+      in Moherdaui (2021); None: by `penalty_factor`.
+    - `primary`: which bodies give the segments; the others give the nodes. ``"auto"``: see `WheelsetProblem.primary`.
+    - `wheel_method`, `rail_method`, `wheel_order`, `rail_order`, `wheel_contact_size_mm`, `rail_contact_size_mm`: what
+      differs for one body; None: as for both.
+    - `pairing`: ``"segment-to-segment"`` or, as in Moherdaui (2021), ``"node-to-segment"``, whose nodal pressures
+      oscillate. At order 2 it needs sizes that differ between wheel and rail: where nodes face nodes, each of them has
+      two curved edges to choose from, and Newton's method cycles between these.
+    - `enforcement`: ``"penalty"``, ``"augmented-lagrange"`` or ``"multiplier"``.
+    - `penetration_mm`: maximum penetration that augmented Lagrange tolerates.
+    - `stabilisation`: of polygons; None: their usual one.
     """
 
     method: Method = "fem"

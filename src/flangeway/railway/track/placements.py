@@ -197,15 +197,9 @@ class Wheelset:
 class WheelsetPosition:
     """Position of the wheelset: its rigid displacement from the reference position, axes of the track.
 
-    Parameters
-    ----------
-    lateral_mm
-        Translation of the axle's middle in x.
-    vertical_mm
-        Translation of the axle's middle in y, up.
-    roll_rad
-        Counter-clockwise rotation about the axle's middle.
-
+    - `lateral_mm`: translation of the axle's middle in x.
+    - `vertical_mm`: translation of the axle's middle in y, up.
+    - `roll_rad`: counter-clockwise rotation about the axle's middle.
     """
 
     lateral_mm: float = 0.0

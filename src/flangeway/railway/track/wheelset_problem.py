@@ -16,11 +16,7 @@ class Prescribed:
 
     What holds them acts at the middle of the axle.
 
-    Parameters
-    ----------
-    lateral_mm, vertical_mm, roll_rad
-        As in `WheelsetPosition`.
-
+    - `lateral_mm`, `vertical_mm`, `roll_rad`: as in `WheelsetPosition`.
     """
 
     lateral_mm: float | None = None
@@ -43,25 +39,15 @@ class Prescribed:
 class WheelsetProblem:
     """A wheelset on a track under a load.
 
-    Parameters
-    ----------
-    track, wheelset, load
-        What stands where, and the force on it.
-    material
-        Material of wheels and rails.
-    thickness_mm
-        Length of the bodies along the track.
-    discretisation
-        How the bodies are meshed and joined.
-    wheel_material, rail_material
-        Where it differs from `material`.
-    prescribed
-        Components of the motion that are given instead of found.
-    all_equilibria
-        Whether all equilibria are searched, from every position of rigid equilibrium.
-    yield_MPa
-        Yield strength above which a warning says that the bodies would yield; None: that of rail steel, for steel.
-
+    - `track`, `wheelset`, `load`: what stands where, and the force on it.
+    - `material`: material of wheels and rails.
+    - `thickness_mm`: length of the bodies along the track.
+    - `discretisation`: how the bodies are meshed and joined.
+    - `wheel_material`, `rail_material`: where it differs from `material`.
+    - `prescribed`: components of the motion that are given instead of found.
+    - `all_equilibria`: whether all equilibria are searched, from every position of rigid equilibrium.
+    - `yield_MPa`: yield strength above which a warning says that the bodies would yield; None: that of rail steel, for
+      steel.
     """
 
     track: Track

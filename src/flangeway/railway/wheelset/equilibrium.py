@@ -43,23 +43,14 @@ SAME = 1e-3  # distance of two equilibria, in mm and rad, below which they are o
 class Equilibrium:
     """A position of the wheelset and its contact forces.
 
-    Parameters
-    ----------
-    status
-        How the search ended.
-    position
-        Position of the wheelset.
-    residuals
-        Relative residuals of the equilibrium in the current configuration.
-    state
-        Contact forces and displacements of the surfaces.
-    residual
-        Forces in the track's axes and moment about the axle's middle that are left, shape (3,).
-    stable
-        Whether the wheelset comes back after a small push; None where that has no meaning: no equilibrium, or held.
-    history
-        Residuals at each position that the search tried, in order.
-
+    - `status`: how the search ended.
+    - `position`: position of the wheelset.
+    - `residuals`: relative residuals of the equilibrium in the current configuration.
+    - `state`: contact forces and displacements of the surfaces.
+    - `residual`: forces in the track's axes and moment about the axle's middle that are left, shape (3,).
+    - `stable`: whether the wheelset comes back after a small push; None where that has no meaning: no equilibrium, or
+      held.
+    - `history`: residuals at each position that the search tried, in order.
     """
 
     status: Status

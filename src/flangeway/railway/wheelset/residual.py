@@ -78,18 +78,12 @@ def residual_norm(relative: Floats, free: Bools) -> Floats:
 class RelativeResiduals:
     """Relative residuals of the equilibrium (Moherdaui 2021, 7.2.2).
 
-    Parameters
-    ----------
-    vertical_residual
-        Residual of the vertical force over the weight.
-    lateral_residual
-        Residual of the lateral force over 28.4 kN.
-    moment_residual
-        Residual of the moment about the axle's middle over the weight times half of the distance between the wheels.
-    free
-        Which of lateral and vertical displacement and roll are found; the others are prescribed, and their residuals
-        are what holds the wheelset.
-
+    - `vertical_residual`: residual of the vertical force over the weight.
+    - `lateral_residual`: residual of the lateral force over 28.4 kN.
+    - `moment_residual`: residual of the moment about the axle's middle over the weight times half of the distance
+      between the wheels.
+    - `free`: which of lateral and vertical displacement and roll are found; the others are prescribed, and their
+      residuals are what holds the wheelset.
     """
 
     vertical_residual: float

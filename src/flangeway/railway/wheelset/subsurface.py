@@ -45,30 +45,15 @@ def stresses_below(
 ) -> StressLine:
     """Stresses from the surface into a body, through the patch's centre of pressure.
 
-    Parameters
-    ----------
-    result
-        The solution that the patch belongs to.
-    patch
-        Region of contact.
-    body
-        Which of its two bodies.
-    depth_mm
-        Length of the line in mm; four half widths of the contact if left out.
-    n_points
-        Number of points, both ends included.
+    Returned: points and stresses in the frame of the body's profile (right-hand form on both sides), along the inward
+    normal of the undeformed profile; `distances` are the depths. Not-a-number where the line has left the body. An
+    `InputError` if the depth is not positive, there are fewer than two points, or the body is neither wheel nor rail.
 
-    Returns
-    -------
-    StressLine
-        Points and stresses in the frame of the body's profile (right-hand form on both sides), along the inward normal
-        of the undeformed profile; `distances` are the depths. Not-a-number where the line has left the body.
-
-    Raises
-    ------
-    InputError
-        If the depth is not positive, there are fewer than two points, or the body is neither wheel nor rail.
-
+    - `result`: the solution that the patch belongs to.
+    - `patch`: region of contact.
+    - `body`: which of its two bodies.
+    - `depth_mm`: length of the line in mm; four half widths of the contact if left out.
+    - `n_points`: number of points, both ends included.
     """
     depth = DEPTH * patch.pressure.half_width if depth_mm is None else depth_mm
     check_positive("stresses_below", "depth_mm", depth, "a positive length in mm", "leave it out")
@@ -106,13 +91,7 @@ def maximum_shear(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> 
 
     It is the largest on the line of `stresses_below`, smoothed over the cells about it. Half planes in Hertz's line
     contact have ``0.3003 p0`` at ``0.786 a`` (Johnson, 1985, 4.2); a rail's head and a wheel's rim have more, since
-    they bear the force on a small width.
-
-    Raises
-    ------
-    InputError
-        As `stresses_below`.
-
+    they bear the force on a small width. An `InputError` as `stresses_below`.
     """
     line = stresses_below(result, patch, body)
     return maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)

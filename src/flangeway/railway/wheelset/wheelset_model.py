@@ -112,24 +112,13 @@ def build_model(
     """Mesh the bodies, fine where they can touch, and pair their surfaces.
 
     The candidate zones go round the places where rigid wheels touch or nearly touch where the load takes them, with two
-    half widths of Hertz's contact and what the bending of the rail shifts beyond.
+    half widths of Hertz's contact and what the bending of the rail shifts beyond. An `InputError` if no rigid wheelset
+    stands on this track under this load, or a body cannot be meshed.
 
-    Parameters
-    ----------
-    problem
-        What stands where.
-    progress
-        Called with a sentence at each stage.
-    whole
-        Zones over the whole running surfaces and heads, for contact anywhere.
-    cache
-        Where meshes are kept from one process to the next; None: nowhere.
-
-    Raises
-    ------
-    InputError
-        If no rigid wheelset stands on this track under this load, or a body cannot be meshed.
-
+    - `problem`: what stands where.
+    - `progress`: called with a sentence at each stage.
+    - `whole`: zones over the whole running surfaces and heads, for contact anywhere.
+    - `cache`: where meshes are kept from one process to the next; None: nowhere.
     """
     settings = problem.discretisation
     start = rigid_start(problem)

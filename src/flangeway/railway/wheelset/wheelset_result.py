@@ -26,27 +26,15 @@ from flangeway.types import Floats
 class WheelsetResult:
     """A wheelset in equilibrium on its track.
 
-    Parameters
-    ----------
-    status
-        How the computation ended.
-    model
-        Meshed parts.
-    equilibrium
-        Position, residuals and contact forces.
-    patches
-        Regions of contact, left side first.
-    placements
-        Placement of each part, by name.
-    displacements
-        Of all nodes of each part in its own frame, by name, each (n_dofs, 2).
-    timings_s
-        Seconds for meshing, condensation (assembly and factorisation), contact, and post-processing.
-    warnings
-        Sentences about the limits of the result.
-    others
-        Further equilibria, if more than one was found.
-
+    - `status`: how the computation ended.
+    - `model`: meshed parts.
+    - `equilibrium`: position, residuals and contact forces.
+    - `patches`: regions of contact, left side first.
+    - `placements`: placement of each part, by name.
+    - `displacements`: of all nodes of each part in its own frame, by name, each (n_dofs, 2).
+    - `timings_s`: seconds for meshing, condensation (assembly and factorisation), contact, and post-processing.
+    - `warnings`: sentences about the limits of the result.
+    - `others`: further equilibria, if more than one was found.
     """
 
     status: Status
@@ -89,15 +77,9 @@ def solve_wheelset(
 ) -> WheelsetResult:
     """Mesh, condense, and find the wheelset's equilibrium.
 
-    Parameters
-    ----------
-    problem
-        Bodies, loads and what is prescribed.
-    progress
-        Called with a sentence at each stage.
-    cold
-        Compute everything anew, without the user's cache.
-
+    - `problem`: bodies, loads and what is prescribed.
+    - `progress`: called with a sentence at each stage.
+    - `cold`: compute everything anew, without the user's cache.
     """
     timings: dict[str, float] = {}
     cache = None if cold else Cache.of_user()
