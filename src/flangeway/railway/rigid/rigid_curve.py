@@ -26,15 +26,9 @@ _MAX_LOSS_MM = 2.0
 class CurvePoints(NamedTuple):
     """Points on a curve, arrays of one shape.
 
-    Parameters
-    ----------
-    x, y
-        Coordinates.
-    angle
-        Angle of the tangent in radians, between -pi/2 and pi/2.
-    curvature
-        Change of the angle per length along the curve, positive where the curve is hollow from above.
-
+    - `x`, `y`: coordinates.
+    - `angle`: angle of the tangent in radians, between -pi/2 and pi/2.
+    - `curvature`: change of the angle per length along the curve, positive where the curve is hollow from above.
     """
 
     x: Floats
@@ -47,17 +41,10 @@ class CurvePoints(NamedTuple):
 class RigidCurve:
     """Chain of lines and arcs along which x grows; tangents may jump at joints.
 
-    Parameters
-    ----------
-    starts
-        First point of each piece, shape (n_pieces, 2).
-    angles
-        Angle of the tangent there, shape (n_pieces,).
-    curvatures
-        Curvature of each piece, positive when counter-clockwise, shape (n_pieces,).
-    lengths
-        Length of each piece, shape (n_pieces,).
-
+    - `starts`: first point of each piece, shape (n_pieces, 2).
+    - `angles`: angle of the tangent there, shape (n_pieces,).
+    - `curvatures`: curvature of each piece, positive when counter-clockwise, shape (n_pieces,).
+    - `lengths`: length of each piece, shape (n_pieces,).
     """
 
     starts: Floats
@@ -75,18 +62,10 @@ class RigidCurve:
     def from_contour(cls, contour: Contour, placement: Placement | None = None) -> Self:
         """Return the part of a contour whose tangents are less steep than `STEEPEST_RAD`.
 
-        Parameters
-        ----------
-        contour
-            In either direction.
-        placement
-            Where it is; untransformed by default.
+        An `InputError` if there is no such part, or an overhang divides it.
 
-        Raises
-        ------
-        InputError
-            If there is no such part, or an overhang divides it.
-
+        - `contour`: in either direction.
+        - `placement`: where it is; untransformed by default.
         """
         placed = contour if placement is None else contour.transformed(placement)
         if placed.segments[-1].end[0] < placed.segments[0].start[0]:
@@ -119,11 +98,7 @@ class RigidCurve:
 
         The tangent is continuous; between the points the error falls with the third power of their distance.
 
-        Parameters
-        ----------
-        x, y, slope
-            Increasing abscissae, heights and slopes, each (n,).
-
+        - `x`, `y`, `slope`: increasing abscissae, heights and slopes, each (n,).
         """
         at, height = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
         angle = np.arctan(np.asarray(slope, dtype=np.float64))
@@ -209,11 +184,7 @@ def _extent(rows: Floats) -> float:
 def _running_part(segment: Segment) -> tuple[tuple[float, ...] | None, bool, bool]:
     """Part of a segment that is not too steep, and whether it reaches the segment's start and end.
 
-    Returns
-    -------
-    tuple
-        x, y, angle, curvature and length of the part, or None; two flags.
-
+    Returned: x, y, angle, curvature and length of the part, or None; two flags.
     """
     tangent = segment.tangent(0.0)[0]
     angle = math.atan2(tangent[1], tangent[0])

@@ -20,18 +20,13 @@ from flangeway.railway.rigid.rigid_side import RigidSide, Touches
 from flangeway.railway.track.placements import SIDES, Side, Track, Wheelset, refuse_misfit
 from flangeway.types import Floats
 
-TOUCH_TOLERANCE_MM = 1e-10
-"""Difference of the two wheels' heights at which both touch."""
-
-JUMP_MM = 0.3
-"""Shortest jump of a point of contact along the wheel that is reported."""
+TOUCH_TOLERANCE_MM = 1e-10  # difference of the two wheels' heights at which both touch
+JUMP_MM = 0.3  # shortest jump of a point of contact along the wheel that is reported
 
 PATH_MM = 40.0
 """Lateral displacement at the rails' height to which positions are followed, if no larger one is asked for."""
 
-PATH_STEP_MM = 0.1
-"""Distance of these positions."""
-
+PATH_STEP_MM = 0.1  # distance of these positions
 _FLANGE_MM = 30.0  # further lateral displacement at the rails' height that is searched, while the flange climbs
 _ROUNDING_MM = 0.1 * TOUCH_TOLERANCE_MM
 _CONFORMING_MM = 1e-5

@@ -18,8 +18,7 @@ from flangeway.railway.rigid.yawed import on_profile, outline_across
 from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
 from flangeway.types import Floats
 
-N_TOUCHES = 6
-"""Points of a side that are followed: the touch, and the next smallest gaps."""
+N_TOUCHES = 6  # points of a side that are followed: the touch, and the next smallest gaps
 
 _SPACING_MM = 0.2
 _TABLE_MM = 0.005
@@ -32,19 +31,11 @@ _ARC_TOLERANCE_MM = 1e-12
 class Touches(NamedTuple):
     """Points where a wheel touches or comes close, arrays (n, N_TOUCHES) or (n, 1), the first touch first.
 
-    Parameters
-    ----------
-    lift
-        Height of the axle's middle over the track at which this point touches, -inf where there is none.
-    wheel_arc
-        Length along the wheel's curve.
-    x, y
-        Point of the rail in the track's axes, right-hand form.
-    angle
-        Angle of the common tangent from the track's plane, positive towards the flange.
-    relative_curvature
-        Sum of the curvatures of wheel and rail, convex positive.
-
+    - `lift`: height of the axle's middle over the track at which this point touches, -inf where there is none.
+    - `wheel_arc`: length along the wheel's curve.
+    - `x`, `y`: point of the rail in the track's axes, right-hand form.
+    - `angle`: angle of the common tangent from the track's plane, positive towards the flange.
+    - `relative_curvature`: sum of the curvatures of wheel and rail, convex positive.
     """
 
     lift: Floats
@@ -59,18 +50,11 @@ class Touches(NamedTuple):
 class RigidSide:
     """A wheel and its rail as rigid curves.
 
-    Parameters
-    ----------
-    wheel
-        Its outline in the longitudinal view, about the middle of the axle: x to the field side, y up. Without yaw that
-        is the profile, and -y is the rolling radius.
-    rail
-        In the track's axes.
-    wheel_frame, rail_frame
-        From the frames of the profiles to those of the curves.
-    yaw_rad
-        Yaw of the wheel, positive where it is ahead of the other one; see `flangeway.railway.rigid.yawed`.
-
+    - `wheel`: its outline in the longitudinal view, about the middle of the axle: x to the field side, y up. Without
+      yaw that is the profile, and -y is the rolling radius.
+    - `rail`: in the track's axes.
+    - `wheel_frame`, `rail_frame`: from the frames of the profiles to those of the curves.
+    - `yaw_rad`: yaw of the wheel, positive where it is ahead of the other one; see `flangeway.railway.rigid.yawed`.
     """
 
     wheel: RigidCurve
@@ -117,18 +101,10 @@ class RigidSide:
     def touches(self, lateral: Floats, roll: Floats, *, first_only: bool = False) -> Touches:
         """First touch and next smallest gaps of a wheel that comes down.
 
-        Parameters
-        ----------
-        lateral, roll
-            Position of the axle's middle to the field side, and roll that lifts this wheel, each (n,).
-        first_only
-            Whether the next smallest gaps are left out: arrays (n, 1).
+        An `InputError` if no point of the wheel is above the rail's head.
 
-        Raises
-        ------
-        InputError
-            If no point of the wheel is above the rail's head.
-
+        - `lateral`, `roll`: position of the axle's middle to the field side, and roll that lifts this wheel, each (n,).
+        - `first_only`: whether the next smallest gaps are left out: arrays (n, 1).
         """
         over = self.over_rail(lateral)
         if not over.all():
@@ -241,15 +217,9 @@ class RigidSide:
     def close_arcs(self, lateral: float, roll: float, lift: float, gap_mm: float) -> Floats:
         """Lengths along the wheel, from first to last, at which it is over the rail by less than a gap, (n,).
 
-        Parameters
-        ----------
-        lateral, roll
-            Position of the wheel; see `touches`.
-        lift
-            Height of the axle's middle.
-        gap_mm
-            Largest vertical gap.
-
+        - `lateral`, `roll`: position of the wheel; see `touches`.
+        - `lift`: height of the axle's middle.
+        - `gap_mm`: largest vertical gap.
         """
         arcs = self._samples[0]
         placed = self._placed(np.full(len(arcs), lateral), np.full(len(arcs), roll), arcs)
