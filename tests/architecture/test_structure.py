@@ -12,33 +12,33 @@ MAX_FILES = 20
 
 MAX_LINES = {
     "": 410,
-    "system": 730,
+    "system": 720,
     "exact": 870,
-    "geometry": 1320,
-    "mesh": 2530,
-    "formats": 1830,
+    "geometry": 1280,
+    "mesh": 2500,
+    "formats": 1800,
     "elements": 1380,
     "space": 700,
     "materials": 400,
     "problems": 2170,
     "solve": 2950,
     "contact": 4230,
-    "post": 1650,
-    "railway.profiles": 3420,
-    "railway.track": 620,
-    "railway.rigid": 2030,
-    "railway.wheelset": 1790,
-    "railway.positions": 2630,
+    "post": 1640,
+    "railway.profiles": 3320,
+    "railway.track": 580,
+    "railway.rigid": 1940,
+    "railway.wheelset": 1700,
+    "railway.positions": 2520,
     "railway.spatial": 80,
     "cases": 6010,
-    "campaign": 1840,
+    "campaign": 1810,
     "report": 5970,
     "validation": 5100,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_640
+MAX_LINES_OF_ALL = 51_060
 MAX_FILES_OF_ALL = 290
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
