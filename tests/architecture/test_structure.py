@@ -14,9 +14,9 @@ MAX_LINES = {
     "": 410,
     "system": 720,
     "exact": 870,
-    "geometry": 1280,
+    "geometry": 1270,
     "mesh": 2500,
-    "formats": 1800,
+    "formats": 1790,
     "elements": 1380,
     "space": 700,
     "materials": 400,
@@ -28,7 +28,7 @@ MAX_LINES = {
     "railway.track": 580,
     "railway.rigid": 1940,
     "railway.wheelset": 1700,
-    "railway.positions": 2520,
+    "railway.positions": 2510,
     "railway.spatial": 80,
     "cases": 6010,
     "campaign": 1810,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_060
-MAX_FILES_OF_ALL = 290
+MAX_LINES_OF_ALL = 51_030
+MAX_FILES_OF_ALL = 285
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

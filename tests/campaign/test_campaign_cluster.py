@@ -83,7 +83,7 @@ def test_two_workers_of_a_cluster_one_of_them_killed_give_the_table_of_one_machi
             assert stored == dict(result.values)
 
 
-def test_a_scheduler_that_is_not_there_is_told(monkeypatch, tmp_path):
+def test_a_scheduler_that_is_not_there_is_reported(monkeypatch, tmp_path):
     """A wrong address: the message names it, what is allowed, and how a scheduler is started."""
     pytest.importorskip("distributed")
     file = tmp_path / "c.toml"
@@ -115,7 +115,7 @@ def test_a_scheduler_that_ends_is_told_and_rows_are_kept(scheduler, tmp_path):
     assert results(tmp_path / "c.sqlite").rows["status"].count("converged") >= ended[0] > 0
 
 
-def test_a_missing_library_is_told(monkeypatch, tmp_path):
+def test_a_missing_library_is_reported(monkeypatch, tmp_path):
     """Without dask the message says what to install."""
     monkeypatch.setitem(sys.modules, "distributed", None)
     file = tmp_path / "c.toml"

@@ -1,4 +1,4 @@
-"""Campaign files: what they vary, and what is told about wrong ones before anything is computed."""
+"""Campaign files: what they vary, and what is reported about wrong ones before anything is computed."""
 
 import json
 

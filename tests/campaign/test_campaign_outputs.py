@@ -50,8 +50,8 @@ def sweep(tmp_path_factory):
     return computed(tmp_path_factory.mktemp("sweep"), SWEEP)
 
 
-def test_a_row_is_in_balance_and_its_patches_add_up(sweep):
-    """Forces of both wheels bear the load; those of the patches of a side are those of the row; L/V is their ratio."""
+def test_a_row_is_in_equilibrium_and_its_patches_add_up(sweep):
+    """Forces of both wheels carry the load; those of the patches of a side are those of the row; L/V is their ratio."""
     _, found = sweep
     assert set(found.rows["status"]) == {"converged"}
     assert np.allclose(
@@ -95,8 +95,8 @@ def test_other_workers_find_bodies_in_the_users_cache(tmp_path, monkeypatch):
     assert [result.values for result in after] == [result.values for result in before]
 
 
-def test_rows_computed_together_tell_of_doubtful_pressures(sweep):
-    """A coarse mesh is told in every row, of both contacts, in the words of a row computed alone."""
+def test_rows_computed_together_report_unreliable_pressures(sweep):
+    """A coarse mesh is reported in every row, of both contacts, in the words of a row computed alone."""
     campaign, found = sweep
     (alone,) = compute(Chunk((campaign.rows[7],))).results
     of_segments = [text for text in alone.warnings if "segments wide" in text]
@@ -183,7 +183,7 @@ def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):
 
 
 def test_failures_are_grouped_by_reason(tmp_path):
-    """A row that fails says why, has no numbers, and is told at the end with others of the same reason."""
+    """A row that fails says why, has no numbers, and is reported at the end with others of the same reason."""
     text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nvertical_mm = [-0.5, 30.0, 31.0]\n'
     _, found = computed(tmp_path, text)
     assert found.rows["status"][0] == "converged"
@@ -258,7 +258,7 @@ def test_a_result_is_stored_once(sweep, tmp_path):
 
 
 def test_formats_are_checked_first(monkeypatch, sweep):
-    """A format that there is not, or whose library is missing, is told."""
+    """A format that there is not, or whose library is missing, is reported."""
     with pytest.raises(InputError, match="xlsx"):
         table.export_writers(sweep[1], "xlsx")
     monkeypatch.setattr(table.importlib, "import_module", _missing)

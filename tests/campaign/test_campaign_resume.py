@@ -66,9 +66,9 @@ import os, random, signal, sys, time
 import sum_case
 from flangeway.campaign import Campaign, run_campaign
 
-def one(file, database, told=None):
+def one(file, database, reported=None):
     def progress(now):
-        if told is not None: os.write(told, b"x" if now.n_done else b"0")
+        if reported is not None: os.write(reported, b"x" if now.n_done else b"0")
     run_campaign(Campaign.from_file(file), database, workers=2, progress=progress)
 
 def killed(file, database, chance, after_rows):
@@ -81,7 +81,7 @@ def killed(file, database, chance, after_rows):
         one(file, database, writer)
         os._exit(0)
     os.close(writer)
-    if after_rows:  # the report at the start tells of rows that were done before
+    if after_rows:  # the report at the start names rows that were done before
         os.read(reader, 1)
         os.read(reader, 1)
     time.sleep(chance.uniform(0.0, 0.2 if after_rows else 0.4))
@@ -163,14 +163,14 @@ def test_a_row_that_kills_its_workers_fails_with_the_reason_and_the_rest_goes_on
     )
     synthetic("c.toml", "c.sqlite")
     rows, _ = tables(tmp_path / "c.sqlite")
-    told = {row[5]: (row[2], row[3]) for row in rows}
-    assert [told[a][0] for a in (1, 2, 4, 6, 8)] == ["converged"] * 5
-    assert told[3][0] == "failed"
-    assert told[3][1].startswith("3 workers died")
-    assert "SIGKILL" in told[3][1]
-    assert told[5] == ("not converged", "five does not converge")
-    assert told[7][0] == "failed"
-    assert told[7][1].startswith("an error that nobody foresaw, ValueError (seven cannot be summed) in ")
+    reported = {row[5]: (row[2], row[3]) for row in rows}
+    assert [reported[a][0] for a in (1, 2, 4, 6, 8)] == ["converged"] * 5
+    assert reported[3][0] == "failed"
+    assert reported[3][1].startswith("3 workers died")
+    assert "SIGKILL" in reported[3][1]
+    assert reported[5] == ("not converged", "five does not converge")
+    assert reported[7][0] == "failed"
+    assert reported[7][1].startswith("an error that nobody foresaw, ValueError (seven cannot be summed) in ")
 
 
 MAIN = """
@@ -292,24 +292,24 @@ def test_wheelsets_in_a_campaign_with_a_killed_worker_are_those_of_a_calm_run(tm
     file.write_text(WHEELSETS, encoding="utf-8")
     campaign = Campaign.from_file(file)
     database = tmp_path / "c.sqlite"
-    robbed = []
+    killers = []
 
     def rob(_):
         """Kill the worker as soon as there is one with something to compute."""
-        if not robbed:
-            robbed.append(threading.Thread(target=kill_first_worker))
-            robbed[0].start()
+        if not killers:
+            killers.append(threading.Thread(target=kill_first_worker))
+            killers[0].start()
 
     end = run_campaign(campaign, database, workers=1, progress=rob)
-    robbed[0].join()
+    killers[0].join()
     assert killed_workers
     assert end.all_converged
     ((first, rows),) = campaign.chunks
-    calm = compute(Chunk(rows, first)).results
+    undisturbed = compute(Chunk(rows, first)).results
     found = results(database)
     for name in ("vertical_mm", "left_max_pressure_MPa", "right_wheel_x_mm"):
-        assert found.rows[name] == [result.values[name] for result in calm]
-    assert len(found.patches["row"]) == sum(len(result.patches) for result in calm)
+        assert found.rows[name] == [result.values[name] for result in undisturbed]
+    assert len(found.patches["row"]) == sum(len(result.patches) for result in undisturbed)
 
 
 killed_workers = []

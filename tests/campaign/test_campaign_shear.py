@@ -35,7 +35,7 @@ def sweep(tmp_path_factory):
 
 
 def test_each_side_has_the_maximum_below_its_patches(sweep):
-    """Values and depths of a side are those of the patch with the largest; they are a part of that patch's pressure."""
+    """Values and depths of a side are those of the patch with the maximum; they are a part of that patch's pressure."""
     _, found = sweep
     n_two = 0
     for result in found:

@@ -1,4 +1,4 @@
-"""Sections from files: what is read, what is mended with a notice, what is refused with its place."""
+"""Sections from files: what is read, what is repaired with a notice, what is refused with its place."""
 
 import functools
 import io
@@ -218,7 +218,7 @@ def test_dxf_units_come_from_the_drawing_or_the_option(read_drawing):
         read_drawing(draw, units=1, unit="mm")
 
 
-# what is mended
+# what is repaired
 
 
 def test_clockwise_and_duplicate_points_are_mended_with_a_notice(read):

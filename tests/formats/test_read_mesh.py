@@ -105,9 +105,9 @@ def test_gmsh_groups_become_sets(two_parts, tmp_path, version, binary, order):
     assert set(mesh.edge_sets) == {"held", "all"}
     assert np.all(mesh.points[mesh.edge_set("held"), 0] == 0.0)
     assert np.all(mesh.points[mesh.edge_set("all"), 0] == 3.0)
-    told = " ".join(read.notices)
-    assert "'seam'" in told
-    assert ("second or higher order" in told) == (order == 2)
+    reported = " ".join(read.notices)
+    assert "'seam'" in reported
+    assert ("second or higher order" in reported) == (order == 2)
 
 
 def test_abaqus_sets_and_surfaces_become_sets(tmp_path):
@@ -134,9 +134,9 @@ def test_abaqus_sets_and_surfaces_become_sets(tmp_path):
     assert ends("right") == [(2.0, 0.0), (2.0, 1.0)]
     assert len(mesh.edge_set("rim")) == 3
     assert "corner" not in mesh.edge_sets
-    told = " ".join(read.notices)
+    reported = " ".join(read.notices)
     for words in ("1 cell clockwise", "1 point of no cell", "'rim': 1 edge", "'corner'"):
-        assert words in told
+        assert words in reported
 
 
 def test_abaqus_second_order_and_lines_from_gmsh(two_parts, tmp_path):
@@ -221,7 +221,7 @@ def test_hanging_nodes_of_other_programs_make_polygons(tmp_path):
 @settings.get_profile("costly")
 @given(seed=st.integers(0, 2**31))
 def test_conforming_finds_the_points_that_refinement_added(seed):
-    """Polygons of a refined grid robbed of their hanging points get them back; sets keep the boundary's edges."""
+    """Polygons of a refined grid without their hanging points get them back; sets keep the boundary's edges."""
     random = np.random.default_rng(seed)
     mesh = rectangle_grid(2.0, 1.0, 4, 2, cells="quadrilaterals")
     for _ in range(2):
@@ -233,8 +233,8 @@ def test_conforming_finds_the_points_that_refinement_added(seed):
         step, other = mesh.points[row] - before, after - mesh.points[row]
         corners.append(row[np.abs(step[:, 0] * other[:, 1] - step[:, 1] * other[:, 0]) > 1e-12])
     offsets = np.cumsum([0, *map(len, corners)])
-    robbed = PolyMesh(mesh.points, offsets, np.concatenate(corners), edge_sets=mesh.edge_sets)
-    whole = conforming(robbed)
+    changed = PolyMesh(mesh.points, offsets, np.concatenate(corners), edge_sets=mesh.edge_sets)
+    whole = conforming(changed)
     check(whole, region_area=2.0)
     assert np.array_equal(whole.edge_set("top"), mesh.edge_set("top"))
     assert np.array_equal(whole.cell_sizes, mesh.cell_sizes)

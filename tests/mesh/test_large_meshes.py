@@ -153,13 +153,13 @@ WORKS = {
 }
 
 
-@pytest.mark.parametrize(("told", "work"), WORKS.items(), ids=WORKS)
-def test_what_needs_more_memory_is_refused_before_it_begins(told, work, little_memory):
+@pytest.mark.parametrize(("reported", "work"), WORKS.items(), ids=WORKS)
+def test_what_needs_more_memory_is_refused_before_it_begins(reported, work, little_memory):
     """Beyond the limit Gmsh is not called: the error says what, how much it needs, what is left, and what to do."""
     with pytest.raises(OutOfMemoryError) as caught:
         work()
     message = str(caught.value)
-    assert re.match(rf"{told}, which needs about [\d.]+ MB of memory\n  allowed: 0 MB, what FLANGEWAY_M", message)
+    assert re.match(rf"{reported}, which needs about [\d.]+ MB of memory\n  allowed: 0 MB, what FLANGEWAY_M", message)
     assert "what to do: make the elements larger" in message
 
 
@@ -181,7 +181,7 @@ FAR_TOO_LARGE = {
 
 @pytest.mark.parametrize(("kind", "given"), FAR_TOO_LARGE.items(), ids=FAR_TOO_LARGE)
 def test_what_would_take_hours_is_refused(kind, given, monkeypatch):
-    """Too many triangles, edges along a side or points of refinements are told at once, with the number allowed."""
+    """Too many triangles, edges along a side or points of refinements are reported at once, with the number allowed."""
     monkeypatch.setattr(gmsh_mesher, "load_gmsh", no_gmsh)
     outline, size, refinements = given
     with pytest.raises(InputError) as caught:
@@ -191,7 +191,7 @@ def test_what_would_take_hours_is_refused(kind, given, monkeypatch):
 
 
 def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
-    """A long triangulation is told of, and made by another process, the same to the last bit; a short one is not."""
+    """A long triangulation is reported, and made by another process, the same to the last bit; a short one is not."""
     reports = []
 
     def both():
@@ -215,7 +215,7 @@ def test_a_process_of_its_own_makes_the_same_mesh(monkeypatch):
 
 
 def test_errors_come_back_from_the_other_process():
-    """Errors have the same message; a defect and an end without an answer are told as what they are."""
+    """Errors have the same message; a defect and an end without an answer are reported as what they are."""
     with pytest.raises(InputError) as caught:
         in_own_process(rectangle, -1.0, 1.0)
     with pytest.raises(InputError) as here:
@@ -232,7 +232,7 @@ def test_errors_come_back_from_the_other_process():
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="signals are those of other systems")
-def test_a_killed_process_is_told(interruptible):
+def test_a_killed_process_is_reported(interruptible):
     """If the system kills the process, memory has ended; if the terminal interrupts it, this one is interrupted."""
     with pytest.raises(OutOfMemoryError, match="killed"):
         in_own_process(signal.raise_signal, signal.SIGKILL)
@@ -273,8 +273,8 @@ def test_an_end_while_gmsh_works_is_prompt(with_signal, tmp_path, interruptible)
     assert time.monotonic() - begun < 5.0
     interrupted = with_signal == signal.SIGINT
     assert process.returncode == (130 if interrupted else -signal.SIGKILL)
-    told = "flangeway: interrupted; nothing was written\n"
-    assert err.endswith(told if interrupted else "")
+    reported = "flangeway: interrupted; nothing was written\n"
+    assert err.endswith(reported if interrupted else "")
     assert err.count("flangeway: ") == interrupted
     assert "Traceback" not in err
     assert out == ""

@@ -88,7 +88,7 @@ def test_with_edge_set_turns_edges_and_refuses_inner_ones():
 
 
 def test_cell_sets_take_masks_and_numbers():
-    """A mask and the numbers it stands for make the same set."""
+    """A mask and the numbers it is used for make the same set."""
     mask = MIXED.with_cell_set("high", MIXED.cell_centroids[:, 1] > 0.5)
     assert mask.cell_set("high").tolist() == [1]
     assert MIXED.with_cell_set("high", [1, 1]).cell_set("high").tolist() == [1]

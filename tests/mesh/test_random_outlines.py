@@ -37,7 +37,7 @@ def side(start, end, bulge):
 
 
 def drawn(segments):
-    """Outline, or None where the arcs of a star meet each other, which must be told in three parts."""
+    """Outline, or None where the arcs of a star meet each other, which must be reported in three parts."""
     refused = None
     try:
         return Outline.from_segments(segments, [f"side {i}" for i in range(len(segments))])

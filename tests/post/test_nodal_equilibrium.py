@@ -1,4 +1,4 @@
-"""The balance of nodes, judged from displacements alone."""
+"""The equilibrium of nodes, checked from displacements alone."""
 
 import numpy as np
 import pytest
@@ -28,16 +28,16 @@ def solved(element):
 
 
 @pytest.mark.parametrize("element", [Lagrange(1), Lagrange(2), Virtual(1), Virtual(2), Virtual(3)], ids=str)
-def test_a_solution_is_in_balance_at_every_node(element):
-    """Loads on edges, in cells and by warmth balance the stresses at all nodes, and inside of cells, to round-off."""
+def test_a_solution_is_in_equilibrium_at_every_node(element):
+    """Loads on edges, in cells and by warmth are in equilibrium with the stresses at nodes and inside cells to round-off."""
     solution, held = solved(element)
     nothing = np.zeros((solution.problem.space.n_nodes, 2))
     assert relative_nodal_residual(solution, nothing, held) < 1e-11
-    assert relative_nodal_residual(solution, nothing, np.zeros_like(held)) > 0.1  # what the support bears
+    assert relative_nodal_residual(solution, nothing, np.zeros_like(held)) > 0.1  # what the support carries
 
 
 def test_a_moved_node_and_a_missing_force_are_seen():
-    """One node moved by a millionth of the size, and a force that is not in the displacements, are no balance."""
+    """One node moved by a millionth of the size, and a force that is not in the displacements, are no equilibrium."""
     solution, held = solved(Virtual(2))
     space = solution.problem.space
     node = int(np.flatnonzero(~held.any(axis=1))[0])
@@ -49,7 +49,7 @@ def test_a_moved_node_and_a_missing_force_are_seen():
     assert relative_nodal_residual(solution, force, held) > 1e-3
 
 
-def test_a_case_whose_nodes_are_not_in_balance_has_not_converged(monkeypatch):
+def test_a_case_whose_nodes_are_not_in_equilibrium_has_not_converged(monkeypatch):
     """A condensation that loses a thousandth of the displacements ends as a failure that names the bodies."""
     right = LoadedBodies.fields
     # the contact iteration does not notice

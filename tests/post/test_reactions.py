@@ -57,7 +57,7 @@ def test_a_corner_held_by_two_supports_is_shared_by_direction() -> None:
 
 
 def test_supports_that_hold_the_same_share_equally() -> None:
-    """Two supports of the same edges bear half each."""
+    """Two supports of the same edges carry half each."""
     loads = [Traction("right", (3.0, 1.0))]
     solution = solve_elasticity(
         Elasticity(Space(GRID, Lagrange(1)), MATERIAL, loads=loads, supports=[fixed("left"), fixed("left")])

@@ -26,7 +26,7 @@ POLYGONS = dual(triangulate(square(1.0), size=0.15))
 
 
 def quadratic(points: np.ndarray) -> np.ndarray:
-    """A displacement whose stress is in balance without a body force."""
+    """A displacement whose stress is in equilibrium without a body force."""
     x, y = points.T
     return 1e-2 * np.stack((x * y, -0.5 * x**2 - 0.5 * y**2 * 0.3 / 0.7), axis=1)
 

@@ -12,11 +12,17 @@ import re
 from collections.abc import Mapping, Sequence
 
 from flangeway.errors import InputError
-from flangeway.formats.drawn_section import UNITS, DrawnSection, agreed_unit
-from flangeway.formats.outline_repair import DrawnSegment, drawn_polygon, repaired_outline
+from flangeway.formats.drawn_section import (
+    UNITS,
+    DrawnSection,
+    DrawnSegment,
+    agreed_unit,
+    drawn_polygon,
+    repaired_outline,
+    section_of,
+)
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
-from flangeway.geometry.region import Section, nested_regions
 from flangeway.system.file_content import csv_cells
 
 _COORDINATES = ("x0", "y0", "x1", "y1", "xc", "yc", "x", "y")
@@ -44,22 +50,17 @@ def csv_section(text: str, *, unit: str | None = None, mirrored: bool = False) -
         loops = [drawn_polygon([_point(row, "x", "y", number) for number, row in rows])]
     else:
         loops = _loops([parse_segment(row, number) for number, row in rows])
-    notices: list[str] = []
-    outlines = []
+    found = []
     for number, loop in enumerate(loops, 1):
         what = "outline" if len(loops) == 1 else f"loop {number} of {len(loops)}"
         drawn = _with_mirror_image(loop, what) if mirrored else loop
         try:
-            outline, repaired = repaired_outline(drawn, what, direction_matters=not mirrored and number == 1)
+            found.append(repaired_outline(drawn, what, direction_matters=not mirrored and number == 1))
         except InputError as reason:
             if "starts at" in reason.given and "from the end" in reason.given:
                 raise InputError(reason.given, reason.allowed, _MIRROR_ADVICE) from reason
             raise
-        outlines.append(outline)
-        notices += repaired
-    regions = nested_regions(outlines)
-    names = ["section"] if len(regions) == 1 else [f"part_{i}" for i in range(1, len(regions) + 1)]
-    return DrawnSection("", Section(dict(zip(names, regions, strict=True))), agreed, notices=tuple(notices))
+    return section_of(found, agreed)
 
 
 def parse_header(lines: Sequence[tuple[int, str]]) -> tuple[list[str], str | None]:

@@ -16,11 +16,16 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
-from flangeway.formats.drawn_section import DrawnSection, agreed_unit
-from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, repaired_outline
+from flangeway.formats.drawn_section import (
+    DrawnSection,
+    DrawnSegment,
+    agreed_unit,
+    drawn_circle,
+    repaired_outline,
+    section_of,
+)
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.contour import JOINT_TOLERANCE
-from flangeway.geometry.region import Section, nested_regions
 
 UNITS = {1: "in", 2: "ft", 4: "mm", 5: "cm", 6: "m"}  # $INSUNITS of the DXF reference
 CURVED_ENTITIES = ("SPLINE", "ELLIPSE", "INSERT", "REGION", "MLINE", "HELIX", "3DSOLID", "BODY", "MESH", "3DFACE")
@@ -41,15 +46,18 @@ def dxf_section(content: bytes, *, unit: str | None = None) -> DrawnSection:
         )
     agreed = agreed_unit(unit_of(drawing), unit, _HOW)
     with damage_reported():
-        loops, chains, ignored = _pieces(drawing)
+        loops, chains, ignored = pieces_of(drawing)
         loops += _joined_chains(chains)
     if not loops:
         raise InputError("a drawing without a closed outline in its model space", "lines and arcs", "draw the outline")
-    return _section(loops, agreed, ignored)
+    left_out = [f"Left out: {count} {kind}." for kind, count in sorted(ignored.items())]
+    named = [(f"loop {number} of {len(loops)} (layer {loop[0].name!r})", loop) for number, loop in enumerate(loops, 1)]
+    repaired = [repaired_outline(loop, what, direction_matters=False) for what, loop in named]
+    return section_of(repaired, agreed, left_out)
 
 
-def _pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], list[list[DrawnSegment]], Counter[str]]:
-    """Closed loops, open chains, and how many entities of other kinds there are."""
+def pieces_of(drawing: Any) -> tuple[list[list[DrawnSegment]], list[list[DrawnSegment]], Counter[str]]:
+    """Return the closed loops and open chains of a drawing, and how many entities of other kinds there are."""
     loops: list[list[DrawnSegment]] = []
     chains: list[list[DrawnSegment]] = []
     ignored: Counter[str] = Counter()
@@ -73,19 +81,6 @@ def _pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], list[list[DrawnSegm
         else:
             ignored[kind] += 1
     return loops, chains, ignored
-
-
-def _section(loops: Sequence[list[DrawnSegment]], unit: str, ignored: Counter[str]) -> DrawnSection:
-    notices = [f"Left out: {count} {kind}." for kind, count in sorted(ignored.items())]
-    outlines = []
-    for number, loop in enumerate(loops, 1):
-        what = f"loop {number} of {len(loops)} (layer {loop[0].name!r})"
-        outline, repaired = repaired_outline(loop, what, direction_matters=False)
-        outlines.append(outline)
-        notices += repaired
-    regions = nested_regions(outlines)
-    names = ["section"] if len(regions) == 1 else [f"part_{i}" for i in range(1, len(regions) + 1)]
-    return DrawnSection("", Section(dict(zip(names, regions, strict=True))), unit, notices=tuple(notices))
 
 
 @contextmanager

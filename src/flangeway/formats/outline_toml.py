@@ -10,8 +10,14 @@ import numpy as np
 
 from flangeway.checks import is_finite
 from flangeway.errors import InputError, short
-from flangeway.formats.drawn_section import DrawnSection, PartMaterial, agreed_unit
-from flangeway.formats.outline_repair import DrawnSegment, drawn_circle, repaired_outline
+from flangeway.formats.drawn_section import (
+    DrawnSection,
+    DrawnSegment,
+    PartMaterial,
+    agreed_unit,
+    drawn_circle,
+    repaired_outline,
+)
 from flangeway.geometry.arrays import Point, point_text
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.region import Region, Section

@@ -2,11 +2,10 @@
 
 from flangeway.geometry.arrays import FloatArray, IntArray, Point, as_point, as_points, cross_product
 from flangeway.geometry.contour import Contour
-from flangeway.geometry.crossings import crossing_shares
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section, nested_regions
-from flangeway.geometry.segments import Arc, Line, Segment
+from flangeway.geometry.segments import Arc, Line, Segment, crossing_shares
 from flangeway.geometry.shapes import circle, polygon, rectangle, square
 
 __all__ = [

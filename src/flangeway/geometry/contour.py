@@ -12,9 +12,8 @@ from numpy.typing import ArrayLike
 from flangeway.checks import check_positive
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, as_points, point_text
-from flangeway.geometry.crossings import first_crossing
 from flangeway.geometry.placement import Placement
-from flangeway.geometry.segments import Arc, Segment
+from flangeway.geometry.segments import Arc, Segment, first_crossing
 from flangeway.types import Floats
 
 JOINT_TOLERANCE = 1e-6  # maximum gap between neighbours that `from_segments` closes, relative to the size of the whole

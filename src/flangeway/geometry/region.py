@@ -11,9 +11,9 @@ from numpy.typing import ArrayLike
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import Point, as_points, point_text
 from flangeway.geometry.contour import CROSSING_TOLERANCE
-from flangeway.geometry.crossings import chains_meet
 from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
+from flangeway.geometry.segments import chains_meet
 from flangeway.types import Bools, Floats
 
 

@@ -12,8 +12,7 @@ from flangeway.materials import Elastic
 from flangeway.post import stresses_along
 from flangeway.problems import ElasticField
 from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
-from flangeway.railway.positions.positions_patches import patches_of
-from flangeway.railway.positions.positions_shear import lines_below
+from flangeway.railway.positions.positions_patches import lines_below, patches_of
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.positions.running_pair import Candidates, RunningPair
 from flangeway.railway.profiles.bundled import rail, wheel
@@ -58,8 +57,8 @@ def north_american() -> PreparedWheelset:
 
 @pytest.fixture(scope="module")
 def table(prepared: PreparedWheelset) -> PositionTable:
-    farthest = 11.9 if prepared.model.problem.wheelset.wheel.title.startswith("S1002") else 9.8
-    lateral = np.concatenate((np.linspace(-6.0, 6.0, 7), farthest - np.array([2.0, 0.8, 0.3, 0.0])))
+    last = 11.9 if prepared.model.problem.wheelset.wheel.title.startswith("S1002") else 9.8
+    lateral = np.concatenate((np.linspace(-6.0, 6.0, 7), last - np.array([2.0, 0.8, 0.3, 0.0])))
     return solve_positions(prepared, Positions.grid(lateral, [100e3, 200e3, 210e3]))
 
 
@@ -112,7 +111,7 @@ def test_the_weight_is_borne(table: PositionTable) -> None:
 
 
 def test_the_flange_is_reached(table: PositionTable) -> None:
-    """Far aside one wheel bears on the gauge corner, and pushes its rail outwards the harder, the farther it goes."""
+    """Far from the middle one wheel touches the gauge corner, and pushes its rail outwards the more the farther it is."""
     heavy = table.positions.vertical_N == 200e3
     ratio = table.lateral_over_vertical[heavy, 1]
     assert ratio[-1] > 2.0 * ratio[3]
@@ -178,7 +177,7 @@ def test_the_maximum_shear_is_that_of_the_fields(north_american: PreparedWheelse
             assert 0.3 < patch.shear[role].depth_mm / patch.half_width_mm < 1.5
 
 
-def test_positions_out_of_reach_are_told(north_american: PreparedWheelset) -> None:
+def test_positions_out_of_reach_are_reported(north_american: PreparedWheelset) -> None:
     """A lateral position that rigid wheels do not reach is not found, and the message says so; others are found."""
     table = solve_positions(north_american, Positions.grid([0.0, 400.0], 100e3))
     assert table.converged.tolist() == [True, False]
@@ -206,7 +205,7 @@ def test_overlap_off_the_contact_zone_is_not_converged() -> None:
     assert "wheel-right and rail-right overlap by" in table.messages[1]
 
 
-def test_a_doubtful_position_is_solved_by_the_full_search(
+def test_an_uncertain_position_is_solved_by_the_full_search(
     north_american: PreparedWheelset, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """Where the fast path did not look at the flange, its overlap is seen, and the full search finds the position."""

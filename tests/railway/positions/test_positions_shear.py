@@ -13,7 +13,7 @@ from flangeway.post import stresses_along
 from flangeway.problems import ElasticField
 from flangeway.railway.positions import many_positions as positions
 from flangeway.railway.positions.many_positions import Positions, solve_positions
-from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_shears
+from flangeway.railway.positions.positions_patches import LoadedPatch, maximum_shears
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.track.discretisation import ROLES, Discretisation, Role
@@ -90,7 +90,7 @@ def alone(prepared: PreparedWheelset, each: LoadedPatch, role: Role) -> Subsurfa
 
 
 def top_of(depths: Floats, values: Floats) -> SubsurfaceExtreme:
-    """Top of the cubic closest to the values within half of the depth of the largest one."""
+    """Top of the cubic closest to the values within half of the depth of the maximum."""
     place = int(np.nanargmax(values))
     depth, value = float(depths[place]), float(values[place])
     near = np.isfinite(values) & (np.abs(depths - depth) <= 0.5 * depth * (1.0 + 1e-9))

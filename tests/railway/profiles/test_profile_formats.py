@@ -131,7 +131,7 @@ def test_named_columns_are_taken_wherever_they_stand(head, tmp_path):
 
 @pytest.mark.parametrize(("unit", "length"), [("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)])
 def test_units_are_converted(unit, length, tmp_path):
-    """A file in another unit, named by comment, column or option, gives the same mm; the unit is told."""
+    """A file in another unit, named by comment, column or option, gives the same mm; the unit is reported."""
     points = points_of("rail")
     body = lines_of(points / length, "{:.12f},{:.12f}")
     for name, text, given in (

@@ -225,7 +225,7 @@ def test_pieces_of_outlines(first, last):
         (0.0, 35.0, ""),
     ],
 )
-def test_a_head_that_holds_its_inclination_is_told(slope, depth, words, tmp_path):
+def test_a_head_that_holds_its_inclination_is_reported(slope, depth, words, tmp_path):
     """A head with the rail's inclination in its points says so, and to which side: with a cant it would lean twice."""
     head = head_points()
     worn = head - [0.0, 3.0] * np.exp(-(((head[:, :1] + 25.0) / 15.0) ** 2))

@@ -94,7 +94,7 @@ def test_a_shape_that_shows_nothing_needs_the_kind(tmp_path):
     [((0.0, 172.0), None, "base"), ((0.0, 0.0), None, "top"), ((36.0, 0.0), None, "gauge"), ((3.0, 9.0), "3,9", "3,9")],
 )
 def test_origins_of_rails(shift, origin, label, tmp_path):
-    """Top, base and gauge face are told by the numbers; a place in the file becomes the origin if it is given."""
+    """Top, base and gauge face are reported by the numbers; a place in the file becomes the origin if it is given."""
     found = read_profile(saved(tmp_path, rail_points() + shift), ReadOptions(origin=origin, smooth_mm=0.0))
     assert found.orientation.origin == label
     expected = rail_points() + (np.zeros(2) if origin else np.array(shift))
@@ -139,7 +139,7 @@ def test_a_file_in_another_unit_than_assumed_is_refused_with_a_guess(factor, uni
     assert read_profile(path, ReadOptions(unit=unit)).kind == "wheel"
 
 
-def test_an_assumed_unit_is_told(tmp_path):
+def test_an_assumed_unit_is_reported(tmp_path):
     """A file without a unit is taken in mm, and a notice says so."""
     found = read_profile(saved(tmp_path, wheel_points(), head="#"))
     assert any("unit mm is assumed" in notice for notice in found.notices)

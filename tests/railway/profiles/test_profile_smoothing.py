@@ -86,7 +86,7 @@ HEAD = head(0.5)
 @example(limit=1.0, wavelength=1.0, noise=2e-4, seed=391, n=len(HEAD))
 @example(limit=21.5, wavelength=20.0, noise=0.02, seed=1, n=len(HEAD))  # feet of perpendiculars a tenth of a mm away
 def test_no_point_is_moved_further_than_the_limit(limit, wavelength, noise, seed, n):
-    """Whatever wavelength and noise, the maximum deviation told is within the limit, and it is the true one."""
+    """Whatever wavelength and noise, the maximum deviation reported is within the limit, and it is the true one."""
     points = noisy(HEAD[:n], noise, seed)
     try:
         found = smoothed(points, wavelength, limit)

@@ -1,4 +1,4 @@
-"""A worn wheel on a worn rail, measured with 30 micrometres of noise, from the instrument's files to the balance."""
+"""A worn wheel on a worn rail, measured with 30 micrometres of noise: from files to the equilibrium."""
 
 import numpy as np
 import pytest
@@ -116,8 +116,8 @@ def test_both_formats_give_one_curve(files):
 
 
 @pytest.mark.parametrize("name", ["smooth", "noisy", "curve"])
-def test_the_chain_ends_in_balance(name, runs):
-    """From the files to the balance: converged, errors below 1e-10, contact forces that bear the load."""
+def test_the_chain_ends_in_equilibrium(name, runs):
+    """From the files to the equilibrium: converged, errors below 1e-10, contact forces that carry the load."""
     run = runs[name]
     assert run.result.status.converged, run.result.status.message
     assert run.result.equilibrium.residuals.equilibrium_residual < 1e-10
@@ -127,7 +127,7 @@ def test_the_chain_ends_in_balance(name, runs):
 
 
 def test_a_hollow_tread_conforms(runs):
-    """The worn wheel bears on one wide place: more than 9 mm half width, where the new pair has 6.4 mm."""
+    """The worn wheel touches at one wide place: more than 9 mm half width, where the new pair has 6.4 mm."""
     patches = runs["smooth"].result.patches
     assert [patch.side for patch in patches] == ["left", "right"]
     assert min(patch.pressure.half_width for patch in patches) > 9.0

@@ -88,7 +88,7 @@ def test_an_offset_moves_the_middle_only():
 
 
 def test_cylinders_have_no_conicity_and_cones_the_wrong_way_round_do_not_swing():
-    """Without a difference the conicity is zero; one that is pushed away has none, or swings aside."""
+    """Without a difference the conicity is zero; one that is pushed away has none, or moves sideways."""
     dead = RollingRadiusDifference([-8.0, -2.0, 2.0, 8.0], [-0.6, 0.0, 0.0, 0.6])
     assert dead.centred_mm == pytest.approx(0.0)
     assert equivalent_conicity(dead, [1.5, 4.0])[0] == 0.0
@@ -235,7 +235,7 @@ CONICITIES = {
     ("A", "A", 1.0): (0.280, 0.272, 0.265, 0.261, 0.269, 0.307, 0.395, 0.491),
     ("A", "B", 0.0): (0.136, 0.104, 0.093, 0.157, 0.222, 0.270, 0.306, 0.490),
 }
-"""Equivalent conicities over the amplitude, likewise; the standard allows them 0.05, or half of small ones."""
+"""Equivalent conicities over the amplitude, in the same way; the standard allows them 0.05, or half of small ones."""
 
 
 def benchmark(right, left, smaller):

@@ -59,7 +59,7 @@ def residual(wheelset, position, load):
 
 
 def test_on_level_track_the_wheelset_stands_in_the_middle(usual):
-    """Under weight alone the balance is in the middle, each wheel bears half, on the slope of the tread."""
+    """Under weight alone the equilibrium is in the middle, each wheel carries half, on the slope of the tread."""
     found = rigid_equilibrium(usual, WheelsetLoad(WEIGHT))
     assert found.status.converged
     position = found.position
@@ -93,7 +93,7 @@ def test_in_the_curve_the_outer_wheel_bears_on_two_points(crown_radius_in):
 
 
 def test_the_curve_in_numbers(usual):
-    """The rigid balance of the curve with the usual profiles, a number to notice changes by."""
+    """The rigid equilibrium of the curve with the usual profiles, a number to notice changes by."""
     position = rigid_equilibrium(usual, CURVE).position
     assert position.motion_in_space.lateral_mm == pytest.approx(7.9915, abs=1e-3)
     assert 1e3 * position.motion_in_space.roll_rad == pytest.approx(0.4955, abs=1e-3)
@@ -109,7 +109,7 @@ def potential(wheelset, load, locus):
 
 @pytest.mark.parametrize("lateral_N", [-20e3, -4e3, 0.0, 7e3, 25e3])
 def test_a_steady_balance_is_the_minimum_of_the_potential(hollow, lateral_N):
-    """Where no contact jumps, the balance is where the potential of the load is least, with one contact a side."""
+    """Where no contact jumps, the equilibrium is where the potential of the load is least, with one contact a side."""
     load = WheelsetLoad(WEIGHT, lateral_N)
     found = rigid_equilibrium(hollow, load)
     position = found.position
@@ -124,7 +124,7 @@ def test_a_steady_balance_is_the_minimum_of_the_potential(hollow, lateral_N):
 
 
 def test_at_a_jump_the_potential_has_its_least_value(usual):
-    """In the curve the potential rises to both sides of the balance, at different rates."""
+    """In the curve the potential rises to both sides of the equilibrium, at different rates."""
     position = rigid_equilibrium(usual, CURVE).position
     centre = position.motion.lateral_mm
     near = usual.locus([centre - 0.01, centre, centre + 0.01])
@@ -133,7 +133,7 @@ def test_at_a_jump_the_potential_has_its_least_value(usual):
     assert values[2] - values[1] > 1e-5
 
 
-def test_the_force_held_is_that_of_the_balance(hollow):
+def test_the_force_held_is_that_of_the_equilibrium(hollow):
     """The ratio that a position holds brings the wheelset to that position."""
     path = hollow.path(5.0)
     number = len(path.rail_level) - 10
@@ -164,7 +164,7 @@ def test_superelevation_alone_acts_like_the_weight_along_the_track(usual):
 
 
 def test_overturning_is_said_with_the_ratio_at_which_it_begins(usual):
-    """A force at the car's height that lifts the inner wheel is no balance; a little below the ratio there is one."""
+    """A force at the car's height that lifts the inner wheel is no equilibrium; a little below it there is one."""
     failed = rigid_equilibrium(usual, WheelsetLoad(WEIGHT, 0.5 * WEIGHT))
     assert not failed.status.converged
     assert failed.position is None
@@ -190,7 +190,7 @@ def test_derailment_is_said_with_the_ratio_that_the_flange_holds(usual):
 
 
 def test_all_balances_are_given(usual):
-    """Beside the balance in the flange root there is the unstable one on the top of the climbing flange."""
+    """Beside the equilibrium in the flange root there is the unstable one on the top of the climbing flange."""
     low, load = replace(usual, centre_of_gravity_height_mm=0.0), WheelsetLoad(WEIGHT, 150e3)
     found = rigid_equilibrium(low, load)
     assert [each.stable for each in found.positions] == [True, False]

@@ -60,7 +60,7 @@ def test_the_moment_is_that_of_the_force_at_the_contact(results):
 
 
 def test_the_bases_bear_the_load(results):
-    """The bases together bear the load of the axle, in both axes of the track."""
+    """The bases together carry the load of the axle, in both axes of the track."""
     result = results["fem"]
     along, onto = result.model.problem.load.in_track
     total = sum(each.force_N for each in support_reactions(result) if each.part.startswith("rail"))
@@ -81,17 +81,17 @@ def test_eccentricity_is_the_moment_over_the_force(results):
             assert each.moment_Nmm == pytest.approx(outwards * each.eccentricity_mm * each.force_N[1], rel=1e-9)
 
 
-def test_the_holding_force_is_the_residual_of_the_balance(results):
+def test_the_holding_force_is_the_residual_of_the_equilibrium(results):
     """What holds a prescribed motion is the negative residual about the axle's middle, and zero where it is free."""
     held = results["held"]
     response = CondensedBodies(held.model.system.surface_nodes)
-    residual, balance = residuals_of(held.model, response, held.equilibrium.position, held.equilibrium.state)
+    residual, relative = residuals_of(held.model, response, held.equilibrium.position, held.equilibrium.state)
     found = holding_force(held)
     assert found.lateral_N == pytest.approx(-residual[0], rel=1e-9)
     assert found.moment_Nmm == pytest.approx(-residual[2], rel=1e-9)
     assert abs(found.vertical_N) < 1e-6
     assert abs(found.lateral_N) > 100.0
-    assert balance.equilibrium_residual < 1e-10
+    assert relative.equilibrium_residual < 1e-10
 
 
 def test_a_free_wheelset_is_not_held(results):

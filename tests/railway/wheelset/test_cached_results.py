@@ -54,7 +54,7 @@ def test_a_second_run_computes_nothing_anew(folder: Path, monkeypatch: pytest.Mo
 
 
 def test_another_load_is_another_case(folder: Path) -> None:
-    """A load that differs by a newton is computed, and bears that load."""
+    """A load that differs by a newton is computed, and carries that load."""
     solve_wheelset(problem())
     other = solve_wheelset(problem(200e3 + 1.0))
     assert forces(other)[:, 1].sum() == pytest.approx(200e3 + 1.0, rel=1e-9)

@@ -63,7 +63,7 @@ def test_stresses_of_the_web_are_those_of_a_beam(curve, side):
 
 
 def test_stresses_along_the_surface_are_principal_stresses_of_the_cells(curve):
-    """In the fillets the stress along the surface is that in the cells below it, along it, to 8 % of the largest."""
+    """In the fillets the stress along the surface is that in the cells below it, along it, to 8 % of the maximum."""
     found = rail_bending(curve, "right")
     part = curve.model.parts["rail-right"]
     field = ElasticField(part.body.elasticity, curve.displacements["rail-right"])
@@ -90,7 +90,7 @@ def test_faces_go_up_from_the_base(curve):
 
 
 def test_extremes_are_the_maximum_between_two_heights(curve):
-    """Tension and compression are the largest and the least value between the heights; without edges they are nan."""
+    """Tension and compression are the maximum and the least value between the heights; without edges they are nan."""
     face = rail_bending(curve, "right").faces[0]
     upper = face.points_mm[:, 1] > 90.0
     assert face.extreme(1.0, 90.0)[0] == face.stresses_MPa[upper].max()

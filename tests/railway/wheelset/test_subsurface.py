@@ -74,7 +74,7 @@ def test_a_cubic_finds_the_top_between_jumps():
 
 
 def test_too_few_points_are_not_smoothed():
-    """With few points the largest one is the answer, and what is outside of the body does not count."""
+    """With few points the maximum is the answer, and what is outside of the body does not count."""
     found = maximum_on(np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 5.0, 4.0, np.nan]))
     assert (found.value_MPa, found.depth_mm) == (5.0, 1.0)
 

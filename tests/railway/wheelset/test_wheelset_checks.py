@@ -91,7 +91,7 @@ def test_contact_that_pulls_is_an_error(coarse):
 
 
 def test_contact_at_the_edge_or_outside_of_the_zone_is_an_error(coarse):
-    """Contact at the end of the candidate zone and overlap outside of it are not converged, and both are told."""
+    """Contact at the end of the candidate zone and overlap outside of it are not converged, and both are reported."""
     left = coarse.patches[0]
     cut = replace(left, pressure=replace(left.pressure, at_edge=True))
     overlap = BodyOverlap(("wheel-right", "rail-right"), 0.5, (800.0, -1.0), 0.01)
@@ -131,9 +131,9 @@ def test_a_rough_pressure_is_told_with_its_scatter(coarse):
 
 
 def test_a_balance_that_cannot_last_is_warned_of(coarse):
-    """An unstable balance is told; so is a failure kept as it is, without further words about yield."""
+    """An unstable equilibrium is reported; so is a failure kept as it is, without further words about yield."""
     assert any("unstable" in warning for warning in judge(coarse, stable=False)[1])
-    failed = replace(coarse.status, converged=False, message="no balance")
+    failed = replace(coarse.status, converged=False, message="no equilibrium")
     status, warnings = judge(coarse, status=failed)
     assert status == failed
     assert warnings == ()
@@ -142,25 +142,25 @@ def test_a_balance_that_cannot_last_is_warned_of(coarse):
 def test_other_materials_are_not_compared_with_steel():
     """The yield strength of rail steel is not held against bodies that are not of steel; a given one is."""
     assert not any("yield" in warning for warning in solved(young_MPa=70e3).warnings)
-    (told,) = (warning for warning in solved(young_MPa=70e3, yield_MPa=100.0).warnings if "yield" in warning)
-    assert "exceed 100 MPa, the yield strength" in told
+    (reported,) = (warning for warning in solved(young_MPa=70e3, yield_MPa=100.0).warnings if "yield" in warning)
+    assert "exceed 100 MPa, the yield strength" in reported
 
 
 def test_a_stronger_steel_is_compared_with_its_own_strength(coarse):
-    """Stresses are over the given strength where there is one; nothing is told where it is above all of them."""
+    """Stresses are over the given strength where there is one; nothing is reported where it is above all of them."""
     for strength, factor in ((920.0, "1.1 times in the rail"), (2000.0, None)):
         model = replace(coarse.model, problem=replace(coarse.model.problem, yield_MPa=strength))
         _, warnings = judge(replace(coarse, model=model))
         assert (factor is None and warnings == ()) or factor in warnings[0]
 
 
-@pytest.mark.parametrize(("share", "told"), [(0.04, False), (0.06, True)])
-def test_a_rail_that_gives_way_too_far_is_told(coarse, share, told):
+@pytest.mark.parametrize(("share", "reported"), [(0.04, False), (0.06, True)])
+def test_a_rail_that_deflects_too_far_is_reported(coarse, share, reported):
     """A rail moved by more than 5 % of its height is still converged, with a warning that names side and way."""
     field = coarse.displacements["rail-right"]
     height = float(np.ptp(coarse.model.rail.mesh.points[:, 1]))
     far = coarse.displacements | {"rail-right": field * share * height / np.linalg.norm(field, axis=1).max()}
     status, warnings = judge(coarse, displacements=far)
     assert status.converged
-    assert any(f"the right rail deflects by {share * height:.1f} mm" in warning for warning in warnings) == told
+    assert any(f"the right rail deflects by {share * height:.1f} mm" in warning for warning in warnings) == reported
     assert not any("the left rail deflects" in warning for warning in warnings)

@@ -1,4 +1,4 @@
-"""A wheelset in a curve, hung on its flanges, overloaded, prescribed, and where no balance exists."""
+"""A wheelset in a curve, hung on its flanges, overloaded, prescribed, and where no equilibrium exists."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def solve(case, **values) -> WheelsetResult:
 
 
 @pytest.mark.parametrize("crown", [8, 10, 14])
-def test_the_curve_is_in_balance_from_a_cold_start(crown: int) -> None:
+def test_the_curve_is_in_equilibrium_from_a_cold_start(crown: int) -> None:
     """The resulting error is below 1e-10, with two contacts on the outer rail and one on the inner one."""
     result = solve(WheelsetCurveCase, crown_radius_in=crown)
     assert result.status.converged, result.status.message
@@ -43,7 +43,7 @@ def test_methods_agree_in_the_curve() -> None:
 
 
 def test_flanges_push_the_rails_apart() -> None:
-    """At gauge 1580.5 mm, which the flanges fill, both sides bear on tread and flange, alike on both sides."""
+    """At gauge 1580.5 mm, which the flanges fill, both sides touch on tread and flange, the same on both sides."""
     result = solve(WheelsetTangentCase, gauge_mm=1580.5, back_to_back_mm=1515.0)
     assert result.status.converged, result.status.message
     assert sorted((patch.side, patch.region) for patch in result.patches) == [
@@ -53,20 +53,20 @@ def test_flanges_push_the_rails_apart() -> None:
 
 
 def test_thirty_times_the_load_is_found() -> None:
-    """At 9 MN an axle, many steps' limit below first touch, the balance is found as well."""
+    """At 9 MN an axle, many steps' limit below first touch, the equilibrium is found as well."""
     result = solve(WheelsetTangentCase, axle_load_kN=9000.0)
     assert result.status.converged, result.status.message
     assert result.equilibrium.residuals.equilibrium_residual < 1e-10
 
 
 def test_a_prescribed_shift_is_held_by_a_force_at_the_axle() -> None:
-    """At a lateral shift of 5 mm the shift is exact and weight and roll are in balance to 1e-9."""
+    """At a lateral shift of 5 mm the shift is exact and weight and roll are in equilibrium to 1e-9."""
     result = solve(WheelsetTangentCase, lateral_mm=5.0)
     assert result.status.converged, result.status.message
     assert result.equilibrium.position.lateral_mm == pytest.approx(5.0, abs=1e-12)
-    balance = result.equilibrium.residuals
-    assert abs(balance.vertical_residual) + abs(balance.moment_residual) < 1e-9
-    assert abs(balance.lateral_residual) > 1e-4
+    relative = result.equilibrium.residuals
+    assert abs(relative.vertical_residual) + abs(relative.moment_residual) < 1e-9
+    assert abs(relative.lateral_residual) > 1e-4
     assert result.model.problem.prescribed == Prescribed(lateral_mm=5.0)
 
 
@@ -82,7 +82,7 @@ def test_elastic_rails_let_a_flange_go_on_where_rigid_ones_lift_it(lateral: floa
 
 
 def test_many_positions_fall_back_on_the_middle_of_the_track() -> None:
-    """Whole surfaces, S1002 on 60E1 at 8 mm: begun where a rigid flange has climbed, the search finds the balance."""
+    """Whole surfaces, S1002 on 60E1 at 8 mm: started where a rigid flange has climbed, it is found."""
     prepared = prepare(WheelsetTangentCase.from_values(S1002_ON_60E1 | {"size_scale": 12.0}).problem())
     climbed = prepared.model.rigid_start.geometry.locus([8.0]).motion(0)
     assert climbed.vertical_mm > 3.0
@@ -132,7 +132,7 @@ def test_a_flange_that_climbs_is_a_derailment() -> None:
 
 
 def test_all_balances_are_found() -> None:
-    """Beside the balance in the flange root there is one on the top of the climbing flange, and it is unstable."""
+    """Beside the equilibrium in the flange root there is one on the top of the climbing flange, and it is unstable."""
     result = solve(WheelsetCurveCase, equilibria="all", order=1)
     assert result.status.converged, result.status.message
     assert result.equilibrium.stable is True

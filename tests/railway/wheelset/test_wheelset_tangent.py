@@ -1,4 +1,4 @@
-"""The main job: a wheelset in balance on tangent track (Moherdaui 2021, 7.3.1)."""
+"""The main job: a wheelset in equilibrium on tangent track (Moherdaui 2021, 7.3.1)."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def coarse():
 
 
 def test_the_load_is_balanced(solved: WheelsetResult) -> None:
-    """The resulting error of the balance is below 1e-10 (Moherdaui (2021): 1e-5 by hand)."""
+    """The equilibrium residual is below 1e-10 (Moherdaui (2021): 1e-5 by hand)."""
     assert solved.status.converged, solved.status.message
     assert solved.equilibrium.residuals.equilibrium_residual < 1e-10
     vertical = sum(patch.force_on_wheel_N[1] for patch in solved.patches)
@@ -96,7 +96,7 @@ def test_roles_can_be_exchanged() -> None:
 
 
 def test_the_whole_sparse_system_agrees(coarse) -> None:
-    """At the balance, a cold start has the same nodal forces, condensed and with all unknowns, to 1e-9."""
+    """At the equilibrium, a cold start has the same nodal forces, condensed and with all unknowns, to 1e-9."""
     model, response = coarse
     motion = find_equilibrium(model, response).position
     condensed = contact_at(model, response, motion)
@@ -107,7 +107,7 @@ def test_the_whole_sparse_system_agrees(coarse) -> None:
 
 
 def test_the_forces_hardly_depend_on_the_path(coarse) -> None:
-    """A cold start at the balance has the total force of the search to 1e-4, though pairs are kept for a while."""
+    """A cold start at the equilibrium has the total force of the search to 1e-4, though pairs are kept for a while."""
     model, response = coarse
     found = find_equilibrium(model, response)
     cold = contact_at(model, response, found.position)
@@ -115,8 +115,8 @@ def test_the_forces_hardly_depend_on_the_path(coarse) -> None:
 
 
 @pytest.mark.parametrize("motion", [WheelsetPosition(0.0, -0.6, 0.0), WheelsetPosition(1.5, -0.7, 2e-4)])
-def test_jacobian_of_the_balance(coarse, motion: WheelsetPosition) -> None:
-    """The exact Jacobian of the balance agrees with central differences to 1e-5."""
+def test_jacobian_of_the_equilibrium(coarse, motion: WheelsetPosition) -> None:
+    """The exact Jacobian of the equilibrium agrees with central differences to 1e-5."""
     model, response = coarse
     motion = model.rigid_position.moved(motion)
     state = contact_at(model, response, motion)

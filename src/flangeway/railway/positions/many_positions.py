@@ -15,8 +15,13 @@ from flangeway.checks import as_numbers
 from flangeway.errors import InputError
 from flangeway.railway.positions.position_queue import Continuation, PositionQueue
 from flangeway.railway.positions.positions_newton import PositionBatch
-from flangeway.railway.positions.positions_patches import PositionPatch, patches_of, position_patches
-from flangeway.railway.positions.positions_shear import LoadedPatch, maximum_shears
+from flangeway.railway.positions.positions_patches import (
+    LoadedPatch,
+    PositionPatch,
+    maximum_shears,
+    patches_of,
+    position_patches,
+)
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
 from flangeway.railway.positions.surface_positions import Targets
 from flangeway.railway.rigid.elastic_start import rigid_start

@@ -15,9 +15,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.railway.positions.overlap_check import ALLOWED_MM, overlap_depth
 from flangeway.railway.positions.positions_tangent import Tangent, restricted, tangents
-from flangeway.railway.positions.running_pair import Candidates, Gaps
+from flangeway.railway.positions.running_pair import ALLOWED_MM, Candidates, Gaps, overlap_depth
 from flangeway.railway.positions.surface_positions import (
     Loads,
     SidePose,

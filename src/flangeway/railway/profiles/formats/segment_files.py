@@ -2,7 +2,6 @@
 
 import math
 import re
-from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -12,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.formats import outline_csv, outline_dxf
-from flangeway.formats.outline_repair import DrawnSegment
+from flangeway.formats.drawn_section import DrawnSegment
 from flangeway.geometry import Arc, Contour, Outline, Point, Segment
 from flangeway.geometry.contour import JOINT_TOLERANCE
 from flangeway.railway.profiles.formats.raw_profile import RawProfile
@@ -59,31 +58,12 @@ def read_dxf_profile(content: bytes) -> RawProfile:
     """
     drawing = outline_dxf.open_drawing(content)
     with outline_dxf.damage_reported():
-        pieces, ignored = _dxf_pieces(drawing)
-    if not pieces:
+        loops, chains, ignored = outline_dxf.pieces_of(drawing)
+    if not loops + chains:
         raise InputError("a drawing without lines or arcs in its model space", "a profile", "draw it in model space")
     notices = tuple(f"Left out: {count} {kind}." for kind, count in sorted(ignored.items()))
     empty = RawProfile(np.zeros((1, 2)), np.zeros(1, dtype=np.int64), notices=notices)
-    return _profile(_chained(pieces), outline_dxf.unit_of(drawing), empty)
-
-
-def _dxf_pieces(drawing: Any) -> tuple[list[list[DrawnSegment]], Counter[str]]:
-    """Chains of lines and arcs, and how many entities of other kinds there are."""
-    pieces: list[list[DrawnSegment]] = []
-    ignored: Counter[str] = Counter()
-    for entity in drawing.modelspace():
-        kind = entity.dxftype()
-        if kind in outline_dxf.CURVED_ENTITIES or kind == "CIRCLE":
-            raise InputError(f"a {kind} on layer {entity.dxf.layer!r}", "lines, arcs and polylines", "explode it")
-        if kind in ("LINE", "ARC"):
-            pieces.append([outline_dxf.drawn_entity(entity)])
-        elif kind == "LWPOLYLINE" or (kind == "POLYLINE" and entity.is_2d_polyline):
-            parts = [outline_dxf.drawn_entity(part) for part in entity.virtual_entities()]
-            if parts:
-                pieces.append(outline_dxf.in_order(parts))
-        else:
-            ignored[kind] += 1
-    return pieces, ignored
+    return _profile(_chained(loops + chains), outline_dxf.unit_of(drawing), empty)
 
 
 def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile) -> RawProfile:
