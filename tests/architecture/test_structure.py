@@ -24,7 +24,7 @@ MAX_LINES = {
     "solve": 2950,
     "contact": 4230,
     "post": 1640,
-    "railway.profiles": 3320,
+    "railway.profiles": 3300,
     "railway.track": 580,
     "railway.rigid": 1940,
     "railway.wheelset": 1700,
@@ -38,7 +38,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_030
+MAX_LINES_OF_ALL = 51_010
 MAX_FILES_OF_ALL = 285
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
