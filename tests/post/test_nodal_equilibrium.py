@@ -29,7 +29,7 @@ def solved(element):
 
 @pytest.mark.parametrize("element", [Lagrange(1), Lagrange(2), Virtual(1), Virtual(2), Virtual(3)], ids=str)
 def test_a_solution_is_in_equilibrium_at_every_node(element):
-    """Loads on edges, in cells and by warmth are in equilibrium with the stresses at nodes and inside cells to round-off."""
+    """Loads on edges, in cells and by warmth are in equilibrium with stresses at nodes and in cells to round-off."""
     solution, held = solved(element)
     nothing = np.zeros((solution.problem.space.n_nodes, 2))
     assert relative_nodal_residual(solution, nothing, held) < 1e-11

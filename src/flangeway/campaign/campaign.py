@@ -90,7 +90,6 @@ class Campaign:
         Columns of results to export; empty: all.
     shear
         Whether the maximum shear stresses below the contacts of wheelsets are wanted.
-
     """
 
     name: str
@@ -126,7 +125,6 @@ class Campaign:
         ------
         InputError
             If anything in it is wrong; the message names file, key, value, what is allowed and what to do.
-
         """
         return _CampaignText.read(Path(path)).campaign()
 

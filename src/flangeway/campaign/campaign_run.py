@@ -24,7 +24,6 @@ PATIENCE_S = 1.0
 class CampaignProgress:
     """How far a campaign is.
 
-    - `n_rows`: number of all rows.
     - `counts`: number of rows by status: ``waiting``, ``converged``, ``not converged``, ``failed``.
     - `seconds_left`: estimated time for the other rows; None at the beginning.
     """
@@ -89,7 +88,6 @@ def run_campaign(
         is not there, or its workers have another version.
     MissingLibraryError
         If the system lacks a library.
-
     """
     if workers is not None and scheduler is not None:
         raise InputError("workers and scheduler", "one of both", "a cluster's workers are started on its machines")

@@ -53,7 +53,6 @@ class Chunk:
 class Outcome:
     """Result of a worker.
 
-    - `results`: of each row, in their order.
     - `version`: the worker's version of flangeway.
     """
 
@@ -65,7 +64,6 @@ class Outcome:
 class Lost:
     """A worker died while it computed a chunk.
 
-    - `reason`: what is known of it, in a sentence.
     - `workers`: how many died of it.
     """
 

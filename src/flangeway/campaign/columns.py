@@ -52,7 +52,6 @@ _SKIPPED = ("timings_s", "case", "versions", "published", "status")
 class PatchNumbers:
     """One region of contact.
 
-    - `patch`: its position and force.
     - `hertz`: Hertz's contact there, None where the profiles conform.
     """
 

@@ -277,7 +277,6 @@ class CampaignTable:
         where there is none.
     patches
         Column by column, one entry a region of contact, numbered on each side from the field to the gauge.
-
     """
 
     name: str
@@ -294,7 +293,6 @@ class CampaignTable:
         ------
         InputError
             If there is no such column, or it contains text.
-
         """
         if column not in self.rows:
             raise InputError(f"column {column!r}", ", ".join(self.rows), "choose one of these")
@@ -329,7 +327,6 @@ def results(database: str | Path) -> CampaignTable:
     ------
     InputError
         If it is not there, or not the file of a campaign.
-
     """
     path = Path(database)
     if not path.is_file():
@@ -370,7 +367,6 @@ def export_writers(table: CampaignTable, kind: str) -> dict[str, Callable[[Path]
 
     An `InputError` if it is neither. A `MissingLibraryError` if Parquet's library is not installed.
 
-    - `table`: what to write.
     - `kind`: ``"csv"`` or ``"parquet"``.
     """
     refuse_format(kind)

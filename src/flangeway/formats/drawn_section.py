@@ -50,7 +50,6 @@ class DrawnSection:
 
     An `InputError` if the unit is unknown, or some parts have a material and others none.
 
-    - `title`: name to show.
     - `unit`: unit of length of all coordinates, one of `UNITS`.
     - `materials`: material of each part; empty for a section of one material.
     - `notices`: what was repaired or left out, in sentences.

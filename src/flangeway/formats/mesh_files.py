@@ -61,7 +61,6 @@ def read_mesh(path: str | Path, *, merge_points: bool = True) -> MeshFile:
     InputError
         If the file is missing, empty, of an unknown kind, broken, not plane, or has cells of other kinds; or if
         cells overlap, see `check`. The message names the place.
-
     """
     file = Path(path)
     if not is_file(file):
@@ -231,7 +230,6 @@ def write_vtu(
     ------
     InputError
         If the ending is another one, an array has another length, a name is given twice or is ``cell_number``.
-
     """
     import meshio  # noqa: PLC0415  (slow to import, and few programs write files)
 

@@ -39,7 +39,6 @@ class Outline(Contour):
     InputError
         If the loop is open, meets itself, has no area, or is clockwise; the message names the
         place.
-
     """
 
     _closed = True

@@ -32,7 +32,6 @@ class Placement:
     ------
     InputError
         If a number is not finite.
-
     """
 
     rotation_rad: float = 0.0

@@ -33,7 +33,6 @@ class Region:
     InputError
         If a hole is outside, touches or crosses the outer boundary or another hole, or lies in another hole; the
         message names the place.
-
     """
 
     outer: Outline
@@ -133,7 +132,6 @@ class Section:
     ------
     InputError
         If there is no part.
-
     """
 
     parts: Mapping[str, Region]

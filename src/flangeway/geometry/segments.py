@@ -55,7 +55,6 @@ class Line:
     ------
     InputError
         If a coordinate is not finite or both ends coincide.
-
     """
 
     start: Point
@@ -136,7 +135,6 @@ class Arc:
     ------
     InputError
         If a coordinate is not finite, both ends coincide, or the radii differ by more.
-
     """
 
     start: Point

@@ -32,7 +32,6 @@ def polygon(points: ArrayLike, names: Sequence[str] | None = None) -> Outline:
     ------
     InputError
         If corners coincide, sides meet elsewhere than at corners, or there is no area.
-
     """
     corners = as_points(points, "corners")
     if len(corners) < 3:
@@ -69,7 +68,6 @@ def circle(radius: float, centre: Point = (0.0, 0.0), n_arcs: int = 4) -> Outlin
     ------
     InputError
         If the radius is not positive or there are fewer than two arcs.
-
     """
     _refuse_not_positive("circle", radius=radius)
     check_integer("circle", "n_arcs", n_arcs, 2, advice="take two arcs or more: a closed arc has no ends")

@@ -46,7 +46,6 @@ def dual(mesh: PolyMesh) -> PolyMesh:
         triangles are so flat that the polygon would fold over.
     OutOfMemoryError
         If there is no memory for it.
-
     """
     refuse_large_mesh(f"the dual polygons of {mesh.n_cells:,} triangles", BYTES_A_TRIANGLE * mesh.n_cells)
     _refuse_unfit(mesh)

@@ -163,7 +163,6 @@ def triangulate(
         If there is no memory for so many triangles; see `flangeway.mesh.sizing`.
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
-
     """
     _refuse_algorithm(algorithm)
     refuse_size(outline, size)
@@ -203,7 +202,6 @@ def triangulate_section(
         If parts overlap, or as for `triangulate`.
     OutOfMemoryError
         As for `triangulate`.
-
     """
     check_positive("triangulate_section", "size", size, "a positive length")
     low, high = section.bounds()

@@ -63,7 +63,6 @@ def check(
         If a point is unused or there twice; a cell passes a point twice, crosses itself or has no
         positive area; an edge has two cells on one side; cells lie on each other; the areas do not sum up; a point
         hangs on an edge; or an edge set leaves the boundary. The message names the cell or point and where it is.
-
     """
     if mesh not in _sound:
         _check_points(mesh)

@@ -85,7 +85,6 @@ class PolyMesh:
     ------
     InputError
         If a shape, an index or the order of an edge set is wrong.
-
     """
 
     points: Floats
@@ -199,7 +198,6 @@ class PolyMesh:
         ------
         InputError
             If an edge has more than two cells.
-
         """
         order = np.argsort(self.cell_edges, kind="stable")
         counts = np.bincount(self.cell_edges, minlength=self.n_edges)
@@ -236,7 +234,6 @@ class PolyMesh:
         ------
         InputError
             If a pair is not an edge.
-
         """
         given = _index_array(pairs, "pairs", self.n_points).reshape(-1, 2)
         keys, wanted = self._numbered.keys, self._keys(given)
@@ -335,7 +332,6 @@ class PolyMesh:
         ------
         InputError
             If a name is unknown or the edges are not one chain.
-
         """
         pairs = self._joined_sets(names)
         points = np.append(pairs[:, 0], pairs[-1:, 1])
@@ -383,7 +379,6 @@ class PolyMesh:
         ------
         InputError
             If a pair is not a boundary edge.
-
         """
         numbers = self.edge_numbers(pairs)
         outer = self.edge_numbers(self.boundary_edges)

@@ -69,7 +69,6 @@ def refined(
         If a cell number is wrong, the limit is below one, or a cell folds over.
     OutOfMemoryError
         If there is no memory for it.
-
     """
     marked = _mask(mesh, cells)
     n_marked = int(np.count_nonzero(marked))
@@ -397,7 +396,6 @@ def doerfler_marking(cell_errors: ArrayLike, share: float = 0.5) -> IntArray:
     ------
     InputError
         If an error is negative or not finite, or the share is out of its range.
-
     """
     errors = as_numbers("cell errors", cell_errors)
     if errors.ndim != 1 or not len(errors) or not (np.isfinite(errors).all() and (errors >= 0.0).all()):

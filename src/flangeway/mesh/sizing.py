@@ -55,7 +55,6 @@ class Refinement:
     ------
     InputError
         If a number is not positive or a point is not finite.
-
     """
 
     points: Floats

@@ -46,7 +46,6 @@ def rectangle_grid(
         If a length or number is not positive, or the kind of cell is unknown.
     OutOfMemoryError
         If there is no memory for it.
-
     """
     for name, value in (("width", width), ("height", height)):
         check_positive("rectangle_grid", name, value, "a positive length")

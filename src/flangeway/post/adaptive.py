@@ -105,7 +105,6 @@ def adapt(
     ------
     InputError
         If a number is out of its range, or the estimate is not one number for each cell.
-
     """
     if not (tolerance > 0.0 and most_steps >= 1):
         raise InputError(

@@ -61,7 +61,6 @@ def check_contact(
         What the contacts are called in the sentences, one for each.
     finer, stiffer
         How to get a finer mesh and a stiffer contact, for the advice.
-
     """
     lin = state.linearisation
     if not isinstance(lin, ContactLinearisation):

@@ -61,7 +61,6 @@ def stresses_at(solution: ElasticField, points: ArrayLike) -> Stresses:
     ------
     InputError
         If a point lies outside of the body.
-
     """
     given = np.asarray(points, dtype=np.float64)
     return Stresses(_at(solution, given, _cells_of(solution, given), _stress_polynomials(solution), 4))
@@ -89,7 +88,6 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
     ------
     InputError
         If the ends are the same, there are fewer than two points, or none lies in the body.
-
     """
     first, along = _line(start, end)
     check_integer("stresses_along", "n_points", n_points, 2, advice="leave the default")

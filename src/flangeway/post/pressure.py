@@ -54,7 +54,6 @@ class PressurePatch:
         Whether the patch reaches an end of either surface, so that contact may go on outside.
     per_segment
         Number of constraints of a segment of the surface.
-
     """
 
     contact: int

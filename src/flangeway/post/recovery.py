@@ -105,7 +105,6 @@ def recovered_stresses(solution: ElasticitySolution) -> RecoveredStresses:
     ------
     InputError
         If the body has fewer cells of a material than a polynomial needs.
-
     """
     problem = solution.problem
     mesh, order = problem.space.mesh, problem.space.order

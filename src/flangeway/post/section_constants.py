@@ -45,7 +45,6 @@ class SectionConstants:
         Solution for the warping function, about the centroid.
     prandtl
         Solution for Prandtl's function.
-
     """
 
     area: float
@@ -96,7 +95,6 @@ def section_constants(
     ------
     InputError
         If the input of `Torsion` is wrong or Poisson's ratio out of range.
-
     """
     if not (is_finite(poisson) and 0.0 <= poisson <= 0.5):
         raise refused("section_constants", "poisson", poisson, "0 to 0.5", "leave 0 for Trefftz's shear centre")

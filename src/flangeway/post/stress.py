@@ -19,7 +19,6 @@ class Stresses:
     ----------
     components
         Normal stresses xx, yy, the shear xy, and the normal stress zz out of the plane, shape (n, 4), tension positive.
-
     """
 
     components: Floats

@@ -111,7 +111,7 @@ def test_the_weight_is_borne(table: PositionTable) -> None:
 
 
 def test_the_flange_is_reached(table: PositionTable) -> None:
-    """Far from the middle one wheel touches the gauge corner, and pushes its rail outwards the more the farther it is."""
+    """Far from the middle one wheel touches the gauge corner, and pushes its rail outwards more the farther it is."""
     heavy = table.positions.vertical_N == 200e3
     ratio = table.lateral_over_vertical[heavy, 1]
     assert ratio[-1] > 2.0 * ratio[3]

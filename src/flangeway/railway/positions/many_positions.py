@@ -98,7 +98,6 @@ class Positions:
 class PositionTable:
     """What was found for each position.
 
-    - `positions`: what was asked for.
     - `converged`: whether it was found, shape (n,).
     - `by_full_search`: whether the full search was needed, shape (n,).
     - `rounds`: Newton iterations of the fast path, shape (n,).
@@ -147,7 +146,6 @@ def solve_positions(
     load. Where a lateral position is to be found and there are several equilibria, it is the one that is reached from a
     neighbouring load. An `InputError` if the contact is not segment-to-segment with a penalty or multipliers.
 
-    - `positions`: what is asked for.
     - `progress`: called with the number of positions that are done and that of all.
     - `shear`: whether the maximum shear stress below each contact is wanted: it needs the fields of all bodies.
     - `n_alike`: number of positions of the same bodies in this call and others together; this call alone if left out.

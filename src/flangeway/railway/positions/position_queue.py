@@ -52,7 +52,6 @@ class PositionQueue:
     there is one; if they are lost, from others that are found later, then with stops on the way, then once more from
     rigid wheels.
 
-    - `targets`: all positions.
     - `possible`: which of them are wanted, shape (n,).
     - `n_first`: how many are begun from rigid wheels at first.
     """

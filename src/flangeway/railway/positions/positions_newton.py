@@ -161,7 +161,6 @@ class PositionSide:
 class PositionBatch:
     """Positions that are solved side by side; a slot that has found its position is given another one.
 
-    - `poses`: both sides.
     - `targets`: what the slots are asked for.
     - `position`: first guess, shape (L, 3).
     """

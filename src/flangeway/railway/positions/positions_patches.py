@@ -28,7 +28,6 @@ from flangeway.types import Floats, Ints
 class PositionPatch:
     """One region of contact; see `flangeway.railway.wheelset.wheel_rail_patch.WheelRailPatch`.
 
-    - `side`, `region`: where it is.
     - `force_on_wheel_N`: resultant on the wheel, axes of the track.
     - `max_pressure_MPa`, `half_width_mm`: maximum pressure, and half of the loaded length.
     - `wheel_point_mm`, `rail_point_mm`: centre of pressure on the undeformed profiles, in their frames.

@@ -23,7 +23,6 @@ from flangeway.system.disk_cache import Cache
 class PreparedWheelset:
     """Whole running surfaces and heads, meshed and condensed: each further position needs only its contact.
 
-    - `model`: the meshed wheelset.
     - `response`: flexibilities of its surfaces.
     """
 

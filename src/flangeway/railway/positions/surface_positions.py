@@ -15,7 +15,6 @@ class SidePose:
     """Placement of the pair of a side, in the right-hand form.
 
     - `side`: the side; positions of the left one are mirrored.
-    - `pair`: its wheel and rail.
     - `rail_angle`, `rail_point`: placement of the rail.
     - `wheel_angle`, `wheel_point`: placement of the wheel in the reference position.
     - `axle_height`: height of the axle above the rails' tops in the reference position.

@@ -60,7 +60,6 @@ class RailProfile:
 
     Origin at the middle of the base: x lateral with the gauge side at negative x, y up; mm.
 
-    - `title`: name to show.
     - `outline`: whole section. Names of segments beside the middle end with ``_gauge`` or ``_field``.
     - `head_names`: segments of the running surface from the gauge side to the field side. (The outline, being
       counter-clockwise, passes them from the field side to the gauge side.)
@@ -90,7 +89,6 @@ class WheelProfile:
     Origin on the tape line: x lateral, the flange at negative x (towards the centre of the track);
     y up towards the axle, the tip of the flange at negative y; mm.
 
-    - `title`: name to show.
     - `outline`: region below the straight segment ``cut``.
     - `running_names`: segments from the flange's back to the rim's edge, in the direction of the outline.
     - `flange_height_mm`: depth of the flange's tip below the tape line.
@@ -133,7 +131,6 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     ------
     InputError
         If the name or the radius is unknown; the message lists those there are.
-
     """
     if name not in _RAIL_FILES:
         advice = _advice("rail", name, RAILS)
@@ -206,7 +203,6 @@ def wheel(
     ------
     InputError
         If the name is unknown or a length is out of range.
-
     """
     if name not in WHEELS:
         advice = _advice("wheel", name, WHEELS)

@@ -65,7 +65,6 @@ STRAIGHT_MM = 0.02  # distance from a straight line below which a face counts as
 class Joint:
     """Where a measured surface goes over into the nominal outline.
 
-    - `end`: end of the measured surface.
     - `foot`: closest point of the nominal outline.
     - `landing`: where the transition reaches the nominal outline.
     - `gap_mm`: distance between end and foot.
@@ -112,7 +111,6 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     ------
     InputError
         If the name is unknown or of the other kind, the file holds a whole outline, or the surface does not fit.
-
     """
     nominal = nominal_profile(name)
     kind: Kind = "rail" if isinstance(nominal, RailProfile) else "wheel"

@@ -34,7 +34,6 @@ class Orientation:
     """How the numbers of a file were interpreted.
 
     - `kind`: rail or wheel.
-    - `unit`: unit of length of the file.
     - `upwards`: whether the file's second coordinate points up.
     - `mirrored`: whether the file's first coordinate was reversed.
     - `reversed_order`: whether the order of the points was reversed.
@@ -86,7 +85,6 @@ def orientation(
 
     An `InputError` if the user, the file and the shape contradict each other, or something that is needed is missing.
 
-    - `raw`: what was read.
     - `unit`, `kind`, `origin`, `tape_mm`: options of the user; see `Orientation`. The origin may be two numbers as
       well, ``"X,Y"``: the place, in the file's axes and unit, of the top's middle (rails) or of the tread at the tape
       line (wheels).

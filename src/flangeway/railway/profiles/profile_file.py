@@ -72,7 +72,6 @@ class ReadOptions:
         Maximum distance that smoothing may move a point.
     drop_outliers
         Whether to leave out single points off the curve.
-
     """
 
     unit: str | None = None
@@ -93,8 +92,6 @@ class MeasuredProfile:
     Wheels have their origin on the tread at the tape line. Rails have it where the file has it: at the middle of the
     head's top, of the base, or at the gauge face, see `orientation`.
 
-    - `title`: name to show.
-    - `format`: format of the file.
     - `orientation`: how the numbers of the file were interpreted.
     - `points`: points (n, 2) as measured; of lines and arcs, points along them.
     - `surface`: lines and arcs: the file's own, or arcs along the smooth curve. An `Outline` if the file holds a closed
@@ -145,7 +142,6 @@ def read_profile(path: str | Path, options: ReadOptions | None = None) -> Measur
     ------
     InputError
         If the file cannot be read, is no profile, or the meaning of its numbers is missing; the message names the line.
-
     """
     file = Path(path)
     ending = file.suffix.lower()
@@ -291,7 +287,6 @@ def profile_text(
     An `InputError` if the ending is unknown, belongs to the other kind, or its format holds running surfaces but no
     whole outline.
 
-    - `profile`: what to write.
     - `ending`: ending of the file's name.
     - `outline`, `outline_origin`: whole outline, and where its origin lies, to be written into CSV and DXF instead of
       the profile's surface.

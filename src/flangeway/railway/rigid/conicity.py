@@ -212,7 +212,6 @@ def conicity_by_regression(difference: RollingRadiusDifference, amplitudes_mm: A
     (n,). An `InputError` if an amplitude is not positive, or the width leaves the range in which the difference is
     given.
 
-    - `difference`: rolling radius difference.
     - `amplitudes_mm`: half the width of the motion, > 0, (n,).
     """
     middle = difference.centred_mm

@@ -26,7 +26,6 @@ _MAX_LOSS_MM = 2.0
 class CurvePoints(NamedTuple):
     """Points on a curve, arrays of one shape.
 
-    - `x`, `y`: coordinates.
     - `angle`: angle of the tangent in radians, between -pi/2 and pi/2.
     - `curvature`: change of the angle per length along the curve, positive where the curve is hollow from above.
     """

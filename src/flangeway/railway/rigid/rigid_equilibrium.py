@@ -34,7 +34,6 @@ _ONE_POINT_MM = 1e-2
 class RigidContactPoint:
     """A point of contact of a wheelset in equilibrium.
 
-    - `side`: side of the track.
     - `wheel_point_mm`, `rail_point_mm`: in the frames of the profiles, in the right-hand form on both sides.
     - `point_mm`: in the track's axes.
     - `contact_angle_rad`: angle of the common tangent from the track's plane, positive towards the flange.
@@ -165,7 +164,6 @@ def rigid_equilibrium(geometry: RigidGeometry, load: WheelsetLoad, *, reached_on
     ------
     InputError
         As `RigidGeometry.path`.
-
     """
     path = geometry.path()
     along, onto = load.in_track
@@ -269,7 +267,6 @@ def _derivative(geometry: RigidGeometry, path: TouchingPositions, load: Wheelset
 def held_ratios(geometry: RigidGeometry, path: TouchingPositions) -> Floats:
     """Lateral over vertical force at the centre of gravity in equilibrium at each position, nan where none is.
 
-    - `geometry`: wheels and rails.
     - `path`: positions in which both wheels touch.
     """
     lift, lateral = _work(geometry, path)

@@ -90,7 +90,6 @@ class RigidGeometry:
         Height of the axle's middle over the top of the rails in the reference position.
     centre_of_gravity_height_mm
         Height above the axle's middle of the point where a load acts.
-
     """
 
     left: RigidSide
@@ -109,7 +108,6 @@ class RigidGeometry:
             Profiles and measures.
         yaw_rad
             Yaw of the axle about its middle, counter-clockwise seen from above: the right wheel is ahead.
-
         """
         refuse_misfit(track, wheelset)
         left, right = (RigidSide.of(track, wheelset, side, yaw_rad) for side in SIDES)
@@ -135,7 +133,6 @@ class RigidGeometry:
         InputError
             If a displacement is not finite, or cannot be reached: beyond the maximum one the flange climbs and turns
             the axle back, or a wheel leaves its rail.
-
         """
         wanted = np.atleast_1d(np.asarray(lateral_mm, dtype=np.float64))
         if wanted.ndim != 1 or not len(wanted) or not np.isfinite(wanted).all():
@@ -178,7 +175,6 @@ class RigidGeometry:
             Lateral displacement up to which they are looked for.
         roll
             As in `locus`.
-
         """
         if roll:
             lateral = self._outward(maximum_mm)[1]
@@ -206,7 +202,6 @@ class RigidGeometry:
         ------
         InputError
             If the wheels do not touch the rails inside their running surfaces in the middle of the track.
-
         """
         whole = max(reach_mm, PATH_MM)
         path = self._paths.get(whole)
@@ -233,7 +228,6 @@ class RigidGeometry:
         ------
         InputError
             As `path`.
-
         """
         path = self.path(lateral_mm + _FLANGE_MM)
         lateral = np.abs(self.axle_lateral(path))
@@ -280,7 +274,6 @@ class RigidGeometry:
         ------
         InputError
             If at one of them no roll lets both wheels touch.
-
         """
         eta = target if rail_level is None else rail_level
         phi = np.zeros(len(target)) if roll is None else roll

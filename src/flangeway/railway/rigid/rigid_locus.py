@@ -16,7 +16,6 @@ class SideLocus:
     Points in the frames of the profiles are in the right-hand form on both sides. Column 0 is the touch, further
     columns are the next smallest gaps, nan where there are none.
 
-    - `side`: side of the track.
     - `wheel_points_mm`, `rail_points_mm`: in the frames of the profiles, shape (n, N_TOUCHES, 2).
     - `gaps_mm`: vertical gap at these points, zero in column 0, inf where there is none, shape (n, N_TOUCHES).
     - `contact_angles_rad`: angle of the common tangent from the track's plane, positive towards the flange, shape (n,
@@ -86,7 +85,6 @@ class ContactLocus:
 class ContactJump:
     """A position in which the point of contact of a side jumps: there it touches in two points.
 
-    - `side`: side of the track.
     - `motion`: displacement of the axle's middle.
     - `wheel_points_mm`, `rail_points_mm`: both points in the frames of the profiles, that of the smaller lateral
       displacement first.

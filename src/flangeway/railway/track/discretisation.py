@@ -22,7 +22,6 @@ class Discretisation:
     """How the bodies are meshed and joined.
 
     - `method`: ``"fem"``: triangles. ``"vem"``: the polygons dual to the same triangles.
-    - `order`: order of the elements.
     - `contact_size_mm`: size of the triangles in the candidate contact zones, for order 1; order 2 has triangles of
       twice the size, with nodes as far apart.
     - `body_size_mm`: size of the triangles far from them, in the same way.

@@ -24,7 +24,6 @@ SIDES: tuple[Side, Side] = ("left", "right")
 class UsualGauge:
     """A gauge, and the distance of the wheels' inner faces that goes with it.
 
-    - `gauge_mm`: nominal gauge.
     - `back_to_back_mm`: distance of the wheels' inner faces.
     - `source`: where this is from.
     """
@@ -83,7 +82,6 @@ class Track:
         Profile of the left rail, in the right-hand form; None: the left rail mirrors the right one.
     gauge_depth_mm
         Depth below the rails' tops above which the gauge is measured; None: between the heads' closest points.
-
     """
 
     rail: RailProfile
@@ -147,7 +145,6 @@ class Wheelset:
         Profile of the left wheel, in the right-hand form; None: the left wheel mirrors the right one.
     left_radius_mm
         As `radius_mm` for the left wheel; None: both have the same rolling radius at the tape line.
-
     """
 
     wheel: WheelProfile

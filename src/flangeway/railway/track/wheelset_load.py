@@ -22,7 +22,6 @@ class WheelsetLoad:
         Horizontal force to the right: the centrifugal force of a curve to the left.
     tilt_rad
         Rotation of the track by its superelevation, counter-clockwise: positive lifts the right rail.
-
     """
 
     vertical_N: float  # noqa: N815 (the unit newton)

@@ -39,8 +39,6 @@ class Prescribed:
 class WheelsetProblem:
     """A wheelset on a track under a load.
 
-    - `track`, `wheelset`, `load`: what stands where, and the force on it.
-    - `material`: material of wheels and rails.
     - `thickness_mm`: length of the bodies along the track.
     - `discretisation`: how the bodies are meshed and joined.
     - `wheel_material`, `rail_material`: where it differs from `material`.

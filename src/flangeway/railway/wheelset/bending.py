@@ -63,7 +63,6 @@ class FaceStresses:
 class RailBending:
     """How a rail bends on its base.
 
-    - `side`: side of the track.
     - `head_motion`: rigid motion that fits best the displacement of the head, all that is above the ends of its running
       surface, by its cells' areas: translation of the rail's top in the track's axes, and counter-clockwise rotation.
     - `gauge_outward_mm`: motion of the fitted head at the height of the gauge away from the middle of the track.

@@ -44,7 +44,6 @@ class Equilibrium:
     """A position of the wheelset and its contact forces.
 
     - `status`: how the search ended.
-    - `position`: position of the wheelset.
     - `residuals`: relative residuals of the equilibrium in the current configuration.
     - `state`: contact forces and displacements of the surfaces.
     - `residual`: forces in the track's axes and moment about the axle's middle that are left, shape (3,).
@@ -88,7 +87,6 @@ def find_equilibrium(
     The search starts a little below a rigid equilibrium, where the forces have derivatives. Steps are limited; the
     limit grows while they lead on and shrinks when one makes the residual much worse.
 
-    - `model`, `response`: the wheelset and its bodies.
     - `progress`: called with a sentence after each step.
     - `start`: a rigid equilibrium; the model's own by default.
     """
@@ -210,7 +208,6 @@ def contact_at(
 ) -> ContactState:
     """Contact forces at a position of the wheelset, by adaptive steps from one before.
 
-    - `model`, `response`: the wheelset and its bodies.
     - `before`: a position and its contact forces.
     - `start`: without one before: where the wheels only just touch; the model's rigid equilibrium by default.
     """

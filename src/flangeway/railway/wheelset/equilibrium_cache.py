@@ -25,7 +25,6 @@ class EquilibriumCache:
     """Stored equilibria of one model from some starts.
 
     - `cache`: the user's cache, or None.
-    - `model`, `response`: the wheelset and its bodies.
     - `starts`: positions from which the searches start.
     """
 

@@ -50,7 +50,6 @@ def stresses_below(
     `InputError` if the depth is not positive, there are fewer than two points, or the body is neither wheel nor rail.
 
     - `result`: the solution that the patch belongs to.
-    - `patch`: region of contact.
     - `body`: which of its two bodies.
     - `depth_mm`: length of the line in mm; four half widths of the contact if left out.
     - `n_points`: number of points, both ends included.

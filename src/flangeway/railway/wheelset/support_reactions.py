@@ -18,7 +18,6 @@ class SupportReaction:
     The bodies are linear: forces act on them at their undeformed nodes, and moments are of those.
 
     - `part`: name of the part: ``rail-left`` and so on.
-    - `side`: side of the track.
     - `reference_mm`: point of the moments, axes of the track, shape (2,): the middle of a rail's base, the middle of
       the axle.
     - `force_N`: force of the support on the part, axes of the track, shape (2,).

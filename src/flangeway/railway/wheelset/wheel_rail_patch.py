@@ -17,7 +17,6 @@ GAUGE_SIDE = np.tan(np.deg2rad(15.0))  # slope of the contact from which it is n
 class WheelRailPatch:
     """One region of contact between a wheel and a rail.
 
-    - `side`: side of the track.
     - `pressure`: nodes, forces and pressures in space; forces are those on the secondary side.
     - `force_on_wheel_N`: resultant on the wheel, axes of the track, shape (2,).
     - `wheel_point_mm`, `rail_point_mm`: centre of pressure on the undeformed profiles, in their frames (both sides in

@@ -53,8 +53,6 @@ def checked(
     coarse for the contact, a pressure that oscillates, penetration that is not small, a rail that deflects farther than
     linear bodies follow, and stresses below the contacts above the yield strength of rail steel.
 
-    - `model`, `equilibrium`: the wheelset and its position.
-    - `patches`: regions of contact.
     - `overlaps`: overlaps of the deformed bodies, see `flangeway.contact.overlap.body_overlaps`.
     - `displacements`: of all nodes of each part in its own frame, by name, each (n_dofs, 2).
     """

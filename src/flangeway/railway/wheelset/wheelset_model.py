@@ -31,10 +31,8 @@ LEAST_CURVATURE_PER_MM = 1e-4  # relative curvature that conforming curves are g
 class WheelsetModel:
     """Meshed parts and their contacts.
 
-    - `problem`: what is modelled.
     - `rigid_start`: equilibria of the rigid wheelset: the search for the elastic one starts there.
     - `hertz`: Hertz's contact of one wheel for half the load and the curvatures of the rigid contact: sets the zones.
-    - `system`: the contacts of both sides.
     - `parts`: the placed parts by name: ``wheel-left``, ``rail-left``, ``wheel-right``, ``rail-right``.
     - `zones`: candidate zone of each part by name, in the frame of its profile.
     """
@@ -115,7 +113,6 @@ def build_model(
     half widths of Hertz's contact and what the bending of the rail shifts beyond. An `InputError` if no rigid wheelset
     stands on this track under this load, or a body cannot be meshed.
 
-    - `problem`: what stands where.
     - `progress`: called with a sentence at each stage.
     - `whole`: zones over the whole running surfaces and heads, for contact anywhere.
     - `cache`: where meshes are kept from one process to the next; None: nowhere.

@@ -27,7 +27,6 @@ class WheelsetResult:
     """A wheelset in equilibrium on its track.
 
     - `status`: how the computation ended.
-    - `model`: meshed parts.
     - `equilibrium`: position, residuals and contact forces.
     - `patches`: regions of contact, left side first.
     - `placements`: placement of each part, by name.

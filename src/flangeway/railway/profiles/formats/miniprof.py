@@ -28,7 +28,6 @@ def read_miniprof(text: str, kind: Kind) -> RawProfile:
 
     An `InputError` if it has several profiles, no columns X and Y, no points, or not as many points as its header.
 
-    - `text`: contents of the file.
     - `kind`: from the ending of its name.
     """
     lines = text.splitlines()
@@ -105,7 +104,6 @@ def write_miniprof(points: FloatArray, kind: Kind, title: str, back_mm: float = 
     Rails: from the top, second column up. Wheels: from the flange's back, second column towards the flange's tip.
 
     - `points`: in this package's frame of a rail's running surface or a wheel.
-    - `kind`: what it is.
     - `title`: goes into ``MPDN``.
     - `back_mm`: distance of the flange's back from the tape line of a wheel; goes into ``WheelDiameterTaperline``.
     """

@@ -33,7 +33,6 @@ def read_simpack(text: str, kind: Kind) -> RawProfile:
 
     An `InputError` if sections are missing, the type is another one than that of the ending, or a number is wrong.
 
-    - `text`: contents of the file.
     - `kind`: from the ending of its name.
     """
     keys: dict[str, tuple[int, str]] = {}
