@@ -14,8 +14,8 @@ MAX_LINES = {
     "": 410,
     "system": 720,
     "exact": 870,
-    "geometry": 1270,
-    "mesh": 2500,
+    "geometry": 1260,
+    "mesh": 2490,
     "formats": 1790,
     "elements": 1380,
     "space": 700,
@@ -23,22 +23,22 @@ MAX_LINES = {
     "problems": 2170,
     "solve": 2950,
     "contact": 4230,
-    "post": 1640,
-    "railway.profiles": 3300,
-    "railway.track": 580,
-    "railway.rigid": 1940,
-    "railway.wheelset": 1700,
-    "railway.positions": 2510,
+    "post": 1630,
+    "railway.profiles": 3280,
+    "railway.track": 570,
+    "railway.rigid": 1930,
+    "railway.wheelset": 1690,
+    "railway.positions": 2500,
     "railway.spatial": 80,
     "cases": 6010,
-    "campaign": 1810,
+    "campaign": 1800,
     "report": 5970,
     "validation": 5100,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_010
+MAX_LINES_OF_ALL = 50_910
 MAX_FILES_OF_ALL = 285
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

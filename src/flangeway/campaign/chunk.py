@@ -10,13 +10,12 @@ from typing import Protocol
 import numpy as np
 
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.columns import PatchNumbers, RowResult, numbers_of, summary_row, wheelset_row
+from flangeway.campaign.columns import RowResult, numbers_of, summary_row, wheelset_row
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
 from flangeway.post.contact_checks import roughness
 from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
-from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_load import WheelsetLoad
@@ -198,10 +197,10 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
     for patch in patches:
         warnings += roughness(patch.n_segments, patch.oscillation, f"the {patch.side} contact", "lower size_scale")
     lateral, vertical, roll = table.position[place].tolist()
-    values, rows = numbers_of((lateral, vertical, roll), [_numbers(prepared, patch) for patch in patches])
+    forces = [float(np.hypot(*patch.force_on_wheel_N)) for patch in patches]
+    hertz = [
+        prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force)
+        for patch, force in zip(patches, forces, strict=True)
+    ]
+    values, rows = numbers_of((lateral, vertical, roll), list(zip(patches, hertz, strict=True)))
     return RowResult("converged", "contact forces and load are in equilibrium", tuple(warnings), values, rows, seconds)
-
-
-def _numbers(prepared: PreparedWheelset, patch: PositionPatch) -> PatchNumbers:
-    force = float(np.hypot(*patch.force_on_wheel_N))
-    return PatchNumbers(patch, prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force))

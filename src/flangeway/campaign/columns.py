@@ -15,6 +15,8 @@ from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 Value = float | int | str | None
+Patch = tuple[PositionPatch, LineContact | None]
+"""A region of contact, and Hertz's contact there, None where the profiles conform."""
 
 POSITION_KEYS = (
     *("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
@@ -49,17 +51,6 @@ _SKIPPED = ("timings_s", "case", "versions", "published", "status")
 
 
 @dataclass(frozen=True)
-class PatchNumbers:
-    """One region of contact.
-
-    - `hertz`: Hertz's contact there, None where the profiles conform.
-    """
-
-    patch: PositionPatch
-    hertz: LineContact | None
-
-
-@dataclass(frozen=True)
 class RowResult:
     """What one run gave.
 
@@ -86,20 +77,20 @@ def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False)
     patches = []
     for patch in result.patches:
         below = {role: maximum_shear(result, patch, role) for role in ROLES} if shear else None
-        patches.append(PatchNumbers(replace(PositionPatch.of(patch), shear=below), patch.hertz))
+        patches.append((replace(PositionPatch.of(patch), shear=below), patch.hertz))
     values, rows = numbers_of(result.equilibrium.position.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
 
 def numbers_of(
-    motion: tuple[float, float, float], patches: list[PatchNumbers]
+    motion: tuple[float, float, float], patches: list[Patch]
 ) -> tuple[dict[str, Value], tuple[dict[str, Value], ...]]:
     """Return the columns of a row, and of its patches."""
     values: dict[str, Value] = dict(zip(_MOTION, motion, strict=True))
     rows: list[dict[str, Value]] = []
     for side in SIDES:
-        mine = sorted((p for p in patches if p.patch.side == side), key=lambda p: -p.patch.rail_point_mm[0])
-        numbered = [_patch(each.patch, each.hertz, number) for number, each in enumerate(mine, 1)]
+        mine = sorted((each for each in patches if each[0].side == side), key=lambda each: -each[0].rail_point_mm[0])
+        numbered = [_patch(*each, number) for number, each in enumerate(mine, 1)]
         values |= _side(side, numbered)
         rows += numbered
     return {name: _plain(value) for name, value in values.items()}, tuple(rows)

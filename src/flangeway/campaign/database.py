@@ -6,7 +6,7 @@ import importlib
 import json
 import sqlite3
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import IO, Any
@@ -57,40 +57,31 @@ class CampaignDatabase:
 
     def __init__(self, path: Path, *, fresh: bool = False) -> None:
         self.path = path
-        self._lock = _locked(path)
-        try:
-            self._connection = sqlite3.connect(path, isolation_level=None)
+        with ExitStack() as opened:
+            self._lock = opened.enter_context(_locked(path))
             try:
+                self._connection = opened.enter_context(closing(sqlite3.connect(path, isolation_level=None)))
                 try:
                     refuse_other_file(self._connection, path)
-                except sqlite3.OperationalError:
-                    raise
-                except sqlite3.DatabaseError:  # a damaged file
-                    if not fresh:
+                except sqlite3.DatabaseError as reason:  # a damaged file
+                    if isinstance(reason, sqlite3.OperationalError) or not fresh:
                         raise
                 if fresh:
                     self._connection.close()
                     for ending in ("-wal", "-shm", ""):
                         path.with_name(path.name + ending).unlink(missing_ok=True)
-                    self._connection = sqlite3.connect(path, isolation_level=None)
+                    self._connection = opened.enter_context(closing(sqlite3.connect(path, isolation_level=None)))
                 self._connection.execute("PRAGMA journal_mode=WAL")
                 self._connection.execute("PRAGMA synchronous=FULL")
-            except BaseException:
-                self._connection.close()
-                raise
-        except sqlite3.Error as reason:
-            self._lock.close()
-            raise unusable(path, reason) from reason
-        except BaseException:
-            self._lock.close()
-            raise
+            except sqlite3.Error as reason:
+                raise unusable(path, reason) from reason
+            self._opened = opened.pop_all()
 
     def __enter__(self) -> "CampaignDatabase":
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._connection.close()
-        self._lock.close()
+        self._opened.close()
 
     def begin(self, campaign: Campaign) -> None:
         """Store the rows of a campaign as waiting, or make sure that they are those stored before.

@@ -24,7 +24,6 @@ _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
 _WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
 WHEELS = ("AAR-1B", "S1002", "heavy-haul")  # names of the bundled wheels
 RAILS = tuple(_RAIL_FILES)  # names of the bundled rails
-CROWNED = ("136RE-8", "136RE-10", "136RE-14")  # what `nominal_profile` calls the crowns of the 136RE
 
 SECTIONS = {
     "136RE": ("136RE", None),
@@ -134,7 +133,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     """
     if name not in _RAIL_FILES:
         advice = _advice("rail", name, RAILS)
-        if name.upper() in CROWNED:
+        if name.upper() in SECTIONS:
             advice = f"give 136RE, and crown_radius_in = {name[6:]}"
         raise InputError(f"rail '{name}'", f"one of {', '.join(RAILS)}, or a file of a profile", advice)
     radii = _RAIL_FILES[name]

@@ -17,7 +17,7 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment
-from flangeway.railway.profiles.bundled import CROWNED, RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.profiles.bundled import RAILS, SECTIONS, WHEELS, RailProfile, WheelProfile, rail, wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
@@ -179,14 +179,14 @@ def nominal_profile(name: str) -> RailProfile | WheelProfile:
 
     An `InputError` if there is none of that name.
     """
-    rail_name, _, radius = name.upper().partition("-")
-    if rail_name == "136RE" and (not radius or name.upper() in CROWNED):
-        return rail("136RE", crown_radius_in=float(radius) if radius else None)
-    known = {each.upper(): each for each in (*RAILS, *WHEELS)}
-    if name.upper() not in known:
+    known = {each.upper(): each for each in (*SECTIONS, *WHEELS)}
+    found = known.get(name.upper())
+    if found is None:
         raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
-    found = known[name.upper()]
-    return rail(found) if found in RAILS else wheel(found)
+    if found in WHEELS:
+        return wheel(found)
+    rail_name, radius = SECTIONS[found]
+    return rail(rail_name, crown_radius_in=radius)
 
 
 BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], *WHEELS))
