@@ -31,14 +31,14 @@ MAX_LINES = {
     "railway.positions": 2500,
     "railway.spatial": 80,
     "cases": 6010,
-    "campaign": 1800,
+    "campaign": 1780,
     "report": 5970,
     "validation": 5100,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 50_910
+MAX_LINES_OF_ALL = 50_890
 MAX_FILES_OF_ALL = 285
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
