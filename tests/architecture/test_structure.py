@@ -15,7 +15,7 @@ MAX_LINES = {
     "system": 720,
     "exact": 870,
     "geometry": 1260,
-    "mesh": 2490,
+    "mesh": 2480,
     "formats": 1790,
     "elements": 1380,
     "space": 700,
@@ -26,8 +26,8 @@ MAX_LINES = {
     "post": 1630,
     "railway.profiles": 3280,
     "railway.track": 570,
-    "railway.rigid": 1930,
-    "railway.wheelset": 1690,
+    "railway.rigid": 1920,
+    "railway.wheelset": 1680,
     "railway.positions": 2500,
     "railway.spatial": 80,
     "cases": 6010,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 50_890
-MAX_FILES_OF_ALL = 285
+MAX_LINES_OF_ALL = 50_860
+MAX_FILES_OF_ALL = 282
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

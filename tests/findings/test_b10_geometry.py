@@ -10,9 +10,8 @@ from flangeway.cases.rigid.rigid_case import read_geometry_case
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import read_rolling_radius_difference
-from flangeway.railway.rigid.rigid_curve import RigidCurve
+from flangeway.railway.rigid.rigid_curve import RigidCurve, outline_across
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.yawed import outline_across
 from flangeway.railway.track.placements import Track, Wheelset
 
 WHEEL_I = {0.0: 0.0, 1.7: 0.0, 1.8: 2.353, 2.4: 2.729, 2.8: 2.996, 4.0: 3.875, 5.0: 4.696, 6.0: 5.025, 6.5: 5.194}

@@ -11,10 +11,9 @@ from scipy.spatial import cKDTree
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, cross_product
-from flangeway.mesh.conforming import conforming
 from flangeway.mesh.connectivity import next_in_row, offsets_of
 from flangeway.mesh.meeting import touching_distance
-from flangeway.mesh.mesh_checks import check, hanging_points
+from flangeway.mesh.mesh_checks import check, conforming, hanging_points
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Ints
 

@@ -1,9 +1,8 @@
 """Meshes of polygons: triangulation, dual polygons, refinement, checks and files."""
 
-from flangeway.mesh.conforming import conforming, edges_halved
 from flangeway.mesh.dual import dual, dual_section
 from flangeway.mesh.gmsh_mesher import triangulate, triangulate_section
-from flangeway.mesh.mesh_checks import check
+from flangeway.mesh.mesh_checks import check, conforming, edges_halved
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.refine import doerfler_marking, refined
 from flangeway.mesh.sizing import Refinement, long_meshes_reported

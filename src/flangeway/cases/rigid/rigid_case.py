@@ -11,8 +11,8 @@ from flangeway.cases.case_file import CaseText
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
+from flangeway.railway.rigid.rigid_curve import MAX_YAW_RAD
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
-from flangeway.railway.rigid.yawed import MAX_YAW_RAD
 
 
 class GeometryCase(WheelsetInputs):

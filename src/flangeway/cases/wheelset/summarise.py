@@ -35,8 +35,8 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.railway.wheelset.bending import FaceStresses, RailBending, rail_bending
 from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on, stresses_below
 from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_checks import SLICE, below_contacts
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 CONFORMING = (

@@ -19,14 +19,14 @@ from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.subsurface import DEPTH, SEARCHED, SubsurfaceExtreme, inward_from, maximum_of_lines
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch, region_of, wheel_rail_patch
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, region_of, wheel_rail_patch
 from flangeway.solve import CondensedBodies
 from flangeway.types import Floats, Ints
 
 
 @dataclass(frozen=True, eq=False)
 class PositionPatch:
-    """One region of contact; see `flangeway.railway.wheelset.wheel_rail_patch.WheelRailPatch`.
+    """One region of contact; see `flangeway.railway.wheelset.wheelset_model.WheelRailPatch`.
 
     - `force_on_wheel_N`: resultant on the wheel, axes of the track.
     - `max_pressure_MPa`, `half_width_mm`: maximum pressure, and half of the loaded length.

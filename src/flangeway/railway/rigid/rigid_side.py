@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
-from flangeway.railway.rigid.rigid_curve import CurvePoints, RigidCurve
-from flangeway.railway.rigid.yawed import on_profile, outline_across
+from flangeway.railway.rigid.rigid_curve import CurvePoints, RigidCurve, on_profile, outline_across
 from flangeway.railway.track.placements import Side, Track, Wheelset, mirrored
 from flangeway.types import Floats
 
@@ -54,7 +53,7 @@ class RigidSide:
       yaw that is the profile, and -y is the rolling radius.
     - `rail`: in the track's axes.
     - `wheel_frame`, `rail_frame`: from the frames of the profiles to those of the curves.
-    - `yaw_rad`: yaw of the wheel, positive where it is ahead of the other one; see `flangeway.railway.rigid.yawed`.
+    - `yaw_rad`: yaw of the wheel, positive where it is ahead of the other one; see `outline_across`.
     """
 
     wheel: RigidCurve

@@ -13,7 +13,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, StressLine, stresses_along
 from flangeway.problems import ElasticField
 from flangeway.railway.track.discretisation import Role
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 

@@ -10,8 +10,7 @@ from flangeway.post import cell_stresses, check_contact
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
-from flangeway.railway.wheelset.wheelset_model import WheelsetModel
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
 

@@ -14,9 +14,8 @@ from flangeway.railway.track.placements import Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibria
 from flangeway.railway.wheelset.equilibrium_cache import EquilibriumCache
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch, wheel_rail_patch
 from flangeway.railway.wheelset.wheelset_checks import checked
-from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel, build_model, wheel_rail_patch
 from flangeway.solve import CondensedBodies, Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats

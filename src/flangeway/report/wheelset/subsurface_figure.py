@@ -13,7 +13,7 @@ from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 from flangeway.post import Stresses
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.wheelset.subsurface import SEARCHED, by_normal, hertz_below, maximum_on, stresses_below
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import INK, Room, draw_title, figure_with_room
 from flangeway.types import Floats

@@ -10,7 +10,7 @@ from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.rigid.rigid_equilibrium import RigidPosition
 from flangeway.railway.wheelset.subsurface import maximum_shear
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 
