@@ -6,9 +6,9 @@ angle of its ends, ``y - y0 = (x - x0) tan((a0 + a) / 2)``: lines and arcs share
 
 A wheel that is turned about the vertical touches with its outline across the track. It is a surface of revolution, a
 rail is a prism. In the longitudinal view the wheel is bounded below by the points whose normal lies across the track:
-where the profile has the angle ``a``, the point of its circle that is the angle ``t`` ahead of the lowest one, ``sin t
-= -tan a tan yaw``. Their outline has the angle ``b``, ``sin b = sin a / cos yaw``, and is a plane curve that comes down
-on the rail as a profile without yaw does. Roll turns the outline about the axis of the view.
+where the profile has the angle ``a``, the point of its circle that is the angle ``t`` ahead of the lowest one,
+``sin t = -tan a tan yaw``. Their outline has the angle ``b``, ``sin b = sin a / cos yaw``, and is a plane curve that
+comes down on the rail as a profile without yaw does. Roll turns the outline about the axis of the view.
 
 On a flange the points lie some millimetres to centimetres ahead of the axle, or behind it. Where the profile is so
 hollow that the outline would turn back, as in the flange root at large yaw, the lower envelope is taken: what turns
