@@ -11,6 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flangeway.cases.bodies.bodies_shape import ARC, CUT, body_shape
+from flangeway.cases.bodies.bodies_tables import BodyTable
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, Multiplier, SegmentToSegment, Surface
 from flangeway.elements import Lagrange
 from flangeway.exact import LineContact, contact_modulus
@@ -20,7 +22,6 @@ from flangeway.mesh import PolyMesh, Refinement, triangulate
 from flangeway.problems import Body, Part
 from flangeway.solve import CondensedBodies, ContactState, NewtonSettings, solve_contact
 from flangeway.solve.sensitivity import motion_derivatives
-from flangeway.validation.hertz.half_disc import ARC, CUT, HalfDisc
 
 Floats = NDArray[np.float64]
 
@@ -42,16 +43,14 @@ class Block:
 
     Parameters
     ----------
-    cylinder
-        The half cylinder.
-    outline
-        Outline of the block, its upper side at y = 0.
+    circle, outline
+        Outlines of the half cylinder and of the block, whose upper side is at y = 0.
     upper, lower
         Meshes of the cylinder and of the block.
 
     """
 
-    cylinder: HalfDisc
+    circle: Outline
     outline: Outline
     upper: PolyMesh
     lower: PolyMesh
@@ -69,21 +68,18 @@ class Block:
 
 def mesh_block(size: float, growth: float) -> Block:
     """Mesh both bodies with triangles that have a size at the contact and grow with the distance from it."""
-    cylinder = HalfDisc(
-        size,
-        radius=RADIUS,
-        material=STEEL,
-        opening_rad=2.0 * float(np.arcsin(FINE / RADIUS)),
-        body_size=10.0,
-        growth=growth,
-    )
+    arc_deg = 2.0 * float(np.degrees(np.arcsin(FINE / RADIUS)))
+    half = {"radius_mm": RADIUS, "centre_mm": [0.0, RADIUS], "half": "lower", "arc_deg": arc_deg}
+    finer = {"edges": ARC, "size_mm": size, "growth": growth}
+    table = {"name": "cylinder", "disc": half, "size_mm": 10.0, "fine": [finer]}
+    cylinder = body_shape(BodyTable.model_validate(table), "cylinder", [])
     w, h = HALF_SIZE, 2.0 * HALF_SIZE
     corners = [(-w, -h), (w, -h), (w, 0.0), (FINE, 0.0), (-FINE, 0.0), (-w, 0.0)]
     lines = [Line(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
     outline = Outline.from_segments(lines, [BASE, "side", "rest", TOP, "rest", "side"])
     x = np.linspace(-FINE, FINE, int(np.ceil(FINE / (2.0 * size))) + 1)
     fine = Refinement(np.column_stack((x, np.zeros_like(x))), size, growth)
-    return Block(cylinder, outline, cylinder.mesh("above"), triangulate(outline, size=10.0, refinements=(fine,)))
+    return Block(cylinder.loops[0], outline, cylinder.mesh, triangulate(outline, size=10.0, refinements=(fine,)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -144,7 +140,7 @@ def press_block(block: Block, n_steps: int = 1) -> Pressed:
     upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, CUT))
     lower = Part("block", Body("block", block.lower, Lagrange(2), STEEL, BASE))
     contact = Contact(
-        Surface(upper, block.zone(block.upper, ARC), block.cylinder.outline("above")),
+        Surface(upper, block.zone(block.upper, ARC), block.circle),
         Surface(lower, block.zone(block.lower, TOP), block.outline),
         SegmentToSegment(weighting="dual"),
         Multiplier(),

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from benchmarks.hertz_block import BASE, RADIUS, STEEL, TOP, Block, Floats, Pressed
 from benchmarks.peers import run_calculix, run_python
 from benchmarks.peers.calculix_deck import deck, read
+from flangeway.cases.bodies.bodies_shape import ARC, CUT
 from flangeway.mesh import PolyMesh
-from flangeway.validation.hertz.half_disc import ARC, CUT
 
 Ints = NDArray[np.int64]
 

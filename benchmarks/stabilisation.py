@@ -10,12 +10,14 @@ and oscillation over the maximum pressure (orders 1 and 2). Times mean nothing.
 
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Voronoi
 
 from benchmarks.measurement import NO_PEER, Measurement
+from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.cook import (
     MIDDLE,
     NEARLY_INCOMPRESSIBLE,
@@ -23,8 +25,7 @@ from flangeway.cases.bodies.cook import (
     cook_triangles,
     solve_cook,
 )
-from flangeway.contact import SegmentToSegment
-from flangeway.contact.enforcement import Multiplier
+from flangeway.contact import press
 from flangeway.elements import (
     DiagonalStabilisation,
     IdentityStabilisation,
@@ -34,15 +35,14 @@ from flangeway.elements import (
     Virtual,
     polygon_quadrature,
 )
-from flangeway.geometry import square
+from flangeway.geometry import Placement, square
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, triangulate
 from flangeway.post import displacements_at
 from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
-from flangeway.solve import solve_elasticity
+from flangeway.solve import StepSettings, solve_elasticity
 from flangeway.space import Space
-from flangeway.validation.hertz.half_disc import HalfDisc
-from flangeway.validation.hertz.hertz_discs import HertzProblem, solve_hertz
+from flangeway.validation.hertz.hertz_reproduced import SurfacePressure, published_case
 
 Floats = NDArray[np.float64]
 
@@ -59,7 +59,7 @@ MESHES = ("dual", "voronoi", "stars", "100-gons")
 ORDERS = (1, 2, 3, 4)
 HIGHEST_100 = 2
 COOK_MIDDLE = 30.7494
-DISC_SIZES = (0.06, 0.05)
+DISC_SIZES = {"size_mm": 0.06, "lower_size_mm": 0.05}
 
 
 def measurements(*, orders: tuple[int, ...] = ORDERS) -> Iterator[Measurement]:
@@ -194,8 +194,15 @@ def _smooth(mesh: PolyMesh, element: Virtual, poisson: float) -> tuple[float, fl
 
 
 def _hertz(order: int, candidate: Stabilisation) -> tuple[float, float]:
-    upper, lower = (HalfDisc(size, "polygons", "vem", order, stabilisation=candidate) for size in DISC_SIZES)
-    pairing = SegmentToSegment(weighting="dual")
-    solution = solve_hertz(HertzProblem(upper, lower, Multiplier(), pairing, curved=True, n_steps=3))
-    highest = float(solution.pressure.values.max()) / solution.theory.max_pressure - 1.0
-    return round(highest, 4), round(solution.pressure.oscillation, 4)
+    case = published_case("VVO1", 1, "segments").model_copy(update=DISC_SIZES)
+    model = build_bodies(case.bodies())
+    contact, sides = model.contacts[0], []
+    for side in (contact.secondary, contact.primary):
+        body = replace(side.part.body, element=Virtual(order, candidate))
+        sides.append(replace(side, part=replace(side.part, body=body)))
+    motion = {sides[0].part: Placement(0.0, (0.0, -case.indentation_mm))}
+    steps = StepSettings(1.0 / 3.0, 1.0 / 3.0)
+    solution = press([replace(contact, secondary=sides[0], primary=sides[1])], motion, steps=steps)
+    pressure = SurfacePressure.of(solution)
+    highest = float(pressure.values.max()) / case.theory(float(solution.forces[0, 1])).max_pressure - 1.0
+    return round(highest, 4), round(pressure.oscillation, 4)

@@ -153,6 +153,7 @@ def test_every_unit_is_in_its_name():
             "rail_inclination",
             "poisson",
             "growth",
+            "slack",
             "penalty_factor",
             "size_scale",
             "size",

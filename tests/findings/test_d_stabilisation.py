@@ -3,13 +3,10 @@
 import pytest
 
 from flangeway.cases.bodies.cook import MIDDLE, cook_grid, solve_cook
-from flangeway.contact import SegmentToSegment
-from flangeway.contact.enforcement import Multiplier
 from flangeway.elements import Virtual
 from flangeway.post import displacements_at
 from flangeway.space import Space
-from flangeway.validation.hertz.half_disc import HalfDisc
-from flangeway.validation.hertz.hertz_discs import HertzProblem, solve_hertz
+from flangeway.validation.hertz.hertz_reproduced import SurfacePressure, published_case
 
 REFERENCE = 30.7494
 
@@ -23,7 +20,6 @@ def test_d_cooks_tip_on_36_polygons(order: int, most: float) -> None:
 
 def test_d_hertz_pressure_of_order_1() -> None:
     """The maximum pressure between discs of order-1 polygons is Hertz's to 5 %, where it was 13 % above."""
-    upper, lower = HalfDisc(0.06, "polygons", "vem", 1), HalfDisc(0.05, "polygons", "vem", 1)
-    pairing = SegmentToSegment(weighting="dual")
-    solution = solve_hertz(HertzProblem(upper, lower, Multiplier(), pairing, curved=True, n_steps=3))
-    assert solution.pressure.values.max() / solution.theory.max_pressure == pytest.approx(1.0, abs=0.05)
+    sizes = {"size_mm": 0.06, "lower_size_mm": 0.05}
+    run = published_case("VVO1", 1, "segments").model_copy(update={**sizes, "n_steps": 3}).run()
+    assert SurfacePressure.of(run.contact).values.max() / run.theory.max_pressure == pytest.approx(1.0, abs=0.05)

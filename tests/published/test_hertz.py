@@ -3,13 +3,19 @@
 Forces and extreme stresses of all codes on M1 and M2 are in `tests/validation/test_reproduce_hertz.py`.
 """
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
-from flangeway.validation.hertz.hertz_discs import HertzModel, build_hertz, solve_hertz
-from flangeway.validation.hertz.hertz_reproduced import EXTREMES, hertz_row, published_problem, published_value
+from flangeway.cases.bodies.bodies_model import build_bodies
+from flangeway.contact import press
+from flangeway.solve import StepSettings
+from flangeway.validation.hertz.hertz_reproduced import (
+    EXTREMES,
+    SurfacePressure,
+    hertz_row,
+    published_case,
+    published_value,
+)
 
 FORCE = 251.84
 P0 = 671.5
@@ -90,18 +96,21 @@ def test_stresses_on_the_line_of_symmetry_are_those_of_a_disc(smooth):
 
 def test_corners_of_straight_edges_show_in_the_pressure():
     """On M2 the multipliers of polygons err by over 1.5 % between straight edges, by less than 1 % between circles."""
-    problem = published_problem("VVO2", 2, "segments")
-    rough, curved = (solve_hertz(replace(problem, curved=on_circle)) for on_circle in (False, True))
+    case = published_case("VVO2", 2, "segments")
+    rough, curved = (case.model_copy(update={"curved": on_circle}).run() for on_circle in (False, True))
     assert rough.status.converged
-    assert curved.pressure.maximum_difference(curved.theory, 0.025) < 0.01
-    assert rough.pressure.maximum_difference(rough.theory, 0.025) > 0.015
+    differences = [SurfacePressure.of(run.contact).maximum_difference(run.theory, 0.025) for run in (rough, curved)]
+    assert differences[1] < 0.01
+    assert differences[0] > 0.015
 
 
 def test_condensed_and_sparse_paths_agree():
     """The path condensed to the zones and the one on all unknowns give the same force and displacements to 1e-9."""
-    problem = replace(published_problem("FDO1", 1), n_steps=2)
-    model = HertzModel(problem, build_hertz(problem).contact)
-    condensed, sparse = (solve_hertz(model, path=path) for path in ("condensed", "sparse"))
-    assert condensed.force == pytest.approx(sparse.force, rel=1e-9)
-    for one, other in zip(condensed.fields, sparse.fields, strict=True):
-        np.testing.assert_allclose(one.displacements, other.displacements, atol=1e-9 * 0.05)
+    model, steps = build_bodies(published_case("FDO1", 1).bodies()), StepSettings(0.5, 0.5)
+    condensed, sparse = (
+        press(model.contacts, model.motion, steps=steps, path=path) for path in ("condensed", "sparse")
+    )
+    assert condensed.forces[0, 1] == pytest.approx(sparse.forces[0, 1], rel=1e-9)
+    for body in model.bodies.values():
+        one, other = (each.field(body.part).displacements for each in (condensed, sparse))
+        np.testing.assert_allclose(one, other, atol=1e-9 * 0.05)

@@ -9,19 +9,19 @@ import pytest
 from matplotlib.image import imread
 from rich.console import Console
 
-from flangeway.contact import Multiplier, SegmentToSegment
+from flangeway.cases import load_case
+from flangeway.cases.bodies.bodies_model import build_bodies
+from flangeway.cases.bodies.presets import HertzCase
+from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment
 from flangeway.elements import Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError
-from flangeway.materials import Elastic
-from flangeway.mesh import check, edges_halved
-from flangeway.validation.hertz.half_disc import ARC, CUT, HalfDisc
-from flangeway.validation.hertz.hertz_discs import HertzProblem, solve_hertz
+from flangeway.mesh import check
 from flangeway.validation.hertz.hertz_reproduced import (
     CODES,
     EXTREMES,
     FORCE_LIMITS,
     STRESS_LIMIT,
-    published_problem,
+    published_case,
     published_value,
     reproduce_hertz,
 )
@@ -126,27 +126,30 @@ def test_command_leaves_its_files_and_a_summary(found, tmp_path):
     assert "Passed." in text.getvalue()
 
 
-@pytest.mark.parametrize("side", ["below", "above"])
-@pytest.mark.parametrize("cells", ["triangles", "polygons", "edge-refined"])
-def test_half_discs_are_sound_meshes(cells, side):
+def model_of(code, level=1, variant="printed"):
+    """Meshed discs and their contact."""
+    return build_bodies(published_case(code, level, variant).bodies())
+
+
+@pytest.mark.parametrize("name", ["upper", "lower"])
+@pytest.mark.parametrize("code", ["FDO1", "VVO1", "HEO2"])
+def test_half_discs_are_sound_meshes(code, name):
     """Each kind of mesh is sound, has the half disc's area to 1 %, and its fine arc about the apex in the origin."""
-    disc = HalfDisc(0.06, cells)
-    mesh = disc.mesh(side)
+    mesh = model_of(code).bodies[name].problem.space.mesh
     check(mesh)
     assert mesh.cell_areas.sum() == pytest.approx(np.pi * 8.0, rel=0.01)
-    arc = mesh.points[mesh.edge_set(ARC)]
-    sign = -1.0 if side == "below" else 1.0
+    arc = mesh.points[mesh.edge_set("arc")]
+    sign = -1.0 if name == "lower" else 1.0
     assert (sign * arc[..., 1]).min() == pytest.approx(0.0, abs=1e-3)
     assert np.abs(arc[..., 0]).max() == pytest.approx(4.0 * np.sin(np.pi / 11.0), rel=1e-9)
-    np.testing.assert_allclose(mesh.points[mesh.edge_set(CUT)][..., 1], sign * 4.0, atol=1e-12)
+    np.testing.assert_allclose(mesh.points[mesh.edge_set("cut")][..., 1], sign * 4.0, atol=1e-12)
 
 
 def test_edges_of_the_arc_are_halved_once():
-    """Edge refinement makes each triangle with one edge on the arc a quadrilateral and leaves area and others alone."""
-    mesh = HalfDisc(0.1).mesh("below")
-    fine = edges_halved(mesh, ARC)
-    n_arc = len(mesh.edge_set(ARC))
-    assert len(fine.edge_set(ARC)) == 2 * n_arc
+    """A halved side makes each triangle with one edge on it a quadrilateral and leaves area and others alone."""
+    mesh, fine = (model_of(code).bodies["lower"].problem.space.mesh for code in ("FDO2", "HEO2"))
+    n_arc = len(mesh.edge_set("arc"))
+    assert len(fine.edge_set("arc")) == 2 * n_arc
     assert fine.n_points == mesh.n_points + n_arc
     assert (fine.cell_sizes[fine.cell_set("quadrilaterals")] == 4).all()
     assert (fine.cell_sizes[fine.cell_set("triangles")] == 3).all()
@@ -155,41 +158,69 @@ def test_edges_of_the_arc_are_halved_once():
 
 def test_codes_name_methods_and_cells():
     """F and V are finite and virtual triangles, VV polygons, H mixes triangles and virtual quadrilaterals."""
-    elements = {code: published_problem(code, 1).secondary.element for code in CODES}
+    spaces = {code: model_of(code).bodies["upper"].problem.space for code in CODES}
+    elements = {code: space.element for code, space in spaces.items()}
     assert elements["FDO1"] == Lagrange(1)
     assert elements["VVO2"] == elements["VDO2"] == Virtual(2, TraceStabilisation())
     assert elements["HEO2"] == {"triangles": Lagrange(2), "quadrilaterals": Virtual(2, TraceStabilisation())}
-    assert published_problem("VVO1", 4).enforcement.value == 2.56e4
-    assert published_problem("FDO2", 4, "halved").enforcement.value == 5.12e4 / 16.0
+    assert (spaces["VDO2"].mesh.cell_sizes == 3).all()
+    assert spaces["VVO2"].mesh.cell_sizes.max() > 4
+    assert published_case("VVO1", 4).nodal_penalty_N_per_mm == 2.56e4
+    assert published_case("FDO2", 4, "halved").nodal_penalty_N_per_mm == 5.12e4 / 16.0
+
+
+def test_variants_name_contact():
+    """Node-to-segment has the printed penalty at nodes; segment-to-segment multipliers, dual weights and circles."""
+    contact = model_of("FDO1").contacts[0]
+    assert contact.enforcement == Penalty(1e5, per="node")
+    assert contact.pairing == NodeToSegment(slack=0.02)
+    assert contact.secondary.curve is None
+    smooth = model_of("VVO2", variant="segments").contacts[0]
+    assert smooth.enforcement == Multiplier()
+    assert smooth.pairing == SegmentToSegment(weighting="dual")
+    assert smooth.secondary.curve is not None
+    assert smooth.secondary.part.body.space.element == Virtual(2)
 
 
 def test_other_discs_meet_hertz_too():
-    """Unequal radii, materials and orders, chosen by a user, give Hertz's maximum pressure within 2 %."""
-    soft = Elastic(10e3, 0.25)
-    problem = HertzProblem(
-        HalfDisc(0.012, order=2, radius=2.0, opening_rad=1.0),
-        HalfDisc(0.015, "polygons", order=2, radius=6.0, material=soft),
-        Multiplier(),
-        SegmentToSegment(),
-        approach=0.03,
-        curved=True,
-    )
-    solution = solve_hertz(problem)
-    assert solution.status.converged
-    assert solution.pressure.values.max() == pytest.approx(solution.theory.max_pressure, rel=0.02)
+    """Unequal radii, materials, sizes and elements with fine arcs give Hertz's maximum pressure within 2 %."""
+    results = load_case(
+        "hertz",
+        radius_mm=2.0,
+        lower_radius_mm=6.0,
+        young_MPa=20e3,
+        lower_young_MPa=10e3,
+        lower_poisson=0.25,
+        order=2,
+        lower_method="vem",
+        size_mm=0.012,
+        lower_size_mm=0.015,
+        body_size_mm=0.5,
+        indentation_mm=0.03,
+        fine_arc_deg=50.0,
+        enforcement="multiplier",
+    ).run()
+    assert results.status.converged
+    assert abs(results.summary.results["max_pressure_difference"]) < 0.02
 
 
 def test_wrong_input_is_refused():
-    """Unknown cells, sizes that contradict each other, and an arc too narrow for the contact are refused by name."""
-    with pytest.raises(InputError, match="cells="):
-        HalfDisc(0.1, "squares")
-    with pytest.raises(InputError, match="body_size"):
-        HalfDisc(1.0)
-    with pytest.raises(InputError, match="approach"):
-        replace(published_problem("FDO1", 1), approach=0.0)
-    narrow = HalfDisc(0.06, opening_rad=0.1)
-    with pytest.raises(InputError, match="opening_rad"):
-        solve_hertz(replace(published_problem("FDO1", 1), secondary=narrow))
+    """An arc too narrow for the contact, or of a block, halved edges without it, and two penalties are refused."""
+    values = published_case("FDO1", 1).model_dump(exclude_unset=True)
+    for changed, named in (
+        ({"fine_arc_deg": 6.0}, "fine_arc_deg"),
+        ({"lower": "block"}, "block"),
+        ({"fine_arc_deg": None, "halved_edges": True}, "halved_edges"),
+    ):
+        with pytest.raises(InputError, match=named):
+            HertzCase.from_values({**values, **changed}).check()
+    case = published_case("FDO1", 1).bodies()
+    contact = case.contacts[0].model_copy(update={"penalty_MPa_mm": 1.0})
+    with pytest.raises(InputError, match="nodal_penalty_N_per_mm"):
+        case.model_copy(update={"contacts": [contact]}).check()
+    body = case.bodies[0].model_copy(update={"halved_side": "side"})
+    with pytest.raises(InputError, match="halved_side"):
+        case.model_copy(update={"bodies": [body, case.bodies[1]]}).check()
 
 
 def test_quick_leaves_out_the_finest_mesh():

@@ -40,7 +40,7 @@ from flangeway.contact import (
     Surface,
 )
 from flangeway.contact.enforcement import Enforcement
-from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.elements import Element, Lagrange, TraceStabilisation, Virtual
 from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Placement
 from flangeway.materials import Material
@@ -56,9 +56,13 @@ Ints = NDArray[np.int32]
 LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3")
 
 
-def element_of(method: str, order: int) -> Element:
-    """Elements of a method: ``"fem"`` or ``"vem"``."""
-    return Lagrange(order) if method == "fem" else Virtual(order)
+def elements_of(body: BodyTable) -> Element | dict[str, Element]:
+    """Elements of a body, by cell set where they differ."""
+    virtual = Virtual(body.order, TraceStabilisation() if body.stabilisation == "trace" else None)
+    if body.method != "fem":
+        return virtual
+    lagrange = Lagrange(body.order)
+    return lagrange if body.halved_side is None else {"triangles": lagrange, "quadrilaterals": virtual}
 
 
 @dataclass(frozen=True, eq=False)
@@ -268,7 +272,7 @@ class _Builder:
         ]
         thickness = self.case.thickness_mm
         if name not in self.in_contact:
-            space = Space(mesh, element_of(table.method, table.order))
+            space = Space(mesh, elements_of(table))
             problem = Elasticity(space, material, thickness, loads, supports, name)
             return BodyModel(name, problem, None, problem.load_vector().sum(axis=0))
         if not held:
@@ -285,7 +289,7 @@ class _Builder:
             hold = fixed_point(name, mesh, self._touching(name))
             components[hold] = slides
             supports.append(PrescribedDisplacement(hold, **{slides: 0.0}))
-        body = Body(name, mesh, element_of(table.method, table.order), material, components, thickness)
+        body = Body(name, mesh, elements_of(table), material, components, thickness)
         problem = Elasticity(body.space, material, thickness, loads, supports, name)
         return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0), slides)
 
@@ -312,7 +316,8 @@ class _Builder:
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
         sides = [self._surface(table, role, key, bodies) for role in ("secondary", "primary")]
-        pairing = SegmentToSegment() if table.pairing == "segment-to-segment" else NodeToSegment()
+        averages = table.pairing == "segment-to-segment"
+        pairing = SegmentToSegment(weighting=table.weighting) if averages else NodeToSegment(slack=table.slack)
         try:
             found = Contact(sides[0], sides[1], pairing, Multiplier())
             return replace(found, enforcement=_enforcement(table, found))
@@ -415,7 +420,10 @@ def _placement(table: MotionTable) -> Placement:
 def _enforcement(table: ContactTable, contact: Contact) -> Enforcement:
     if table.enforcement == "multiplier":
         return Multiplier()
-    penalty = contact.suggested_penalty if table.penalty_MPa_mm is None else table.penalty_MPa_mm
+    if table.nodal_penalty_N_per_mm is not None and table.penalty_MPa_mm is not None:
+        raise InputError("penalty_MPa_mm and nodal_penalty_N_per_mm", "one of both", "leave one out")
+    penalty = table.nodal_penalty_N_per_mm or table.penalty_MPa_mm or contact.suggested_penalty
+    per: Literal["node", "length"] = "length" if table.nodal_penalty_N_per_mm is None else "node"
     if table.enforcement == "penalty":
-        return Penalty(penalty, per="length")
-    return AugmentedLagrange(penalty, per="length", penetration=table.penetration_mm)
+        return Penalty(penalty, per)
+    return AugmentedLagrange(penalty, per, table.penetration_mm)

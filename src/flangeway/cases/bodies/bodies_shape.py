@@ -1,5 +1,6 @@
 """Meshes of the bodies of a case file: shorthand shapes, outlines, outline files, mesh files."""
 
+import itertools
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,13 +19,13 @@ from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, r
 from flangeway.geometry.arrays import Point
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Segment
-from flangeway.mesh import PolyMesh, Refinement, dual, triangulate
+from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
 SHAPES = ("rectangle", "disc", "outline", "file")
 DIAGONAL_PER_SIZE = 20.0
 MOST_EDGES = 100_000
-RIM, CUT = "rim", "cut"
+RIM, ARC, CUT = "rim", "arc", "cut"
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +92,15 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     size = diagonal / DIAGONAL_PER_SIZE if body.size_mm is None else body.size_mm / factor
     fine = [_refinement(each, f"{key}.fine[{n}]", region, factor) for n, each in enumerate(body.fine, 1)]
     triangles = _scaled(triangulate(outline, size=size, holes=holes, refinements=fine), factor)
-    mesh = (triangles if body.method == "fem" else dual(triangles)).placed(placement)
+    mesh = dual(triangles) if body.method == "vem" else triangles
+    if body.halved_side is not None:
+        if body.halved_side not in mesh.edge_sets:
+            known = sorted(mesh.edge_sets)
+            raise InputError(
+                f"{key}.halved_side = {body.halved_side!r}", ", ".join(known), closest(body.halved_side, known)
+            )
+        mesh = edges_halved(mesh, body.halved_side)
+    mesh = mesh.placed(placement)
     return BodyShape(mesh, tuple(_scaled_outline(loop, factor).transformed(placement) for loop in region.loops))
 
 
@@ -123,9 +132,15 @@ def disc_outline(disc: DiscTable) -> Outline:
         return Outline.from_segments(segments, [RIM] * len(segments))
     sign = 1.0 if disc.half == "upper" else -1.0
     first, last = (x + sign * disc.radius_mm, y), (x - sign * disc.radius_mm, y)
-    apex = (x, y + sign * disc.radius_mm)
-    arcs = [Arc(a, b, disc.centre_mm, counter_clockwise=True) for a, b in ((first, apex), (apex, last))]
-    return Outline.from_segments([*arcs, Line(last, first)], [RIM, RIM, CUT])
+    if disc.arc_deg is None:
+        corners, names = [(x, y + sign * disc.radius_mm)], [RIM, RIM]
+    else:
+        angles = np.pi / 2.0 + np.deg2rad(disc.arc_deg) / 2.0 * np.array([-1.0, 1.0])
+        ends = disc.centre_mm + sign * disc.radius_mm * np.column_stack((np.cos(angles), np.sin(angles)))
+        corners, names = [(float(a), float(b)) for a, b in ends], [RIM, ARC, RIM]
+    pairs = itertools.pairwise([first, *corners, last])
+    arcs = [Arc(a, b, disc.centre_mm, counter_clockwise=True) for a, b in pairs]
+    return Outline.from_segments([Line(last, first), *arcs], [CUT, *names])
 
 
 def _refinement(fine: FineTable, key: str, region: Region, factor: float) -> Refinement:
@@ -162,7 +177,7 @@ def _refinement(fine: FineTable, key: str, region: Region, factor: float) -> Ref
 
 
 def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
-    for name, value in (("size_mm", body.size_mm), ("fine", body.fine or None)):
+    for name, value in (("size_mm", body.size_mm), ("fine", body.fine or None), ("halved_side", body.halved_side)):
         if value is not None:
             raise InputError(f"{key}.{name} with the mesh {body.file}", "the file's mesh as it is", f"leave {name} out")
     # bodies that touch must stay apart

@@ -5,11 +5,18 @@ from typing import Any, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Box, Case, Pair, Table
+from flangeway.contact import NodeToSegment
 from flangeway.materials import Elastic
 
 # ruff: noqa: N815 (units in names)
 
 HypothesisName = Literal["plane-strain", "plane-stress"]
+MethodName = Literal["fem", "vem", "vem-triangles"]
+StabilisationName = Literal["default", "trace"]
+STABILISATION_MEANING = "stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"
+WEIGHTING_MEANING = "weights of the gap of segment-to-segment: hat functions, or their biorthogonal ones"
+NODAL_PENALTY_MEANING = "penalty of node-to-segment as force per penetration at a node, instead of penalty_MPa_mm"
+SLACK_MEANING = "how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it"
 
 
 class RectangleTable(Table):
@@ -21,11 +28,14 @@ class RectangleTable(Table):
 
 
 class DiscTable(Table):
-    """A disc with the edge set ``rim``; a half disc has its straight side as ``cut``."""
+    """A disc with the edge set ``rim``; a half disc has its straight side as ``cut``, and an ``arc`` about its apex."""
 
     radius_mm: float = Field(gt=0.0, description="radius")
     centre_mm: Pair = Field((0.0, 0.0), description="centre of the circle")
     half: Literal["upper", "lower"] | None = Field(None, description="the half above or below the centre alone")
+    arc_deg: float | None = Field(
+        None, gt=0.0, lt=180.0, description="angle of the side arc about the apex of a half (default: none, all is rim)"
+    )
 
 
 class FineTable(Table):
@@ -69,10 +79,16 @@ class BodyTable(Table):
     )
     shift_mm: Pair = Field((0.0, 0.0), description="shift of the shape, after its rotation")
     rotation_deg: float = Field(0.0, description="rotation of the shape about its origin, counter-clockwise")
-    method: Literal["fem", "vem"] = Field(
-        "fem", description="fem: Lagrange triangles; vem: virtual elements on polygons (a file's cells as they are)"
+    method: MethodName = Field(
+        "fem",
+        description="fem: Lagrange triangles; vem: virtual elements on polygons (a file's cells as they are); "
+        "vem-triangles: virtual elements on the triangles",
     )
     order: int = Field(1, ge=1, le=2, description="order of the elements")
+    stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
+    halved_side: str | None = Field(
+        None, description="side of the outline whose edges are halved; its triangles become virtual quadrilaterals"
+    )
     size_mm: float | None = Field(
         None, ge=1e-6, description="edge length of the triangles (default: a twentieth of the shape's diagonal)"
     )
@@ -147,7 +163,10 @@ class ContactTable(Table):
     penalty_MPa_mm: float | None = Field(
         None, gt=0.0, description="pressure per penetration (default: from stiffness and edges of the bodies)"
     )
+    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
     penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
+    weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
 
 
 class StepsTable(Table):

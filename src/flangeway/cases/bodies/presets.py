@@ -9,14 +9,24 @@ import numpy as np
 from pydantic import Field
 
 from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun
+from flangeway.cases.bodies.bodies_tables import (
+    NODAL_PENALTY_MEANING,
+    SLACK_MEANING,
+    STABILISATION_MEANING,
+    WEIGHTING_MEANING,
+    MethodName,
+    StabilisationName,
+)
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import Progress
+from flangeway.contact import NodeToSegment
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.materials import Elastic
 
 # ruff: noqa: N815 (units in names)
 
+METHOD_MEANING = "fem: triangles; vem: polygons with virtual elements; vem-triangles: triangles with virtual elements"
 ZONE_OF_LENS = 0.85
 """Half width of the candidate zone over that of the overlap of the rigid bodies; elastic contact takes about half."""
 ZONE_OF_HERTZ = 1.6
@@ -25,6 +35,8 @@ ZONE_EDGES = 3.0
 MOST_EDGES = 10_000
 MAX_RADIUS = 1e6
 """Radius over the elements' size above which a half disc is not meshed."""
+LEAST_PIECES = 17
+"""Minimum number of pieces of the polyline along a fine arc."""
 WIDEST_ZONE = 0.75
 """Maximum half width of the zone over the radius: wider ones do not fit half discs."""
 
@@ -79,11 +91,12 @@ class HertzCase(BodiesPreset):
     lower_poisson: float | None = Field(
         None, gt=-1.0, lt=0.5, description="Poisson's ratio of the lower body (default: poisson)"
     )
-    method: Literal["fem", "vem"] = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
+    method: MethodName = Field("fem", description=METHOD_MEANING)
     order: int = Field(1, ge=1, le=2, description="order of the elements")
-    lower_method: Literal["fem", "vem"] | None = Field(None, description="method of the lower body (default: method)")
+    lower_method: MethodName | None = Field(None, description="method of the lower body (default: method)")
     lower_order: int | None = Field(None, ge=1, le=2, description="order of the lower body (default: order)")
     size_mm: float = Field(0.1, ge=1e-6, description="edge length of the triangles in contact")
+    lower_size_mm: float | None = Field(None, ge=1e-6, description="size_mm of the lower body (default: size_mm)")
     body_size_mm: float = Field(5.0, ge=1e-6, description="edge length of the triangles elsewhere")
     growth: float = Field(0.13, gt=0.0, le=1.0, description="growth of the edge length per distance from the contact")
     pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
@@ -92,6 +105,15 @@ class HertzCase(BodiesPreset):
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
         "augmented-lagrange", description="constraint enforcement"
     )
+    fine_arc_deg: float | None = Field(
+        None, gt=0.0, lt=180.0, description="angle of the fine arc of both discs about the contact (default: its zone)"
+    )
+    halved_edges: bool = Field(False, description="whether the edges of the fine arcs are halved, see halved_side")
+    stabilisation: StabilisationName = Field("default", description=STABILISATION_MEANING)
+    weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
+    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
+    slack: float = Field(NodeToSegment.slack, gt=0.0, le=NodeToSegment.overhang, description=SLACK_MEANING)
+    curved: bool = Field(True, description="whether gaps are measured between the circles, not between straight edges")
     n_steps: int = Field(1, ge=1, le=1000, description="number of equal load steps")
 
     def theory_of(self, run: BodiesRun) -> LineContact | None:
@@ -117,22 +139,24 @@ class HertzCase(BodiesPreset):
         """
         self._refuse_unfit()
         zone, radius, below = self._zone(), self.radius_mm, self.lower_radius_mm
-        upper = {"disc": {"radius_mm": radius, "centre_mm": (0.0, radius), "half": "lower"}}
-        lower: dict[str, Any] = {"disc": {"radius_mm": below, "centre_mm": (0.0, -below), "half": "upper"}}
-        if self.lower == "block":
+        block, arc = self.lower == "block", {"arc_deg": self.fine_arc_deg}
+        upper = {"disc": {"radius_mm": radius, "centre_mm": (0.0, radius), "half": "lower", **arc}}
+        lower: dict[str, Any] = {"disc": {"radius_mm": below, "centre_mm": (0.0, -below), "half": "upper", **arc}}
+        if block:
             lower = {"rectangle": {"width_mm": 4.0 * below, "height_mm": 2.0 * below, "centre_mm": (0.0, -below)}}
-        block = self.lower == "block"
+        side = "rim" if self.fine_arc_deg is None else "arc"
         motion = {"shift_mm": (0.0, -self.indentation_mm)} if self.force_N is None else {"push_N": (0.0, -self.force_N)}
         wide = zone + 0.01 * self.size_mm
         contact = {
             "secondary": "upper",
-            "secondary_edges": "rim",
+            "secondary_edges": side,
             "secondary_box_mm": (-wide, -1.0, wide, radius),
             "primary": "lower",
-            "primary_edges": "top" if block else "rim",
+            "primary_edges": "top" if block else side,
             "primary_box_mm": (-wide, -below, wide, 1.0),
-            "pairing": self.pairing,
-            "enforcement": self.enforcement,
+            **self.model_dump(
+                include={"pairing", "enforcement", "weighting", "nodal_penalty_N_per_mm", "slack", "curved"}
+            ),
         }
         return TwoBodiesCase.from_values(
             {
@@ -153,10 +177,15 @@ class HertzCase(BodiesPreset):
         if self.force_N is not None and "indentation_mm" in self.model_fields_set:
             raise InputError("force_N and indentation_mm", "one of both", "leave one out")
         radius, below = self.radius_mm, self.lower_radius_mm
-        if max(radius, below) > MAX_RADIUS * self.size_mm:
+        if self.fine_arc_deg is None and self.halved_edges:
+            raise InputError("halved_edges without fine_arc_deg", "both", "give the angle of the fine arc")
+        if self.fine_arc_deg is not None:
+            self._refuse_narrow(self.fine_arc_deg)
+        size = min(self.size_mm, self.lower_mesh_size)
+        if max(radius, below) > MAX_RADIUS * size:
             key = "radius_mm" if radius >= below else "lower_radius_mm"
             raise InputError(
-                f"{key} = {max(radius, below):g} with elements of size_mm = {self.size_mm:g}",
+                f"{key} = {max(radius, below):g} with elements of size_mm = {size:g}",
                 f"radii up to {MAX_RADIUS:g} times size_mm",
                 'make it smaller; lower = "block" is flat',
             )
@@ -168,22 +197,39 @@ class HertzCase(BodiesPreset):
                 f"up to {WIDEST_ZONE:g} of the radius",
                 "make size_mm and the indentation or the force smaller",
             )
-        if zone > MOST_EDGES * self.size_mm:
+        if zone > MOST_EDGES * size:
             raise InputError(
-                f"size_mm = {self.size_mm:g} for a contact that may reach {zone:.3g} mm to either side",
+                f"size_mm = {size:g} for a contact that may reach {zone:.3g} mm to either side",
                 f"at most {MOST_EDGES} edges on that length",
                 "make size_mm larger",
+            )
+
+    def _refuse_narrow(self, arc_deg: float) -> None:
+        """Refuse a fine arc of blocks, or one that does not hold the zone where the bodies may touch."""
+        if self.lower == "block":
+            raise InputError("fine_arc_deg with lower = block", "two discs", "leave fine_arc_deg out")
+        reach = min(self.radius_mm, self.lower_radius_mm) * math.sin(math.radians(arc_deg) / 2.0)
+        if self._zone() > reach:
+            raise InputError(
+                f"fine_arc_deg = {arc_deg:g}, {reach:.3g} mm to either side, for a contact that may reach "
+                f"{self._zone():.3g} mm",
+                "a fine arc that holds the contact",
+                "make it larger, or the indentation, the force or size_mm smaller",
             )
 
     def _body(self, name: str, shape: dict[str, Any], zone: float) -> dict[str, Any]:
         upper = name == "upper"
         material = self._materials()[0 if upper else 1]
-        radius = self.radius_mm if upper else -self.lower_radius_mm
-        n = max(math.ceil(zone / (2.0 * self.size_mm)), 1)
+        radius, size = (self.radius_mm, self.size_mm) if upper else (-self.lower_radius_mm, self.lower_mesh_size)
+        n = max(math.ceil(zone / (2.0 * size)), 1)
         xs = [zone * i / n for i in range(-n, n + 1)]
+        if self.fine_arc_deg is not None:
+            angle = math.radians(self.fine_arc_deg) / 2.0
+            n = max(math.ceil(angle * abs(radius) / (2.0 * size)), LEAST_PIECES)
+            xs = [abs(radius) * math.sin(angle * (2 * i / n - 1.0)) for i in range(n + 1)]
         flat = not upper and self.lower == "block"
         heights = [0.0 if flat else radius - math.copysign(math.sqrt(radius**2 - x**2), radius) for x in xs]
-        fine = {"at_mm": list(zip(xs, heights, strict=True)), "size_mm": self.size_mm, "growth": self.growth}
+        fine = {"at_mm": list(zip(xs, heights, strict=True)), "size_mm": size, "growth": self.growth}
         return {
             "name": name,
             **shape,
@@ -191,7 +237,9 @@ class HertzCase(BodiesPreset):
             "poisson": material.poisson,
             "method": self.method if upper else self.lower_method or self.method,
             "order": self.order if upper else self.lower_order or self.order,
-            "size_mm": max(self.body_size_mm, self.size_mm),
+            "stabilisation": self.stabilisation,
+            "halved_side": "arc" if self.halved_edges else None,
+            "size_mm": max(self.body_size_mm, size),
             "fine": [fine],
         }
 
@@ -201,14 +249,20 @@ class HertzCase(BodiesPreset):
         return Elastic(self.young_MPa, self.poisson), lower
 
     @property
+    def lower_mesh_size(self) -> float:
+        """Edge length of the lower body's triangles in contact, mm."""
+        return self.size_mm if self.lower_size_mm is None else self.lower_size_mm
+
+    @property
     def _curvature(self) -> float:
         return 1.0 / self.radius_mm + (0.0 if self.lower == "block" else 1.0 / self.lower_radius_mm)
 
     def _zone(self) -> float:
         """Half width of the zone where the bodies may touch."""
+        edges = ZONE_EDGES * max(self.size_mm, self.lower_mesh_size)
         if self.force_N is not None:
-            return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + ZONE_EDGES * self.size_mm
-        return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + ZONE_EDGES * self.size_mm
+            return ZONE_OF_HERTZ * self.theory(self.force_N).half_width + edges
+        return ZONE_OF_LENS * math.sqrt(2.0 * self.indentation_mm / self._curvature) + edges
 
     def results(self, run: BodiesRun) -> dict[str, Any]:
         """See `BodiesPreset.results`."""

@@ -30,7 +30,7 @@ from flangeway.validation.hertz.hertz_reproduced import (
     HertzReproduction,
     HertzRow,
     Variant,
-    published_problem,
+    published_case,
     published_value,
     reproduce_hertz,
 )
@@ -144,9 +144,9 @@ def symmetry_figure(found: HertzReproduction) -> Figure:
             style = "solid" if row.variant == "halved" else (0, (1, 1))
             axes.plot(-row.line.points[:, 1], of(row.line.stresses), color=colour, linewidth=1.1, ls=style, label=name)
         depth = np.linspace(0.0, 1.0, 301)
-        problem = published_problem("FDO2", 1)
-        theory = problem.theory(REFERENCE_FORCE)
-        in_disc = exact(theory.axis_stresses_in_disc(depth, problem.primary.radius))
+        case = published_case("FDO2", 1)
+        theory = case.theory(REFERENCE_FORCE)
+        in_disc = exact(theory.axis_stresses_in_disc(depth, case.lower_radius_mm))
         half_plane = exact(theory.stresses(0.0, depth))
         axes.plot(depth, half_plane, color=INK, linewidth=1.3, linestyle=(0, (5, 2)), label="Hertz, half plane")
         axes.plot(depth, in_disc, color=GREY, linewidth=1.3, linestyle=(0, (5, 2)), label="Hertz, disc (Johnson, 5.6)")

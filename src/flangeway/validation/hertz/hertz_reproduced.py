@@ -10,19 +10,19 @@ import time
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Literal
+from typing import Any, Literal
 
+import numpy as np
+
+from flangeway.cases.bodies.presets import HertzCase
 from flangeway.cases.case import Progress
-from flangeway.contact import Multiplier, NodeToSegment, Penalty, SegmentToSegment
-from flangeway.elements.stabilisation import TraceStabilisation
+from flangeway.contact import ContactLinearisation, ContactSolution
 from flangeway.errors import FlangewayError
 from flangeway.exact import LineContact
 from flangeway.post import StressLine, stresses_along
 from flangeway.problems import ElasticField
 from flangeway.solve import Status
 from flangeway.types import Floats
-from flangeway.validation.hertz.half_disc import Cells, HalfDisc, Method
-from flangeway.validation.hertz.hertz_discs import HertzProblem, HertzSolution, SurfacePressure, solve_hertz
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, compare, published_rows
 
 Variant = Literal["printed", "halved", "segments"]
@@ -42,7 +42,7 @@ EXTREMES = {
     13: ("in_plane_shear", "max maximum shear stress"),
     14: ("von_mises", "max von Mises stress"),
 }
-"""Published tables of extreme stresses: name among `HertzSolution.extremes`, and quantity."""
+"""Published tables of extreme stresses: name among `HertzRow.extremes`, and quantity."""
 
 STRESS_LIMIT = 0.03
 """Maximum relative difference from a published extreme."""
@@ -64,45 +64,103 @@ VARIANTS: dict[Variant, str] = {
 
 SLACK = 0.02
 """Nodes keep the edge that they faced within this fraction of it; otherwise some configurations cycle."""
+METHODS = {"FD": "fem", "VD": "vem-triangles", "VV": "vem", "HE": "fem"}
+PUBLISHED_DISCS: dict[str, Any] = {
+    "radius_mm": 4.0,
+    "lower_radius_mm": 4.0,
+    "indentation_mm": 0.05,
+    "thickness_mm": 1.0,
+    "young_MPa": 20e3,
+    "fine_arc_deg": 360.0 / 11.0,
+    "body_size_mm": 0.5,
+    "n_steps": 10,
+}
+"""Half discs that are fine along an arc about their apex (Moherdaui 2021, Figure 66)."""
 LINE_POINTS = 201
 
 
 @dataclass(frozen=True, eq=False)
-class HertzRow:
-    """One configuration on one mesh.
+class SurfacePressure:
+    """Pressure at the nodes of the upper disc that face the lower one, from left to right.
 
     Parameters
     ----------
-    code, level
-        Such as ``"VVO2"`` and 4 for VVO2 on M4.
-    variant
-        See `Variant`.
+    x
+        Positions before the deformation, as Hertz's theory has them, shape (n,): by a second-order effect that it
+        leaves out, the surface moves towards the middle (by 1.1 % in the published problem).
+    values
+        Pressures, shape (n,): for node-to-segment the forces over the nodes' influence widths, half of the way to
+        either neighbour, for segment-to-segment those of the multipliers' field.
+
+    """
+
+    x: Floats
+    values: Floats
+
+    @classmethod
+    def of(cls, contact: ContactSolution) -> "SurfacePressure":
+        """Pressure of a solution."""
+        lin, pair = contact.state.linearisation, contact.system.contacts[0]
+        assert isinstance(lin, ContactLinearisation)
+        part, pairs = pair.secondary.part, lin.pairs[0]
+        x = part.body.space.nodes[pair.secondary.nodes][:, 0]
+        forces, areas = np.zeros(len(x)), np.zeros(len(x))
+        np.add.at(forces, pairs.nodes, contact.state.forces)
+        np.add.at(areas, pairs.nodes, pairs.areas)
+        known = np.flatnonzero(areas > 0.0)
+        known = known[np.argsort(x[known])]
+        at, of_node = x[known], areas[known]
+        if not pair.pairing.averages:  # influence widths (Moherdaui 2021, Figures 24 and 63)
+            of_node = np.diff(np.concatenate((at[:1], (at[:-1] + at[1:]) / 2.0, at[-1:]))) * part.body.thickness
+        return cls(at, forces[known] / of_node)
+
+    def maximum_difference(self, theory: LineContact, margin: float = 0.0) -> float:
+        """Maximum difference from Hertz's curve over p0 at nodes farther than `margin` from the contact's ends."""
+        inside = np.abs(np.abs(self.x) - theory.half_width) > margin
+        return float(np.abs(self.values - theory.pressure(self.x))[inside].max()) / theory.max_pressure
+
+    @property
+    def oscillation(self) -> float:
+        """Root mean square difference between a loaded node and the mean of its neighbours, over the maximum pressure.
+
+        The two loaded nodes at each end are left out, where the pressure falls steeply.
+        """
+        loaded = self.values[self.values > 0.0]
+        if len(loaded) < 7:
+            return 0.0
+        apart = loaded[1:-1] - (loaded[:-2] + loaded[2:]) / 2.0
+        return float(np.sqrt(np.mean(apart[1:-1] ** 2))) / float(loaded.max())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class HertzRow:
+    """One configuration on one mesh, lengths in cm, forces in kN.
+
+    Parameters
+    ----------
+    code, level, variant
+        Such as ``"VVO2"`` and 4 for VVO2 on M4; see `Variant`.
     status
         How it ended.
-    n_unknowns
-        Unknowns of both discs.
-    size
-        Edge length of the secondary triangles, one edge or one polygon's width.
+    n_unknowns, size
+        Unknowns of both discs; edge length of the upper triangles, one edge or one polygon's width.
     iterations
         Newton iterations of each load step.
-    force
-        Force between the discs.
+    force, half_width
+        Force between the discs, and half of the loaded length of the upper one.
     extremes
-        See `HertzSolution.extremes`.
-    half_width
-        Half of the loaded length of the secondary disc.
+        Minimum principal stress, maximum shear stress in the plane and maximum von Mises stress of both discs, of each
+        element at order 1, and unaveraged at all corners above.
     theory
         Hertz's contact under the same force.
     pressure
         Pressure at the nodes of the zone.
     points, nodal_forces
-        Positions of the loaded secondary nodes and the forces on them, shapes (n, 2).
+        Positions of the loaded nodes of the upper disc and the forces on them, shapes (n, 2).
     line
-        Stresses of the primary disc down the line of symmetry to a depth of 1 cm.
+        Stresses of the lower disc down the line of symmetry to a depth of 1 cm.
     fields
-        Displacements of both discs.
-    timings_s
-        See `HertzSolution.timings_s`.
+        Displacements of the upper and the lower disc.
 
     """
 
@@ -114,15 +172,14 @@ class HertzRow:
     size: float
     iterations: tuple[int, ...]
     force: float
-    extremes: dict[str, float]
     half_width: float
+    extremes: dict[str, float]
     theory: LineContact
     pressure: SurfacePressure
     points: Floats
     nodal_forces: Floats
     line: StressLine
     fields: tuple[ElasticField, ElasticField]
-    timings_s: dict[str, float]
 
     @property
     def name(self) -> str:
@@ -170,40 +227,37 @@ def published_value(key: str, code: str, level: int) -> float:
     return float(_published()[key, code][f"M{level}"])
 
 
-def published_problem(code: str, level: int, variant: Variant = "printed") -> HertzProblem:
+def published_case(code: str, level: int, variant: Variant = "printed") -> HertzCase:
     """Return a published configuration, or the same discs with segment-to-segment contact between their circles.
+
+    The keys' mm, N and MPa stand for cm, kN and kN/cm^2. With ``"segments"`` virtual elements have their default
+    stabilisation: the published one, half of the trace, is many times too stiff for the shapes of edges that
+    polynomials miss, and multipliers answer to it.
 
     Parameters
     ----------
-    code
-        One of `CODES`.
-    level
-        Mesh, 1 to 4.
+    code, level
+        One of `CODES`, and the mesh, 1 to 4.
     variant
-        With ``"segments"`` virtual elements have their default stabilisation: the published one, half of the trace, is
-        many times too stiff for the shapes of edges that polynomials miss, and multipliers answer to it.
+        See `Variant`.
 
     """
-    kind: Cells = {"D": "triangles", "V": "polygons", "E": "edge-refined"}[code[1]]  # type: ignore[assignment]
-    method: Method = "vem" if code[0] == "V" else "fem"
-    stabilisation = None if variant == "segments" else TraceStabilisation()
-    secondary, primary = (
-        HalfDisc(
-            published_value(f"element size Delaunay {side}", "", level),
-            kind,
-            method,
-            int(code[3]),
-            stabilisation=stabilisation,
-        )
-        for side in ("slave", "master")
-    )
+    upper, lower = (published_value(f"element size Delaunay {side}", "", level) for side in ("slave", "master"))
+    values: dict[str, Any] = {
+        **PUBLISHED_DISCS,
+        "method": METHODS[code[:2]],
+        "order": int(code[3]),
+        "halved_edges": code[1] == "E",
+        "size_mm": upper,
+        "lower_size_mm": lower,
+    }
     if variant == "segments":
-        return HertzProblem(secondary, primary, Multiplier(), SegmentToSegment(weighting="dual"), curved=True)
-    mesh = "Voronoi" if kind == "polygons" else "Delaunay"
-    value = published_value(f"penalty {mesh}", "", level)
-    if variant == "halved":
-        value /= 2.0**level
-    return HertzProblem(secondary, primary, Penalty(value, per="node"), NodeToSegment(slack=SLACK))
+        values |= {"enforcement": "multiplier", "weighting": "dual"}
+    else:
+        penalty = published_value(f"penalty {'Voronoi' if code[1] == 'V' else 'Delaunay'}", "", level)
+        values |= {"pairing": "node-to-segment", "slack": SLACK, "stabilisation": "trace", "curved": False}
+        values |= {"enforcement": "penalty", "nodal_penalty_N_per_mm": penalty / 2.0 ** (level * (variant == "halved"))}
+    return HertzCase.from_values(values)
 
 
 def reproduce_hertz(
@@ -225,36 +279,44 @@ def reproduce_hertz(
 
 
 def hertz_row(code: str, level: int, variant: Variant) -> HertzRow:
-    """Compute one configuration; see `published_problem`. Without any contact it is a `FlangewayError`."""
-    solution = solve_hertz(published_problem(code, level, variant))
-    if solution.patch is None:
-        raise FlangewayError(f"{code}M{level}, {VARIANTS[variant]}: {solution.status.message}")
+    """Compute one configuration; see `published_case`. Without any contact it is a `FlangewayError`."""
+    case = published_case(code, level, variant)
+    run = case.run()
+    contact = run.contact
+    if contact is None or not run.patches:
+        raise FlangewayError(f"{code}M{level}, {VARIANTS[variant]}: {run.status.message}")
+    patch, status = max(run.patches, key=lambda each: float(each.normal_forces.sum())), contact.status
+    if status.converged and patch.at_edge:
+        message = "contact reaches the end of its candidate zone; check the indentation and the radii"
+        status = Status(False, message, status.iterations)
+    force = float(contact.forces[0, 1])
+    upper, lower = (run.bodies[name].field for name in ("upper", "lower"))
+    spaces, bodies = (upper.problem.space, lower.problem.space), run.summary.bodies
+    # the line begins below the chord that the mesh has at the apex
+    below = 1.1 * case.lower_mesh_size**2 / (8.0 * case.lower_radius_mm)
     return HertzRow(
-        code,
-        level,
-        variant,
-        solution.status,
-        solution.model.n_unknowns,
-        solution.model.problem.secondary.size,
-        solution.iterations,
-        solution.force,
-        solution.extremes,
-        solution.patch.half_width,
-        solution.theory,
-        solution.pressure,
-        solution.patch.points,
-        solution.patch.forces,
-        _symmetry_line(solution),
-        solution.fields,
-        solution.timings_s,
+        code=code,
+        level=level,
+        variant=variant,
+        status=status,
+        n_unknowns=sum(2 * (space.n_dofs - space.n_nodes) for space in spaces)
+        + sum(int(part.body.free.sum()) for part in contact.system.parts),
+        size=case.size_mm,
+        iterations=tuple(step.state.status.iterations for step in contact.steps),
+        force=force,
+        half_width=patch.half_width,
+        extremes={
+            "principal_3": min(body.min_principal_MPa for body in bodies),
+            "in_plane_shear": max(body.max_in_plane_shear_MPa for body in bodies),
+            "von_mises": max(body.max_von_mises_MPa for body in bodies),
+        },
+        theory=case.theory(force),
+        pressure=SurfacePressure.of(contact),
+        points=patch.points,
+        nodal_forces=patch.forces,
+        line=stresses_along(lower, (0.0, -below), (0.0, -1.0), LINE_POINTS),
+        fields=(upper, lower),
     )
-
-
-def _symmetry_line(solution: HertzSolution) -> StressLine:
-    """Down into the primary disc from below the chord that its mesh has at the apex."""
-    disc = solution.model.problem.primary
-    below = 1.1 * disc.size**2 / (8.0 * disc.radius)
-    return stresses_along(solution.fields[1], (0.0, -below), (0.0, -1.0), LINE_POINTS)
 
 
 def _published_numbers(row: HertzRow) -> Iterator[ReproducedNumber]:
@@ -293,7 +355,7 @@ def _deviation(row: HertzRow, published: float, reference: float, computed: floa
 
 
 def _exact_numbers(row: HertzRow) -> Iterator[ReproducedNumber]:
-    exact = published_problem(row.code, row.level).theory(REFERENCE_FORCE)
+    exact = published_case(row.code, row.level).theory(REFERENCE_FORCE)
     note = "segment-to-segment, multipliers, gap between the circles"
     fine = row.level >= FINE
     if not fine:
