@@ -19,7 +19,7 @@ from flangeway.contact import (
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Outline, Placement, circle, polygon, rectangle
 from flangeway.solve import NewtonSettings, StepSettings
-from flangeway.validation.contact_patch.pressed_boxes import (
+from tests.contact.steel_boxes import (
     BoxDiscretisation,
     ContactCase,
     Method,

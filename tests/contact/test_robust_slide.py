@@ -21,7 +21,7 @@ from flangeway.contact import (
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
 from flangeway.solve import solve_contact
-from flangeway.validation.contact_patch.pressed_boxes import BoxDiscretisation, Method, surface_of
+from tests.contact.steel_boxes import BoxDiscretisation, Method, surface_of
 
 Floats = NDArray[np.float64]
 

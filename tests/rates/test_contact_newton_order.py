@@ -17,7 +17,7 @@ from flangeway.contact import (
 )
 from flangeway.contact.enforcement import Enforcement
 from flangeway.geometry import Placement, rectangle
-from flangeway.validation.contact_patch.pressed_boxes import BoxDiscretisation, Method, surface_of
+from tests.contact.steel_boxes import BoxDiscretisation, Method, surface_of
 
 
 def settled_steps(solution: ContactSolution) -> np.ndarray:

@@ -39,11 +39,11 @@ def test_segment_to_segment_passes_everywhere(found: ContactPatchReproduction) -
         assert run.converged, f"{run.code}: {run.solution.status.message}"
         assert run.pressure_error < 1e-8, run.code
         assert run.stress_error < 1e-8, run.code
-    kinds = {(run.upper.method, run.upper.order) for run in found.proper}
+    kinds = {(run.case.upper_method, run.case.upper_order) for run in found.proper}
     assert kinds == {("fem", 1), ("fem", 2), ("vem", 1), ("vem", 2)}
-    assert any(run.upper.method != run.lower.method for run in found.proper)
+    assert any(run.case.upper_method != run.case.lower_method for run in found.proper)
     assert any(run.matching for run in found.proper)
-    assert {round(float(np.rad2deg(run.rotation_rad))) for run in found.proper} == {0, 30}
+    assert {run.case.rotation_deg for run in found.proper} == {0, 30}
     assert {run.law for run in found.proper} == {"penalty", "augmented", "multiplier"}
     assert {run.pairing for run in found.proper} == {"segment-to-segment, standard", "segment-to-segment, dual"}
 
@@ -117,7 +117,7 @@ def test_quick_leaves_out_the_finest_meshes(found: ContactPatchReproduction, mon
 
     monkeypatch.setattr(contact_patch_reproduced, "_run", again)
     quick = reproduce_contact_patch(quick=True)
-    assert {run.upper.size for run in left} == {min(run.upper.size for run in found.published)}
+    assert {run.level for run in left} == {3}
     assert {run.code[4] for run in quick.published} == {"1", "2"}
     assert quick.passed
     assert all("M3" not in run.code for run in quick.proper)

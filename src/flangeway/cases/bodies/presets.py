@@ -14,6 +14,7 @@ from flangeway.cases.bodies.bodies_tables import (
     SLACK_MEANING,
     STABILISATION_MEANING,
     WEIGHTING_MEANING,
+    ContactTable,
     MethodName,
     StabilisationName,
 )
@@ -27,6 +28,8 @@ from flangeway.materials import Elastic
 # ruff: noqa: N815 (units in names)
 
 METHOD_MEANING = "fem: triangles; vem: polygons with virtual elements; vem-triangles: triangles with virtual elements"
+CONTACT_KEYS = set(ContactTable.model_fields)
+"""Keys of a preset that are those of its contact."""
 ZONE_OF_LENS = 0.85
 """Half width of the candidate zone over that of the overlap of the rigid bodies; elastic contact takes about half."""
 ZONE_OF_HERTZ = 1.6
@@ -154,9 +157,7 @@ class HertzCase(BodiesPreset):
             "primary": "lower",
             "primary_edges": "top" if block else side,
             "primary_box_mm": (-wide, -below, wide, 1.0),
-            **self.model_dump(
-                include={"pairing", "enforcement", "weighting", "nodal_penalty_N_per_mm", "slack", "curved"}
-            ),
+            **self.model_dump(include=CONTACT_KEYS),
         }
         return TwoBodiesCase.from_values(
             {
@@ -314,6 +315,11 @@ class ContactPatchCase(BodiesPreset):
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
         "multiplier", description="constraint enforcement"
     )
+    penalty_MPa_mm: float | None = Field(None, gt=0.0, description="pressure per penetration (default: as of bodies)")
+    nodal_penalty_N_per_mm: float | None = Field(None, gt=0.0, description=NODAL_PENALTY_MEANING)
+    penetration_mm: float = Field(1e-5, gt=0.0, description="tolerated penetration of augmented-lagrange")
+    weighting: Literal["standard", "dual"] = Field("standard", description=WEIGHTING_MEANING)
+    rotation_deg: float = Field(0.0, ge=-90.0, le=90.0, description="rotation of everything, counter-clockwise")
 
     def results(self, run: BodiesRun) -> dict[str, Any]:
         """See `BodiesPreset.results`."""
@@ -358,15 +364,19 @@ class ContactPatchCase(BodiesPreset):
             "secondary_edges": "bottom",
             "primary": "lower",
             "primary_edges": "top",
-            "pairing": self.pairing,
-            "enforcement": self.enforcement,
+            **self.model_dump(include=CONTACT_KEYS),
         }
+        turn = math.radians(self.rotation_deg)
+        shift = (self.approach_mm * math.sin(turn), -self.approach_mm * math.cos(turn))
+        motions: list[dict[str, Any]] = [{"body": "upper", "shift_mm": shift, "rotation_deg": self.rotation_deg}]
+        if self.rotation_deg:
+            motions.append({"body": "lower", "rotation_deg": self.rotation_deg})
         return TwoBodiesCase.from_values(
             {
                 "thickness_mm": self.thickness_mm,
                 "bodies": bodies,
                 "supports": supports,
-                "motions": [{"body": "upper", "shift_mm": (0.0, -self.approach_mm)}],
+                "motions": motions,
                 "contacts": [contact],
             }
         )

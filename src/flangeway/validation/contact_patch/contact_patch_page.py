@@ -53,8 +53,9 @@ def forces_figure(found: ContactPatchReproduction) -> Figure:
     figure = new_figure(10.0, 6.4)
     finest = _level(found, max(_levels(found)))
     for axes, (kind, run) in zip(figure.subplots(2, 2, sharex=True).flat, finest.items(), strict=True):
-        for name, sign, marker in (("upper", 1.0, "o"), ("lower", -1.0, "s")):
-            part = run.case.part(name)
+        for name, sign, marker, part in zip(
+            ("upper", "lower"), (1.0, -1.0), "os", run.solution.system.parts, strict=True
+        ):
             forces = run.solution.nodal_forces(part)[:, 1]
             mine = np.flatnonzero(np.abs(part.body.space.nodes[:, 1]) < 1e-9)
             x, length = part.body.space.nodes[mine, 0], np.abs(forces[mine])
@@ -126,7 +127,7 @@ def _draw_stresses(
     location: Literal["right", "bottom"] = "right",
 ) -> None:
     """Draw runs side by side in the same colours."""
-    fields = [[run.solution.field(run.case.part(name)) for name in ("upper", "lower")] for run in runs]
+    fields = [run.fields for run in runs]
     shown = [[_stress(field) for field in pair] for pair in fields]
     values = np.concatenate([part[1] for pair in shown for part in pair])
     norm = Normalize(float(values.min()), float(values.max()))
@@ -176,8 +177,8 @@ def _proper(found: ContactPatchReproduction, like: PatchRun) -> PatchRun:
     return next(
         run
         for run in found.proper
-        if (run.upper, run.lower, run.law, run.rotation_rad) == (like.upper, like.lower, "multiplier", 0.0)
-        and run.pairing.endswith("standard")
+        if (run.sides, run.level, run.law, run.matching) == (like.sides, like.level, "multiplier", False)
+        and (run.case.rotation_deg, run.case.weighting) == (0.0, "standard")
     )
 
 

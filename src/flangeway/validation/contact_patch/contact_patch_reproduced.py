@@ -13,42 +13,30 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from types import MappingProxyType
-from typing import Literal
+from typing import Any
 
 import numpy as np
 
+from flangeway.cases.bodies.bodies_run import BodiesRun
+from flangeway.cases.bodies.presets import ContactPatchCase
 from flangeway.cases.case import Progress
-from flangeway.contact import (
-    AugmentedLagrange,
-    ContactSolution,
-    Multiplier,
-    NodeToSegment,
-    Pairing,
-    Penalty,
-    SegmentToSegment,
-)
-from flangeway.contact.enforcement import Enforcement
+from flangeway.contact import ContactSolution
+from flangeway.materials import Elastic
 from flangeway.post import Stresses, cell_stresses, corner_stresses
-from flangeway.post.pressure import PressurePatch, pressure_patches
-from flangeway.validation.contact_patch.pressed_boxes import (
-    STEEL,
-    BoxDiscretisation,
-    ContactCase,
-    Method,
-    pressed_boxes,
-)
+from flangeway.post.pressure import PressurePatch
+from flangeway.problems import ElasticField
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, percent
-
-Weighting = Literal["standard", "dual"]
 
 PUBLISHED = -1125.0
 """Uniform vertical stress of (6.1) in kN/cm^2."""
 WIDTH, HEIGHT, APPROACH = 2.0, 1.0, 0.1
+STEEL = Elastic(20e3, 1.0 / 3.0)
+"""Units are cm, kN and kN/cm^2, where the keys of the case have mm, N and MPa."""
 PENALTY = 1e6
 """Published penalty in kN/cm at each secondary node; read as kN/cm^3 where it is per length."""
 N_EDGES: Mapping[int, tuple[int, int]] = MappingProxyType({1: (9, 7), 2: (17, 13), 3: (33, 25)})
 """Triangles' edges along the upper and the lower box by refinement: no multiple of each other."""
-ROTATION_RAD = np.deg2rad(30.0)
+ROTATION_DEG = 30.0
 PASSED = 1e-8
 """Maximum relative deviation from the converged uniform pressure that passes the test."""
 OFF = 1e-3
@@ -58,15 +46,18 @@ MAX_OFF = 0.5
 SAME_STRESS = 0.01
 """Maximum relative difference of the mean stress from the published one, for node-to-segment."""
 
-LAWS: Mapping[str, Enforcement] = MappingProxyType(
+LAWS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {
-        "penalty": Penalty(PENALTY, per="length"),
-        "augmented": AugmentedLagrange(PENALTY, per="length", penetration=1e-11 * APPROACH),
-        "multiplier": Multiplier(),
+        "penalty": {"enforcement": "penalty", "penalty_MPa_mm": PENALTY},
+        "augmented": {
+            "enforcement": "augmented-lagrange", "penalty_MPa_mm": PENALTY, "penetration_mm": 1e-11 * APPROACH,
+        },
+        "multiplier": {"enforcement": "multiplier"},
     }
-)
+)  # fmt: skip
 """Enforcements that segment-to-segment is shown with."""
-ELEMENTS: Mapping[str, tuple[Method, int]] = MappingProxyType(
+NODAL_PENALTY = {"pairing": "node-to-segment", "enforcement": "penalty", "nodal_penalty_N_per_mm": PENALTY}
+ELEMENTS: Mapping[str, tuple[str, int]] = MappingProxyType(
     {"T3": ("fem", 1), "T6": ("fem", 2), "VEM1": ("vem", 1), "VEM2": ("vem", 2)}
 )
 MIXED = (("T6", "VEM1"), ("VEM2", "T3"), ("T3", "T6"), ("VEM1", "VEM2"))
@@ -80,49 +71,59 @@ class PatchRun:
     ----------
     code
         Published code for node-to-segment, such as ``FPTM3O2``; else what was computed, in words.
-    pairing, law
-        Names of how surfaces are compared and of the enforcement.
-    upper, lower
-        Discretisations of the secondary and of the primary box.
+    law
+        Name of the enforcement.
+    sides, level
+        Keys of `ELEMENTS` of the secondary and of the primary box, and the refinement.
     matching
         Whether both boxes have the same mesh, mirrored.
-    rotation_rad
-        Rotation of everything.
-    case
-        What was computed.
-    solution
-        Its solution.
+    case, run
+        What was computed, and its result.
 
     """
 
     code: str
-    pairing: str
     law: str
-    upper: BoxDiscretisation
-    lower: BoxDiscretisation
+    sides: tuple[str, str]
+    level: int
     matching: bool
-    rotation_rad: float
-    case: ContactCase
-    solution: ContactSolution
+    case: ContactPatchCase
+    run: BodiesRun
+
+    @property
+    def pairing(self) -> str:
+        """Name of how surfaces are compared."""
+        averages = self.case.pairing == "segment-to-segment"
+        return f"{self.case.pairing}, {self.case.weighting}" if averages else self.case.pairing
+
+    @property
+    def solution(self) -> ContactSolution:
+        """Solution of the contact."""
+        assert self.run.contact is not None
+        return self.run.contact
+
+    @property
+    def fields(self) -> tuple[ElasticField, ElasticField]:
+        """Displacements of the upper and of the lower box, in its own frame."""
+        return self.run.bodies["upper"].field, self.run.bodies["lower"].field
 
     @property
     def expected(self) -> float:
         """Uniform pressure: that of (6.1), reduced by the compliance of a penalty per length."""
         compliance = 2.0 * HEIGHT / STEEL.plane_modulus
-        if self.law == "penalty" and self.pairing != "node-to-segment":
+        if self.law == "penalty" and self.case.pairing != "node-to-segment":
             compliance += 1.0 / PENALTY
         return APPROACH / compliance
 
     @cached_property
     def patch(self) -> PressurePatch:
         """The region of contact, with the pressures of its nodes by influence width (Moherdaui 2021, Figure 63)."""
-        patches = pressure_patches(self.solution.system, self.solution.state)
-        return max(patches, key=lambda patch: len(patch.pressures))
+        return max(self.run.patches, key=lambda patch: len(patch.pressures))
 
     @cached_property
     def stresses(self) -> tuple[Stresses, Stresses]:
         """Stresses at all corners of the elements of the upper and of the lower box, unaveraged."""
-        upper, lower = (self.solution.field(self.case.part(name)) for name in ("upper", "lower"))
+        upper, lower = self.fields
         return corner_stresses(upper.problem, upper.displacements), corner_stresses(lower.problem, lower.displacements)
 
     @property
@@ -155,16 +156,16 @@ class PatchRun:
     @cached_property
     def stress_oscillation(self) -> float:
         """Root mean square of the elements' vertical stress less the uniform one, over both boxes, relative to it."""
-        fields = [self.solution.field(self.case.part(name)) for name in ("upper", "lower")]
-        values = [cell_stresses(field.problem, field.displacements).components[:, 1] for field in fields]
-        areas = np.concatenate([field.problem.space.mesh.cell_areas for field in fields])
+        values = [cell_stresses(field.problem, field.displacements).components[:, 1] for field in self.fields]
+        areas = np.concatenate([field.problem.space.mesh.cell_areas for field in self.fields])
         deviation = np.concatenate(values) / -self.expected - 1.0
         return float(np.sqrt(areas @ deviation**2 / areas.sum()))
 
     @property
     def mean_stress(self) -> float:
         """Force over width, negative in compression."""
-        force = self.solution.forces[0] @ np.array([-np.sin(self.rotation_rad), np.cos(self.rotation_rad)])
+        turn = np.deg2rad(self.case.rotation_deg)
+        force = self.solution.forces[0] @ np.array([-np.sin(turn), np.cos(turn)])
         return -float(force) / WIDTH
 
     @property
@@ -216,14 +217,13 @@ def reproduce_contact_patch(*, quick: bool = False, progress: Progress = lambda 
     published = []
     for code, elements, level in _published_codes(levels):
         progress(f"node-to-segment: {code}")
-        published.append(_run(code, (elements, elements), level, NodeToSegment(), "penalty", Penalty(PENALTY, "node")))
+        published.append(_run(code, "penalty", (elements, elements), level, NODAL_PENALTY))
     proper = []
-    for (sides, level, matching, rotation), weighting in _proper_cases(levels):
-        for law, enforcement in LAWS.items():
-            pairing = SegmentToSegment(weighting=weighting)
-            code = f"{sides[0]} on {sides[1]} M{level}" + (" matching" if matching else "")
+    for sides, level, matching, changed in _proper_cases(levels):
+        code = f"{sides[0]} on {sides[1]} M{level}" + (" matching" if matching else "")
+        for law, keys in LAWS.items():
             progress(f"segment-to-segment: {code}, {law}")
-            proper.append(_run(code, sides, level, pairing, law, enforcement, matching=matching, rotation=rotation))
+            proper.append(_run(code, law, sides, level, {**keys, **changed}, matching=matching))
     return ContactPatchReproduction(
         published=tuple(published),
         proper=tuple(proper),
@@ -239,41 +239,35 @@ def _published_codes(levels: Sequence[int]) -> Iterator[tuple[str, str, int]]:
                 yield f"{method}PTM{level}O{order}", elements, level
 
 
-def _proper_cases(levels: Sequence[int]) -> Iterator[tuple[tuple[tuple[str, str], int, bool, float], Weighting]]:
-    """Sides, refinement, matching and rotation, with the weighting of the gap."""
+def _proper_cases(levels: Sequence[int]) -> Iterator[tuple[tuple[str, str], int, bool, dict[str, Any]]]:
+    """Sides, refinement, matching, and further keys of the case."""
+    rotated = {"rotation_deg": ROTATION_DEG}
     for name in ELEMENTS:
         for level in levels:
-            yield ((name, name), level, False, 0.0), "standard"
-        yield ((name, name), 1, True, 0.0), "standard"
-        yield ((name, name), 1, False, ROTATION_RAD), "standard"
-        yield ((name, name), 1, True, ROTATION_RAD), "standard"
-        yield ((name, name), 1, False, 0.0), "dual"
+            yield (name, name), level, False, {}
+        yield (name, name), 1, True, {}
+        yield (name, name), 1, False, rotated
+        yield (name, name), 1, True, rotated
+        yield (name, name), 1, False, {"weighting": "dual"}
     for sides in MIXED:
-        yield (sides, 1, False, 0.0), "standard"
-        yield (sides, 1, False, ROTATION_RAD), "standard"
+        yield sides, 1, False, {}
+        yield sides, 1, False, rotated
 
 
 def _run(
-    code: str,
-    sides: tuple[str, str],
-    level: int,
-    pairing: Pairing,
-    law: str,
-    enforcement: Enforcement,
-    *,
-    matching: bool = False,
-    rotation: float = 0.0,
+    code: str, law: str, sides: tuple[str, str], level: int, keys: Mapping[str, Any], *, matching: bool = False
 ) -> PatchRun:
     n_upper, n_lower = N_EDGES[level]
-    counts = (n_upper, n_upper if matching else n_lower)
-    # slightly larger than an exact part of the width, so that round-off does not add an edge
-    sizes = [WIDTH / n * (1.0 + 1e-6) for n in counts]
-    upper, lower = (BoxDiscretisation(size, *ELEMENTS[name]) for size, name in zip(sizes, sides, strict=True))
-    case = pressed_boxes(
-        upper, lower, pairing, enforcement, width=WIDTH, height=HEIGHT, approach=APPROACH, rotation_rad=rotation
-    )
-    name = f"segment-to-segment, {pairing.weighting}" if isinstance(pairing, SegmentToSegment) else "node-to-segment"
-    return PatchRun(code, name, law, upper, lower, matching, rotation, case, case.solve())
+    values: dict[str, Any] = {"width_mm": WIDTH, "height_mm": HEIGHT, "approach_mm": APPROACH, "young_MPa": STEEL.young}
+    for box, elements, n_edges in zip(
+        ("upper", "lower"), sides, (n_upper, n_upper if matching else n_lower), strict=True
+    ):
+        method, order = ELEMENTS[elements]
+        # slightly larger than an exact part of the width, so that round-off does not add an edge
+        size = WIDTH / n_edges * (1.0 + 1e-6)
+        values |= {f"{box}_method": method, f"{box}_order": order, f"{box}_size_mm": size}
+    case = ContactPatchCase.from_values({**values, **keys})
+    return PatchRun(code, law, sides, level, matching, case, case.run())
 
 
 def _numbers(run: PatchRun) -> Iterator[ReproducedNumber]:
@@ -305,10 +299,10 @@ def pass_rows(found: ContactPatchReproduction) -> list[Row]:
             "code": run.code,
             "pairing": run.pairing,
             "law": run.law,
-            "secondary": _elements_name(run.upper),
-            "primary": _elements_name(run.lower),
+            "secondary": run.sides[0],
+            "primary": run.sides[1],
             "matching": run.matching,
-            "rotation_deg": float(np.rad2deg(run.rotation_rad)),
+            "rotation_deg": run.case.rotation_deg,
             "iterations": run.solution.status.iterations,
             "expected_pressure": run.expected,
             "pressure_error": run.pressure_error,
@@ -317,7 +311,3 @@ def pass_rows(found: ContactPatchReproduction) -> list[Row]:
         }
         for run in (*found.published, *found.proper)
     ]
-
-
-def _elements_name(side: BoxDiscretisation) -> str:
-    return next(name for name, kind in ELEMENTS.items() if kind == (side.method, side.order))
