@@ -30,16 +30,16 @@ MAX_LINES = {
     "railway.wheelset": 1680,
     "railway.positions": 2500,
     "railway.spatial": 80,
-    "cases": 6010,
+    "cases": 6080,
     "campaign": 1780,
-    "report": 5970,
-    "validation": 5100,
+    "report": 5940,
+    "validation": 4480,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 50_860
-MAX_FILES_OF_ALL = 282
+MAX_LINES_OF_ALL = 50_280
+MAX_FILES_OF_ALL = 262
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -2,7 +2,7 @@
 
 import tracemalloc
 
-from flangeway.cases.bodies.bodies_places import free_axis
+from flangeway.cases.bodies.bodies_shape import free_axis
 from flangeway.mesh import rectangle_grid
 
 

@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from flangeway.cases.rigid.conicities import conicities_of
 from flangeway.cases.rigid.rigid_case import find_geometry_case
-from flangeway.cases.rigid.rigid_run import run_geometry
+from flangeway.cases.rigid.rigid_run import conicities_of, run_geometry
 from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity
 
 PUBLISHED = {1.0: 0.000, 1.4: 0.000, 2.4: 0.450, 3.0: 0.493, 4.0: 0.488, 5.0: 0.476}

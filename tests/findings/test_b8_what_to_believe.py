@@ -11,7 +11,7 @@ from flangeway.report.figures.fields import part_fields
 from flangeway.report.page.page_tables import bending_table, contacts_table, stresses_table
 from flangeway.report.wheelset.subsurface_figure import subsurface_lines
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
-from flangeway.report.wheelset.wheelset_outputs import _pictures
+from flangeway.report.wheelset.wheelset_page import _pictures
 
 
 @pytest.fixture(scope="module")

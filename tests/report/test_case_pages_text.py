@@ -11,7 +11,7 @@ import pytest
 from flangeway.cases import CASES
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import read_case
-from flangeway.cases.section.torsion_case import TorsionCase
+from flangeway.cases.section.section_run import TorsionCase
 from flangeway.post import corner_stresses
 from flangeway.report import scenes
 from flangeway.report.bodies.bodies_page import bodies_page

@@ -8,8 +8,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 
 from flangeway.mesh import dual, rectangle_grid
-from flangeway.report.figures.cell_patches import cells_path, draw_lines, fill_cells
-from flangeway.report.figures.drawing import ColourSteps
+from flangeway.report.figures.drawing import ColourSteps, cells_path, draw_lines, fill_cells
 
 SIDE = 400
 VALUES = np.array([0.0, 900.0])

@@ -15,9 +15,8 @@ from flangeway.errors import InputError
 from flangeway.report import command_line, write_case
 from flangeway.report.case_outputs import case_files
 from flangeway.report.page.html_page import report_page
-from flangeway.report.wheelset import wheelset_outputs as outputs
-from flangeway.report.wheelset.wheelset_outputs import NAMES, PICTURES
-from flangeway.report.wheelset.wheelset_page import wheelset_page
+from flangeway.report.wheelset import wheelset_page as outputs
+from flangeway.report.wheelset.wheelset_page import NAMES, PICTURES, wheelset_page
 from flangeway.system.output_folder import refuse_unwritable
 
 VOID = {"meta", "img", "br", "link", "input"}

@@ -8,7 +8,7 @@ from flangeway.errors import InputError
 from flangeway.exact.notch import EXPONENT, Notch
 from flangeway.mesh import check, rectangle_grid
 from flangeway.post.adaptive import adapt
-from flangeway.validation.elasticity.l_shape import EXACT, MATERIAL, adaptive_rows, l_shape, uniform_rows
+from flangeway.validation.elasticity.closed_form import EXACT, MATERIAL, adaptive_rows, l_shape, uniform_rows
 
 
 def test_the_exact_stresses_are_those_of_the_exact_displacements():

@@ -11,13 +11,11 @@ from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid, refined
 from flangeway.validation import registry as reproductions
 from flangeway.validation.elasticity import elasticity_reproduced as elasticity
-from flangeway.validation.elasticity.closed_form import closed_form_numbers
+from flangeway.validation.elasticity.closed_form import PatchCode, closed_form_numbers, patch_row
 from flangeway.validation.elasticity.elasticity_page import hanging_nodes
 from flangeway.validation.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
-from flangeway.validation.elasticity.patch_test import PatchCode, patch_row
 from flangeway.validation.published_numbers import Reproduced
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.validation_page import Chapter
+from flangeway.validation.reproduction import Chapter, Reproduction
 
 PUBLISHED = {
     "strain energy": 1542.159,

@@ -8,11 +8,9 @@ import pytest
 from matplotlib.figure import Figure
 
 from flangeway.validation import registry as reproductions
-from flangeway.validation.published_numbers import Reproduced, compare
+from flangeway.validation.published_numbers import PageTable, Reproduced, compare, digits, relative
 from flangeway.validation.registry import REPRODUCTIONS
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.validation_page import Chapter, PagePicture, section_text
-from flangeway.validation.validation_tables import PageTable, digits, relative
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction, section_text
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGE = (DOCS / "validation.md").read_text(encoding="utf-8")

@@ -5,10 +5,16 @@ from flangeway.cases.bodies.cook import CookCode, CookRow, cook_row, solve_cook
 from flangeway.cases.case import Case, Run, RunnableCase
 from flangeway.cases.case_file import CASES, find_case, load_case
 from flangeway.cases.case_template import schema, write_template
-from flangeway.cases.convergence import Convergence, run_halved
 from flangeway.cases.summary import Summary, write_summary
 from flangeway.cases.wheelset.summarise import summarise
-from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetCase, WheelsetCurveCase, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_case import (
+    CaseRun,
+    Convergence,
+    WheelsetCase,
+    WheelsetCurveCase,
+    WheelsetTangentCase,
+    run_halved,
+)
 
 __all__ = [
     "CASES",

@@ -9,7 +9,7 @@ from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import RunnableCase, closest, key_text
-from flangeway.cases.section.torsion_case import TorsionCase
+from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file

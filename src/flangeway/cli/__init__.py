@@ -19,9 +19,7 @@ try:
     from flangeway.cli import (
         run_cases as cases,
         campaign_command as campaign,
-        geometry_command as geometry,
-        section_command as section,
-        profile_command as profile,
+        shape_commands as shapes,
         reproduce_command as reproduce,
     )
     from flangeway.cli.app import app, main
@@ -29,4 +27,4 @@ except KeyboardInterrupt:
     print("flangeway: interrupted; nothing was written", file=sys.stderr)
     sys.exit(130)
 
-__all__ = ["app", "campaign", "cases", "geometry", "main", "profile", "reproduce", "section"]
+__all__ = ["app", "campaign", "cases", "main", "reproduce", "shapes"]

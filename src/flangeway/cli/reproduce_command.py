@@ -41,8 +41,14 @@ def reproduce(
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     with errors_as_exit_status():
         from flangeway.validation.registry import REPRODUCTIONS  # noqa: PLC0415
-        from flangeway.validation.reproduction import find_reproductions, print_verdicts  # noqa: PLC0415
-        from flangeway.validation.validation_page import Verdict, check_page, make_section, write_page  # noqa: PLC0415
+        from flangeway.validation.reproduction import (  # noqa: PLC0415  # noqa: PLC0415
+            Verdict,
+            check_page,
+            find_reproductions,
+            make_section,
+            print_verdicts,
+            write_page,
+        )
 
         folder = out or Path("out", "reproduce")
         wanted = find_reproductions(name, REPRODUCTIONS)

@@ -120,7 +120,7 @@ def run(name: str, case: "RunnableCase", out: Path | None) -> bool:
 def converge(name: str, case: "RunnableCase", out: Path | None) -> bool:
     """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge/converge.json)."""
     from flangeway.cases import run_halved, write_summary  # noqa: PLC0415
-    from flangeway.report.wheelset.terminal import print_convergence  # noqa: PLC0415
+    from flangeway.report.wheelset.wheelset_page import print_convergence  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable, write_together  # noqa: PLC0415
 
     wheelset = _wheelset(case)

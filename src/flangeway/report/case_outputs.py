@@ -10,13 +10,12 @@ from rich.console import Console
 from flangeway.cases import write_summary
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
-from flangeway.cases.section.torsion_case import TorsionCase, TorsionRun
+from flangeway.cases.section.section_run import TorsionCase, TorsionRun
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
-from flangeway.report.bodies import bodies_outputs
+from flangeway.report.bodies import bodies_page
 from flangeway.report.page.case_text import command_line
-from flangeway.report.section import section_outputs
-from flangeway.report.wheelset import wheelset_outputs
-from flangeway.report.wheelset.terminal import print_summary
+from flangeway.report.section import section_page
+from flangeway.report.wheelset import wheelset_page
 from flangeway.system.output_folder import Writer, write_together
 
 SUMMARY = "summary.json"
@@ -45,16 +44,16 @@ class CaseOutputs:
 def _torsion_writers(run: TorsionRun, progress: Progress) -> dict[str, Writer]:
     progress("drawing the pictures and writing the files")
     command = command_line(run.case)
-    return section_outputs.section_writers(run.section, run.case, command=command, summary_file=SUMMARY)
+    return section_page.section_writers(run.section, run.case, command=command, summary_file=SUMMARY)
 
 
 OUTPUTS: dict[type[Case], CaseOutputs] = {
-    WheelsetCase: CaseOutputs(wheelset_outputs.NAMES, wheelset_outputs.wheelset_writers, print_summary),
-    BodiesCase: CaseOutputs(bodies_outputs.NAMES, bodies_outputs.bodies_writers, bodies_outputs.print_bodies),
+    WheelsetCase: CaseOutputs(wheelset_page.NAMES, wheelset_page.wheelset_writers, wheelset_page.print_summary),
+    BodiesCase: CaseOutputs(bodies_page.NAMES, bodies_page.bodies_writers, bodies_page.print_bodies),
     TorsionCase: CaseOutputs(
-        section_outputs.NAMES,
+        section_page.NAMES,
         _torsion_writers,
-        lambda console, run, files: section_outputs.print_section(console, run.section.summary, files),
+        lambda console, run, files: section_page.print_section(console, run.section.summary, files),
     ),
 }
 """Outputs by the kind of case; a new kind adds its line."""

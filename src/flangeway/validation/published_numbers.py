@@ -1,7 +1,8 @@
-"""What all reproductions share: a published number beside the computed one, and the CSV files of both."""
+"""Published numbers beside the computed ones: CSV files of a reproduction, and tables for page and terminal."""
 
 import csv
-from collections.abc import Mapping, Sequence
+import re
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from importlib.resources import files
 from pathlib import Path
@@ -144,3 +145,144 @@ def published_rows(name: str) -> list[dict[str, str]]:
     """Rows of a published table in ``validation/data`` by column; lines that begin with ``#`` state the source."""
     text = (files("flangeway.validation") / "data" / name).read_text(encoding="utf-8")
     return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+
+
+ROUND_OFF = 1e-10
+"""Numbers below it are shown as such, not with digits that change with the machine."""
+MIN_CHANGE = 1e-5
+"""Relative differences below it are shown as such."""
+
+SHOWN_ONLY = "shown only"
+NAMES = {"n_dof": "unknowns", "h": "maximum element diameter"}
+"""Quantities that have another name on the page."""
+COMPARED = ("published or exact", "computed", "difference", "limit", "within")
+
+
+@dataclass(frozen=True)
+class PageTable:
+    """A table of texts.
+
+    Parameters
+    ----------
+    caption
+        What it shows.
+    head
+        Names of the columns.
+    rows
+        Texts, each of as many as there are columns.
+
+    """
+
+    caption: str
+    head: tuple[str, ...]
+    rows: tuple[tuple[str, ...], ...]
+
+    def markdown(self) -> str:
+        """Return its lines, without the caption."""
+        lines = [self.head, ("---",) * len(self.head), *self.rows]
+        return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
+
+
+def digits(value: float, n: int = 4) -> str:
+    """Return a number with n significant digits, whole numbers with all of theirs; or that it is round-off."""
+    if 0.0 < abs(value) < ROUND_OFF:
+        return f"< {ROUND_OFF:g}"
+    if abs(value) < 1e7 and (value.is_integer() or abs(value) >= 10.0 ** (n - 1)):
+        return f"{value:.0f}"
+    return _short(re.sub(r"\.(?=e|$)", "", f"{value:#.{n}g}"))
+
+
+def published(number: ReproducedNumber) -> str:
+    """Return the published number as it is printed, an exact one with six digits."""
+    return _short(f"{number.published:.6g}")
+
+
+def share(value: float) -> str:
+    """Return a part of a whole in per cent."""
+    return f"{digits(100.0 * value, 2)} %"
+
+
+def relative(difference: float) -> str:
+    """Return a relative difference in per cent with its sign and two digits, or that it is small."""
+    if abs(difference) < MIN_CHANGE:
+        return f"< {100.0 * MIN_CHANGE:g} %"
+    return f"+{share(difference)}" if difference > 0.0 else share(difference)
+
+
+def numbers_table(numbers: Sequence[ReproducedNumber]) -> PageTable:
+    """Return all numbers, one a row."""
+    rows = tuple((_quantity(n, n.quantity), n.code, *_compared(n)) for n in numbers)
+    return PageTable(f"All {len(numbers)} numbers", ("quantity", "code", *COMPARED), rows)
+
+
+def worst_table(numbers: Iterable[ReproducedNumber]) -> PageTable:
+    """Return the largest deviation of each quantity of each table, and how many of all are within."""
+    groups: dict[tuple[str, bool], list[ReproducedNumber]] = {}
+    for number in numbers:
+        name = _quantity(number, number.quantity.partition(", ")[0])
+        groups.setdefault((name, number.required), []).append(number)
+    rows = []
+    for (name, _), members in groups.items():
+        # rounded, so that the choice among equals is the same on all machines
+        worst = min(members, key=lambda n: (n.within, -round(abs(n.relative_difference), 6)))
+        of = worst.quantity.partition(", ")[2]
+        code = f"{worst.code}, {of}" if of else worst.code
+        *values, limit, within = _compared(worst)
+        if worst.required:
+            within = f"{sum(n.within for n in members)} of {len(members)}"
+            within = within if all(n.within for n in members) else f"**{within}**"
+            limit = " or ".join(dict.fromkeys(_compared(n)[3] for n in members))
+        rows.append((name, code, *values, limit, within))
+    head = ("quantity", "largest deviation", *COMPARED)
+    # those with a limit first
+    rows.sort(key=lambda row: row[-2] == SHOWN_ONLY)
+    return PageTable("Largest deviation of each quantity", head, tuple(rows))
+
+
+def reasons(numbers: Iterable[ReproducedNumber]) -> list[str]:
+    """Return a line of Markdown for each of the numbers `outside` with its reason."""
+    return [f"{'**Not within:**' if number.required else 'Shown only:'} {text}" for number, text in outside(numbers)]
+
+
+def outside(numbers: Iterable[ReproducedNumber]) -> list[tuple[ReproducedNumber, str]]:
+    """Return each number that is not within its limit, and one for each reason to show one without a limit.
+
+    Of notes with the same reason, the text after their last colon, the first is returned. Beside each number is a
+    sentence on it.
+    """
+    found, known = [], set()
+    for n in numbers:
+        reason = n.note.rpartition(": ")[2]
+        if n.within or (not n.required and reason in known):
+            continue
+        known.add(reason)
+        values = f"{digits(n.computed)} for {published(n)}"
+        found.append((n, _short(f"{_quantity(n, n.quantity)}, {n.code}, {values}; {n.note}")))
+    return found
+
+
+def _short(text: str) -> str:
+    """Write 1e-09 as 1e-9."""
+    return text.replace("e-0", "e-")
+
+
+def _table(name: int | str) -> str:
+    """Return a table's name; bare numbers are those of the published tables and sections."""
+    if isinstance(name, int):
+        return f"Table {name}"
+    return f"Section {name}" if name[0].isdigit() else name
+
+
+def _quantity(number: ReproducedNumber, name: str) -> str:
+    """Return table, quantity and unit."""
+    shown = f"{_table(number.table)}: {NAMES.get(name, name).replace('_', ' ')}"
+    return shown if number.unit in ("", "1") else f"{shown}, {number.unit}"
+
+
+def _compared(number: ReproducedNumber) -> tuple[str, str, str, str, str]:
+    """Return the cells of `COMPARED`."""
+    plain = number.published == 0.0 or abs(number.computed - number.published) < ROUND_OFF
+    difference = digits(number.relative_difference, 2) if plain else relative(number.relative_difference)
+    within = ("yes" if number.within else "**no**") if number.required else ""
+    limit = _short(number.limit) or SHOWN_ONLY
+    return published(number), digits(number.computed), difference, limit, within

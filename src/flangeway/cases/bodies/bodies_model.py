@@ -7,8 +7,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.cases.bodies.bodies_places import (
+from flangeway.cases.bodies.bodies_shape import (
+    BodyShape,
     Where,
+    body_shape,
     edges_at,
     fixed_point,
     free_axis,
@@ -16,7 +18,6 @@ from flangeway.cases.bodies.bodies_places import (
     keys_of_place,
     point_at,
 )
-from flangeway.cases.bodies.bodies_shape import BodyShape, body_shape
 from flangeway.cases.bodies.bodies_tables import (
     BodiesInputs,
     BodyTable,

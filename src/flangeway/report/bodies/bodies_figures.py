@@ -8,9 +8,8 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
-from flangeway.report.figures.cell_patches import draw_lines
 from flangeway.report.figures.display import display, displayed_stresses
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.drawing import GREY, INK, draw_lines, new_figure
 from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.page_tables import marked
 from flangeway.types import Floats

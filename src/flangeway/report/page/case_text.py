@@ -7,7 +7,7 @@ from typing import Any
 from flangeway.cases.case import Case, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
-from flangeway.cases.section.torsion_case import TorsionCase
+from flangeway.cases.section.section_run import TorsionCase
 from flangeway.report.page.page_tables import SummaryTable
 
 LONGEST = 60

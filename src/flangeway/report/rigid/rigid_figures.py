@@ -7,8 +7,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from flangeway.cases.rigid.conicities import ConicityRun
-from flangeway.cases.rigid.rigid_run import FlangeRootEffect, GeometryRun
+from flangeway.cases.rigid.rigid_run import ConicityRun, FlangeRootEffect, GeometryRun
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDES, Side

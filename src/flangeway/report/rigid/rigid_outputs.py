@@ -12,8 +12,7 @@ from rich.console import Console
 from rich.table import Table
 
 from flangeway.cases import write_summary
-from flangeway.cases.rigid.conicities import ConicityRun
-from flangeway.cases.rigid.rigid_run import GeometryRun
+from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import picture_writers
 from flangeway.report.page.console import plain_table, print_files, print_notices

@@ -11,8 +11,16 @@ from numpy.typing import NDArray
 from flangeway.cases.section.section_run import SectionRun
 from flangeway.mesh import PolyMesh
 from flangeway.post import corner_shear_stresses, shear_stresses
-from flangeway.report.figures.cell_patches import cells_path, draw_lines
-from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_boundary, draw_field, new_figure
+from flangeway.report.figures.drawing import (
+    GREY,
+    INK,
+    ColourSteps,
+    cells_path,
+    draw_boundary,
+    draw_field,
+    draw_lines,
+    new_figure,
+)
 from flangeway.types import Floats
 
 WIDTH_IN, LOWEST_IN, HIGHEST_IN = 7.2, 3.4, 9.0

@@ -11,8 +11,12 @@ from numpy.typing import NDArray
 from flangeway.cases import CaseRun
 from flangeway.post import Stresses
 from flangeway.railway.track.placements import SIDES, Side
+<<<<<<< HEAD
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.report.figures.cell_patches import fill_cells
+=======
+from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
+>>>>>>> a8dd08a (Small files of one subject joined: validation, cases, report, cli)
 from flangeway.report.figures.drawing import (
     GREY,
     HALO,
@@ -24,6 +28,7 @@ from flangeway.report.figures.drawing import (
     draw_title,
     equal_axes,
     figure_with_room,
+    fill_cells,
 )
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.page.page_tables import marked

@@ -9,18 +9,19 @@ from numpy.typing import NDArray
 from flangeway.cases import CaseRun
 from flangeway.railway.track.placements import SIDES, WheelsetPosition
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
-from flangeway.report.figures.cell_patches import cells_path, fill_cells
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
     ColourSteps,
     Room,
     box,
+    cells_path,
     draw_contours,
     draw_outline,
     draw_title,
     equal_axes,
     figure_with_room,
+    fill_cells,
 )
 from flangeway.report.figures.fields import PartFields
 

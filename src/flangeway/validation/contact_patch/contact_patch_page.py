@@ -28,10 +28,8 @@ from flangeway.validation.contact_patch.contact_patch_reproduced import (
     pass_rows,
     reproduce_contact_patch,
 )
-from flangeway.validation.published_numbers import percent
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.validation_page import Chapter, PagePicture
-from flangeway.validation.validation_tables import PageTable, digits, share
+from flangeway.validation.published_numbers import PageTable, digits, percent, share
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
 KINDS = {
     "FO1": "linear triangles",

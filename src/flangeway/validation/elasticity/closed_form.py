@@ -1,15 +1,20 @@
-"""Bodies whose stresses are known in closed form: Kirsch's plate with a hole, Lame's thick cylinder."""
+"""Bodies whose exact solution is known: Kirsch's plate, Lamé's cylinder, an L-shaped body, a square under tension."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE, published_virtual
-from flangeway.elements import Lagrange
+from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE, method_space, published_virtual
+from flangeway.elements import Element, Lagrange
+from flangeway.errors import InputError
 from flangeway.exact import PlateWithHole, ThickCylinder
+from flangeway.exact.notch import Notch
+from flangeway.geometry import polygon
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, dual, rectangle_grid
-from flangeway.post import recovered_stresses
+from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
+from flangeway.post import corner_stresses, recovered_stresses
+from flangeway.post.adaptive import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
@@ -117,3 +122,178 @@ def _lame_numbers(code: str, solution: ElasticitySolution, poisson: float) -> It
     inside = recovered_stresses(solution).nodal().components[solution.problem.node_at((1.0, 0.0)), hoop]
     wanted = float(CYLINDER.hoop_stress(radii[:1])[0])
     yield _number("Lamé", code, "hoop stress at the inner wall", "stress", wanted, float(inside))
+
+
+MATERIAL = Elastic(1.0, 0.3)
+EXACT = Notch(shear_modulus=1.0 / 2.6, kolosov=3.0 - 4.0 * 0.3)
+QUADRATURE_DEGREE = 12  # the exact stresses are no polynomials
+
+
+def l_shape(n: int, cells: str = "quadrilaterals") -> PolyMesh:
+    """The square from (-1, -1) to (1, 1) without its lower left quarter, with the edge sets ``outer`` and ``notch``.
+
+    Parameters
+    ----------
+    n
+        Number of squares along a length of one.
+    cells
+        ``"quadrilaterals"``, ``"triangles"``, or ``"polygons"``, the dual of these.
+
+    """
+    grid = rectangle_grid(
+        2.0,
+        2.0,
+        2 * n,
+        2 * n,
+        cells="quadrilaterals" if cells == "quadrilaterals" else "triangles",
+        origin=(-1.0, -1.0),
+    )
+    kept = (grid.cell_centroids > 0.0).any(axis=1)
+    size = int(grid.cell_sizes[0])
+    used, corners = np.unique(grid.cell_points.reshape(-1, size)[kept], return_inverse=True)
+    offsets = np.arange(kept.sum() + 1, dtype=np.int32) * size
+    mesh = PolyMesh(grid.points[used], offsets, corners.astype(np.int32).ravel())
+    if cells == "polygons":
+        mesh = dual(mesh)
+    middles = np.abs(mesh.points[mesh.boundary_edges].mean(axis=1))
+    outer = (middles > 1.0 - 1e-9).any(axis=1)
+    return mesh.with_edge_set("outer", mesh.boundary_edges[outer]).with_edge_set("notch", mesh.boundary_edges[~outer])
+
+
+def solve_l_shape(mesh: PolyMesh, element: Element) -> ElasticitySolution:
+    """Plane strain with the exact displacements along ``outer`` and a free notch."""
+    held = PrescribedDisplacement(
+        "outer", x=lambda p: EXACT.displacements(p)[:, 0], y=lambda p: EXACT.displacements(p)[:, 1]
+    )
+    return solve_elasticity(Elasticity(Space(mesh, element), MATERIAL, supports=[held]))
+
+
+def uniform_rows(element: Element, mesh: PolyMesh, n_levels: int) -> list[RefinementRow]:
+    """Solve on a mesh and on its uniform refinements."""
+    return refine_uniformly(lambda mesh: solve_l_shape(mesh, element), mesh, _measure, n_levels)
+
+
+def adaptive_rows(
+    element: Element,
+    mesh: PolyMesh,
+    *,
+    tolerance: float,
+    most_steps: int = 50,
+) -> list[RefinementRow]:
+    """Refine a mesh by the recovered stresses' error estimate down to a tolerance in the energy norm."""
+    return refine_adaptively(
+        lambda mesh: solve_l_shape(mesh, element),
+        mesh,
+        _measure,
+        tolerance=tolerance,
+        most_steps=most_steps,
+    )
+
+
+def _measure(solution: ElasticitySolution) -> tuple[float, float]:
+    return stress_errors(solution, EXACT.stresses, degree=QUADRATURE_DEGREE)
+
+
+SIDE, SIZE, TENSION = 1.0, 0.22, 1.0
+PATCH_YOUNG, PATCH_POISSON = 20e3, 1.0 / 3.0
+"""Lengths in cm, stresses in kN/cm^2. The text does not tell the published side, mesh and tension: none matters."""
+
+PATCH_METHODS = ("FD", "VD", "VV", "HE")
+
+
+@dataclass(frozen=True)
+class PatchCode:
+    """One configuration, such as ``VVPTO1`` (Moherdaui 2021, Figure 52).
+
+    Parameters
+    ----------
+    method
+        ``"FD"`` for Lagrange triangles, ``"VD"`` for virtual triangles, ``"VV"`` for virtual polygons, ``"HE"`` for
+        Lagrange triangles inside and virtual quadrilaterals with two aligned edges at the boundary.
+    order
+        Order of the elements.
+
+    """
+
+    method: str
+    order: int
+
+    def __post_init__(self) -> None:
+        if self.method not in PATCH_METHODS:
+            raise InputError(f"PatchCode(method={self.method!r})", ", ".join(PATCH_METHODS), "choose one of these")
+
+    def __str__(self) -> str:
+        return f"{self.method}PTO{self.order}"
+
+    @property
+    def published(self) -> bool:
+        """Whether Moherdaui (2021) shows or names it."""
+        return self.method in ("FD", "VV") and self.order <= 2
+
+
+@dataclass(frozen=True, eq=False)
+class PatchRow:
+    """One solution.
+
+    Parameters
+    ----------
+    code
+        Its configuration.
+    n_unknowns
+        Components of displacement at nodes; those inside cells are condensed.
+    stresses
+        Value of a corner with the maximum difference from the exact one, over the tension: xx, xy, yy.
+    displacement_error
+        Maximum error of a node's displacement over the maximum displacement.
+    solution
+        The solution.
+
+    """
+
+    code: PatchCode
+    n_unknowns: int
+    stresses: tuple[float, float, float]
+    displacement_error: float
+    solution: ElasticitySolution
+
+    @property
+    def stress_error(self) -> float:
+        """Maximum error of a stress over the tension."""
+        xx, xy, yy = self.stresses
+        return max(abs(xx - 1.0), abs(xy), abs(yy))
+
+
+def patch_codes(orders: tuple[int, ...] = (1, 2, 3, 4)) -> tuple[PatchCode, ...]:
+    """All configurations; there is no Lagrange triangle of order 4."""
+    return tuple(
+        PatchCode(method, order) for order in orders for method in PATCH_METHODS if order < 4 or method in ("VD", "VV")
+    )
+
+
+def patch_row(code: PatchCode) -> PatchRow:
+    """Pull the square to the right, held on the left along x and in one corner along y, in plane strain."""
+    space = _space(code)
+    material = Elastic(PATCH_YOUNG, PATCH_POISSON)
+    supports = [PrescribedDisplacement("left", x=0.0), PrescribedDisplacement((0.0, 0.0), y=0.0)]
+    solution = solve_elasticity(
+        Elasticity(space, material, loads=[Traction("right", (TENSION, 0.0))], supports=supports)
+    )
+    stresses = corner_stresses(solution.problem, solution.displacements).components[:, [0, 2, 1]] / TENSION
+    exact = np.array([1.0, 0.0, 0.0])
+    worst = np.abs(stresses - exact).argmax(axis=0)
+    xx, xy, yy = stresses[worst, [0, 1, 2]].tolist()
+    stretch = np.array([1.0 - PATCH_POISSON**2, -PATCH_POISSON * (1.0 + PATCH_POISSON)]) * TENSION / PATCH_YOUNG
+    wanted = space.nodes * stretch
+    error = np.abs(solution.displacements[: space.n_nodes] - wanted).max() / np.abs(wanted).max()
+    return PatchRow(code, 2 * space.n_nodes, (xx, xy, yy), float(error), solution)
+
+
+def _space(code: PatchCode) -> Space:
+    corners = [(0.0, 0.0), (SIDE, 0.0), (SIDE, SIDE), (0.0, SIDE)]
+    triangles = triangulate(polygon(corners, names=("bottom", "right", "top", "left")), size=SIZE)
+    if code.method == "VD":
+        element: Element = published_virtual(code.order)
+        return Space(triangles, element)
+    if code.method == "FD":
+        return Space(triangles, Lagrange(code.order))
+    return method_space(triangles, code.method[0], code.order)

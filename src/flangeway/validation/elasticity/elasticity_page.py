@@ -30,10 +30,8 @@ from flangeway.validation.elasticity.elasticity_reproduced import (
     refinement_rows,
     reproduce_elasticity,
 )
-from flangeway.validation.published_numbers import percent, published_rows
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.validation_page import Chapter, PagePicture
-from flangeway.validation.validation_tables import PageTable, digits, relative
+from flangeway.validation.published_numbers import PageTable, digits, percent, published_rows, relative
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
 METHODS = {
     "F": ("Lagrange triangles", "^", "solid"),

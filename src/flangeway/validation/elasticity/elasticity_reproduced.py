@@ -19,9 +19,15 @@ from flangeway.cases.bodies.cook import (
 from flangeway.cases.case import Progress
 from flangeway.elements import Virtual
 from flangeway.post.adaptive import RefinementRow
-from flangeway.validation.elasticity.closed_form import closed_form_numbers
-from flangeway.validation.elasticity.l_shape import adaptive_rows, l_shape, uniform_rows
-from flangeway.validation.elasticity.patch_test import PatchRow, patch_codes, patch_row
+from flangeway.validation.elasticity.closed_form import (
+    PatchRow,
+    adaptive_rows,
+    closed_form_numbers,
+    l_shape,
+    patch_codes,
+    patch_row,
+    uniform_rows,
+)
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, published_rows
 
 COOK = "Section 5.3.2"

@@ -34,10 +34,8 @@ from flangeway.validation.hertz.hertz_reproduced import (
     published_value,
     reproduce_hertz,
 )
-from flangeway.validation.published_numbers import percent
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.validation_page import Chapter, PagePicture
-from flangeway.validation.validation_tables import PageTable, digits, share
+from flangeway.validation.published_numbers import PageTable, digits, percent, share
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
 NAMES = {
     "FDO1": "triangles, order 1",

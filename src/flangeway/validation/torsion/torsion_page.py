@@ -10,19 +10,19 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_boundary, draw_field, new_figure
-from flangeway.validation.published_numbers import percent
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.torsion.torsion_meshes import TorsionRow, published_reading, torsion_section
+from flangeway.validation.published_numbers import PageTable, percent
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 from flangeway.validation.torsion.torsion_reproduced import (
     LEAST_WITHIN,
     LIMITS,
     MAX_RATE_DIFFERENCE,
     TorsionReproduction,
+    TorsionRow,
+    published_reading,
     rate_rows,
     reproduce_torsion,
+    torsion_section,
 )
-from flangeway.validation.validation_page import Chapter, PagePicture
-from flangeway.validation.validation_tables import PageTable
 
 Over = Literal["h", "n_dof"]
 

@@ -15,9 +15,8 @@ from flangeway.report.figures.fields import PartFields, part_fields
 from flangeway.report.wheelset.contact_figure import contact_figure
 from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
-from flangeway.validation.reproduction import Reproduction
-from flangeway.validation.validation_page import Chapter, PagePicture
-from flangeway.validation.validation_tables import PageTable, digits, relative
+from flangeway.validation.published_numbers import PageTable, digits, relative
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 from flangeway.validation.wheel_rail.variations import contact_name
 from flangeway.validation.wheel_rail.wheel_rail_reproduced import (
     WheelRailReproduction,

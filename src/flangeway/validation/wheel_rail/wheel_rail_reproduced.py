@@ -21,14 +21,16 @@ from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare
-from flangeway.validation.wheel_rail.one_arc import OneArcContact, approach_curvature, one_arc_contacts
 from flangeway.validation.wheel_rail.variations import (
     DIVISORS,
     FACTORS,
+    OneArcContact,
     RefinedContact,
     StiffenedWheelset,
+    approach_curvature,
     contact_name,
     extrapolated_differences_mm,
+    one_arc_contacts,
     refine_contact,
     rigid_limit,
 )

@@ -1,0 +1,224 @@
+"""``flangeway geometry``, ``section`` and ``profile``."""
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from flangeway.cli.app import app
+from flangeway.cli.common import (
+    DONE,
+    FAILED,
+    Out,
+    Unit,
+    errors_as_exit_status,
+    path_given,
+    progress_shown,
+    settings_of,
+    stdout,
+)
+from flangeway.system.file_content import is_file
+
+GeometryName = Annotated[
+    str,
+    typer.Argument(
+        metavar="[CASE_OR_FILE]",
+        help="wheelset-tangent, wheelset-curve, or s1002-60e1; a case file of a wheelset (.toml); or a file of two "
+        "columns, lateral displacement and rolling radius difference, for its conicity.",
+    ),
+]
+GeometrySet = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a wrong "
+        "key lists all.",
+    ),
+]
+
+
+@app.command()
+def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None) -> None:
+    """Contact geometry of a rigid wheelset: locus, rolling radii, conicity, equilibrium (out/geometry-CASE)."""
+    with errors_as_exit_status():
+        settings = settings_of(set_, "a wrong key lists the right ones")
+        file = Path(case)
+        is_toml = file.suffix.lower() == ".toml"
+        if not is_toml and (file.suffix or is_file(file)):
+            _conicity(file, settings, out)
+            return
+        from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
+        from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
+        from flangeway.report.rigid.rigid_outputs import NAMES, print_geometry, write_geometry  # noqa: PLC0415
+        from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+        inputs, notices = read_geometry_case(file, settings) if is_toml else (find_geometry_case(case, settings), ())
+        inputs.load()
+        name = file.stem if is_toml else case
+        folder = out or Path("out", f"geometry-{name}")
+        refuse_unwritable(folder, NAMES)
+        with progress_shown() as progress:
+            done = run_geometry(name, inputs, progress, notices)
+            files = write_geometry(done, folder, progress)
+        print_geometry(stdout(), done.summary, files)
+        raise typer.Exit(DONE if done.equilibrium.status.converged else FAILED)
+
+
+def _conicity(file: Path, settings: dict[str, Any], out: Path | None) -> None:
+    """Conicity of a rolling radius difference from a file."""
+    from flangeway.cases.rigid.rigid_run import run_conicity  # noqa: PLC0415
+    from flangeway.report.rigid.rigid_outputs import CONICITY_NAMES, print_conicity, write_conicity  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    done = run_conicity(file, settings)
+    folder = out or Path("out", f"geometry-{file.stem}")
+    refuse_unwritable(folder, CONICITY_NAMES)
+    with progress_shown() as progress:
+        files = write_conicity(done, folder, progress)
+    print_conicity(stdout(), done.summary, files)
+
+
+ProfileName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME_OR_FILE",
+        help="136RE, 136RE-8, 136RE-14, 60E1, AAR-1B, S1002, heavy-haul, or a .ban, .whl, .prr, .prw, .csv, .txt, .dat "
+        "or .dxf file.",
+    ),
+]
+ProfileKind = Annotated[
+    str | None, typer.Option("--kind", metavar="[rail|wheel]", help="Kind of profile in the file.", show_default=False)
+]
+ProfileMirror = Annotated[bool, typer.Option("--mirror", help="Reverse the first coordinate: a left-hand rail.")]
+ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
+ProfileOrigin = Annotated[
+    str | None,
+    typer.Option(
+        "--origin",
+        metavar="[top|base|gauge|tape|flange-back|X,Y]",
+        help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
+        show_default=False,
+    ),
+]
+ProfileTape = Annotated[
+    float | None,
+    typer.Option("--tape", metavar="MM", help="From the flange's back to the tape line; 70.", show_default=False),
+]
+ProfileSmooth = Annotated[
+    float | None,
+    typer.Option(
+        "--smooth", metavar="MM", help="Wavelength to smooth by; 0 for none, 5 for noisy points.", show_default=False
+    ),
+]
+ProfileLimit = Annotated[
+    float | None,
+    typer.Option("--limit", metavar="UM", help="Maximum displacement of a point by smoothing.", show_default=False),
+]
+ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
+ProfileJoin = Annotated[
+    str | None,
+    typer.Option("--join", metavar="NAME", help="Bundled rail or wheel that gives the body.", show_default=False),
+]
+ProfileTo = Annotated[
+    Path | None,
+    typer.Option(
+        "--to",
+        metavar="FILE",
+        help="Write it in the format of this file's ending.",
+        show_default=False,
+        parser=path_given,
+    ),
+]
+
+
+@app.command()
+def profile(
+    name_or_file: ProfileName,
+    unit: Unit = None,
+    kind: ProfileKind = None,
+    mirror: ProfileMirror = False,
+    flip: ProfileFlip = False,
+    origin: ProfileOrigin = None,
+    tape: ProfileTape = None,
+    smooth: ProfileSmooth = None,
+    limit: ProfileLimit = None,
+    drop_outliers: ProfileDrop = False,
+    join: ProfileJoin = None,
+    to: ProfileTo = None,
+    out: Out = None,
+) -> None:
+    """Read a rail or wheel profile: checks, pictures, curvature, conversion, joint to a body (out/profile-NAME)."""
+    with errors_as_exit_status():
+        from flangeway.cases.profile.profile_run import run_profile  # noqa: PLC0415
+        from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
+        from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
+            check_profile_folder,
+            print_profile,
+            refuse_conversion,
+            write_profile,
+        )
+
+        options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers)
+        done = run_profile(name_or_file, options, join)
+        refuse_conversion(done, to)
+        folder = out or Path("out", f"profile-{Path(name_or_file).stem}")
+        check_profile_folder(folder, to)
+        with progress_shown() as progress:
+            files = write_profile(done, folder, to, progress)
+        print_profile(stdout(), done.summary, files)
+
+
+SectionName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME_OR_FILE", help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file."
+    ),
+]
+SectionSize = Annotated[
+    float | None,
+    typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit.", show_default=False),
+]
+SectionOrder = Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")]
+SectionMethod = Annotated[str, typer.Option("--method", metavar="[fem|vem]", help="Triangles, or virtual polygons.")]
+SectionPoisson = Annotated[
+    float | None,
+    typer.Option(
+        "--poisson", metavar="NU", help="Poisson's ratio for the shear centre; 0 if left out.", show_default=False
+    ),
+]
+SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file contains one half, up to x = 0.")]
+
+
+@app.command()
+def section(
+    name_or_file: SectionName,
+    size: SectionSize = None,
+    order: SectionOrder = 2,
+    method: SectionMethod = "fem",
+    poisson: SectionPoisson = None,
+    unit: Unit = None,
+    mirror: SectionMirror = False,
+    out: Out = None,
+) -> None:
+    """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
+    with errors_as_exit_status():
+        from flangeway.cases.section.section_run import (  # noqa: PLC0415
+            SectionOptions,
+            TorsionCase,
+            find_section,
+            run_section,
+        )
+        from flangeway.report.section.section_page import NAMES, print_section, write_section  # noqa: PLC0415
+        from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+        drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
+        options = SectionOptions(size, order, method, poisson)
+        inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
+        case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson})
+        folder = out or Path("out", f"section-{Path(name_or_file).stem}")
+        refuse_unwritable(folder, NAMES)
+        with progress_shown() as progress:
+            done = run_section(drawn, options, progress)
+            files = write_section(done, case, folder, progress)
+        print_section(stdout(), done.summary, files)
