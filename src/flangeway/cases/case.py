@@ -130,11 +130,6 @@ class RunnableCase(Case):
     def run(self, progress: Progress = lambda _: None) -> Run:
         """Compute the case.
 
-        Parameters
-        ----------
-        progress
-            Called with a sentence at each stage.
-
         Raises
         ------
         InputError

@@ -19,12 +19,6 @@ def write_template(case: type[RunnableCase]) -> str:
 
     Keys that most users change are set, the others are comments with their defaults: the file computes the same as
     the case without inputs.
-
-    Parameters
-    ----------
-    case
-        Type of the case.
-
     """
     lines = [
         f"# {case.title}.",

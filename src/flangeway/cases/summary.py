@@ -31,22 +31,11 @@ class StatusSummary(SummaryPart):
 
 @dataclass(frozen=True, kw_only=True)
 class Summary(SummaryPart):
-    """What every summary has.
+    """What every summary has."""
 
-    Parameters
-    ----------
-    status
-        How the run ended.
-    case
-        Name and inputs.
-    timings_s
-        Seconds of each stage and in total.
-
-    """
-
-    status: StatusSummary
-    case: dict[str, Any]
-    timings_s: dict[str, float]
+    status: StatusSummary  # how the run ended
+    case: dict[str, Any]  # name and inputs
+    timings_s: dict[str, float]  # seconds of each stage and in total
     peak_memory_MB: float = field(default_factory=lambda: peak_memory_bytes() / 1e6)  # noqa: N815 (the unit)
     versions: dict[str, str] = field(default_factory=versions)
 

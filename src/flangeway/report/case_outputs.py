@@ -23,22 +23,12 @@ SUMMARY = "summary.json"
 
 @dataclass(frozen=True)
 class CaseOutputs:
-    """What writes the outputs of a kind of case.
+    """What writes the outputs of a kind of case."""
 
-    Parameters
-    ----------
-    names
-        Names of the files, except ``summary.json``.
-    writers
-        From a run to functions that write these files, by their names.
-    print_run
-        Prints what a run found, and the files.
-
-    """
-
-    names: tuple[str, ...]
+    names: tuple[str, ...]  # names of the files, except ``summary.json``
     writers: Callable[[Any, Progress], dict[str, Writer]]
-    print_run: Callable[[Console, Any, list[Path]], None]
+    """From a run to functions that write these files, by their names."""
+    print_run: Callable[[Console, Any, list[Path]], None]  # prints what a run found, and the files
 
 
 def _torsion_writers(run: TorsionRun, progress: Progress) -> dict[str, Writer]:
@@ -70,15 +60,6 @@ def case_files(case: Case) -> tuple[str, ...]:
 
 def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:
     """Write all files of a run, ``summary.json`` last, together or not at all.
-
-    Parameters
-    ----------
-    run
-        The run.
-    folder
-        Where the files go; made if needed.
-    progress
-        Called with a sentence at each stage.
 
     Raises
     ------

@@ -10,43 +10,19 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class ReproducedNumber:
-    """A published number and the computed one: a row of ``table.csv``.
+    """A published number and the computed one: a row of ``table.csv``."""
 
-    Parameters
-    ----------
-    table
-        Number of the published table, or a name such as ``"Figure 57"``.
-    code
-        Row of that table.
-    quantity
-        What it is.
-    unit
-        Its unit.
-    published
-        Published value, or the exact one.
-    computed
-        Computed value.
-    relative_difference
-        ``computed / published - 1``, or ``computed - published`` where zero or round-off is compared.
-    limit
-        Maximum difference in words, such as ``"15 %"``; empty for a number that is shown only.
-    within
-        Whether it is within its limit; for a number that is shown only, within that of its kind.
-    note
-        Reading, or the reason for a difference.
-
-    """
-
-    table: int | str
-    code: str
-    quantity: str
-    unit: str
-    published: float
-    computed: float
+    table: int | str  # number of the published table, or a name such as ``"Figure 57"``
+    code: str  # row of that table
+    quantity: str  # what it is
+    unit: str  # its unit
+    published: float  # published value, or the exact one
+    computed: float  # computed value
     relative_difference: float
-    limit: str
-    within: bool
-    note: str
+    """``computed / published - 1``, or ``computed - published`` where zero or round-off is compared."""
+    limit: str  # maximum difference in words, such as ``"15 %"``; empty for a number that is shown only
+    within: bool  # whether it is within its limit; for a number that is shown only, within that of its kind
+    note: str  # reading, or the reason for a difference
 
     @property
     def required(self) -> bool:
@@ -98,19 +74,10 @@ def compare(
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Reproduced:
-    """What a reproduction computes, whatever its study.
+    """What a reproduction computes, whatever its study."""
 
-    Parameters
-    ----------
-    numbers
-        Published, or exact, and computed numbers side by side.
-    seconds
-        Wall-clock time.
-
-    """
-
-    numbers: tuple[ReproducedNumber, ...]
-    seconds: float
+    numbers: tuple[ReproducedNumber, ...]  # published, or exact, and computed numbers side by side
+    seconds: float  # wall-clock time
 
     @property
     def failures(self) -> tuple[str, ...]:
@@ -160,22 +127,11 @@ COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 
 @dataclass(frozen=True)
 class PageTable:
-    """A table of texts.
+    """A table of texts."""
 
-    Parameters
-    ----------
-    caption
-        What it shows.
-    head
-        Names of the columns.
-    rows
-        Texts, each of as many as there are columns.
-
-    """
-
-    caption: str
-    head: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
+    caption: str  # what it shows
+    head: tuple[str, ...]  # names of the columns
+    rows: tuple[tuple[str, ...], ...]  # texts, each of as many as there are columns
 
     def markdown(self) -> str:
         """Return its lines, without the caption."""

@@ -56,24 +56,15 @@ QUICK = (
 
 @dataclass(frozen=True)
 class Verdict:
-    """The result of a reproduction.
-
-    Parameters
-    ----------
-    n_required, n_within, n_shown
-        Numbers with a limit, those of them that are within, and numbers that are shown only.
-    passed
-        Whether it has passed.
-    seconds
-        Wall-clock time.
-
-    """
+    """The result of a reproduction."""
 
     n_required: int
     n_within: int
     n_shown: int
-    passed: bool
-    seconds: float
+    """n_required, n_within, n_shown: numbers with a limit, those of them that are within, and numbers that are shown
+    only."""
+    passed: bool  # whether it has passed
+    seconds: float  # wall-clock time
 
     @classmethod
     def of(cls, found: Reproduced) -> "Verdict":
@@ -85,68 +76,31 @@ class Verdict:
 
 @dataclass(frozen=True)
 class PagePicture:
-    """A picture of the page.
+    """A picture of the page."""
 
-    Parameters
-    ----------
-    name
-        Name of its file, without ending.
-    alt
-        Description for readers who cannot see it.
-    draw
-        Called with what was computed.
-
-    """
-
-    name: str
-    alt: str
-    draw: Callable[[Any], Figure]
+    name: str  # name of its file, without ending
+    alt: str  # description for readers who cannot see it
+    draw: Callable[[Any], Figure]  # called with what was computed
 
 
 @dataclass(frozen=True)
 class Chapter:
-    """Texts, pictures and tables of a reproduction on the page.
+    """Texts, pictures and tables of a reproduction on the page."""
 
-    Parameters
-    ----------
-    title
-        Heading.
-    text
-        What is compared, and the source of the published numbers; one paragraph.
-    pictures
-        Pictures.
-    tables
-        Called with what was computed; returns further tables.
-
-    """
-
-    title: str
-    text: str
-    pictures: tuple[PagePicture, ...]
-    tables: Callable[[Any], Sequence[PageTable]]
+    title: str  # heading
+    text: str  # what is compared, and the source of the published numbers; one paragraph
+    pictures: tuple[PagePicture, ...]  # pictures
+    tables: Callable[[Any], Sequence[PageTable]]  # called with what was computed; returns further tables
 
 
 @dataclass(frozen=True)
 class PageSection:
-    """A part of the page as it is written.
+    """A part of the page as it is written."""
 
-    Parameters
-    ----------
-    title
-        Heading.
-    markdown
-        Its text.
-    verdict
-        How it ended.
-    pictures
-        Contents of the files in `PICTURES`, by name.
-
-    """
-
-    title: str
-    markdown: str
-    verdict: Verdict
-    pictures: Mapping[str, bytes] = field(repr=False)
+    title: str  # heading
+    markdown: str  # its text
+    verdict: Verdict  # how it ended
+    pictures: Mapping[str, bytes] = field(repr=False)  # contents of the files in `PICTURES`, by name
 
 
 def summary_sentence(found: Reproduced) -> str:

@@ -68,28 +68,14 @@ def elements_of(body: BodyTable) -> Element | dict[str, Element]:
 
 @dataclass(frozen=True, eq=False)
 class BodyModel:
-    """One body with its supports and loads, in contact or not.
+    """One body with its supports and loads, in contact or not."""
 
-    Parameters
-    ----------
-    name
-        Its name.
-    problem
-        Elastic problem with supports and loads, without contact.
-    part
-        The body in contact; None without contact.
-    load_N
-        Resultant of the loads, shape (2,).
-    slides
-        Axis along which its supports let it slide.
-
-    """
-
-    name: str
-    problem: Elasticity
-    part: Part | None
+    name: str  # its name
+    problem: Elasticity  # elastic problem with supports and loads, without contact
+    part: Part | None  # the body in contact; None without contact
     load_N: Floats  # noqa: N815 (the unit newton)
-    slides: Literal["x", "y"] | None = None
+    """Resultant of the loads, shape (2,)."""
+    slides: Literal["x", "y"] | None = None  # axis along which its supports let it slide
 
     @property
     def moved_before_contact(self) -> bool:
@@ -100,28 +86,13 @@ class BodyModel:
 
 @dataclass(frozen=True, eq=False)
 class BodiesModel:
-    """All bodies, their contacts and their motions.
+    """All bodies, their contacts and their motions."""
 
-    Parameters
-    ----------
-    bodies
-        Bodies by name.
-    contacts
-        Contacts.
-    motion
-        Rigid motion of the supports of parts.
-    push
-        Force on the supports of one part.
-    notices
-        What was repaired or assumed.
-
-    """
-
-    bodies: Mapping[str, BodyModel]
-    contacts: tuple[Contact, ...]
-    motion: Mapping[Part, Placement]
-    push: Push | None
-    notices: tuple[str, ...]
+    bodies: Mapping[str, BodyModel]  # bodies by name
+    contacts: tuple[Contact, ...]  # contacts
+    motion: Mapping[Part, Placement]  # rigid motion of the supports of parts
+    push: Push | None  # force on the supports of one part
+    notices: tuple[str, ...]  # what was repaired or assumed
 
 
 def build_bodies(case: BodiesInputs) -> BodiesModel:

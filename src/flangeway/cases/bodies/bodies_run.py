@@ -198,10 +198,6 @@ def summarise_bodies(
 
     Parameters
     ----------
-    case
-        The inputs.
-    status
-        How it ended.
     bodies
         Displacements by the names of the bodies.
     contact

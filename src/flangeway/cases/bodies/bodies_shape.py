@@ -33,19 +33,10 @@ RIM, ARC, CUT = "rim", "arc", "cut"
 
 @dataclass(frozen=True, eq=False)
 class BodyShape:
-    """A meshed shape in mm, in its initial position.
+    """A meshed shape in mm, in its initial position."""
 
-    Parameters
-    ----------
-    mesh
-        The mesh.
-    loops
-        Its outlines; none of a mesh file.
-
-    """
-
-    mesh: PolyMesh
-    loops: tuple[Outline, ...] = ()
+    mesh: PolyMesh  # the mesh
+    loops: tuple[Outline, ...] = ()  # its outlines; none of a mesh file
 
     def curve(self, names: Sequence[str] | None, points: NDArray[np.float64]) -> Contour | None:
         """Drawn curve along points (n, 2) of one outline; of named sides alone where these are one chain."""
@@ -63,8 +54,6 @@ def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
 
     Parameters
     ----------
-    body
-        The body.
     key
         How messages call its table.
     notices
@@ -303,8 +292,6 @@ def edges_at(
 
     Parameters
     ----------
-    mesh
-        Mesh of the body.
     body
         Its name, for messages.
     names

@@ -206,8 +206,6 @@ def cook_adaptive(
     ----------
     element
         Virtual elements, which take cells with hanging points.
-    mesh
-        First mesh.
     tolerance
         Estimated error over the exact solution's energy norm at which to end.
     reference

@@ -31,40 +31,21 @@ SMALLEST_STEP = 1.0 / 1024.0
 
 @dataclass(frozen=True)
 class Push:
-    """A force on the supports of a part, which move together along its direction until the contact carries it.
+    """A force on the supports of a part, which move together along its direction until the contact carries it."""
 
-    Parameters
-    ----------
-    part
-        The part.
-    direction
-        Unit vector x, y.
-    force
-        Force that the supports exert on the part, >= 0. With 0 the contact carries the part's loads alone: the supports
-        let it slide along the direction, and the reaction of a support against that is zero in the end.
-
-    """
-
-    part: Part
-    direction: tuple[float, float]
+    part: Part  # the part
+    direction: tuple[float, float]  # unit vector x, y
     force: float
+    """Force that the supports exert on the part, >= 0. With 0 the contact carries the part's loads alone: the supports
+    let it slide along the direction, and the reaction of a support against that is zero in the end."""
 
 
 @dataclass(frozen=True, eq=False)
 class Pressed:
-    """Parts in contact.
+    """Parts in contact."""
 
-    Parameters
-    ----------
-    contact
-        The solution.
-    pushed
-        How far the pushed part has moved along the force; 0 without one.
-
-    """
-
-    contact: ContactSolution
-    pushed: float = 0.0
+    contact: ContactSolution  # the solution
+    pushed: float = 0.0  # how far the pushed part has moved along the force; 0 without one
 
     @property
     def status(self) -> Status:
@@ -94,8 +75,6 @@ def press_loaded(
 
     Parameters
     ----------
-    contacts
-        The contacts.
     motion
         Rigid motion of the supports of each part that moves.
     fields
@@ -107,8 +86,6 @@ def press_loaded(
         Resultant of each part's loads, shape (2,); the contact also carries those of the pushed part.
     n_steps
         Equal steps of loads and motions; halved where one does not converge.
-    progress
-        Called with a sentence after each step.
 
     """
     driver = _Driver(ContactSystem(contacts), motion or {}, fields or {}, progress)

@@ -189,8 +189,6 @@ def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[
 
     Parameters
     ----------
-    pressed
-        The solution.
     model
         The bodies and their loads.
 

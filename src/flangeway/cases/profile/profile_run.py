@@ -42,25 +42,13 @@ _DEVIATION_MM = 2e-4
 
 @dataclass(frozen=True, eq=False)
 class ProfileRun:
-    """A profile with its body, joints and summary.
+    """A profile with its body, joints and summary."""
 
-    Parameters
-    ----------
-    profile
-        Running surface, or whole outline, as it was read.
-    body
-        Whole rail or wheel: bundled, from a closed outline, or joined; None for a running surface alone.
-    join
-        How it was joined, None if it was not.
-    summary
-        Content of ``profile.json``.
-
-    """
-
-    profile: MeasuredProfile
+    profile: MeasuredProfile  # running surface, or whole outline, as it was read
     body: RailProfile | WheelProfile | None
-    join: Joined | None
-    summary: dict[str, Any] = field(default_factory=dict)
+    """Whole rail or wheel: bundled, from a closed outline, or joined; None for a running surface alone."""
+    join: Joined | None  # how it was joined, None if it was not
+    summary: dict[str, Any] = field(default_factory=dict)  # content of ``profile.json``
 
 
 def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str | None = None) -> ProfileRun:

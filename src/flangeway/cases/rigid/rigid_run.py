@@ -45,21 +45,14 @@ FIRST_MM = 0.5
 
 @dataclass(frozen=True, eq=False)
 class Conicities:
-    """Equivalent conicity over the amplitude.
-
-    Parameters
-    ----------
-    amplitudes_mm, integration, regression
-        Amplitudes, and conicity by integration and by linear regression, (n,); empty if the wheelset does not steer.
-    notices
-        Sentences on amplitudes without a conicity.
-
-    """
+    """Equivalent conicity over the amplitude."""
 
     amplitudes_mm: Floats
     integration: Floats
     regression: Floats
-    notices: tuple[str, ...]
+    """amplitudes_mm, integration, regression: amplitudes, and conicity by integration and by linear regression, (n,);
+    empty if the wheelset does not steer."""
+    notices: tuple[str, ...]  # sentences on amplitudes without a conicity
 
     def at_reference(self) -> dict[str, float] | None:
         """Conicity at the reference amplitude; None where it is not computed."""
@@ -75,8 +68,6 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
 
     Parameters
     ----------
-    difference
-        Rolling radius difference.
     maximum_mm
         Maximum amplitude; None: as far as the difference goes.
 
@@ -108,22 +99,11 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
 
 @dataclass(frozen=True, eq=False)
 class ConicityRun:
-    """Equivalent conicity from a file.
+    """Equivalent conicity from a file."""
 
-    Parameters
-    ----------
-    difference
-        Content of the file.
-    conicities
-        Conicity over the amplitude.
-    summary
-        Content of ``geometry.json``.
-
-    """
-
-    difference: RollingRadiusDifference
-    conicities: Conicities
-    summary: dict[str, Any]
+    difference: RollingRadiusDifference  # content of the file
+    conicities: Conicities  # conicity over the amplitude
+    summary: dict[str, Any]  # content of ``geometry.json``
 
 
 class ConicityCase(Case):
@@ -184,62 +164,35 @@ _FURTHER_MM = 4.0  # beyond the maximum amplitude: an asymmetric wheelset oscill
 
 @dataclass(frozen=True, eq=False)
 class FlangeRootEffect:
-    """Lateral displacement in equilibrium over the radii of the flange root.
-
-    Parameters
-    ----------
-    narrow_mm, wide_mm
-        Radii of the narrow and of the wide arc, (n,) and (m,).
-    lateral_narrow_mm, lateral_wide_mm
-        Lateral displacement in equilibrium for each, the other radius as it is; nan without equilibrium.
-    ratios, laterals_mm
-        For each narrow radius: lateral force over weight, and the lateral displacement in equilibrium under it.
-
-    """
+    """Lateral displacement in equilibrium over the radii of the flange root."""
 
     narrow_mm: Floats
     lateral_narrow_mm: Floats
-    wide_mm: Floats
+    wide_mm: Floats  # narrow_mm, wide_mm: radii of the narrow and of the wide arc, (n,) and (m,)
     lateral_wide_mm: Floats
+    """lateral_narrow_mm, lateral_wide_mm: lateral displacement in equilibrium for each, the other radius as it is; nan
+    without equilibrium."""
     ratios: tuple[Floats, ...]
     laterals_mm: tuple[Floats, ...]
+    """ratios, laterals_mm: for each narrow radius: lateral force over weight, and the lateral displacement in
+    equilibrium under it."""
 
 
 @dataclass(frozen=True, eq=False)
 class GeometryRun:
-    """Contact geometry of a case.
-
-    Parameters
-    ----------
-    name, case
-        Name to show, and inputs.
-    geometry
-        Rigid geometry of the pair.
-    locus
-        Points of contact over the lateral displacement.
-    jumps
-        Where they jump.
-    conicities
-        Equivalent conicity over the amplitude.
-    equilibrium
-        Equilibria under the load.
-    flange_root
-        Effect of the flange root's radii on the equilibrium; None for wheels without that parameter, without lateral
-        force or without equilibrium.
-    summary
-        Content of ``geometry.json``.
-
-    """
+    """Contact geometry of a case."""
 
     name: str
-    case: GeometryCase
-    geometry: RigidGeometry
-    locus: ContactLocus
-    jumps: tuple[ContactJump, ...]
-    conicities: Conicities
-    equilibrium: RigidEquilibrium
+    case: GeometryCase  # name, case: name to show, and inputs
+    geometry: RigidGeometry  # rigid geometry of the pair
+    locus: ContactLocus  # points of contact over the lateral displacement
+    jumps: tuple[ContactJump, ...]  # where they jump
+    conicities: Conicities  # equivalent conicity over the amplitude
+    equilibrium: RigidEquilibrium  # equilibria under the load
     flange_root: FlangeRootEffect | None
-    summary: dict[str, Any]
+    """Effect of the flange root's radii on the equilibrium; None for wheels without that parameter, without lateral
+    force or without equilibrium."""
+    summary: dict[str, Any]  # content of ``geometry.json``
 
 
 def run_geometry(
@@ -249,12 +202,6 @@ def run_geometry(
 
     Parameters
     ----------
-    name
-        Name to show.
-    case
-        The case.
-    progress
-        Called with a sentence at each stage.
     notices
         Sentences about the inputs, to be shown with those about the results.
 

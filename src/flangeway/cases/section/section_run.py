@@ -44,17 +44,6 @@ _GROWTH = 0.3
 class SectionOptions:
     """How a section is computed.
 
-    Parameters
-    ----------
-    size
-        Length of a triangle's edge in the section's unit; None takes `usual_size`.
-    order
-        Order of the elements.
-    method
-        ``"fem"`` for triangles, ``"vem"`` for their dual polygons.
-    poisson
-        Poisson's ratio for the shear centre; None takes that of the section's materials, or 0.
-
     Raises
     ------
     InputError
@@ -62,10 +51,11 @@ class SectionOptions:
 
     """
 
-    size: float | None = None
-    order: int = 2
-    method: str = "fem"
+    size: float | None = None  # length of a triangle's edge in the section's unit; None takes `usual_size`
+    order: int = 2  # order of the elements
+    method: str = "fem"  # ``"fem"`` for triangles, ``"vem"`` for their dual polygons
     poisson: float | None = None
+    """Poisson's ratio for the shear centre; None takes that of the section's materials, or 0."""
 
     def __post_init__(self) -> None:
         """Check what can be checked without the section."""
@@ -89,28 +79,14 @@ class SectionOptions:
 
 @dataclass(frozen=True, eq=False)
 class SectionRun:
-    """A section and its constants.
+    """A section and its constants."""
 
-    Parameters
-    ----------
-    drawn
-        What was read.
-    options
-        How it was computed; the size is filled in.
-    space
-        Space on the mesh.
-    constants
-        The constants; area, centroid and second moments exact for the outline's lines and arcs.
-    summary
-        What ``section.json`` holds.
-
-    """
-
-    drawn: DrawnSection
-    options: SectionOptions
-    space: Space
+    drawn: DrawnSection  # what was read
+    options: SectionOptions  # how it was computed; the size is filled in
+    space: Space  # space on the mesh
     constants: SectionConstants
-    summary: dict[str, Any]
+    """The constants; area, centroid and second moments exact for the outline's lines and arcs."""
+    summary: dict[str, Any]  # what ``section.json`` holds
 
 
 def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
@@ -138,12 +114,8 @@ def run_section(
 
     Parameters
     ----------
-    drawn
-        The section.
     options
         How; the usual way if left out.
-    progress
-        Called with a sentence at each stage.
 
     Raises
     ------
@@ -367,25 +339,12 @@ class TorsionSummary(Summary):
 
 @dataclass(frozen=True, eq=False)
 class TorsionRun:
-    """A section under torsion.
+    """A section under torsion."""
 
-    Parameters
-    ----------
-    case
-        The inputs.
-    section
-        The section and its constants.
-    status
-        How it ended.
-    summary
-        What ``summary.json`` holds.
-
-    """
-
-    case: "TorsionCase"
-    section: SectionRun
-    status: Status
-    summary: TorsionSummary
+    case: "TorsionCase"  # the inputs
+    section: SectionRun  # the section and its constants
+    status: Status  # how it ended
+    summary: TorsionSummary  # what ``summary.json`` holds
 
 
 class TorsionCase(RunnableCase):

@@ -50,10 +50,6 @@ def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> W
 
     Parameters
     ----------
-    case
-        The inputs.
-    result
-        The solution.
     total_s
         Wall-clock time of the computation in seconds.
 

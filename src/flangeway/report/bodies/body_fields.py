@@ -19,37 +19,16 @@ from flangeway.types import Floats, Ints
 
 @dataclass(frozen=True, eq=False)
 class BodyFields:
-    """One body at its first place; each cell has points of its own, so that stresses jump between cells.
+    """One body at its first place; each cell has points of its own, so that stresses jump between cells."""
 
-    Parameters
-    ----------
-    name
-        Name of the body.
-    mesh
-        The cells; of orders above 1 the triangles that they are cut into to be shown.
-    displacement
-        Whole motion of the points in space, mm, shape (n_points, 2).
-    stresses
-        Stresses at the points, axes of space, each from its own cell.
-    places
-        Number of each point's place, the same for the points of several cells there, shape (n_points,).
-    n_rim_places
-        Places below this number are on the rims of the cells of the problem, the others inside.
-    cells
-        Cell of the problem that each cell is a piece of, shape (n_cells,).
-    shown
-        How the cells were cut, None where they are shown as they are.
-
-    """
-
-    name: str
-    mesh: PolyMesh
-    displacement: Floats
-    stresses: Stresses
-    places: Ints
-    n_rim_places: int
-    cells: Ints
-    shown: Display | None
+    name: str  # name of the body
+    mesh: PolyMesh  # the cells; of orders above 1 the triangles that they are cut into to be shown
+    displacement: Floats  # whole motion of the points in space, mm, shape (n_points, 2)
+    stresses: Stresses  # stresses at the points, axes of space, each from its own cell
+    places: Ints  # number of each point's place, the same for the points of several cells there, shape (n_points,)
+    n_rim_places: int  # places below this number are on the rims of the cells of the problem, the others inside
+    cells: Ints  # cell of the problem that each cell is a piece of, shape (n_cells,)
+    shown: Display | None  # how the cells were cut, None where they are shown as they are
 
     def write(self, path: Path) -> None:
         """Write a VTU file, see `write_vtu`: motion and stresses of the points with their units, and ``cell``."""
@@ -108,25 +87,13 @@ MOST_VALUES = 3_000_000
 
 @dataclass(frozen=True, eq=False)
 class BodySteps:
-    """Load steps with the fields of all bodies.
+    """Load steps with the fields of all bodies."""
 
-    Parameters
-    ----------
-    names
-        Number, count and name of each step, the last one's last.
-    numbers
-        Number of each step, from 1.
-    fields
-        Fields of the bodies in their order, step by step, all at the same points.
-    note
-        Sentence on what is left out, empty if nothing is.
-
-    """
-
-    names: tuple[str, ...]
-    numbers: tuple[int, ...]
+    names: tuple[str, ...]  # number, count and name of each step, the last one's last
+    numbers: tuple[int, ...]  # number of each step, from 1
     fields: tuple[Sequence[BodyFields], ...]
-    note: str
+    """Fields of the bodies in their order, step by step, all at the same points."""
+    note: str  # sentence on what is left out, empty if nothing is
 
 
 def body_steps(run: BodiesRun, last: Sequence[BodyFields]) -> BodySteps:

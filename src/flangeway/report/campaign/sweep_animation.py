@@ -30,26 +30,14 @@ HIGHEST_MM = 18.0
 
 @dataclass(frozen=True)
 class SweepFrame:
-    """One position of the animation.
+    """One position of the animation."""
 
-    Parameters
-    ----------
-    label
-        Name of the frame.
-    problem
-        Profiles and their positions.
-    motion
-        Of the wheelset; None where there is no result.
-    patches
-        Regions of contact: ``side``, ``rail_x_mm``, ``rail_y_mm``, ``max_pressure_MPa``, ``half_width_mm``,
-        ``lateral_force_N``, ``vertical_force_N``.
-
-    """
-
-    label: str
-    problem: WheelsetProblem
-    motion: WheelsetPosition | None
+    label: str  # name of the frame
+    problem: WheelsetProblem  # profiles and their positions
+    motion: WheelsetPosition | None  # of the wheelset; None where there is no result
     patches: tuple[dict[str, Any], ...]
+    """Regions of contact: ``side``, ``rail_x_mm``, ``rail_y_mm``, ``max_pressure_MPa``, ``half_width_mm``,
+    ``lateral_force_N``, ``vertical_force_N``."""
 
 
 def is_sweep(campaign: Campaign, table: CampaignTable) -> bool:

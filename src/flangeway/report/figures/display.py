@@ -33,39 +33,17 @@ class Display:
 
     Each cell is divided into triangles between a centre that sees it whole and its sides (a cell without such a centre
     first into parts that have one), and each of these into `pieces` squared.
-
-    Parameters
-    ----------
-    space
-        Whose cells are shown.
-    pieces
-        Number of pieces of each side.
-    points
-        Shape (n, 2).
-    cells
-        Cell of each point, shape (n,).
-    triangles
-        Counter-clockwise triangles of points (m, 3).
-    edge
-        Edge of the mesh on which a point lies, `NO_EDGE` for points inside, shape (n,).
-    step
-        Place on that edge, from 0 at its lower point to `pieces`, shape (n,).
-    outward
-        The two points of the rim between which the ray from the centre through a point ends, shape (n, 2).
-    outward_weights
-        Shares of both, shape (n, 2): they add up to one on the rim and to zero at the centre.
-
     """
 
-    space: Space
-    pieces: int
-    points: Floats
-    cells: Ints
-    triangles: Ints
-    edge: Ints
-    step: Ints
-    outward: Ints
-    outward_weights: Floats
+    space: Space  # whose cells are shown
+    pieces: int  # number of pieces of each side
+    points: Floats  # shape (n, 2)
+    cells: Ints  # cell of each point, shape (n,)
+    triangles: Ints  # counter-clockwise triangles of points (m, 3)
+    edge: Ints  # edge of the mesh on which a point lies, `NO_EDGE` for points inside, shape (n,)
+    step: Ints  # place on that edge, from 0 at its lower point to `pieces`, shape (n,)
+    outward: Ints  # the two points of the rim between which the ray from the centre through a point ends, shape (n, 2)
+    outward_weights: Floats  # shares of both, shape (n, 2): they add up to one on the rim and to zero at the centre
 
     @property
     def mesh(self) -> PolyMesh:

@@ -48,23 +48,14 @@ def new_figure(width_in: float, height_in: float, *, measured: bool = True) -> F
 
 @dataclass(frozen=True)
 class Room:
-    """Room about panels for labels, titles and legends, in inches.
-
-    Parameters
-    ----------
-    left, right, bottom, top
-        Beyond the outermost panels.
-    across, between
-        Between panels beside each other, and between rows.
-
-    """
+    """Room about panels for labels, titles and legends, in inches."""
 
     left: float = 0.75
     right: float = 0.2
     bottom: float = 0.55
-    top: float = 0.35
+    top: float = 0.35  # left, right, bottom, top: beyond the outermost panels
     across: float = 0.8
-    between: float = 0.8
+    between: float = 0.8  # across, between: between panels beside each other, and between rows
 
 
 def figure_with_room(

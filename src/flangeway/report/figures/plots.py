@@ -48,8 +48,6 @@ def plot_mesh(
 
     Parameters
     ----------
-    mesh
-        The mesh.
     axes
         Where to draw; a new figure by default, ``axes.figure``.
     edge_sets
@@ -99,8 +97,6 @@ def plot_function(
 
     Parameters
     ----------
-    space
-        The space.
     dofs
         Unknowns, shape (n_dofs,).
     axes
@@ -140,8 +136,6 @@ def plot_displacement(
 
     Parameters
     ----------
-    solution
-        The solution.
     component
         ``"magnitude"``, ``"x"`` or ``"y"``.
     axes
@@ -181,8 +175,6 @@ def plot_stress(
 
     Parameters
     ----------
-    solution
-        The solution.
     quantity
         A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (maximum) to ``"principal_3"``, the
         normal stress out of the plane among them.

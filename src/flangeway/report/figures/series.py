@@ -63,8 +63,6 @@ def solution_frame(
 
     Parameters
     ----------
-    solution
-        The solution.
     time
         Its time.
     pieces
@@ -159,8 +157,6 @@ def write_collection(path: str | Path, entries: Iterable[tuple[float, str, str]]
 
     Parameters
     ----------
-    path
-        File to write.
     entries
         Time, name of the part and name of the file, for each VTU file.
 

@@ -18,95 +18,42 @@ INSTEAD = "The figures below show the most important fields."
 
 @dataclass(frozen=True)
 class Picture:
-    """A picture of the report.
+    """A picture of the report."""
 
-    Parameters
-    ----------
-    png
-        Contents of a PNG file.
-    alternative
-        What it shows, for those who do not see it.
-    caption
-        What stands below it.
-
-    """
-
-    png: bytes
-    alternative: str
-    caption: str
+    png: bytes  # contents of a PNG file
+    alternative: str  # what it shows, for those who do not see it
+    caption: str  # what stands below it
 
 
 @dataclass(frozen=True)
 class Again:
-    """How to run a case again.
+    """How to run a case again."""
 
-    Parameters
-    ----------
-    command
-        The command; of cases with tables, which no command has room for, the one that runs the case file.
-    case_file
-        Text of a case file that computes the same.
-    file_name
-        Name of that file in `command`, empty where the command stands alone.
-    files
-        Sentences on the other files of the run, their names between backticks.
-
-    """
-
-    command: str
-    case_file: str
-    file_name: str = ""
-    files: str = ""
+    command: str  # the command; of cases with tables, which no command has room for, the one that runs the case file
+    case_file: str  # text of a case file that computes the same
+    file_name: str = ""  # name of that file in `command`, empty where the command stands alone
+    files: str = ""  # sentences on the other files of the run, their names between backticks
 
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What a report says; what is left out or empty has no place on the page.
-
-    Parameters
-    ----------
-    title, subtitle
-        What was computed, and how.
-    converged, message
-        How it ended.
-    facts
-        The most telling numbers with units, and what they are.
-    again
-        How to run it again.
-    versions
-        Versions of what it was made with, by name.
-    sentences
-        What else the summary says.
-    warnings, assumptions
-        Sentences.
-    scene
-        What the interactive picture shows.
-    pictures
-        Pictures, the most telling first.
-    tables
-        Numbers.
-    axes
-        Meanings of axes and signs by name.
-    inputs
-        Tables of inputs.
-
-    """
+    """What a report says; what is left out or empty has no place on the page."""
 
     title: str
-    subtitle: str
+    subtitle: str  # title, subtitle: what was computed, and how
     converged: bool
-    message: str
-    facts: Sequence[tuple[str, str]]
-    again: Again
-    versions: Mapping[str, str]
-    sentences: Sequence[str] = ()
+    message: str  # converged, message: how it ended
+    facts: Sequence[tuple[str, str]]  # the most telling numbers with units, and what they are
+    again: Again  # how to run it again
+    versions: Mapping[str, str]  # versions of what it was made with, by name
+    sentences: Sequence[str] = ()  # what else the summary says
     warnings: Sequence[str] = ()
-    assumptions: Sequence[str] = ()
-    scene: Scene | None = None
-    pictures: Sequence[Picture] = ()
-    tables: Sequence[SummaryTable] = ()
-    axes: Mapping[str, str] = field(default_factory=dict)
-    inputs: Sequence[SummaryTable] = ()
+    assumptions: Sequence[str] = ()  # warnings, assumptions: sentences
+    scene: Scene | None = None  # what the interactive picture shows
+    pictures: Sequence[Picture] = ()  # pictures, the most telling first
+    tables: Sequence[SummaryTable] = ()  # numbers
+    axes: Mapping[str, str] = field(default_factory=dict)  # meanings of axes and signs by name
+    inputs: Sequence[SummaryTable] = ()  # tables of inputs
 
 
 def report_page(page: Page) -> str:

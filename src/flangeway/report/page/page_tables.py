@@ -15,25 +15,12 @@ Contacts = Sequence[ContactSummary] | Sequence[RigidContactSummary]
 
 @dataclass(frozen=True)
 class SummaryTable:
-    """A table of text.
+    """A table of text."""
 
-    Parameters
-    ----------
-    caption
-        What it shows.
-    header
-        Names of the columns with their units.
-    rows
-        Cells as text; the first of each row names it.
-    of_words
-        Whether the cells are words rather than numbers, and are aligned on the left.
-
-    """
-
-    caption: str
-    header: tuple[str, ...]
-    rows: tuple[tuple[str, ...], ...]
-    of_words: bool = False
+    caption: str  # what it shows
+    header: tuple[str, ...]  # names of the columns with their units
+    rows: tuple[tuple[str, ...], ...]  # cells as text; the first of each row names it
+    of_words: bool = False  # whether the cells are words rather than numbers, and are aligned on the left
 
 
 def contacts_table(summary: WheelsetSummary) -> SummaryTable:

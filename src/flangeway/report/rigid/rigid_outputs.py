@@ -33,15 +33,6 @@ CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, SUMMARY)
 def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
     """Write pictures, ``table.csv``, ``conicity.csv`` and ``geometry.json``, together or not at all.
 
-    Parameters
-    ----------
-    run
-        Results.
-    folder
-        Output folder; made if needed.
-    progress
-        Called with a sentence at each stage.
-
     Raises
     ------
     InputError

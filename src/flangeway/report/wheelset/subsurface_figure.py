@@ -35,27 +35,14 @@ COLUMNS = (
 
 @dataclass(frozen=True, eq=False)
 class SubsurfaceLine:
-    """Stresses below a contact in one of its bodies, in the axes of the surface's normal.
-
-    Parameters
-    ----------
-    patch, body
-        The contact, and which body.
-    depths
-        Depths below the undeformed surface in mm, shape (n,).
-    points
-        Places on the undeformed profile, in its frame, shape (n, 2).
-    found, hertz
-        Stresses at the points, and those of Hertz's theory, None where it has none.
-
-    """
+    """Stresses below a contact in one of its bodies, in the axes of the surface's normal."""
 
     patch: WheelRailPatch
-    body: Role
-    depths: Floats
-    points: Floats
+    body: Role  # patch, body: the contact, and which body
+    depths: Floats  # depths below the undeformed surface in mm, shape (n,)
+    points: Floats  # places on the undeformed profile, in its frame, shape (n, 2)
     found: Stresses
-    hertz: Stresses | None
+    hertz: Stresses | None  # found, hertz: stresses at the points, and those of Hertz's theory, None where it has none
 
 
 def subsurface_lines(result: WheelsetResult) -> list[SubsurfaceLine]:

@@ -57,8 +57,6 @@ def wheelset_page(run: CaseRun, pictures: Sequence[Picture], parts: Sequence[Par
 
     Parameters
     ----------
-    run
-        The run.
     pictures
         Pictures, the most telling first.
     parts

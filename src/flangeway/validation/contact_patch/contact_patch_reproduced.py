@@ -65,30 +65,15 @@ MIXED = (("T6", "VEM1"), ("VEM2", "T3"), ("T3", "T6"), ("VEM1", "VEM2"))
 
 @dataclass(frozen=True, eq=False)
 class PatchRun:
-    """One computation of the contact patch test.
+    """One computation of the contact patch test."""
 
-    Parameters
-    ----------
-    code
-        Published code for node-to-segment, such as ``FPTM3O2``; else what was computed, in words.
-    law
-        Name of the enforcement.
-    sides, level
-        Keys of `ELEMENTS` of the secondary and of the primary box, and the refinement.
-    matching
-        Whether both boxes have the same mesh, mirrored.
-    case, run
-        What was computed, and its result.
-
-    """
-
-    code: str
-    law: str
+    code: str  # published code for node-to-segment, such as ``FPTM3O2``; else what was computed, in words
+    law: str  # name of the enforcement
     sides: tuple[str, str]
-    level: int
-    matching: bool
+    level: int  # sides, level: keys of `ELEMENTS` of the secondary and of the primary box, and the refinement
+    matching: bool  # whether both boxes have the same mesh, mirrored
     case: ContactPatchCase
-    run: BodiesRun
+    run: BodiesRun  # case, run: what was computed, and its result
 
     @property
     def pairing(self) -> str:
@@ -181,19 +166,10 @@ class PatchRun:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ContactPatchReproduction(Reproduced):
-    """The contact patch test computed again, and beside it with segment-to-segment.
+    """The contact patch test computed again, and beside it with segment-to-segment."""
 
-    Parameters
-    ----------
-    published
-        Node-to-segment with the published penalty: the published configurations.
-    proper
-        Segment-to-segment under all enforcements.
-
-    """
-
-    published: tuple[PatchRun, ...]
-    proper: tuple[PatchRun, ...]
+    published: tuple[PatchRun, ...]  # node-to-segment with the published penalty: the published configurations
+    proper: tuple[PatchRun, ...]  # segment-to-segment under all enforcements
 
     @property
     def failures(self) -> tuple[str, ...]:

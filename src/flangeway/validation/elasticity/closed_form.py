@@ -203,20 +203,12 @@ PATCH_METHODS = ("FD", "VD", "VV", "HE")
 
 @dataclass(frozen=True)
 class PatchCode:
-    """One configuration, such as ``VVPTO1`` (Moherdaui 2021, Figure 52).
-
-    Parameters
-    ----------
-    method
-        ``"FD"`` for Lagrange triangles, ``"VD"`` for virtual triangles, ``"VV"`` for virtual polygons, ``"HE"`` for
-        Lagrange triangles inside and virtual quadrilaterals with two aligned edges at the boundary.
-    order
-        Order of the elements.
-
-    """
+    """One configuration, such as ``VVPTO1`` (Moherdaui 2021, Figure 52)."""
 
     method: str
-    order: int
+    """``"FD"`` for Lagrange triangles, ``"VD"`` for virtual triangles, ``"VV"`` for virtual polygons, ``"HE"`` for
+    Lagrange triangles inside and virtual quadrilaterals with two aligned edges at the boundary."""
+    order: int  # order of the elements
 
     def __post_init__(self) -> None:
         if self.method not in PATCH_METHODS:
@@ -233,28 +225,14 @@ class PatchCode:
 
 @dataclass(frozen=True, eq=False)
 class PatchRow:
-    """One solution.
+    """One solution."""
 
-    Parameters
-    ----------
-    code
-        Its configuration.
-    n_unknowns
-        Components of displacement at nodes; those inside cells are condensed.
-    stresses
-        Value of a corner with the maximum difference from the exact one, over the tension: xx, xy, yy.
-    displacement_error
-        Maximum error of a node's displacement over the maximum displacement.
-    solution
-        The solution.
-
-    """
-
-    code: PatchCode
-    n_unknowns: int
+    code: PatchCode  # its configuration
+    n_unknowns: int  # components of displacement at nodes; those inside cells are condensed
     stresses: tuple[float, float, float]
-    displacement_error: float
-    solution: ElasticitySolution
+    """Value of a corner with the maximum difference from the exact one, over the tension: xx, xy, yy."""
+    displacement_error: float  # maximum error of a node's displacement over the maximum displacement
+    solution: ElasticitySolution  # the solution
 
     @property
     def stress_error(self) -> float:

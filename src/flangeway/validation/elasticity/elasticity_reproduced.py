@@ -50,23 +50,12 @@ _NOT_PUBLISHED = {
 
 @dataclass(frozen=True)
 class RefinementCase:
-    """Uniform and adaptive refinement of one body with one order.
+    """Uniform and adaptive refinement of one body with one order."""
 
-    Parameters
-    ----------
-    body
-        ``"Cook"`` or ``"L-shape"``.
-    order
-        Order of the virtual elements.
-    uniform, adaptive
-        The solutions, coarsest first.
-
-    """
-
-    body: str
-    order: int
+    body: str  # ``"Cook"`` or ``"L-shape"``
+    order: int  # order of the virtual elements
     uniform: tuple[RefinementRow, ...]
-    adaptive: tuple[RefinementRow, ...]
+    adaptive: tuple[RefinementRow, ...]  # uniform, adaptive: the solutions, coarsest first
 
     @property
     def saving(self) -> float:
@@ -78,51 +67,23 @@ class RefinementCase:
 
 @dataclass(frozen=True)
 class IncompressibleRow:
-    """The nearly incompressible membrane: a row of ``nearly_incompressible.csv``.
+    """The nearly incompressible membrane: a row of ``nearly_incompressible.csv``."""
 
-    Parameters
-    ----------
-    code
-        Configuration.
-    n_unknowns
-        Components of displacement at nodes.
-    load_work
-        Work of the load, twice the strain energy.
-    reference
-        The same by orders 3 and 4 on fine meshes.
-    relative_difference
-        ``load_work / reference - 1``.
-
-    """
-
-    code: str
-    n_unknowns: int
-    load_work: float
-    reference: float
-    relative_difference: float
+    code: str  # configuration
+    n_unknowns: int  # components of displacement at nodes
+    load_work: float  # work of the load, twice the strain energy
+    reference: float  # the same by orders 3 and 4 on fine meshes
+    relative_difference: float  # ``load_work / reference - 1``
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class ElasticityReproduction(Reproduced):
-    """Chapter 5 computed again, with related problems.
+    """Chapter 5 computed again, with related problems."""
 
-    Parameters
-    ----------
-    patch
-        Patch tests.
-    cook
-        Cook's membrane with the published material.
-    incompressible
-        The same configurations, nearly incompressible.
-    refinements
-        Uniform against adaptive refinement.
-
-    """
-
-    patch: tuple[PatchRow, ...]
-    cook: tuple[CookRow, ...]
-    incompressible: tuple[IncompressibleRow, ...]
-    refinements: tuple[RefinementCase, ...]
+    patch: tuple[PatchRow, ...]  # patch tests
+    cook: tuple[CookRow, ...]  # cook's membrane with the published material
+    incompressible: tuple[IncompressibleRow, ...]  # the same configurations, nearly incompressible
+    refinements: tuple[RefinementCase, ...]  # uniform against adaptive refinement
 
     @property
     def failures(self) -> tuple[str, ...]:

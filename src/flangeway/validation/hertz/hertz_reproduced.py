@@ -81,21 +81,14 @@ LINE_POINTS = 201
 
 @dataclass(frozen=True, eq=False)
 class SurfacePressure:
-    """Pressure at the nodes of the upper disc that face the lower one, from left to right.
-
-    Parameters
-    ----------
-    x
-        Positions before the deformation, as Hertz's theory has them, shape (n,): by a second-order effect that it
-        leaves out, the surface moves towards the middle (by 1.1 % in the published problem).
-    values
-        Pressures, shape (n,): for node-to-segment the forces over the nodes' influence widths, half of the way to
-        either neighbour, for segment-to-segment those of the multipliers' field.
-
-    """
+    """Pressure at the nodes of the upper disc that face the lower one, from left to right."""
 
     x: Floats
+    """Positions before the deformation, as Hertz's theory has them, shape (n,): by a second-order effect that it leaves
+    out, the surface moves towards the middle (by 1.1 % in the published problem)."""
     values: Floats
+    """Pressures, shape (n,): for node-to-segment the forces over the nodes' influence widths, half of the way to either
+    neighbour, for segment-to-segment those of the multipliers' field."""
 
     @classmethod
     def of(cls, contact: ContactSolution) -> "SurfacePressure":
@@ -134,52 +127,28 @@ class SurfacePressure:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HertzRow:
-    """One configuration on one mesh, lengths in cm, forces in kN.
-
-    Parameters
-    ----------
-    code, level, variant
-        Such as ``"VVO2"`` and 4 for VVO2 on M4; see `Variant`.
-    status
-        How it ended.
-    n_unknowns, size
-        Unknowns of both discs; edge length of the upper triangles, one edge or one polygon's width.
-    iterations
-        Newton iterations of each load step.
-    force, half_width
-        Force between the discs, and half of the loaded length of the upper one.
-    extremes
-        Minimum principal stress, maximum shear stress in the plane and maximum von Mises stress of both discs, of each
-        element at order 1, and unaveraged at all corners above.
-    theory
-        Hertz's contact under the same force.
-    pressure
-        Pressure at the nodes of the zone.
-    points, nodal_forces
-        Positions of the loaded nodes of the upper disc and the forces on them, shapes (n, 2).
-    line
-        Stresses of the lower disc down the line of symmetry to a depth of 1 cm.
-    fields
-        Displacements of the upper and the lower disc.
-
-    """
+    """One configuration on one mesh, lengths in cm, forces in kN."""
 
     code: str
     level: int
-    variant: Variant
-    status: Status
+    variant: Variant  # code, level, variant: such as ``"VVO2"`` and 4 for VVO2 on M4; see `Variant`
+    status: Status  # how it ended
     n_unknowns: int
     size: float
-    iterations: tuple[int, ...]
+    """n_unknowns, size: unknowns of both discs; edge length of the upper triangles, one edge or one polygon's width."""
+    iterations: tuple[int, ...]  # Newton iterations of each load step
     force: float
-    half_width: float
+    half_width: float  # force, half_width: force between the discs, and half of the loaded length of the upper one
     extremes: dict[str, float]
-    theory: LineContact
-    pressure: SurfacePressure
+    """Minimum principal stress, maximum shear stress in the plane and maximum von Mises stress of both discs, of each
+    element at order 1, and unaveraged at all corners above."""
+    theory: LineContact  # Hertz's contact under the same force
+    pressure: SurfacePressure  # pressure at the nodes of the zone
     points: Floats
     nodal_forces: Floats
-    line: StressLine
-    fields: tuple[ElasticField, ElasticField]
+    """points, nodal_forces: positions of the loaded nodes of the upper disc and the forces on them, shapes (n, 2)."""
+    line: StressLine  # stresses of the lower disc down the line of symmetry to a depth of 1 cm
+    fields: tuple[ElasticField, ElasticField]  # displacements of the upper and the lower disc
 
     @property
     def name(self) -> str:
@@ -194,16 +163,9 @@ class HertzRow:
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class HertzReproduction(Reproduced):
-    """The Hertz problem computed again.
+    """The Hertz problem computed again."""
 
-    Parameters
-    ----------
-    rows
-        Configurations in the order of the tables; node-to-segment first.
-
-    """
-
-    rows: tuple[HertzRow, ...]
+    rows: tuple[HertzRow, ...]  # configurations in the order of the tables; node-to-segment first
 
     def of(self, variant: Variant) -> tuple[HertzRow, ...]:
         """Rows of one variant."""

@@ -32,28 +32,13 @@ TRIANGLE_EDGES = (16.0, 21.0, 31.0, 60.9)
 
 @dataclass(frozen=True)
 class TorsionCode:
-    """One code of Table 3, such as ``VVSM3O2``.
+    """One code of Table 3, such as ``VVSM3O2``."""
 
-    Parameters
-    ----------
-    method
-        ``"F"`` for Lagrange, ``"V"`` for virtual elements.
-    cells
-        ``"D"`` for triangles, ``"V"`` for their dual polygons.
-    section
-        ``"S"`` for the square, ``"T"`` for the equilateral triangle, of area one.
-    level
-        Refinement, 1 to 4.
-    order
-        Order of the elements, 1 or 2.
-
-    """
-
-    method: Method
-    cells: Cells
-    section: Section
-    level: int
-    order: int
+    method: Method  # ``"F"`` for Lagrange, ``"V"`` for virtual elements
+    cells: Cells  # ``"D"`` for triangles, ``"V"`` for their dual polygons
+    section: Section  # ``"S"`` for the square, ``"T"`` for the equilateral triangle, of area one
+    level: int  # refinement, 1 to 4
+    order: int  # order of the elements, 1 or 2
 
     def __str__(self) -> str:
         return f"{self.method}{self.cells}{self.section}M{self.level}O{self.order}"
@@ -69,40 +54,17 @@ class TorsionCode:
 
 @dataclass(frozen=True, eq=False)
 class TorsionRow:
-    """One computed row of Tables 4 to 7.
+    """One computed row of Tables 4 to 7."""
 
-    Parameters
-    ----------
-    table
-        Number of the published table, 4 to 7.
-    formulation
-        ``"warping"`` or ``"prandtl"``.
-    load
-        Reading of Prandtl's load, see `Torsion`.
-    code
-        Mesh and element.
-    size
-        Maximum diameter of the cells.
-    n_dofs
-        Unknowns of the space, all counted.
-    n_free
-        Unknowns that are solved for.
-    exact
-        Torsion constant in closed form.
-    solution
-        The solution.
-
-    """
-
-    table: int
-    formulation: Formulation
-    load: Load
-    code: TorsionCode
-    size: float
-    n_dofs: int
-    n_free: int
-    exact: float
-    solution: TorsionSolution
+    table: int  # number of the published table, 4 to 7
+    formulation: Formulation  # ``"warping"`` or ``"prandtl"``
+    load: Load  # reading of Prandtl's load, see `Torsion`
+    code: TorsionCode  # mesh and element
+    size: float  # maximum diameter of the cells
+    n_dofs: int  # unknowns of the space, all counted
+    n_free: int  # unknowns that are solved for
+    exact: float  # torsion constant in closed form
+    solution: TorsionSolution  # the solution
 
     @property
     def torsion_constant(self) -> float:
@@ -218,52 +180,25 @@ class ReproducedRate:
 
     Over unknowns, ``error = c n^(-p/2)``, and over h, ``error = c h^p``. That over unknowns is compared: h is the
     maximum diameter of an element, which depends on details of the mesh generator.
-
-    Parameters
-    ----------
-    table
-        Number of the published table.
-    code
-        Code without the refinement, such as ``VVSO2``.
-    expected
-        Rate of theory, twice the order.
-    published, computed
-        Rates of the published and computed errors over unknowns.
-    published_over_h, computed_over_h
-        Rates over h.
-    within
-        Whether those over unknowns differ by `MAX_RATE_DIFFERENCE` at most.
-
     """
 
-    table: int
-    code: str
-    expected: int
+    table: int  # number of the published table
+    code: str  # code without the refinement, such as ``VVSO2``
+    expected: int  # rate of theory, twice the order
     published: float
-    computed: float
+    computed: float  # published, computed: rates of the published and computed errors over unknowns
     published_over_h: float
-    computed_over_h: float
-    within: bool
+    computed_over_h: float  # published_over_h, computed_over_h: rates over h
+    within: bool  # whether those over unknowns differ by `MAX_RATE_DIFFERENCE` at most
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class TorsionReproduction(Reproduced):
-    """Tables 4 to 7 computed again.
+    """Tables 4 to 7 computed again."""
 
-    Parameters
-    ----------
-    computed
-        Solutions in the order of the tables, both readings of Prandtl's load.
-    published
-        Published h, number of unknowns, constant and error of each.
-    rates
-        Rates of convergence; none if not all refinements were computed.
-
-    """
-
-    computed: tuple[TorsionRow, ...]
-    published: tuple[dict[str, float], ...]
-    rates: tuple[ReproducedRate, ...]
+    computed: tuple[TorsionRow, ...]  # solutions in the order of the tables, both readings of Prandtl's load
+    published: tuple[dict[str, float], ...]  # published h, number of unknowns, constant and error of each
+    rates: tuple[ReproducedRate, ...]  # rates of convergence; none if not all refinements were computed
 
     @property
     def errors(self) -> tuple[ReproducedNumber, ...]:

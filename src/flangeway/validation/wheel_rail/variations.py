@@ -39,19 +39,10 @@ ROLL_ARM_MM = 750.0
 
 @dataclass(frozen=True, eq=False)
 class StiffenedWheelset:
-    """A wheelset of raised Young's modulus, and its distance from the rigid one.
+    """A wheelset of raised Young's modulus, and its distance from the rigid one."""
 
-    Parameters
-    ----------
-    factor
-        Factor on Young's modulus.
-    result
-        Elastic solution.
-
-    """
-
-    factor: float
-    result: WheelsetResult
+    factor: float  # factor on Young's modulus
+    result: WheelsetResult  # elastic solution
 
     @cached_property
     def rigid(self) -> RigidPosition:
@@ -115,19 +106,10 @@ def contact_name(result: WheelsetResult, patch: WheelRailPatch) -> str:
 
 @dataclass(frozen=True, eq=False)
 class RefinedContact:
-    """A wheelset with a finer mesh in contact.
+    """A wheelset with a finer mesh in contact."""
 
-    Parameters
-    ----------
-    divisor
-        Divisor of the element size in contact.
-    result
-        The solution.
-
-    """
-
-    divisor: int
-    result: WheelsetResult
+    divisor: int  # divisor of the element size in contact
+    result: WheelsetResult  # the solution
 
     @property
     def quantities(self) -> dict[tuple[str, str], float]:
@@ -164,29 +146,17 @@ SOURCE = "one arc between straight lines, to compare with Hertz's theory"
 
 @dataclass(frozen=True, eq=False)
 class OneArcContact:
-    """One side of the wheelset under a load.
-
-    Parameters
-    ----------
-    load_N
-        Force on the side.
-    result
-        Solution of the wheelset.
-    pressure_MPa, half_width_mm
-        Maximum pressure and half width of the ellipse that fits the pressures of the nodes best.
-    approach_mm
-        How far the wheelset sinks.
-    theory
-        Hertz's contact of the two arcs under that force.
-
-    """
+    """One side of the wheelset under a load."""
 
     load_N: float  # noqa: N815 (the unit newton)
-    result: WheelsetResult
+    """Force on the side."""
+    result: WheelsetResult  # solution of the wheelset
     pressure_MPa: float  # noqa: N815
     half_width_mm: float
-    approach_mm: float
-    theory: LineContact
+    """pressure_MPa, half_width_mm: maximum pressure and half width of the ellipse that fits the pressures of the nodes
+    best."""
+    approach_mm: float  # how far the wheelset sinks
+    theory: LineContact  # Hertz's contact of the two arcs under that force
 
 
 def one_arc_rail() -> RailProfile:

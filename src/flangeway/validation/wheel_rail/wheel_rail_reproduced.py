@@ -72,28 +72,14 @@ FO2_NOTE = "reference: FO2"
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class WheelRailReproduction(Reproduced):
-    """Tables 15 and 16 computed again.
+    """Tables 15 and 16 computed again."""
 
-    Parameters
-    ----------
-    rows
-        The eight rows.
-    members
-        Flange roots of two families, and the position of the wheelset of the curve with them.
-    limit
-        The curve with raised Young's modulus.
-    refined
-        The curve with finer meshes in contact.
-    one_arc
-        A wheel of one arc on a rail of one arc under two loads.
-
-    """
-
-    rows: tuple[WheelRailRow, ...]
+    rows: tuple[WheelRailRow, ...]  # the eight rows
     members: tuple[RootMember, ...]
-    limit: tuple[StiffenedWheelset, ...]
-    refined: tuple[RefinedContact, ...]
-    one_arc: tuple[OneArcContact, ...]
+    """Flange roots of two families, and the position of the wheelset of the curve with them."""
+    limit: tuple[StiffenedWheelset, ...]  # the curve with raised Young's modulus
+    refined: tuple[RefinedContact, ...]  # the curve with finer meshes in contact
+    one_arc: tuple[OneArcContact, ...]  # a wheel of one arc on a rail of one arc under two loads
 
     @property
     def failures(self) -> tuple[str, ...]:

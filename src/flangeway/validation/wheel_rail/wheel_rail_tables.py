@@ -60,22 +60,11 @@ BY_HAND = "the published equilibrium was found by hand"
 
 @dataclass(frozen=True, eq=False)
 class WheelRailRow:
-    """One row of Tables 15 and 16.
+    """One row of Tables 15 and 16."""
 
-    Parameters
-    ----------
-    situation
-        ``"tangent"`` or ``"curve"``.
-    code
-        ``"FO1"``, ``"VO1"``, ``"FO2"`` or ``"VO2"``.
-    run
-        The case and its result.
-
-    """
-
-    situation: str
-    code: str
-    run: CaseRun
+    situation: str  # ``"tangent"`` or ``"curve"``
+    code: str  # ``"FO1"``, ``"VO1"``, ``"FO2"`` or ``"VO2"``
+    run: CaseRun  # the case and its result
 
     @property
     def result(self) -> WheelsetResult:
@@ -95,24 +84,15 @@ class WheelRailRow:
 
 @dataclass(frozen=True)
 class RootMember:
-    """A flange root of a family and the position of the wheelset of the curve with it.
+    """A flange root of a family and the position of the wheelset of the curve with it."""
 
-    Parameters
-    ----------
-    family
-        A key of `FAMILIES`.
-    radius_mm
-        Radius of the wide arc.
-    lateral_cm, rotation_rad, vertical_difference_cm
-        Lateral translation, rotation, and vertical translation less that on tangent track, of FO1.
-
-    """
-
-    family: str
-    radius_mm: float
+    family: str  # a key of `FAMILIES`
+    radius_mm: float  # radius of the wide arc
     lateral_cm: float
     rotation_rad: float
     vertical_difference_cm: float
+    """lateral_cm, rotation_rad, vertical_difference_cm: lateral translation, rotation, and vertical translation less
+    that on tangent track, of FO1."""
 
 
 def published_case(situation: str, code: str, body_mm: float = BODY_MM) -> WheelsetCase:
