@@ -32,12 +32,7 @@ Page = Annotated[
 
 
 @app.command()
-def reproduce(
-    name: ReproductionName,
-    quick: Quick = False,
-    page: Page = None,
-    out: Out = None,
-) -> None:
+def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None) -> None:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     with errors_as_exit_status():
         from flangeway.validation.registry import REPRODUCTIONS  # noqa: PLC0415

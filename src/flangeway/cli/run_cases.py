@@ -25,8 +25,7 @@ if TYPE_CHECKING:
     from flangeway.cases.case import RunnableCase
 
 CaseOrFile = Annotated[
-    str,
-    typer.Argument(metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), or a case file."),
+    str, typer.Argument(metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), or a case file.")
 ]
 CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
 NewName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them.")]
@@ -45,23 +44,19 @@ ListedName = Annotated[
 ]
 # text, not numbers or choices: the case checks all values, with one kind of message
 Method = Annotated[
-    str | None,
-    typer.Option("--method", metavar="[fem|vem]", help="Triangles, or polygons with virtual elements."),
+    str | None, typer.Option("--method", metavar="[fem|vem]", help="Triangles, or polygons with virtual elements.")
 ]
 CaseOrder = Annotated[
     str | None, typer.Option("--order", metavar="[1|2]", help="Order of the elements of a case.", show_default=False)
 ]
 SizeScale = Annotated[
-    str | None,
-    typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them."),
+    str | None, typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them.")
 ]
 Primary = Annotated[
-    str | None,
-    typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies with the primary surface."),
+    str | None, typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies with the primary surface.")
 ]
 Crown = Annotated[
-    str | None,
-    typer.Option("--crown-radius", metavar="[8|10|14]", help="Radius of the rail's crown in inches."),
+    str | None, typer.Option("--crown-radius", metavar="[8|10|14]", help="Radius of the rail's crown in inches.")
 ]
 Set = Annotated[
     list[str] | None,

@@ -79,7 +79,7 @@ def bodies_scene(run: BodiesRun, steps: BodySteps) -> Scene:
         "Stresses are in the axes of the picture, tension positive, not averaged between elements, as in the VTU "
         "files: constant in elements of order 1, otherwise evaluated at the points of the files. Displacements are "
         "total, rigid and elastic, from the initial position; the deformation factor scales them: 0 is the initial "
-        "position, 1 is true.",
+        "position, 1 is true."
     ]
     several = len(steps.names) > 1
     if several:
@@ -142,12 +142,7 @@ def section_scene(run: SectionRun) -> Scene:
     unit = run.drawn.unit
     points, cells = section_arrays(run)
     (warping, prandtl), (shear,) = points, cells
-    shown = ShownPart(
-        "section",
-        run.space.mesh,
-        {name: values[:, None] for name, values in points.items()},
-        cells,
-    )
+    shown = ShownPart("section", run.space.mesh, {name: values[:, None] for name, values in points.items()}, cells)
     at_points, means, per_area = "Functions of torsion, at nodes", "Shear stress, element averages", f"1/{unit}³"
     fields = [
         ShownField(shear, "shear stress / torque, magnitude", per_area, means, shear, "magnitude"),

@@ -305,9 +305,7 @@ class _Builder:
         free = free_edges(part.body, pairs)
         if len(free) == 0:
             raise InputError(
-                f"{key}.{role} = {name!r}: its whole surface is fixed",
-                "a surface that can move",
-                "shorten the support",
+                f"{key}.{role} = {name!r}: its whole surface is fixed", "a surface that can move", "shorten the support"
             )
         if len(free) < len(pairs) and edges is not None:
             self.notices.append(

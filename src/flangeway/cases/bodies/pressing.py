@@ -109,11 +109,7 @@ class _Driver:
     """Solves for shares of loads and motions, and for a further motion of one part."""
 
     def __init__(
-        self,
-        system: ContactSystem,
-        motion: Mapping[Part, Placement],
-        fields: Mapping[Part, Floats],
-        progress: Progress,
+        self, system: ContactSystem, motion: Mapping[Part, Placement], fields: Mapping[Part, Floats], progress: Progress
     ) -> None:
         self.system, self.motion, self.progress = system, motion, progress
         self.bodies = CondensedBodies(system.surface_nodes)

@@ -96,9 +96,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     rail_order: int | None = Field(None, ge=1, le=2, description="order of the elements of the rails (default: order)")
     size_scale: float = Field(Discretisation.size_scale, ge=0.05, le=20.0, description="factor on all element sizes")
     contact_size_mm: float = Field(
-        Discretisation.contact_size_mm,
-        gt=0.0,
-        description="element size in contact, doubled for order 2",
+        Discretisation.contact_size_mm, gt=0.0, description="element size in contact, doubled for order 2"
     )
     wheel_contact_size_mm: float | None = Field(
         None, gt=0.0, description="element size of the wheels in contact (default: contact_size_mm)"
@@ -272,10 +270,7 @@ class Convergence:
         return {
             "within": self.within,
             "changes": self.changes() if self.converged else None,
-            "limits": {
-                "approach_change": MAX_APPROACH_CHANGE,
-                "position_change_mm": MAX_POSITION_CHANGE_MM,
-            },
+            "limits": {"approach_change": MAX_APPROACH_CHANGE, "position_change_mm": MAX_POSITION_CHANGE_MM},
             "runs": runs,
             "case": summaries[0]["case"],
             "versions": summaries[0]["versions"],

@@ -40,9 +40,7 @@ class WheelsetInputs(Case):
     )
     wheel: str = Field("AAR-1B", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
     flange_root_radius_mm: float | None = Field(
-        None,
-        gt=0.0,
-        description="radius of the AAR-1B's flange root beside the flange (default: the bundled one)",
+        None, gt=0.0, description="radius of the AAR-1B's flange root beside the flange (default: the bundled one)"
     )
     wide_flange_root_radius_mm: float | None = Field(
         None,

@@ -42,10 +42,9 @@ def stress_figure(run: BodiesRun) -> Figure:
         for name, body in run.bodies.items():
             _draw(axes, body, drawn[name], norm)
         axes.set_aspect("equal", adjustable="box")
-        axes.set_xlim(window[0, 0], window[1, 0])
-        axes.set_ylim(window[0, 1], window[1, 1])
-        axes.set_xlabel("x in mm")
-        axes.set_ylabel("y in mm")
+        axes.set(
+            xlim=(window[0, 0], window[1, 0]), ylim=(window[0, 1], window[1, 1]), xlabel="x in mm", ylabel="y in mm"
+        )
     colours = both[0].collections[0]
     extend = "max" if float(values.max()) > maximum else "neither"
     figure.colorbar(colours, ax=list(both), label="von Mises stress in MPa", extend=extend, shrink=0.9)
@@ -72,8 +71,7 @@ def pressure_figure(run: BodiesRun) -> Figure:
             x, run.theory.pressure(x), color=GREY, lw=1.8, ls="--", zorder=1,
             label=f"Hertz, same force: maximum {run.theory.max_pressure:.4g} MPa",
         )  # fmt: skip
-    axes.set_xlabel("length along the surface from the centre of pressure in mm")
-    axes.set_ylabel("contact pressure in MPa")
+    axes.set(xlabel="length along the surface from the centre of pressure in mm", ylabel="contact pressure in MPa")
     axes.set_ylim(bottom=0.0)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.legend(loc="lower center", fontsize=8, framealpha=1.0)

@@ -129,8 +129,7 @@ def _draw_side(axes: Axes, frame: SweepFrame, side: Side, highest: float) -> Non
             _draw_patch(axes, frame, side, patch, highest)
             shown.append(marked(f"{patch['max_pressure_MPa']:.0f} MPa", patch["max_pressure_remark"]))
     middle = float(on_rail.points(np.array([[0.0, 0.0]]))[0, 0])
-    axes.set_xlim(middle - WIDTH_MM, middle + WIDTH_MM)
-    axes.set_ylim(-BELOW_MM, ABOVE_MM)
+    axes.set(xlim=(middle - WIDTH_MM, middle + WIDTH_MM), ylim=(-BELOW_MM, ABOVE_MM))
     axes.set_aspect("equal", adjustable="box")
     axes.set_title(f"{side}: {', '.join(shown) or 'no contact'}", fontsize=9)
     axes.set_xlabel("x in the track's axes, mm")
@@ -161,8 +160,10 @@ def _draw_curves(axes: Axes, frames: list[SweepFrame], kind: str) -> Any:
         axes.plot(values, color=COLOURS[side], lw=1.4, label=side)
     places = np.unique(np.linspace(0, len(frames) - 1, 5).round().astype(int))
     axes.set_xticks(places, [frames[place].label.partition(" = ")[2] for place in places])
-    axes.set_xlabel(frames[0].label.partition(" = ")[0])
-    axes.set_ylabel("L/V" if kind == "ratio" else "vertical force on the wheel, kN")
+    axes.set(
+        xlabel=frames[0].label.partition(" = ")[0],
+        ylabel="L/V" if kind == "ratio" else "vertical force on the wheel, kN",
+    )
     axes.grid(color="#dddddd", lw=0.5)
     axes.legend(frameon=False, fontsize=8)
     return axes.axvline(0.0, color=GREY, lw=1.0)

@@ -179,14 +179,7 @@ def draw_contours(
         inside = np.zeros(part.mesh.n_points, dtype=np.bool_)
         inside[part.mesh.cell_points[np.repeat(chosen, part.mesh.cell_sizes)]] = True
         grid.set_mask(~inside[grid.triangles].all(axis=1))
-    lines = axes.tricontour(
-        grid,
-        smooth,
-        levels=levels,
-        colors=INK,
-        linewidths=0.5,
-        linestyles="solid",
-    )
+    lines = axes.tricontour(grid, smooth, levels=levels, colors=INK, linewidths=0.5, linestyles="solid")
     apart = LABELS_APART * abs(np.subtract(*axes.get_xlim()))
     places = [text.get_position() for text in axes.texts if text.get_gid() == CONTOUR]
     for label in axes.clabel(lines, fmt="%g", fontsize=6.5, inline=False):
@@ -220,11 +213,9 @@ def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats, *, dashed: bool = F
 
 def equal_axes(axes: Axes, corners: Floats) -> None:
     """Show the box (2, 2) with one scale for both axes, labelled in mm."""
-    axes.set_xlim(corners[0, 0], corners[1, 0])
-    axes.set_ylim(corners[0, 1], corners[1, 1])
+    axes.set(xlim=(corners[0, 0], corners[1, 0]), ylim=(corners[0, 1], corners[1, 1]))
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel("x in mm")
-    axes.set_ylabel("y in mm")
+    axes.set(xlabel="x in mm", ylabel="y in mm")
 
 
 def box(points: Sequence[Floats], margin: float) -> Floats:

@@ -70,11 +70,7 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
     """Fields of every part: left side first, wheels before rails."""
     model = result.model
     at_touch = dict(
-        zip(
-            (part.name for part in model.system.parts),
-            model.placements(model.rigid_position),
-            strict=True,
-        )
+        zip((part.name for part in model.system.parts), model.placements(model.rigid_position), strict=True)
     )
     for name, part in model.parts.items():
         placement, mesh = result.placements[name], part.body.mesh

@@ -57,8 +57,9 @@ def newton_figure(contact: ContactSolution) -> Figure:
         start += len(history)
     axes.set_xlim(0.5, max(start, 1) + 0.5)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    axes.set_xlabel("Newton iterations" + (", load step by load step" if len(steps) > 1 else ""))
-    axes.set_ylabel("relative error")
+    axes.set(
+        xlabel="Newton iterations" + (", load step by load step" if len(steps) > 1 else ""), ylabel="relative error"
+    )
     axes.yaxis.set_major_formatter(power_of_ten)
     axes.grid(color="#dddddd", linewidth=0.6)
     figure.legend(loc="lower center", ncols=3, fontsize=8, frameon=False)
@@ -96,8 +97,7 @@ def convergence_figure(run: CaseRun) -> Figure:
     axes.axhline(TOLERANCE, color=GREY, lw=0.8)
     axes.annotate("tolerance", (0.0, TOLERANCE), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    axes.set_xlabel("iteration: positions of the wheelset, each with its contact solved")
-    axes.set_ylabel("relative residual")
+    axes.set(xlabel="iteration: positions of the wheelset, each with its contact solved", ylabel="relative residual")
     axes.yaxis.set_major_formatter(power_of_ten)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.legend(loc="upper right", fontsize=8, framealpha=1.0)

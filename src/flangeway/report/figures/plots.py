@@ -204,11 +204,7 @@ def plot_stress(
 
 
 def plot_deformed(
-    solution: ElasticField,
-    axes: Axes | None = None,
-    *,
-    factor: Factor = "auto",
-    length_unit: str | None = None,
+    solution: ElasticField, axes: Axes | None = None, *, factor: Factor = "auto", length_unit: str | None = None
 ) -> Axes:
     """Draw the deformed cells over the dashed outline of the undeformed body; edges of order 2 and more are curved."""
     axes = _prepared(axes, length_unit)
@@ -254,8 +250,7 @@ def _prepared(axes: Axes | None, length_unit: str | None) -> Axes:
     if axes is None:
         axes = new_figure(8.0, 5.5).subplots()
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel(_with_unit("x", length_unit))
-    axes.set_ylabel(_with_unit("y", length_unit))
+    axes.set(xlabel=_with_unit("x", length_unit), ylabel=_with_unit("y", length_unit))
     return axes
 
 

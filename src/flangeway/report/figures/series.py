@@ -48,12 +48,7 @@ class SeriesFrame:
 
 
 def solution_frame(
-    solution: ElasticField,
-    time: float = 0.0,
-    *,
-    pieces: int | None = None,
-    averaged: bool = False,
-    part: str = "body",
+    solution: ElasticField, time: float = 0.0, *, pieces: int | None = None, averaged: bool = False, part: str = "body"
 ) -> SeriesFrame:
     """Displacements and stresses of a solution, for `write_frame` and `write_series`.
 

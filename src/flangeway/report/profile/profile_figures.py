@@ -57,8 +57,10 @@ def curvature_figure(run: ProfileRun) -> Figure:
     rows[0].axhline(0.0, color=GREY, lw=0.6)
     low, high = float(curvatures.min(initial=0.0)), float(curvatures.max(initial=0.0))
     margin = 0.05 * max(high - low, 1e-4)
-    rows[0].set_ylim(max(low - margin, -MAX_CURVATURE_PER_MM), min(high + margin, MAX_CURVATURE_PER_MM))
-    rows[0].set_ylabel("curvature in 1/mm, convex positive")
+    rows[0].set(
+        ylim=(max(low - margin, -MAX_CURVATURE_PER_MM), min(high + margin, MAX_CURVATURE_PER_MM)),
+        ylabel="curvature in 1/mm, convex positive",
+    )
     start = "from the field side to the gauge side" if run.profile.kind == "rail" else "from the flange to the rim"
     rows[-1].set_xlabel(f"length along the profile in mm, {start}")
     title = f"{_title(run.profile.title)}: curvature of the {surface.n_segments} lines and arcs"
@@ -138,16 +140,14 @@ def _draw_residuals(axes: Axes, run: ProfileRun) -> None:
 
 def _equal(axes: Axes) -> None:
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("x in mm")
-    axes.set_ylabel("y in mm")
+    axes.set(xlabel="x in mm", ylabel="y in mm")
 
 
 def _zoom(axes: Axes, first: tuple[float, float], second: tuple[float, float]) -> None:
     middle = 0.5 * (np.array(first) + np.array(second))
     half = 1.2 * max(float(np.hypot(*(np.array(first) - np.array(second)))), 2.0)
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlim(middle[0] - half, middle[0] + half)
-    axes.set_ylim(middle[1] - half, middle[1] + half)
+    axes.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half))
 
 
 def _line(contour: Contour) -> Floats:

@@ -60,8 +60,7 @@ def locus_figure(run: GeometryRun) -> Figure:
     _draw_sides(curves[0], run, lambda at: at.wheel_points_mm[:, 0, 0])
     _draw_sides(curves[1], run, lambda at: at.rail_points_mm[:, 0, 0])
     for axes, name in zip(curves, ("wheel, from the tape line", "rail, from its middle"), strict=True):
-        axes.set_xlabel(LATERAL)
-        axes.set_ylabel(f"point on the {name}, in mm")
+        axes.set(xlabel=LATERAL, ylabel=f"point on the {name}, in mm")
     _legend(*curves)
     return figure
 
@@ -92,12 +91,10 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
                 ha="center", color=COLOURS[side],
             )  # fmt: skip
     low, high = np.sort(sign * rail.x[[0, -1]])
-    axes.set_xlim(low - 12.0, high + 12.0)
-    axes.set_ylim(-32.0, LIFT_MM + 14.0)
+    axes.set(xlim=(low - 12.0, high + 12.0), ylim=(-32.0, LIFT_MM + 14.0))
     axes.set_aspect("equal", adjustable="box")
     axes.set_title(f"{side}: contact points at each millimetre", fontsize=9)
-    axes.set_xlabel("x in mm")
-    axes.set_ylabel(f"y in mm; wheel raised by {LIFT_MM:g}")
+    axes.set(xlabel="x in mm", ylabel=f"y in mm; wheel raised by {LIFT_MM:g}")
 
 
 def rolling_figure(run: GeometryRun) -> Figure:
@@ -132,8 +129,7 @@ def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
         text = f"{point[1]:.3f} at {REFERENCE_AMPLITUDE_MM:g} mm"
         axes.annotate(text, point, (8, 10), textcoords="offset points", fontsize=9)
     axes.set_ylim(bottom=0.0)
-    axes.set_xlabel("amplitude in mm")
-    axes.set_ylabel("equivalent conicity")
+    axes.set(xlabel="amplitude in mm", ylabel="equivalent conicity")
     if len(found.amplitudes_mm):
         _legend(axes)
     else:

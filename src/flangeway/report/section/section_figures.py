@@ -162,11 +162,9 @@ def _frame(axes: Axes, run: SectionRun, *more: Floats) -> tuple[Floats, Floats]:
     low, high = points.min(axis=0), points.max(axis=0)
     margin = 0.06 * float((high - low).max())
     low, high = low - margin, high + margin
-    axes.set_xlim(low[0], high[0])
-    axes.set_ylim(low[1], high[1])
+    axes.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]))
     axes.set_aspect("equal", adjustable="box")
-    axes.set_xlabel(f"x in {run.drawn.unit}")
-    axes.set_ylabel(f"y in {run.drawn.unit}")
+    axes.set(xlabel=f"x in {run.drawn.unit}", ylabel=f"y in {run.drawn.unit}")
     return low, high
 
 

@@ -130,8 +130,7 @@ def draw_sketch(axes: Axes, result: WheelsetResult) -> None:
     axes.plot([beside - 30, inner], [tip, tip], color=INK, lw=0.5)
     _dimension(axes, (beside, axle), (beside, tip), f"radius {wheelset.radius_mm:g}")
     top = axle + wheelset.centre_of_gravity_height_mm
-    axes.set_xlim(-half_gauge - 160, half_gauge + 160)
-    axes.set_ylim(-320, max(top + 340, axle + wheelset.radius_mm) + 20)
+    axes.set(xlim=(-half_gauge - 160, half_gauge + 160), ylim=(-320, max(top + 340, axle + wheelset.radius_mm) + 20))
     axes.set_aspect("equal", anchor="S")
     axes.set_axis_off()
 

@@ -66,10 +66,7 @@ def wheelset_page(run: CaseRun, pictures: Sequence[Picture], parts: Sequence[Par
     summary = run.summary
     problem = run.result.model.problem
     contacts = (contacts_table,) if summary.contacts else ()
-    tables = (
-        *(*contacts, position_table, rigid_table, bending_table),
-        *(support_table, stresses_table, bodies_table),
-    )
+    tables = (*(*contacts, position_table, rigid_table, bending_table), *(support_table, stresses_table, bodies_table))
     return Page(
         title=run.case.title,
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; plane strain, "

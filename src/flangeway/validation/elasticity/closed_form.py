@@ -173,20 +173,10 @@ def uniform_rows(element: Element, mesh: PolyMesh, n_levels: int) -> list[Refine
     return refine_uniformly(lambda mesh: solve_l_shape(mesh, element), mesh, _measure, n_levels)
 
 
-def adaptive_rows(
-    element: Element,
-    mesh: PolyMesh,
-    *,
-    tolerance: float,
-    most_steps: int = 50,
-) -> list[RefinementRow]:
+def adaptive_rows(element: Element, mesh: PolyMesh, *, tolerance: float, most_steps: int = 50) -> list[RefinementRow]:
     """Refine a mesh by the recovered stresses' error estimate down to a tolerance in the energy norm."""
     return refine_adaptively(
-        lambda mesh: solve_l_shape(mesh, element),
-        mesh,
-        _measure,
-        tolerance=tolerance,
-        most_steps=most_steps,
+        lambda mesh: solve_l_shape(mesh, element), mesh, _measure, tolerance=tolerance, most_steps=most_steps
     )
 
 

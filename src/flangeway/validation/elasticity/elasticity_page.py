@@ -223,8 +223,7 @@ def _draw_corner(axes: Axes, mesh: PolyMesh, corner: tuple[float, float]) -> Non
     hanging = hanging_nodes(mesh)
     axes.plot(*mesh.points[hanging].T, color=INK, marker="o", ms=3.0, ls="none")
     half = ZOOM * float(np.ptp(mesh.points, axis=0).max())
-    axes.set_xlim(corner[0] - half, corner[0] + half)
-    axes.set_ylim(corner[1] - half, corner[1] + half)
+    axes.set(xlim=(corner[0] - half, corner[0] + half), ylim=(corner[1] - half, corner[1] + half))
     axes.set_title(f"at the corner; {len(hanging):,} hanging nodes in all", fontsize=9)
 
 

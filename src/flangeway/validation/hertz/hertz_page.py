@@ -77,12 +77,10 @@ def forces_figure(found: HertzReproduction) -> Figure:
             headwidth=3.0 if few else 1.0, headlength=4.0 if few else 0.0, headaxislength=4.0 if few else 0.0,
         )  # fmt: skip
         axes.plot(*points[np.argsort(points[:, 0])].T, color="#d55e00", linewidth=1.2)
-        axes.set_xlim(-reach, reach)
-        axes.set_ylim(points[:, 1].min() - 0.1 * reach, points[:, 1].max() + 1.1 * reach)
+        axes.set(xlim=(-reach, reach), ylim=(points[:, 1].min() - 0.1 * reach, points[:, 1].max() + 1.1 * reach))
         axes.set_aspect("equal", adjustable="box")
         axes.set_title(f"{row.name}: maximum {maximum:.3g} kN, sum {row.force:.2f} kN", fontsize=9)
-        axes.set_xlabel("x in cm")
-        axes.set_ylabel("y in cm")
+        axes.set(xlabel="x in cm", ylabel="y in cm")
     figure.suptitle(f"Contact forces on the nodes of the secondary disc: {VARIANTS['halved']}", fontsize=11)
     return figure
 
@@ -148,8 +146,7 @@ def symmetry_figure(found: HertzReproduction) -> Figure:
         half_plane = exact(theory.stresses(0.0, depth))
         axes.plot(depth, half_plane, color=INK, linewidth=1.3, linestyle=(0, (5, 2)), label="Hertz, half plane")
         axes.plot(depth, in_disc, color=GREY, linewidth=1.3, linestyle=(0, (5, 2)), label="Hertz, disc (Johnson, 5.6)")
-        axes.set_xlabel("depth below the contact in cm")
-        axes.set_ylabel(f"{label} in kN/cm$^2$")
+        axes.set(xlabel="depth below the contact in cm", ylabel=f"{label} in kN/cm$^2$")
         axes.grid(**GRID)
     figure.axes[0].legend(fontsize=8)
     return figure
@@ -201,8 +198,7 @@ def fields_figure(found: HertzReproduction, code: str, variant: Variant = "halve
                 seen = _within(grid, half_width)
                 part = Triangulation(grid.x, grid.y, grid.triangles[seen])
                 axes.tripcolor(part, value, shading="gouraud", cmap=colours, norm=norm, rasterized=True)
-            axes.set_xlim(-half_width, half_width)
-            axes.set_ylim(-half_width, half_width)
+            axes.set(xlim=(-half_width, half_width), ylim=(-half_width, half_width))
             axes.set_aspect("equal", adjustable="box")
             axes.set_title(title, fontsize=9)
         bar = figure.colorbar(ScalarMappable(norm, colours), ax=list(line), shrink=0.9)

@@ -106,12 +106,13 @@ def _draw_table(axes: Axes, found: TorsionReproduction, table: int, over: Over) 
             )  # fmt: skip
             axes.plot(*_curve([row for row, _ in main], over), color=INK, marker=marker, ls=line, lw=1.0, ms=4)
             axes.plot(*_curve(other, over), color=GREY, marker=marker, ls="dotted", lw=1.0, ms=4)
-    axes.set_xscale("log")
-    axes.set_yscale("log")
+    axes.set(xscale="log", yscale="log")
     axes.grid(which="both", color="#e4e4e4", linewidth=0.5)
     axes.set_title(TITLES[table], fontsize=10)
-    axes.set_xlabel("maximum element diameter h" if over == "h" else "number of unknowns")
-    axes.set_ylabel("relative error of the torsion constant")
+    axes.set(
+        xlabel="maximum element diameter h" if over == "h" else "number of unknowns",
+        ylabel="relative error of the torsion constant",
+    )
     axes.label_outer()
     _draw_slopes(axes, over)
 

@@ -109,11 +109,7 @@ def torsion_mesh(section: Section, cells: Cells, level: int) -> PolyMesh:
     return triangulate(outline, size=side / n_edges)
 
 
-def torsion_row(
-    code: TorsionCode,
-    formulation: Formulation,
-    load: Load = "projected",
-) -> TorsionRow:
+def torsion_row(code: TorsionCode, formulation: Formulation, load: Load = "projected") -> TorsionRow:
     """Compute one row; the published VVO1 rows of Tables 6 and 7 come out with the load ``"vertex_mean"``."""
     mesh = torsion_mesh(code.section, code.cells, code.level)
     space = Space(mesh, Virtual(code.order) if code.method == "V" else Lagrange(code.order))

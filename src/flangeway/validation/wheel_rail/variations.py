@@ -208,13 +208,7 @@ def _contact(result: WheelsetResult) -> OneArcContact:
     model, load = result.model, result.model.problem.load.vertical_N
     patch = next(patch for patch in result.patches if patch.side == "right")
     theory = LineContact(0.5 * load / THICKNESS_MM, 1.0 / WHEEL_RADIUS_MM + 1.0 / RAIL_RADIUS_MM, model.hertz.modulus)
-    return OneArcContact(
-        0.5 * load,
-        result,
-        *_ellipse(patch.pressure),
-        result.approach_mm,
-        theory,
-    )
+    return OneArcContact(0.5 * load, result, *_ellipse(patch.pressure), result.approach_mm, theory)
 
 
 def approach_curvature(contacts: tuple[OneArcContact, ...]) -> tuple[float, float]:

@@ -46,8 +46,7 @@ def rigid_limit_figure(found: WheelRailReproduction) -> Figure:
         axes.loglog(factors, values, marker="o", label=name)
     points = [each.point_distances_mm.max() for each in found.limit]
     axes.loglog(factors, points, marker="s", ls="--", label="maximum of the contact points")
-    axes.set_xlabel("factor on Young's modulus")
-    axes.set_ylabel("difference from the rigid wheelset in mm")
+    axes.set(xlabel="factor on Young's modulus", ylabel="difference from the rigid wheelset in mm")
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.legend()
     return figure
@@ -61,8 +60,7 @@ def refinement_figure(found: WheelRailReproduction) -> Figure:
         values = [each.quantities.get(name, np.nan) for each in found.refined]
         change = 100.0 * (np.array(values) / values[0] - 1.0)
         axes.plot([each.divisor for each in found.refined], change, marker="o", label=", ".join(name))
-    axes.set_xlabel("element size in contact divided by")
-    axes.set_ylabel("change in %")
+    axes.set(xlabel="element size in contact divided by", ylabel="change in %")
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.legend(fontsize=7)
     return figure
@@ -93,8 +91,7 @@ def root_figure(found: WheelRailReproduction) -> Figure:
         near = (points[:, 0] > -50.0) & (points[:, 0] < -5.0)
         shape.plot(*points[near].T, style, lw=1.2, label=profile.title)
     shape.set_aspect("equal")
-    shape.set_xlabel("x of the wheel in mm")
-    shape.set_ylabel("y of the wheel in mm")
+    shape.set(xlabel="x of the wheel in mm", ylabel="y of the wheel in mm")
     shape.legend(fontsize=7)
     numbers = {(each.code, each.quantity): each for each in found.numbers if each.table == TABLES["curve"]}
     codes = [row.code for row in found.rows if row.situation == "curve"]
