@@ -8,7 +8,7 @@ from flangeway.errors import InputError
 from flangeway.exact.notch import EXPONENT, Notch
 from flangeway.mesh import check, rectangle_grid
 from flangeway.post.adaptive import adapt
-from flangeway.validation.elasticity.closed_form import EXACT, MATERIAL, adaptive_rows, l_shape, uniform_rows
+from flangeway.validation.elasticity.closed_form import EXACT, L_SHAPE, MATERIAL, l_shape
 
 
 def test_the_exact_stresses_are_those_of_the_exact_displacements():
@@ -37,8 +37,8 @@ def test_the_opening_of_the_notch_grows_with_the_exponent():
 def test_adaptive_reaches_the_error_of_uniform_with_a_tenth_of_the_unknowns():
     """From polygons (quadrilaterals: `reproduce elasticity`): ten times fewer unknowns for the finest mesh's error."""
     element, mesh = Virtual(1), l_shape(4, "polygons")
-    finest = uniform_rows(element, mesh, 5)[-1]
-    rows = adaptive_rows(element, mesh, tolerance=1e-9, most_steps=12)
+    finest = L_SHAPE.uniform(element, mesh, 5)[-1]
+    rows = L_SHAPE.adaptive(element, mesh, tolerance=1e-9, most_steps=12)
     first = next(row for row in rows if row.error <= finest.error)
     assert finest.n_unknowns > 10 * first.n_unknowns
     check(rows[-1].mesh, region_area=3.0)
@@ -46,8 +46,8 @@ def test_adaptive_reaches_the_error_of_uniform_with_a_tenth_of_the_unknowns():
 
 def test_rates_are_those_of_theory():
     """Over unknowns N uniform errors fall as N to minus half the exponent, adaptive ones of order 2 as 1 / N."""
-    uniform = uniform_rows(Virtual(2), l_shape(2), 4)
-    adaptive = adaptive_rows(Virtual(2), l_shape(2), tolerance=5e-3)
+    uniform = L_SHAPE.uniform(Virtual(2), l_shape(2), 4)
+    adaptive = L_SHAPE.adaptive(Virtual(2), l_shape(2), tolerance=5e-3)
 
     def rate(rows):
         return -np.polyfit(*np.log([(row.n_unknowns, row.error) for row in rows]).T, 1)[0]
@@ -59,7 +59,7 @@ def test_rates_are_those_of_theory():
 def test_the_estimate_is_near_the_true_error():
     """From 500 unknowns on it is 0.8 to 1.25 times the true error; of order 2 it errs on the safe side, up to 1.7."""
     for order, most in ((1, 1.25), (2, 1.7)):
-        for row in adaptive_rows(Virtual(order), l_shape(2), tolerance=0.04):
+        for row in L_SHAPE.adaptive(Virtual(order), l_shape(2), tolerance=0.04):
             if row.n_unknowns > 500:
                 assert 0.8 < row.estimated_error / row.error < most
 

@@ -6,12 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from flangeway.cases.bodies.cook import ENERGY, CookCode, cook_reference, cook_row
+from flangeway.cases.bodies.cook import ENERGY, CookCode, cook_row
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid, refined
 from flangeway.validation import registry as reproductions
 from flangeway.validation.elasticity import elasticity_reproduced as elasticity
-from flangeway.validation.elasticity.closed_form import PatchCode, closed_form_numbers, patch_row
+from flangeway.validation.elasticity.closed_form import PatchCode, closed_form_numbers, cook_reference, patch_row
 from flangeway.validation.elasticity.elasticity_page import hanging_nodes
 from flangeway.validation.elasticity.elasticity_reproduced import COOK, reproduce_elasticity
 from flangeway.validation.published_numbers import Reproduced

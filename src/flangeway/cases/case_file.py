@@ -198,11 +198,7 @@ class CaseText(TomlFile):
     def resolved(self, values: Mapping[str, Any], above: Key = ()) -> dict[str, Any]:
         """Inputs with the files' names made independent of the current folder.
 
-        Raises
-        ------
-        InputError
-            If a file is not there.
-
+        It is an `InputError` if a file is not there.
         """
         found: dict[str, Any] = {}
         for key, value in values.items():

@@ -61,11 +61,7 @@ def case_files(case: Case) -> tuple[str, ...]:
 def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:
     """Write all files of a run, ``summary.json`` last, together or not at all.
 
-    Raises
-    ------
-    InputError
-        If the folder cannot be written.
-
+    It is an `InputError` if the folder cannot be written.
     """
     writers = _outputs(run.case).writers(run, progress)
     writers[SUMMARY] = lambda path: write_summary(path, run.summary)

@@ -146,11 +146,7 @@ def check_page(page: Path, chapters: Sequence[Chapter]) -> None:
 def write_page(page: Path, sections: Sequence[PageSection], *, quick: bool) -> list[Path]:
     """Write the page, and its pictures in the folder `PICTURES` beside it; return the files.
 
-    Raises
-    ------
-    InputError
-        If they cannot be written.
-
+    It is an `InputError` if they cannot be written.
     """
     command = f"flangeway reproduce all {'--quick ' * quick}--page {page.as_posix()}"
     head = HEAD.format(command=command, extent=QUICK if quick else WHOLE)
@@ -224,11 +220,7 @@ class Reproduction:
     def write(self, found: Reproduced, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
         """Write figures and tables into a folder, together or not at all; return the files.
 
-        Raises
-        ------
-        InputError
-            If the folder cannot be written.
-
+        It is an `InputError` if the folder cannot be written.
         """
         writers: dict[str, Writer] = {}
         for name, draw in self.figures.items():
@@ -266,11 +258,7 @@ def _print_table(console: Console, table: PageTable) -> None:
 def find_reproductions(name: str, known: Mapping[str, Reproduction]) -> dict[str, Reproduction]:
     """Return the reproduction of that name among those known, or every one for ``"all"``.
 
-    Raises
-    ------
-    InputError
-        If there is none.
-
+    It is an `InputError` if there is none.
     """
     if name == ALL:
         return dict(known)

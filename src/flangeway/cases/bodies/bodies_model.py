@@ -98,11 +98,8 @@ class BodiesModel:
 def build_bodies(case: BodiesInputs) -> BodiesModel:
     """Mesh the bodies and find supports, loads and contact surfaces on them.
 
-    Raises
-    ------
-    InputError
-        If a name is unknown, a position has no edges, or keys contradict each other; the message names the table.
-
+    It is an `InputError` if a name is unknown, a position has no edges, or keys contradict each other; the message
+    names the table.
     """
     return _Builder(case).model()
 

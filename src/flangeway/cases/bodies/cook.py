@@ -16,8 +16,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, rectangle_grid, refined, triangulate
-from flangeway.post import displacements_at, recovered_stresses, stresses_at
-from flangeway.post.adaptive import Measure, RefinementRow, adapt, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.post import displacements_at
 from flangeway.problems import Elasticity, Traction, fixed
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
@@ -42,7 +41,6 @@ limit, and at the last but one the shear of the loaded side does not fit the fre
 
 MAX_LEVEL = 6
 HIGHEST_PUBLISHED_ORDER = 2
-QUADRATURE_DEGREE = 3
 LETTERS = {"fem": "F", "vem": "V", "mixed": "H"}
 PUBLISHED_POISSON = 1.0 / 3.0
 
@@ -170,65 +168,6 @@ def cook_row(code: CookCode, poisson: float = 1.0 / 3.0) -> CookRow:
     solution = solve_cook(space, poisson)
     middle, corner = displacements_at(solution, [MIDDLE, CORNER])[:, 1].tolist()
     return CookRow(code, poisson, 2 * space.n_nodes, solution.energy, middle, corner, solution)
-
-
-def cook_reference(tolerance: float) -> ElasticitySolution:
-    """Solution of order 3 on an adaptively refined mesh.
-
-    Parameters
-    ----------
-    tolerance
-        Estimated error over the exact solution's energy norm.
-
-    """
-    run = adapt(
-        lambda mesh: solve_cook(Space(mesh, Virtual(3))),
-        cook_grid(4),
-        lambda solution: recovered_stresses(solution).cell_errors,
-        tolerance=_norm(tolerance),
-    )
-    return run.last.solution
-
-
-def cook_uniform(
-    element: Element, mesh: PolyMesh, n_levels: int, *, reference: ElasticitySolution
-) -> list[RefinementRow]:
-    """Solve on a mesh and on its uniform refinements; errors are against a reference, see `cook_reference`."""
-    return refine_uniformly(lambda mesh: solve_cook(Space(mesh, element)), mesh, _measure(reference), n_levels)
-
-
-def cook_adaptive(
-    element: Element, mesh: PolyMesh, *, tolerance: float, reference: ElasticitySolution
-) -> list[RefinementRow]:
-    """Refine a mesh by the recovered stresses' error estimate.
-
-    Parameters
-    ----------
-    element
-        Virtual elements, which take cells with hanging points.
-    tolerance
-        Estimated error over the exact solution's energy norm at which to end.
-    reference
-        What errors are found against, see `cook_reference`.
-
-    """
-    return refine_adaptively(
-        lambda mesh: solve_cook(Space(mesh, element)), mesh, _measure(reference), tolerance=_norm(tolerance)
-    )
-
-
-def _norm(share: float) -> float:
-    """A share of the exact solution's energy norm."""
-    return share * float(np.sqrt(2.0 * ENERGY))
-
-
-def _measure(reference: ElasticitySolution) -> Measure:
-    def measure(solution: ElasticitySolution) -> tuple[float, float]:
-        return stress_errors(
-            solution, lambda points: stresses_at(reference, points).components[:, :3], degree=QUADRATURE_DEGREE
-        )
-
-    return measure
 
 
 class CookCase(BodiesCase):

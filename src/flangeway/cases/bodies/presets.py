@@ -134,11 +134,7 @@ class HertzCase(BodiesPreset):
     def bodies(self) -> TwoBodiesCase:
         """Return the same as a general case.
 
-        Raises
-        ------
-        InputError
-            If the contact would be too wide for the bodies, or too narrow for the elements' size.
-
+        It is an `InputError` if the contact would be too wide for the bodies, or too narrow for the elements' size.
         """
         self._refuse_unfit()
         zone, radius, below = self._zone(), self.radius_mm, self.lower_radius_mm

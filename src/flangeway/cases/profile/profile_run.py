@@ -86,11 +86,7 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
 def converted(run: ProfileRun, ending: str) -> str:
     """Return the text of a file of another format; CSV and DXF hold the whole outline if there is one.
 
-    Raises
-    ------
-    InputError
-        If the format is unknown or cannot hold the profile.
-
+    It is an `InputError` if the format is unknown or cannot hold the profile.
     """
     body = run.body
     if ending in (".csv", ".dxf") and body is not None:

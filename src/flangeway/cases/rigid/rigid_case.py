@@ -44,14 +44,7 @@ class GeometryCase(WheelsetInputs):
         return 1e-3 * self.yaw_mrad
 
     def geometry(self) -> RigidGeometry:
-        """Return the rigid geometry.
-
-        Raises
-        ------
-        InputError
-            If a profile is unknown or a length is not allowed.
-
-        """
+        """Return the rigid geometry; an `InputError` if a profile is unknown or a length is not allowed."""
         return RigidGeometry.of(self.track(), self.wheelset(), self.yaw_rad)
 
 
@@ -87,11 +80,7 @@ OWN_NAME = "geometry"
 def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
     """Return a case by its name with some inputs changed.
 
-    Raises
-    ------
-    InputError
-        If there is none of that name, or an input is wrong.
-
+    It is an `InputError` if there is none of that name, or an input is wrong.
     """
     if name not in GEOMETRY_CASES:
         raise InputError(

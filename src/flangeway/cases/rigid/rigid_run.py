@@ -265,11 +265,7 @@ def _scanned(geometry: RigidGeometry, case: GeometryCase, reach: float) -> Conta
 def flange_root_effect(case: GeometryCase) -> FlangeRootEffect:
     """Lateral displacement in equilibrium for several radii of the AAR-1B's flange root.
 
-    Raises
-    ------
-    InputError
-        If the case's wheel is another one.
-
+    It is an `InputError` if the case's wheel is another one.
     """
     if case.wheel != "AAR-1B":
         raise InputError(f"flange root radii of {case.wheel}", "AAR-1B", "choose the wheel with this parameter")

@@ -92,11 +92,7 @@ class SectionRun:
 def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
     """Return a bundled section by its name, or read one from a file.
 
-    Raises
-    ------
-    InputError
-        If there is neither, or the file is wrong.
-
+    It is an `InputError` if there is neither, or the file is wrong.
     """
     path = Path(name_or_file)
     if path.suffix.lower() in ENDINGS or path.exists() or len(path.parts) > 1:
@@ -165,11 +161,7 @@ def usual_size(section: Section) -> float:
 def section_mesh(section: Section, options: SectionOptions) -> PolyMesh:
     """Return triangles, or their dual polygons, finer along arcs so that their chords hardly change the section.
 
-    Raises
-    ------
-    InputError
-        If the section is in pieces that do not touch, or as for `triangulate_section`.
-
+    It is an `InputError` if the section is in pieces that do not touch, or as for `triangulate_section`.
     """
     size = options.size or usual_size(section)
     mesh_bound(section.regions, size)  # refuses a size before arcs are cut into chords as fine

@@ -144,11 +144,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
     def problem(self) -> WheelsetProblem:
         """Return the problem to solve.
 
-        Raises
-        ------
-        InputError
-            If a profile is unknown, a number is not allowed, or inputs contradict each other.
-
+        It is an `InputError` if a profile is unknown, a number is not allowed, or inputs contradict each other.
         """
         return WheelsetProblem(
             self.track(),
@@ -280,11 +276,7 @@ class Convergence:
 def run_halved(case: WheelsetCase, progress: Progress = lambda _: None) -> Convergence:
     """Run a case with its own sizes and with half of them.
 
-    Raises
-    ------
-    InputError
-        If the inputs make no problem that can be solved, or half of `size_scale` is not allowed.
-
+    It is an `InputError` if the inputs make no problem that can be solved, or half of `size_scale` is not allowed.
     """
     halved = case.from_values({**case.model_dump(), "size_scale": case.size_scale / 2.0})
     case.problem()

@@ -148,11 +148,7 @@ class WheelsetInputs(Case):
     def load(self) -> WheelsetLoad:
         """Return weight, lateral force and tilt of the track.
 
-        Raises
-        ------
-        InputError
-            If only one of speed and radius is given, or a force besides both.
-
+        It is an `InputError` if only one of speed and radius is given, or a force besides both.
         """
         weight = 1e3 * self.axle_load_kN
         if self.car_mass_t is not None:
@@ -254,11 +250,7 @@ class WheelsetInputs(Case):
     def _reading(self, key: Literal["rail", "left_rail", "wheel", "left_wheel"]) -> ReadOptions:
         """Return the options for the file of a profile.
 
-        Raises
-        ------
-        InputError
-            If there are options for a left profile without the profile.
-
+        It is an `InputError` if there are options for a left profile without the profile.
         """
         name = getattr(self, key)
         options = {each: getattr(self, f"{key}_{each}", None) for each in ("unit", "mirror", "tape_mm")}

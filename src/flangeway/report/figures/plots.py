@@ -138,16 +138,12 @@ def plot_displacement(
     ----------
     component
         ``"magnitude"``, ``"x"`` or ``"y"``.
-    axes
-        Where to draw; a new figure by default.
     factor
         Factor on the displacements: 0 for the undeformed body, or ``"auto"``.
     unit
         Unit of lengths.
-    limits
-        Displacements of the first and last colour; minimum and maximum by default.
-    edges
-        Whether the cells' edges are drawn.
+    axes, limits, edges
+        As in `plot_function`.
 
     """
     if component not in get_args(Component):
@@ -178,18 +174,12 @@ def plot_stress(
     quantity
         A component, ``"von_mises"``, ``"in_plane_shear"``, or ``"principal_1"`` (maximum) to ``"principal_3"``, the
         normal stress out of the plane among them.
-    axes
-        Where to draw; a new figure by default.
     averaged
         Whether the components are averaged over the cells at each place of their edges, which hides the jumps.
-    factor
-        Factor on the displacements: 0 for the undeformed body, or ``"auto"``.
     unit, length_unit
         Units of stresses and lengths.
-    limits
-        Stresses of the first and last colour, for instance where they are singular at a corner.
-    edges
-        Whether the cells' edges are drawn.
+    axes, factor, limits, edges
+        As in `plot_displacement`; limits help where stresses are singular at a corner.
 
     """
     if quantity not in get_args(Quantity):

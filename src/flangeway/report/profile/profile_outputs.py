@@ -40,11 +40,7 @@ def write_profile(
 ) -> list[Path]:
     """Write pictures and summary into a folder, and the conversion to its file; each together or not at all.
 
-    Raises
-    ------
-    InputError
-        If something cannot be written, or the format of the conversion cannot hold the profile.
-
+    It is an `InputError` if something cannot be written, or the format of the conversion cannot hold the profile.
     """
     text = None if to is None else converted(run, to.suffix.lower())
     progress("drawing the pictures and writing the files")
@@ -152,11 +148,8 @@ def _pair(values: list[float]) -> str:
 def refuse_conversion(run: ProfileRun, to: Path | None) -> None:
     """Refuse a conversion that its format cannot hold, before anything is written.
 
-    Raises
-    ------
-    InputError
-        If the format is unknown, of the other kind, or holds no whole outline; or the file has no name.
-
+    It is an `InputError` if the format is unknown, of the other kind, or holds no whole outline, or the file has no
+    name.
     """
     if to is None:
         return

@@ -33,11 +33,7 @@ CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, SUMMARY)
 def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
     """Write pictures, ``table.csv``, ``conicity.csv`` and ``geometry.json``, together or not at all.
 
-    Raises
-    ------
-    InputError
-        If the folder cannot be written.
-
+    It is an `InputError` if the folder cannot be written.
     """
     progress("drawing the pictures and writing the files")
     figures: dict[str, Figure] = {name: draw(run) for name, draw in PICTURES.items()}

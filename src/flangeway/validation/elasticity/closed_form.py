@@ -1,20 +1,28 @@
 """Bodies whose exact solution is known: Kirsch's plate, Lamé's cylinder, an L-shaped body, a square under tension."""
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.cases.bodies.cook import NEARLY_INCOMPRESSIBLE, method_space, published_virtual
-from flangeway.elements import Element, Lagrange
+from flangeway.cases.bodies.cook import (
+    ENERGY,
+    NEARLY_INCOMPRESSIBLE,
+    cook_grid,
+    method_space,
+    published_virtual,
+    solve_cook,
+)
+from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
 from flangeway.exact import PlateWithHole, ThickCylinder
 from flangeway.exact.notch import Notch
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
-from flangeway.post import corner_stresses, recovered_stresses
-from flangeway.post.adaptive import RefinementRow, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.post import corner_stresses, recovered_stresses, stresses_at
+from flangeway.post.adaptive import adapt
+from flangeway.post.adaptive import Measure, RefinementRow, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
@@ -126,7 +134,7 @@ def _lame_numbers(code: str, solution: ElasticitySolution, poisson: float) -> It
 
 MATERIAL = Elastic(1.0, 0.3)
 EXACT = Notch(shear_modulus=1.0 / 2.6, kolosov=3.0 - 4.0 * 0.3)
-QUADRATURE_DEGREE = 12  # the exact stresses are no polynomials
+COOK_NORM = float(np.sqrt(2.0 * ENERGY))
 
 
 def l_shape(n: int, cells: str = "quadrilaterals") -> PolyMesh:
@@ -168,20 +176,54 @@ def solve_l_shape(mesh: PolyMesh, element: Element) -> ElasticitySolution:
     return solve_elasticity(Elasticity(Space(mesh, element), MATERIAL, supports=[held]))
 
 
-def uniform_rows(element: Element, mesh: PolyMesh, n_levels: int) -> list[RefinementRow]:
-    """Solve on a mesh and on its uniform refinements."""
-    return refine_uniformly(lambda mesh: solve_l_shape(mesh, element), mesh, _measure, n_levels)
+@dataclass(frozen=True)
+class RefinedBody:
+    """A body to be refined, whose error against a known solution can be measured."""
+
+    name: str
+    solve: Callable[[PolyMesh, Element], ElasticitySolution]
+    measure: Measure
+    norm: float = 1.0  # energy norm of the known solution, of which tolerances are fractions
+
+    def uniform(self, element: Element, mesh: PolyMesh, n_levels: int) -> list[RefinementRow]:
+        """Solve on a mesh and on its uniform refinements."""
+        return refine_uniformly(lambda each: self.solve(each, element), mesh, self.measure, n_levels)
+
+    def adaptive(
+        self, element: Element, mesh: PolyMesh, *, tolerance: float, most_steps: int = 50
+    ) -> list[RefinementRow]:
+        """Refine a mesh by the recovered stresses' error estimate; takes elements that allow hanging points."""
+        return refine_adaptively(
+            lambda each: self.solve(each, element),
+            mesh,
+            self.measure,
+            tolerance=self.norm * tolerance,
+            most_steps=most_steps,
+        )
 
 
-def adaptive_rows(element: Element, mesh: PolyMesh, *, tolerance: float, most_steps: int = 50) -> list[RefinementRow]:
-    """Refine a mesh by the recovered stresses' error estimate down to a tolerance in the energy norm."""
-    return refine_adaptively(
-        lambda mesh: solve_l_shape(mesh, element), mesh, _measure, tolerance=tolerance, most_steps=most_steps
+L_SHAPE = RefinedBody("L-shape", solve_l_shape, lambda found: stress_errors(found, EXACT.stresses, degree=12))
+"""The degree is high because the exact stresses are no polynomials."""
+
+
+def cook_reference(tolerance: float) -> ElasticitySolution:
+    """Cook's membrane of order 3 on an adaptive mesh; the tolerance is relative to the exact energy norm."""
+    run = adapt(
+        lambda mesh: solve_cook(Space(mesh, Virtual(3))),
+        cook_grid(4),
+        lambda solution: recovered_stresses(solution).cell_errors,
+        tolerance=tolerance * COOK_NORM,
     )
+    return run.last.solution
 
 
-def _measure(solution: ElasticitySolution) -> tuple[float, float]:
-    return stress_errors(solution, EXACT.stresses, degree=QUADRATURE_DEGREE)
+def refined_cook(reference: ElasticitySolution) -> RefinedBody:
+    """Cook's membrane, its errors against a reference, see `cook_reference`."""
+
+    def measure(solution: ElasticitySolution) -> tuple[float, float]:
+        return stress_errors(solution, lambda points: stresses_at(reference, points).components[:, :3], degree=3)
+
+    return RefinedBody("Cook", lambda mesh, element: solve_cook(Space(mesh, element)), measure, COOK_NORM)
 
 
 SIDE, SIZE, TENSION = 1.0, 0.22, 1.0

@@ -10,23 +10,21 @@ from flangeway.cases.bodies.cook import (
     NEARLY_INCOMPRESSIBLE_WORK,
     CookCode,
     CookRow,
-    cook_adaptive,
     cook_grid,
-    cook_reference,
     cook_row,
-    cook_uniform,
 )
 from flangeway.cases.case import Progress
 from flangeway.elements import Virtual
 from flangeway.post.adaptive import RefinementRow
 from flangeway.validation.elasticity.closed_form import (
+    L_SHAPE,
     PatchRow,
-    adaptive_rows,
     closed_form_numbers,
+    cook_reference,
     l_shape,
     patch_codes,
     patch_row,
-    uniform_rows,
+    refined_cook,
 )
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, published_rows
 
@@ -200,19 +198,17 @@ def _cook_numbers(rows: Sequence[CookRow]) -> Iterator[ReproducedNumber]:
 
 def _refinements(quick: bool, progress: Progress) -> Iterator[RefinementCase]:
     """Refine both bodies with both orders; the numbers of levels and the tolerances are for uniform's least error."""
-    n_cook = 4 if quick else 6
-    n_l_shape = {1: 5, 2: 4} if quick else {1: 5, 2: 5}
-    cook_tolerances = {1: 0.04, 2: 0.015} if quick else {1: 0.015, 2: 0.004}
-    l_shape_tolerances = {1: 0.15, 2: 0.12} if quick else {1: 0.1, 2: 0.01}
     progress("a reference for Cook's membrane")
-    reference = cook_reference(1e-3 if quick else 3e-4)
+    cook = refined_cook(cook_reference(1e-3 if quick else 3e-4))
+    n_cook, cook_tolerances = (4, (0.04, 0.015)) if quick else (6, (0.015, 0.004))
+    n_l_shape, l_shape_tolerances = ((5, 4), (0.15, 0.12)) if quick else ((5, 5), (0.1, 0.01))
     for order in (1, 2):
         element = Virtual(order)
-        progress(f"refining Cook's membrane, order {order}")
-        uniform = cook_uniform(element, cook_grid(4), n_cook, reference=reference)
-        adaptive = cook_adaptive(element, cook_grid(4), tolerance=cook_tolerances[order], reference=reference)
-        yield RefinementCase("Cook", order, tuple(uniform), tuple(adaptive))
-        progress(f"refining the L-shaped body, order {order}")
-        uniform = uniform_rows(element, l_shape(4), n_l_shape[order])
-        adaptive = adaptive_rows(element, l_shape(4), tolerance=l_shape_tolerances[order])
-        yield RefinementCase("L-shape", order, tuple(uniform), tuple(adaptive))
+        for body, mesh, n_levels, tolerances in (
+            (cook, cook_grid(4), n_cook, cook_tolerances),
+            (L_SHAPE, l_shape(4), n_l_shape[order - 1], l_shape_tolerances),
+        ):
+            progress(f"refining {body.name}, order {order}")
+            uniform = body.uniform(element, mesh, n_levels)
+            adaptive = body.adaptive(element, mesh, tolerance=tolerances[order - 1])
+            yield RefinementCase(body.name, order, tuple(uniform), tuple(adaptive))
