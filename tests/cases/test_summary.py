@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase, summarise, write_summary
-from flangeway.report.page.page_tables import position_table
+from flangeway.report.wheelset.wheelset_tables import position_table
 
 IN_SPACE = {"horizontal_in_space_mm", "vertical_in_space_mm"}
 SHAPE = {

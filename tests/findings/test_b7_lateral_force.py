@@ -6,8 +6,8 @@ import pytest
 from matplotlib.figure import Figure
 
 from flangeway.cases import WheelsetCurveCase
-from flangeway.report.page.page_tables import rigid_table
 from flangeway.report.wheelset.wheelset_figure import draw_sketch
+from flangeway.report.wheelset.wheelset_tables import rigid_table
 
 
 def test_b7_the_lateral_force_is_not_said_to_be_along_the_track():

@@ -8,10 +8,10 @@ from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.railway.profiles.measures import conforming
 from flangeway.report.figures.fields import part_fields
-from flangeway.report.page.page_tables import bending_table, contacts_table, stresses_table
 from flangeway.report.wheelset.subsurface_figure import subsurface_lines
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset.wheelset_page import _pictures
+from flangeway.report.wheelset.wheelset_tables import bending_table, contacts_table, stresses_table
 
 
 @pytest.fixture(scope="module")

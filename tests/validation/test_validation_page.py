@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from matplotlib.figure import Figure
 
+from flangeway.report.page.tables import SummaryTable
 from flangeway.validation import registry as reproductions
-from flangeway.validation.published_numbers import PageTable, Reproduced, compare, digits, relative
+from flangeway.validation.published_numbers import Reproduced, compare, digits, relative
 from flangeway.validation.registry import REPRODUCTIONS
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction, section_text
 
@@ -120,7 +121,7 @@ def made_up(found, asked, *, brief=False):
         figure.subplots().plot([0, 1], [1, 0])
         return figure
 
-    table = PageTable("More", ("a",), (("b",),))
+    table = SummaryTable("More", ("a",), (("b",),))
     chapter = Chapter("Title", "Some\ntext.", (PagePicture("drawn", "A line", draw),), lambda _: [table])
     return Reproduction(compute, chapter, {"line.png": draw}, {"more.csv": lambda _: [{"a": 0.1, "b": 2}]}, brief)
 

@@ -10,10 +10,10 @@ from flangeway.cases.wheelset.wheelset_summary import ContactSummary
 from flangeway.post import shear_stresses
 from flangeway.report.bodies.body_fields import BodyFields, BodySteps, body_fields, body_steps
 from flangeway.report.figures.fields import PartFields
-from flangeway.report.page.page_tables import contact_name
 from flangeway.report.section.section_figures import warping_about_shear_centre
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
+from flangeway.report.wheelset.wheelset_tables import contact_name
 from flangeway.types import Floats
 
 VIEW_WIDTHS = 8.0

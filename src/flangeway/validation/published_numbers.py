@@ -7,6 +7,8 @@ from dataclasses import asdict, dataclass
 from importlib.resources import files
 from pathlib import Path
 
+from flangeway.report.page.tables import SummaryTable
+
 
 @dataclass(frozen=True)
 class ReproducedNumber:
@@ -125,20 +127,6 @@ NAMES = {"n_dof": "unknowns", "h": "maximum element diameter"}
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 
 
-@dataclass(frozen=True)
-class PageTable:
-    """A table of texts."""
-
-    caption: str  # what it shows
-    head: tuple[str, ...]  # names of the columns
-    rows: tuple[tuple[str, ...], ...]  # texts, each of as many as there are columns
-
-    def markdown(self) -> str:
-        """Return its lines, without the caption."""
-        lines = [self.head, ("---",) * len(self.head), *self.rows]
-        return "\n".join("| " + " | ".join(cell.replace("|", "\\|") for cell in line) + " |" for line in lines)
-
-
 def digits(value: float, n: int = 4) -> str:
     """Return a number with n significant digits, whole numbers with all of theirs; or that it is round-off."""
     if 0.0 < abs(value) < ROUND_OFF:
@@ -165,13 +153,13 @@ def relative(difference: float) -> str:
     return f"+{share(difference)}" if difference > 0.0 else share(difference)
 
 
-def numbers_table(numbers: Sequence[ReproducedNumber]) -> PageTable:
+def numbers_table(numbers: Sequence[ReproducedNumber]) -> SummaryTable:
     """Return all numbers, one a row."""
     rows = tuple((_quantity(n, n.quantity), n.code, *_compared(n)) for n in numbers)
-    return PageTable(f"All {len(numbers)} numbers", ("quantity", "code", *COMPARED), rows)
+    return SummaryTable(f"All {len(numbers)} numbers", ("quantity", "code", *COMPARED), rows)
 
 
-def worst_table(numbers: Iterable[ReproducedNumber]) -> PageTable:
+def worst_table(numbers: Iterable[ReproducedNumber]) -> SummaryTable:
     """Return the largest deviation of each quantity of each table, and how many of all are within."""
     groups: dict[tuple[str, bool], list[ReproducedNumber]] = {}
     for number in numbers:
@@ -192,7 +180,7 @@ def worst_table(numbers: Iterable[ReproducedNumber]) -> PageTable:
     head = ("quantity", "largest deviation", *COMPARED)
     # those with a limit first
     rows.sort(key=lambda row: row[-2] == SHOWN_ONLY)
-    return PageTable("Largest deviation of each quantity", head, tuple(rows))
+    return SummaryTable("Largest deviation of each quantity", head, tuple(rows))
 
 
 def reasons(numbers: Iterable[ReproducedNumber]) -> list[str]:

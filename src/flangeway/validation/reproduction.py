@@ -13,10 +13,9 @@ from rich.console import Console
 from flangeway.cases.case import closest
 from flangeway.errors import InputError
 from flangeway.report.figures.drawing import picture_writers, png
-from flangeway.report.page.console import plain_table, print_files
+from flangeway.report.page.tables import SummaryTable, plain_table, print_files
 from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, text_writer, write_together
 from flangeway.validation.published_numbers import (
-    PageTable,
     Reproduced,
     Row,
     numbers_table,
@@ -90,7 +89,7 @@ class Chapter:
     title: str  # heading
     text: str  # what is compared, and the source of the published numbers; one paragraph
     pictures: tuple[PagePicture, ...]  # pictures
-    tables: Callable[[Any], Sequence[PageTable]]  # called with what was computed; returns further tables
+    tables: Callable[[Any], Sequence[SummaryTable]]  # called with what was computed; returns further tables
 
 
 @dataclass(frozen=True)
@@ -168,7 +167,7 @@ def _verdicts(sections: Sequence[PageSection]) -> str:
         counts = (found.n_required, found.n_within, found.n_shown)
         rows.append((section.title, *map(str, counts), "passed" if found.passed else "**not passed**"))
     head = ("part", "numbers with a limit", "within", "shown only", "verdict")
-    return PageTable("", head, tuple(rows)).markdown()
+    return SummaryTable("", head, tuple(rows)).markdown()
 
 
 ALL = "all"
@@ -247,9 +246,9 @@ class Reproduction:
         print_files(console, files, found.seconds)
 
 
-def _print_table(console: Console, table: PageTable) -> None:
+def _print_table(console: Console, table: SummaryTable) -> None:
     console.print(f"{table.caption}:", markup=False)
-    shown = plain_table(*table.head)
+    shown = plain_table(*table.header)
     for row in table.rows:
         shown.add_row(*(cell.strip("*") for cell in row))
     console.print(shown, markup=False)

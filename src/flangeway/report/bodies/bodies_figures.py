@@ -11,7 +11,7 @@ from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, draw_lines, new_figure
 from flangeway.report.figures.plots import COLOURS
-from flangeway.report.page.page_tables import marked
+from flangeway.report.page.tables import marked
 from flangeway.types import Floats
 
 BRIGHTEST_SHARE = 0.999

@@ -16,9 +16,19 @@ from flangeway.report.figures.drawing import png
 from flangeway.report.figures.newton_history import newton_figure, steps_table
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
-from flangeway.report.page.console import print_files, print_notices, print_rows, print_status
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
-from flangeway.report.page.page_tables import SummaryTable, marked, timings_table
+from flangeway.report.page.tables import (
+    Column,
+    SummaryTable,
+    marked,
+    print_files,
+    print_notices,
+    print_rows,
+    print_status,
+    table_across,
+    table_of,
+    timings_table,
+)
 from flangeway.report.scenes import bodies_scene
 from flangeway.space import Space
 from flangeway.system.output_folder import Writer, bytes_writer, text_writer
@@ -71,10 +81,10 @@ def _tables(run: BodiesRun) -> list[SummaryTable]:
     if summary.contacts:
         found.append(contacts_of_bodies(summary))
     if summary.forces:
-        found.append(forces_table(summary))
+        found.append(table_of("Forces on the bodies (x, y)", summary.forces, FORCES))
     if summary.supports:
-        found.append(supports_table(summary))
-    found.append(sizes_table(summary))
+        found.append(table_of("Supports", summary.supports, SUPPORTS))
+    found.append(table_of("Bodies", summary.bodies, SIZES))
     if run.contact is not None:
         found.append(steps_table(run.contact))
     return [*found, timings_table(summary.timings_s)]
@@ -192,50 +202,30 @@ def remark_of(results: Mapping[str, Any], key: str) -> str | None:
 
 def contacts_of_bodies(summary: BodiesSummary) -> SummaryTable:
     """Forces, pressures and regions of the contacts, one column a contact."""
-    contacts = summary.contacts
-    quantities: list[tuple[str, Callable[[PairSummary], str]]] = [
-        ("force on the secondary body (x, y), N", lambda c: value_text(c.force_on_secondary_N)),
-        ("maximum pressure, MPa", _pressure),
-        ("half width of contact, mm", _half_widths),
-        ("centre of pressure (x, y), mm", lambda c: _of_patches(c, "centre_mm")),
-        ("reaches an end of the surface", lambda c: _of_patches(c, "reaches_an_end")),
-        ("initial overlap, mm", lambda c: value_text(c.initial_penetration_mm)),
-    ]
-    header = ("", *(f"{each.secondary} on {each.primary}" for each in contacts))
-    rows = tuple((name, *(text(each) for each in contacts)) for name, text in quantities)
-    return SummaryTable("Contacts", header, rows)
-
-
-def forces_table(summary: BodiesSummary) -> SummaryTable:
-    """Forces on the bodies in contact."""
-    rows = [
-        (row.body, value_text(row.contact_N), value_text(row.loads_N), value_text(row.supports_N))
-        for row in summary.forces
-    ]
-    return SummaryTable("Forces on the bodies (x, y)", ("", "contact, N", "loads, N", "supports, N"), tuple(rows))
-
-
-def supports_table(summary: BodiesSummary) -> SummaryTable:
-    """Force of each support on its body."""
-    rows = [(f"{row.number}", row.body, value_text(row.force_N)) for row in summary.supports]
-    return SummaryTable("Supports", ("", "body", "force on it (x, y), N"), tuple(rows))
-
-
-def sizes_table(summary: BodiesSummary) -> SummaryTable:
-    """Sizes of the bodies' meshes, and their extreme values."""
-    header = (
-        *("", "elements", "unknowns", "maximum displacement, mm", "maximum von Mises, MPa"),
-        *("minimum principal, MPa", "maximum in-plane shear, MPa"),
+    quantities: tuple[Column, ...] = (
+        ("force on the secondary body (x, y), N", "force_on_secondary_N", ".6g"),
+        ("maximum pressure, MPa", _pressure, ""),
+        ("half width of contact, mm", _half_widths, ""),
+        ("centre of pressure (x, y), mm", lambda c: _of_patches(c, "centre_mm"), ""),
+        ("reaches an end of the surface", lambda c: _of_patches(c, "reaches_an_end"), ""),
+        ("initial overlap, mm", "initial_penetration_mm", ".6g"),
     )
-    rows = [
-        (
-            *(body.name, f"{body.elements:,}", f"{body.unknowns:,}"),
-            *(value_text(body.max_displacement_mm), value_text(body.max_von_mises_MPa)),
-            *(value_text(body.min_principal_MPa), value_text(body.max_in_plane_shear_MPa)),
-        )
-        for body in summary.bodies
-    ]
-    return SummaryTable("Bodies", header, tuple(rows))
+    names = (f"{each.secondary} on {each.primary}" for each in summary.contacts)
+    return table_across("Contacts", names, summary.contacts, quantities)
+
+
+FORCES: tuple[Column, ...] = (
+    *(("", "body", ""), ("contact, N", "contact_N", ".6g")),
+    *(("loads, N", "loads_N", ".6g"), ("supports, N", "supports_N", ".6g")),
+)
+SUPPORTS: tuple[Column, ...] = (("", "number", ""), ("body", "body", ""), ("force on it (x, y), N", "force_N", ".6g"))
+SIZES: tuple[Column, ...] = (
+    *(("", "name", ""), ("elements", "elements", ","), ("unknowns", "unknowns", ",")),
+    ("maximum displacement, mm", "max_displacement_mm", ".6g"),
+    ("maximum von Mises, MPa", "max_von_mises_MPa", ".6g"),
+    ("minimum principal, MPa", "min_principal_MPa", ".6g"),
+    ("maximum in-plane shear, MPa", "max_in_plane_shear_MPa", ".6g"),
+)
 
 
 def words_of(key: str) -> tuple[str, ...]:

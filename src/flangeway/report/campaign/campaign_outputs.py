@@ -13,7 +13,7 @@ from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.sweep_animation import NAME as SWEEP
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames, sweep_gif
 from flangeway.report.figures.drawing import picture_writers
-from flangeway.report.page.console import print_files, print_notices
+from flangeway.report.page.tables import print_files, print_notices
 from flangeway.system.output_folder import bytes_writer, refuse_unwritable, write_together
 
 DATABASE = "campaign.sqlite"

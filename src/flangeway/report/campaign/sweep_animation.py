@@ -15,7 +15,7 @@ from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.report.campaign.campaign_figures import COLOURS, numeric_keys
 from flangeway.report.figures.drawing import GREY, INK, new_figure
-from flangeway.report.page.page_tables import marked
+from flangeway.report.page.tables import marked
 
 NAME = "sweep.gif"
 MOTION = ("lateral_mm", "vertical_mm", "roll_rad")

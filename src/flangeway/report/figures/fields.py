@@ -19,7 +19,7 @@ from flangeway.types import Floats
 
 @dataclass(frozen=True, eq=False)
 class PartFields:
-    """One part as it stands in space.
+    """One part at its final position in space.
 
     Parameters
     ----------
@@ -96,11 +96,11 @@ def placed_stresses(stresses: Stresses, placement: Placement) -> Stresses:
 
 
 def write_part(path: Path, fields: PartFields) -> None:
-    """Write one part as it stands in space, with real polygons.
+    """Write one part at its final position in space, with real polygons.
 
-    The points are those of the undeformed part at its final place, mm. Point array ``displacement_mm`` (axes of space,
-    third component 0) is elastic: it holds nothing of a wheel's rigid motion, which is in its place, so
-    "Warp By Vector" with factor 1 shows the parts as they touch. Cell arrays are means over cells in MPa, tension
+    The points are those of the undeformed part at its final position, mm. Point array ``displacement_mm`` (axes of
+    space, third component 0) is elastic: a wheel's rigid displacement is in its position, so "Warp By Vector" with
+    factor 1 shows the parts as they touch. Cell arrays are means over cells in MPa, tension
     positive, axes of space: ``stress_xx_MPa``, ``_yy_``, ``_xy_``, ``_zz_``; ``von_mises_MPa``; ``principal_1_MPa`` to
     ``principal_3_MPa``, descending, zz among them; ``max_in_plane_shear_MPa``.
     """

@@ -8,7 +8,7 @@ from flangeway.cases import CaseRun
 from flangeway.contact import ContactSolution
 from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, power_of_ten
-from flangeway.report.page.page_tables import SummaryTable
+from flangeway.report.page.tables import SummaryTable
 from flangeway.solve import ContactState
 
 MIN_ERROR = 1e-17

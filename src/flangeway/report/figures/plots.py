@@ -102,7 +102,7 @@ def plot_function(
     axes
         Where to draw; a new figure by default.
     label, unit
-        What the colour bar says.
+        Label of the colour bar, and its unit.
     limits
         Values of the first and last colour; those of the function by default.
     edges

@@ -8,7 +8,7 @@ from flangeway.cases.case import Case, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
-from flangeway.report.page.page_tables import SummaryTable
+from flangeway.report.page.tables import SummaryTable
 
 LONGEST = 60
 """Letters of a value on the page; longer ones are cut there, the case file has them whole."""

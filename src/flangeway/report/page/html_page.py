@@ -8,7 +8,7 @@ from html import escape
 from importlib.resources import files
 from string import Template
 
-from flangeway.report.page.page_tables import SummaryTable
+from flangeway.report.page.tables import SummaryTable
 from flangeway.report.viewer import Scene, field_viewer
 
 SHOWN_SIZE = 0.55
@@ -22,7 +22,7 @@ class Picture:
 
     png: bytes  # contents of a PNG file
     alternative: str  # what it shows, for those who do not see it
-    caption: str  # what stands below it
+    caption: str  # text below it
 
 
 @dataclass(frozen=True)
@@ -31,26 +31,26 @@ class Again:
 
     command: str  # the command; of cases with tables, which no command has room for, the one that runs the case file
     case_file: str  # text of a case file that computes the same
-    file_name: str = ""  # name of that file in `command`, empty where the command stands alone
+    file_name: str = ""  # name of that file in `command`, empty where the command needs none
     files: str = ""  # sentences on the other files of the run, their names between backticks
 
 
 @dataclass(frozen=True, eq=False)
 class Page:
-    """What a report says; what is left out or empty has no place on the page."""
+    """Content of a report; what is left out or empty has no place on the page."""
 
     title: str
     subtitle: str  # title, subtitle: what was computed, and how
     converged: bool
     message: str  # converged, message: how it ended
-    facts: Sequence[tuple[str, str]]  # the most telling numbers with units, and what they are
+    facts: Sequence[tuple[str, str]]  # the most important numbers with units, and what they are
     again: Again  # how to run it again
     versions: Mapping[str, str]  # versions of what it was made with, by name
-    sentences: Sequence[str] = ()  # what else the summary says
+    sentences: Sequence[str] = ()  # further sentences of the summary
     warnings: Sequence[str] = ()
     assumptions: Sequence[str] = ()  # warnings, assumptions: sentences
     scene: Scene | None = None  # what the interactive picture shows
-    pictures: Sequence[Picture] = ()  # pictures, the most telling first
+    pictures: Sequence[Picture] = ()  # pictures, the most important first
     tables: Sequence[SummaryTable] = ()  # numbers
     axes: Mapping[str, str] = field(default_factory=dict)  # meanings of axes and signs by name
     inputs: Sequence[SummaryTable] = ()  # tables of inputs

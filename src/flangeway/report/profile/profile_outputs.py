@@ -10,7 +10,7 @@ from flangeway.cases import write_summary
 from flangeway.cases.profile.profile_run import ProfileRun, converted
 from flangeway.errors import InputError
 from flangeway.report.figures.drawing import picture_writers
-from flangeway.report.page.console import print_files, print_notices, print_rows
+from flangeway.report.page.tables import print_files, print_notices, print_rows
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, shape_figure
 from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together
 

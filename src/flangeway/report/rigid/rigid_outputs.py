@@ -15,7 +15,7 @@ from flangeway.cases import write_summary
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import picture_writers
-from flangeway.report.page.console import plain_table, print_files, print_notices
+from flangeway.report.page.tables import plain_table, print_files, print_notices
 from flangeway.report.rigid.rigid_figures import conicity_figure, flange_root_figure, locus_figure, rolling_figure
 from flangeway.system.output_folder import write_together
 

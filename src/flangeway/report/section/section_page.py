@@ -14,9 +14,8 @@ from flangeway.cases.section.section_run import SectionRun, TorsionCase
 from flangeway.formats import write_vtu
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, inputs_tables, section_command
-from flangeway.report.page.console import print_files, print_notices, print_rows
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
-from flangeway.report.page.page_tables import SummaryTable, timings_table
+from flangeway.report.page.tables import SummaryTable, print_files, print_notices, print_rows, timings_table
 from flangeway.report.scenes import section_arrays, section_scene
 from flangeway.report.section.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
 from flangeway.system.output_folder import Writer, bytes_writer, text_writer, write_together
@@ -172,7 +171,7 @@ PICTURES: dict[str, tuple[Callable[[SectionRun], Figure], str]] = {
     "prandtl.png": (prandtl_figure, "Prandtl's function, whose contour lines are lines of shear flow"),
     "mesh.png": (mesh_figure, "The mesh, with the centroid, the shear centre and the principal axes"),
 }
-"""Functions that draw the pictures, the most telling first, and what they show, by the files' names."""
+"""Functions that draw the pictures, the most important first, and what they show, by the files' names."""
 SUMMARY, FIELDS, REPORT = "section.json", "section.vtu", "report.html"
 NAMES = (*PICTURES, FIELDS, REPORT, SUMMARY)
 

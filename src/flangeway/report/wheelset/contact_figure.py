@@ -31,7 +31,7 @@ from flangeway.report.figures.drawing import (
     fill_cells,
 )
 from flangeway.report.figures.fields import PartFields
-from flangeway.report.page.page_tables import marked
+from flangeway.report.page.tables import marked
 from flangeway.types import Floats
 
 WINDOW = 2.2  # in half widths of the contact

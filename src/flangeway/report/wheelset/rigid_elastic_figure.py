@@ -97,7 +97,7 @@ def _draw_bodies(axes: Axes, parts: Sequence[PartFields], outlines: list[Floats]
 
 
 def _draw_forces(axes: Axes, forces: _Forces, colour: str, length: float, maximum: float, marker: str) -> None:
-    """Draw points of contact, and forces on the wheel as arrows, the largest of both computations `length` long."""
+    """Draw points of contact, and forces on the wheel as arrows, the maximum of both computations `length` long."""
     for point, force in zip(forces.points, forces.forces, strict=True):
         if force.any():
             arrow = {"arrowstyle": "-|>", "color": colour, "lw": 1.6, "shrinkA": 0, "shrinkB": 0}

@@ -17,20 +17,15 @@ from flangeway.report.figures.fields import PartFields, part_fields, write_part
 from flangeway.report.figures.newton_history import convergence_figure
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, inputs_tables
-from flangeway.report.page.console import plain_table, print_files, print_notices, print_status
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
-from flangeway.report.page.page_tables import (
+from flangeway.report.page.tables import (
     SummaryTable,
-    bending_table,
-    bodies_table,
-    contact_name,
-    contacts_table,
     marked,
     number,
-    position_table,
-    rigid_table,
-    stresses_table,
-    support_table,
+    print_files,
+    print_notices,
+    print_status,
+    print_table,
     timings_table,
 )
 from flangeway.report.scenes import wheelset_scene
@@ -44,6 +39,16 @@ from flangeway.report.wheelset.subsurface_figure import (
     subsurface_table,
 )
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.report.wheelset.wheelset_tables import (
+    bending_table,
+    bodies_table,
+    contact_name,
+    contacts_table,
+    position_table,
+    rigid_table,
+    stresses_table,
+    support_table,
+)
 from flangeway.system.output_folder import Writer, bytes_writer, text_writer
 
 FILES = (
@@ -53,12 +58,12 @@ FILES = (
 
 
 def wheelset_page(run: CaseRun, pictures: Sequence[Picture], parts: Sequence[PartFields] = ()) -> Page:
-    """Return what the report of a wheelset says.
+    """Return the content of the report of a wheelset.
 
     Parameters
     ----------
     pictures
-        Pictures, the most telling first.
+        Pictures, the most important first.
     parts
         Fields of the parts, for the interactive picture; without any the page has none.
 
@@ -126,10 +131,10 @@ def print_summary(console: Console, run: CaseRun, files: list[Path]) -> None:
     print_status(console, run.case.name, run.status)
     contacts = (contacts_table,) if summary.contacts else ()
     for table in (position_table, *contacts):
-        _print_table(console, table(summary))
-    _print_table(console, bending_table(summary, short=True))
+        print_table(console, table(summary))
+    print_table(console, bending_table(summary, short=True))
     for table in (stresses_table, bodies_table):
-        _print_table(console, table(summary))
+        print_table(console, table(summary))
     print_notices(console, summary.warnings, "Warning")
     short = [re.split(r"[:;.](?: |$)", sentence)[0] for sentence in summary.assumptions]
     console.print(f"Assumptions: {'; '.join(short)}.", markup=False)
@@ -142,7 +147,7 @@ def print_convergence(console: Console, convergence: Convergence, file: Path) ->
         if not summary.status.converged:
             print_status(console, summary.case["name"], summary.status)
     if convergence.converged:
-        _print_table(console, _convergence_table(convergence))
+        print_table(console, _convergence_table(convergence))
     verdict = "within" if convergence.within else "NOT within"
     console.print(
         f"The changes are {verdict} the limits: approach {100.0 * MAX_APPROACH_CHANGE:g} %, "
@@ -175,19 +180,6 @@ def _convergence_table(convergence: Convergence) -> SummaryTable:
     )
     scales = [f"size scale {each.case['size_scale']:g}" for each in both]
     return SummaryTable("The mesh halved (left / right)", ("", *scales, "maximum change"), rows)
-
-
-def _print_table(console: Console, table: SummaryTable) -> None:
-    # a single column of values needs no header
-    shown = plain_table()
-    shown.show_header = any(table.header[2:])
-    for place, name in enumerate(table.header):
-        shown.add_column(name, justify="left" if place == 0 else "right")
-    for row in table.rows:
-        shown.add_row(*row)
-    console.print(table.caption, style="bold")
-    console.print(shown)
-    console.print()
 
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")

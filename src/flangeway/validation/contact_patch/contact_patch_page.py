@@ -16,6 +16,7 @@ from flangeway.problems import ElasticField
 from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, new_figure
 from flangeway.report.figures.plots import COLOURS
+from flangeway.report.page.tables import SummaryTable
 from flangeway.types import Floats
 from flangeway.validation.contact_patch.contact_patch_reproduced import (
     LAWS,
@@ -28,7 +29,7 @@ from flangeway.validation.contact_patch.contact_patch_reproduced import (
     pass_rows,
     reproduce_contact_patch,
 )
-from flangeway.validation.published_numbers import PageTable, digits, percent, share
+from flangeway.validation.published_numbers import digits, percent, share
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
 KINDS = {
@@ -190,21 +191,21 @@ def _reference_x(run: PatchRun) -> Floats:
     return np.asarray(nodes[loaded, 0])
 
 
-def _tables(found: ContactPatchReproduction) -> list[PageTable]:
+def _tables(found: ContactPatchReproduction) -> list[SummaryTable]:
     """Errors of node-to-segment, and in how many cases segment-to-segment passes, by elements."""
     errors = tuple((run.code, share(run.stress_error), share(run.stress_oscillation)) for run in found.published)
     kinds: dict[str, list[PatchRun]] = {}
     for run in found.proper:
         kinds.setdefault(run.code.partition(" M")[0], []).append(run)
     return [
-        PageTable(
+        SummaryTable(
             "Node-to-segment: maximum difference of a stress from the uniform one, and root mean square over both "
             "boxes. Moherdaui (2021) states that oscillations are smaller on finer meshes and for polygons; the root "
             "mean square confirms it",
             ("code", "maximum", "root mean square"),
             errors,
         ),
-        PageTable(
+        SummaryTable(
             f"Segment-to-segment: cases in which pressures and stresses are uniform to {digits(PASSED, 1)}. Cases are "
             "meshes, matching and not, rotated by 30 degrees or not, with standard and dual weights",
             ("elements above on below", *LAWS),

@@ -228,7 +228,7 @@ def refined_cook(reference: ElasticitySolution) -> RefinedBody:
 
 SIDE, SIZE, TENSION = 1.0, 0.22, 1.0
 PATCH_YOUNG, PATCH_POISSON = 20e3, 1.0 / 3.0
-"""Lengths in cm, stresses in kN/cm^2. The text does not tell the published side, mesh and tension: none matters."""
+"""Lengths in cm, stresses in kN/cm^2. The text does not give the published side, mesh and tension: none matters."""
 
 PATCH_METHODS = ("FD", "VD", "VV", "HE")
 

@@ -19,6 +19,7 @@ from flangeway.post.adaptive import RefinementRow
 from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, cell_corners, new_figure
 from flangeway.report.figures.plots import COLOURS, plot_mesh, plot_stress
+from flangeway.report.page.tables import SummaryTable
 from flangeway.solve import ElasticitySolution
 from flangeway.validation.elasticity.elasticity_reproduced import (
     COOK_VALUES,
@@ -30,7 +31,7 @@ from flangeway.validation.elasticity.elasticity_reproduced import (
     refinement_rows,
     reproduce_elasticity,
 )
-from flangeway.validation.published_numbers import PageTable, digits, percent, published_rows, relative
+from flangeway.validation.published_numbers import digits, percent, published_rows, relative
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
 METHODS = {
@@ -258,7 +259,7 @@ def _about(rows: Sequence[RefinementRow], n_cells: int) -> RefinementRow:
     return min(rows, key=lambda row: abs(np.log(row.mesh.n_cells / n_cells)))
 
 
-def _tables(found: ElasticityReproduction) -> list[PageTable]:
+def _tables(found: ElasticityReproduction) -> list[SummaryTable]:
     """Nearly incompressible material, and the savings by adaptive refinement."""
     soft = tuple((row.code, str(row.n_unknowns), relative(row.relative_difference)) for row in found.incompressible)
     saved = tuple(
@@ -272,14 +273,14 @@ def _tables(found: ElasticityReproduction) -> list[PageTable]:
         for case in found.refinements
     )
     return [
-        PageTable(
+        SummaryTable(
             "Cook's membrane with Poisson's ratio 0.4999: work of the load compared with a reference of orders 3 and 4 "
             f"on fine meshes. Order 2 must be within {percent(INCOMPRESSIBLE_LIMIT)} on every mesh; triangles of order "
             "1 lock",
             ("code", "unknowns", "difference"),
             soft,
         ),
-        PageTable(
+        SummaryTable(
             "Ratio of the unknowns of uniform refinement to those of adaptive refinement by virtual elements with the "
             f"same error in energy; on the L-shaped body it must be at least {FEWER_UNKNOWNS:g}",
             ("body", "order", "unknowns of uniform refinement", "its error", "ratio"),

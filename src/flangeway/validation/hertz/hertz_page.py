@@ -17,6 +17,7 @@ from flangeway.problems import ElasticField
 from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, new_figure
 from flangeway.report.figures.plots import COLOURS
+from flangeway.report.page.tables import SummaryTable
 from flangeway.types import Floats
 from flangeway.validation.hertz.hertz_reproduced import (
     CODES,
@@ -34,7 +35,7 @@ from flangeway.validation.hertz.hertz_reproduced import (
     published_value,
     reproduce_hertz,
 )
-from flangeway.validation.published_numbers import PageTable, digits, percent, share
+from flangeway.validation.published_numbers import digits, percent, share
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
 NAMES = {
@@ -235,7 +236,7 @@ def _finest(found: HertzReproduction, variant: Variant) -> Sequence[HertzRow]:
     return list(best.values())
 
 
-def _tables(found: HertzReproduction) -> list[PageTable]:
+def _tables(found: HertzReproduction) -> list[SummaryTable]:
     """Pressure oscillation on the finest mesh."""
     finest = max(row.level for row in found.rows)
     rows = tuple(
@@ -254,7 +255,7 @@ def _tables(found: HertzReproduction) -> list[PageTable]:
         f"Pressures on M{finest} compared with Hertz's pressure of the same force, relative to its maximum: root mean "
         "square oscillation, and maximum difference except in the element at each end of the contact"
     )
-    return [PageTable(caption, ("contact", "code", "unknowns", "force (kN)", "oscillation", "difference"), rows)]
+    return [SummaryTable(caption, ("contact", "code", "unknowns", "force (kN)", "oscillation", "difference"), rows)]
 
 
 HERTZ = Reproduction(

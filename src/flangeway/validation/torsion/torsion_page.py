@@ -10,7 +10,8 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_boundary, draw_field, new_figure
-from flangeway.validation.published_numbers import PageTable, percent
+from flangeway.report.page.tables import SummaryTable
+from flangeway.validation.published_numbers import percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 from flangeway.validation.torsion.torsion_reproduced import (
     LEAST_WITHIN,
@@ -133,7 +134,7 @@ def _draw_slopes(axes: Axes, over: Over) -> None:
         axes.annotate(text, (x[1], error * factor**rate), textcoords="offset points", xytext=(4, -4), fontsize=8)
 
 
-def _tables(found: TorsionReproduction) -> list[PageTable]:
+def _tables(found: TorsionReproduction) -> list[SummaryTable]:
     """Rates of convergence, if all refinements were computed."""
     rows = tuple(
         (
@@ -150,7 +151,7 @@ def _tables(found: TorsionReproduction) -> list[PageTable]:
         "Rates of convergence over the square root of the number of unknowns; the theoretical rate is twice the order. "
         f"Limit: a difference of {MAX_RATE_DIFFERENCE:g} from the published rate"
     )
-    return [PageTable(caption, ("table", "code", "theory", "published", "computed", "within"), rows)] if rows else []
+    return [SummaryTable(caption, ("table", "code", "theory", "published", "computed", "within"), rows)] if rows else []
 
 
 TORSION = Reproduction(

@@ -12,10 +12,11 @@ from flangeway.railway.profiles.flange_root import IDENTIFIED, IDENTIFIED_RADIUS
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import new_figure
 from flangeway.report.figures.fields import PartFields, part_fields
+from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset.contact_figure import contact_figure
 from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
-from flangeway.validation.published_numbers import PageTable, digits, relative
+from flangeway.validation.published_numbers import digits, relative
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 from flangeway.validation.wheel_rail.variations import contact_name
 from flangeway.validation.wheel_rail.wheel_rail_reproduced import (
@@ -150,7 +151,7 @@ def _of_curve(found: WheelRailReproduction, draw: Callable[[CaseRun, list[PartFi
     return draw(run, list(part_fields(run.result)))
 
 
-def _tables(found: WheelRailReproduction) -> list[PageTable]:
+def _tables(found: WheelRailReproduction) -> list[SummaryTable]:
     """Fitted and predicted numbers, the members of the families, and the contacts of all rows."""
     members = tuple(
         (
@@ -172,12 +173,12 @@ def _tables(found: WheelRailReproduction) -> list[PageTable]:
     )
     return [
         _kinds(found),
-        PageTable(
+        SummaryTable(
             f"Curve {MEMBER_CODE} with other flange roots (published: 0.7025 cm, 3.273e-4, 0.0163 cm)",
             ("family of flange roots", "wide arc (mm)", "lateral (cm)", "rotation (rad)", "curve less tangent (cm)"),
             members,
         ),
-        PageTable(
+        SummaryTable(
             "Contacts, without published values",
             ("row", "contact", "angle (degrees)", "x of the wheel (mm)", "x of the rail (mm)", "force (kN)"),
             contacts,
@@ -185,7 +186,7 @@ def _tables(found: WheelRailReproduction) -> list[PageTable]:
     ]
 
 
-def _kinds(found: WheelRailReproduction) -> PageTable:
+def _kinds(found: WheelRailReproduction) -> SummaryTable:
     """Fitted and predicted numbers of Tables 15 and 16, and the range of their differences."""
     rows = []
     for kind in ("fitted", "predicted"):
@@ -198,7 +199,7 @@ def _kinds(found: WheelRailReproduction) -> PageTable:
             quantity = f"Table {name[0]}: {name[1]}, {same[0].unit}"
             rows.append((kind, quantity, str(len(same)), off if name[2].endswith("%") else "", name[2], within))
     head = ("kind", "quantity", "numbers", "difference", "limit", "within")
-    return PageTable("Fitted and predicted numbers", head, tuple(rows))
+    return SummaryTable("Fitted and predicted numbers", head, tuple(rows))
 
 
 WHEEL_RAIL = Reproduction(

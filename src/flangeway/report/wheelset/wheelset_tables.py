@@ -1,7 +1,6 @@
 """Tables of a wheelset's summary: one list of columns for the terminal and for the page."""
 
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 
 from flangeway.cases.wheelset.wheelset_summary import (
     BendingSummary,
@@ -9,44 +8,34 @@ from flangeway.cases.wheelset.wheelset_summary import (
     RigidContactSummary,
     WheelsetSummary,
 )
+from flangeway.report.page.tables import Column, SummaryTable, marked, number, table_across, table_of
 
 Contacts = Sequence[ContactSummary] | Sequence[RigidContactSummary]
-
-
-@dataclass(frozen=True)
-class SummaryTable:
-    """A table of text."""
-
-    caption: str  # what it shows
-    header: tuple[str, ...]  # names of the columns with their units
-    rows: tuple[tuple[str, ...], ...]  # cells as text; the first of each row names it
-    of_words: bool = False  # whether the cells are words rather than numbers, and are aligned on the left
 
 
 def contacts_table(summary: WheelsetSummary) -> SummaryTable:
     """Forces, positions and pressures of the contacts, one row a quantity and one column a contact."""
     contacts = summary.contacts
-    quantities: list[tuple[str, Callable[[ContactSummary], str]]] = [
-        ("force on the wheel, kN", lambda c: number(c.force_kN, 3)),
-        ("  lateral (to the right), kN", lambda c: number(c.lateral_force_kN, 3)),
-        ("  vertical (up), kN", lambda c: number(c.vertical_force_kN, 3)),
-        ("contact angle, degrees", lambda c: number(c.contact_angle_deg, 2)),
-        ("position on the rail (x, y), mm", lambda c: _point(c.rail_position_mm)),
-        ("position on the wheel (x, y), mm", lambda c: _point(c.wheel_position_mm)),
-        ("maximum pressure, MPa", lambda c: marked(number(c.max_pressure_MPa, 1), c.max_pressure_remark)),
-        ("  Hertz, MPa", lambda c: _hertz(c.hertz_pressure_MPa, 1)),
-        ("  pressure oscillation, %", lambda c: number(100.0 * c.pressure_oscillation, 2)),
-        ("half width, mm", lambda c: number(c.half_width_mm, 3)),
-        ("  Hertz, mm", lambda c: _hertz(c.hertz_half_width_mm, 3)),
-        ("in-plane shear in the rail, MPa (at mm)", lambda c: _at_depth(c.in_rail, "max_in_plane_shear")),
-        ("  in the wheel", lambda c: _at_depth(c.in_wheel, "max_in_plane_shear")),
-        ("  Hertz", lambda c: _at_depth(c, "hertz_in_plane_shear")),
-        ("von Mises in the rail, MPa (at mm)", lambda c: _at_depth(c.in_rail, "max_von_mises")),
-        ("  in the wheel", lambda c: _at_depth(c.in_wheel, "max_von_mises")),
-        ("nodes in contact", lambda c: f"{c.n_nodes}"),
-    ]
-    rows = [(name, *(text(contact) for contact in contacts)) for name, text in quantities]
-    return SummaryTable("Contacts", ("", *(contact_name(c, contacts) for c in contacts)), tuple(rows))
+    quantities: tuple[Column, ...] = (
+        ("force on the wheel, kN", "force_kN", ".3f"),
+        ("  lateral (to the right), kN", "lateral_force_kN", ".3f"),
+        ("  vertical (up), kN", "vertical_force_kN", ".3f"),
+        ("contact angle, degrees", "contact_angle_deg", ".2f"),
+        ("position on the rail (x, y), mm", "rail_position_mm", ".3f"),
+        ("position on the wheel (x, y), mm", "wheel_position_mm", ".3f"),
+        ("maximum pressure, MPa", lambda c: marked(number(c.max_pressure_MPa, 1), c.max_pressure_remark), ""),
+        ("  Hertz, MPa", lambda c: _hertz(c.hertz_pressure_MPa, 1), ""),
+        ("  pressure oscillation, %", lambda c: number(100.0 * c.pressure_oscillation, 2), ""),
+        ("half width, mm", "half_width_mm", ".3f"),
+        ("  Hertz, mm", lambda c: _hertz(c.hertz_half_width_mm, 3), ""),
+        ("in-plane shear in the rail, MPa (at mm)", lambda c: _at_depth(c.in_rail, "max_in_plane_shear"), ""),
+        ("  in the wheel", lambda c: _at_depth(c.in_wheel, "max_in_plane_shear"), ""),
+        ("  Hertz", lambda c: _at_depth(c, "hertz_in_plane_shear"), ""),
+        ("von Mises in the rail, MPa (at mm)", lambda c: _at_depth(c.in_rail, "max_von_mises"), ""),
+        ("  in the wheel", lambda c: _at_depth(c.in_wheel, "max_von_mises"), ""),
+        ("nodes in contact", lambda c: f"{c.n_nodes}", ""),
+    )
+    return table_across("Contacts", (contact_name(c, contacts) for c in contacts), contacts, quantities)
 
 
 def contact_name(contact: ContactSummary, contacts: Sequence[ContactSummary]) -> str:
@@ -126,27 +115,26 @@ def _of_side(contacts: Contacts, side: str, key: str, digits: int) -> str:
 
 def bending_table(summary: WheelsetSummary, *, short: bool = False) -> SummaryTable:
     """Displacement of the rails' heads and stresses in web and fillets, one column a rail; `short`: no fillets."""
-    rails = summary.bending
-    quantities: list[tuple[str, Callable[[BendingSummary], str]]] = [
-        ("top of the head to the right, mm", lambda r: number(r.head_lateral_mm, 3)),
-        ("  up, mm", lambda r: number(r.head_vertical_mm, 3)),
-        ("  roll outwards, mrad", lambda r: number(1e3 * r.head_roll_outward_rad, 2)),
-        ("gauge face outwards, mm", lambda r: number(r.gauge_outward_mm, 3)),
-        ("web, gauge face, MPa", lambda r: number(r.web_gauge_face_MPa, 0)),
-        ("  field face, MPa", lambda r: number(r.web_field_face_MPa, 0)),
+    quantities: list[Column] = [
+        ("top of the head to the right, mm", "head_lateral_mm", ".3f"),
+        ("  up, mm", "head_vertical_mm", ".3f"),
+        ("  roll outwards, mrad", lambda r: 1e3 * r.head_roll_outward_rad, ".2f"),
+        ("gauge face outwards, mm", "gauge_outward_mm", ".3f"),
+        ("web, gauge face, MPa", "web_gauge_face_MPa", ".0f"),
+        ("  field face, MPa", "web_field_face_MPa", ".0f"),
     ]
     if not short:
         quantities += [
-            ("web: normal force, kN", lambda r: number(r.web_normal_force_kN, 2)),
-            ("  shear force, kN", lambda r: number(r.web_shear_force_kN, 2)),
-            ("  moment, kN mm", lambda r: number(r.web_moment_kN_mm, 1)),
+            ("web: normal force, kN", "web_normal_force_kN", ".2f"),
+            ("  shear force, kN", "web_shear_force_kN", ".2f"),
+            ("  moment, kN mm", "web_moment_kN_mm", ".1f"),
         ]
     for towards in ("head", "foot"):
         for word, sign in (("tension", 1.0), ("compression", -1.0)):
-            quantities.append((f"maximum {word} towards the {towards}, MPa", _extreme(towards, word, sign, short)))
-    rows = [(name, *(text(rail) for rail in rails)) for name, text in quantities]
+            name = f"maximum {word} towards the {towards}, MPa"
+            quantities.append((name, _extreme(towards, word, sign, short), ""))
     caption = "Bending of the rails, stresses along the surface of web and fillets (of the slice alone: see limits)"
-    return SummaryTable(caption, ("", *(rail.side for rail in rails)), tuple(rows))
+    return table_across(caption, (rail.side for rail in summary.bending), summary.bending, quantities)
 
 
 def _extreme(towards: str, word: str, sign: float, short: bool) -> Callable[[BendingSummary], str]:
@@ -164,62 +152,36 @@ def _extreme(towards: str, word: str, sign: float, short: bool) -> Callable[[Ben
 
 def support_table(summary: WheelsetSummary) -> SummaryTable:
     """Reactions of bases and axle, and the residuals with the contact forces."""
-    rows = [
-        (
-            row.part,
-            number(row.lateral_force_kN, 3),
-            number(row.vertical_force_kN, 3),
-            number(row.moment_kN_mm, 1),
-            number(row.eccentricity_mm, 2),
-            _small(row.force_residual),
-            _small(row.moment_residual),
-        )
-        for row in summary.support.reactions
-    ]
-    header = ("", "lateral, kN", "vertical, kN", "moment, kN mm", "eccentricity, mm")
-    return SummaryTable(
-        "Reactions of bases and axle on the parts", (*header, "force residual", "moment residual"), tuple(rows)
+    columns: tuple[Column, ...] = (
+        ("", "part", ""),
+        ("lateral, kN", "lateral_force_kN", ".3f"),
+        ("vertical, kN", "vertical_force_kN", ".3f"),
+        ("moment, kN mm", "moment_kN_mm", ".1f"),
+        ("eccentricity, mm", "eccentricity_mm", ".2f"),
+        ("force residual", "force_residual", ".1e"),
+        ("moment residual", "moment_residual", ".1e"),
     )
+    return table_of("Reactions of bases and axle on the parts", summary.support.reactions, columns)
 
 
 def stresses_table(summary: WheelsetSummary) -> SummaryTable:
     """Extreme stresses of the parts."""
-    header = (
-        *("", "von Mises below contacts, MPa", "anywhere in the slice, MPa"),
-        *("minimum principal, MPa", "maximum in-plane shear, MPa"),
+    columns: tuple[Column, ...] = (
+        ("", "part", ""),
+        ("von Mises below contacts, MPa", "max_von_mises_below_contacts_MPa", ".1f"),
+        ("anywhere in the slice, MPa", "max_von_mises_MPa", ".1f"),
+        ("minimum principal, MPa", "min_principal_MPa", ".1f"),
+        ("maximum in-plane shear, MPa", "max_in_plane_shear_MPa", ".1f"),
     )
-    rows = [
-        (
-            each.part,
-            *(number(each.max_von_mises_below_contacts_MPa, 1), number(each.max_von_mises_MPa, 1)),
-            *(number(each.min_principal_MPa, 1), number(each.max_in_plane_shear_MPa, 1)),
-        )
-        for each in summary.stresses
-    ]
     caption = "Extreme stresses, element averages (anywhere: also in web, fillets and foot of the slice, see limits)"
-    return SummaryTable(caption, header, tuple(rows))
+    return table_of(caption, summary.stresses, columns)
 
 
 def bodies_table(summary: WheelsetSummary) -> SummaryTable:
     """Sizes of the meshes."""
-    rows = [(b.name, f"{b.unknowns:,}", f"{b.elements:,}", f"{b.nodes:,}", ", ".join(b.parts)) for b in summary.bodies]
-    return SummaryTable("Bodies", ("", "unknowns", "elements", "nodes", "used for"), tuple(rows))
-
-
-def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
-    """Seconds of each stage."""
-    rows = [(name.replace("_", "-"), number(t, 2)) for name, t in timings_s.items()]
-    return SummaryTable("Time", ("", "s"), tuple(rows))
-
-
-def marked(text: str, remark: str | None) -> str:
-    """Return the text of a value, with the reason why it is approximate, if there is one."""
-    return text if remark is None else f"about {text} ({remark})"
-
-
-def number(value: float | None, digits: int) -> str:
-    """Return a number with some decimals, or a dash for None."""
-    return "–" if value is None else f"{value:.{digits}f}"
+    sizes: tuple[Column, ...] = (("unknowns", "unknowns", ","), ("elements", "elements", ","), ("nodes", "nodes", ","))
+    columns: tuple[Column, ...] = (("", "name", ""), *sizes, ("used for", lambda b: ", ".join(b.parts), ""))
+    return table_of("Bodies", summary.bodies, columns)
 
 
 def _hertz(value: float | None, digits: int) -> str:
