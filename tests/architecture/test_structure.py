@@ -30,15 +30,15 @@ MAX_LINES = {
     "railway.wheelset": 1680,
     "railway.positions": 2500,
     "railway.spatial": 80,
-    "cases": 6080,
+    "cases": 5750,
     "campaign": 1780,
-    "report": 5940,
-    "validation": 4480,
-    "cli": 980,
+    "report": 5690,
+    "validation": 4130,
+    "cli": 970,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 50_280
+MAX_LINES_OF_ALL = 49_340
 MAX_FILES_OF_ALL = 262
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -21,8 +21,7 @@ from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, rectangle_grid, triangulate
 from flangeway.post import corner_stresses, recovered_stresses, stresses_at
-from flangeway.post.adaptive import adapt
-from flangeway.post.adaptive import Measure, RefinementRow, refine_adaptively, refine_uniformly, stress_errors
+from flangeway.post.adaptive import Measure, RefinementRow, adapt, refine_adaptively, refine_uniformly, stress_errors
 from flangeway.problems import Elasticity, PrescribedDisplacement, Pressure, Traction
 from flangeway.solve import ElasticitySolution, solve_elasticity
 from flangeway.space import Space
