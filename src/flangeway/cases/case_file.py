@@ -79,14 +79,9 @@ def load_case(name_or_file: str | Path, **settings: Any) -> RunnableCase:
 def read_case(name_or_file: str | Path, settings: Mapping[str, Any] | None = None) -> RunnableCase:
     """Return a case as `load_case` does.
 
-    Parameters
-    ----------
-    name_or_file
-        Name of a case, or a TOML file.
-    settings
-        Inputs that go before those of the file. Those inside tables are named by points, items of a list by their
-        numbers from 1 or by their ``name``: ``bodies.disc.size_mm``.
-
+    - `name_or_file`: name of a case, or a TOML file.
+    - `settings`: inputs that go before those of the file. Those inside tables are named by points, items of a list by
+      their numbers from 1 or by their ``name``: ``bodies.disc.size_mm``.
     """
     given = dict(settings or {})
     if not is_case_file(name_or_file):

@@ -51,19 +51,11 @@ def compare(
 ) -> ReproducedNumber:
     """Compare a computed number with a published one; beside a published zero the difference is the computed number.
 
-    Parameters
-    ----------
-    table, code, quantity, unit, note
-        As in `ReproducedNumber`.
-    values
-        Published and computed number.
-    limit
-        Maximum absolute value of the difference.
-    words
-        The limit in words, by default as a number or in per cent; empty for a number that is shown only.
-    within
-        Whether it is within its limit, if the difference does not decide.
-
+    - `table`, `code`, `quantity`, `unit`, `note`: as in `ReproducedNumber`.
+    - `values`: published and computed number.
+    - `limit`: maximum absolute value of the difference.
+    - `words`: the limit in words, by default as a number or in per cent; empty for a number that is shown only.
+    - `within`: whether it is within its limit, if the difference does not decide.
     """
     published, computed = (float(value) for value in values)
     difference = computed / published - 1.0 if published else computed

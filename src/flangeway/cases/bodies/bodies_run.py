@@ -196,21 +196,12 @@ def summarise_bodies(
 ) -> BodiesSummary:
     """Return the summary of such a case.
 
-    Parameters
-    ----------
-    bodies
-        Displacements by the names of the bodies.
-    contact
-        The contacts, if there are any.
-    timings_s
-        Seconds by stage.
-    results
-        What this case is about, shown first.
-    forces, supports
-        Forces on the bodies in contact, and of the supports.
-    notices
-        What the reader should know.
-
+    - `bodies`: displacements by the names of the bodies.
+    - `contact`: the contacts, if there are any.
+    - `timings_s`: seconds by stage.
+    - `results`: what this case is about, shown first.
+    - `forces`, `supports`: forces on the bodies in contact, and of the supports.
+    - `notices`: what the reader should know.
     """
     return BodiesSummary(
         status=StatusSummary(status.converged, status.message),

@@ -52,18 +52,9 @@ class BodyShape:
 def body_shape(body: BodyTable, key: str, notices: list[str]) -> BodyShape:
     """Mesh of a body in mm, in its initial position.
 
-    Parameters
-    ----------
-    key
-        How messages call its table.
-    notices
-        Receives a notice for each repair.
-
-    Raises
-    ------
-    InputError
-        If there is not one shape, a key does not go with it, or the shape or the mesh is wrong.
-
+    It is an `InputError` if there is not one shape, a key does not go with it, or the shape or the mesh is wrong.
+    - `key`: how messages call its table.
+    - `notices`: receives a notice for each repair.
     """
     given = [shape for shape in SHAPES if getattr(body, shape) is not None]
     if len(given) != 1:
@@ -290,19 +281,11 @@ def edges_at(
 ) -> Ints:
     """Boundary edges at a position, pairs of points (n, 2).
 
-    Parameters
-    ----------
-    body
-        Its name, for messages.
-    names
-        Edge sets, or None for the whole boundary.
-    box
-        Corners x_min, y_min, x_max, y_max of a box that contains them.
-    lines
-        The x and the y of lines on which they lie.
-    key, which
-        Table and key, for messages.
-
+    - `body`: its name, for messages.
+    - `names`: edge sets, or None for the whole boundary.
+    - `box`: corners x_min, y_min, x_max, y_max of a box that contains them.
+    - `lines`: the x and the y of lines on which they lie.
+    - `key`, `which`: table and key, for messages.
     """
     pairs = mesh.boundary_edges
     if names is not None:
@@ -349,20 +332,10 @@ def free_edges(body: Body, pairs: Ints) -> Ints:
 def free_axis(name: str, mesh: PolyMesh, fixed: Mapping[Where, str]) -> Literal["x", "y"] | None:
     """Axis along which a body can slide without strain; None where its supports fix it.
 
-    Parameters
-    ----------
-    name
-        Name of the body, for messages.
-    mesh
-        Its mesh.
-    fixed
-        Fixed components along edge sets and at points.
-
-    Raises
-    ------
-    InputError
-        If the supports allow another rigid motion.
-
+    It is an `InputError` if the supports allow another rigid motion.
+    - `name`: name of the body, for messages.
+    - `mesh`: its mesh.
+    - `fixed`: fixed components along edge sets and at points.
     """
     centre = mesh.points.mean(axis=0)
     size = float(np.hypot(*np.ptp(mesh.points, axis=0)))

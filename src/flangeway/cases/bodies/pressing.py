@@ -73,20 +73,12 @@ def press_loaded(
 ) -> Pressed:
     """Bring parts in contact under loads and motions, in proportional steps, and then push one of them.
 
-    Parameters
-    ----------
-    motion
-        Rigid motion of the supports of each part that moves.
-    fields
-        Displacements of each part under its loads and its supports' prescribed displacements without contact, shape
-        (n_dofs, 2), see `LoadedBodies`.
-    push
-        A force on one part, applied after the other loads.
-    loads
-        Resultant of each part's loads, shape (2,); the contact also carries those of the pushed part.
-    n_steps
-        Equal steps of loads and motions; halved where one does not converge.
-
+    - `motion`: rigid motion of the supports of each part that moves.
+    - `fields`: displacements of each part under its loads and its supports' prescribed displacements without contact,
+      shape (n_dofs, 2), see `LoadedBodies`.
+    - `push`: a force on one part, applied after the other loads.
+    - `loads`: resultant of each part's loads, shape (2,); the contact also carries those of the pushed part.
+    - `n_steps`: equal steps of loads and motions; halved where one does not converge.
     """
     driver = _Driver(ContactSystem(contacts), motion or {}, fields or {}, progress)
     step = 1.0 / n_steps

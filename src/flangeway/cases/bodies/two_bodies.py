@@ -187,11 +187,7 @@ def checked_bodies(pressed: Pressed, model: BodiesModel) -> tuple[Status, tuple[
     `check_contact`, nodes that are not in equilibrium, and a body that moved through another one. The message also
     says if nothing touches.
 
-    Parameters
-    ----------
-    model
-        The bodies and their loads.
-
+    - `model`: the bodies and their loads.
     """
     status, contact = pressed.status, pressed.contact
     if not (status.converged or contact.overlapped):

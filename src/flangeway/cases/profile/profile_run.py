@@ -54,20 +54,10 @@ class ProfileRun:
 def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str | None = None) -> ProfileRun:
     """Read a profile from a file, or take a bundled one by its name.
 
-    Parameters
-    ----------
-    name_or_file
-        A name such as ``"S1002"``, or a file; see `flangeway.railway.profiles.profile_file.FORMATS`.
-    options
-        Options for what the file does not declare.
-    join
-        Name of the nominal rail or wheel that gives the body.
-
-    Raises
-    ------
-    InputError
-        If there is neither, the file is wrong, or the profile does not fit the body.
-
+    It is an `InputError` if there is neither, the file is wrong, or the profile does not fit the body.
+    - `name_or_file`: a name such as ``"S1002"``, or a file; see `flangeway.railway.profiles.profile_file.FORMATS`.
+    - `options`: options for what the file does not declare.
+    - `join`: name of the nominal rail or wheel that gives the body.
     """
     given = options or ReadOptions()
     path = Path(name_or_file)

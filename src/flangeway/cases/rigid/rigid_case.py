@@ -94,18 +94,10 @@ def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
 def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
     """Return the geometry case of a case file, and a sentence on the keys that it does not use.
 
-    Parameters
-    ----------
-    file
-        A case file of a wheelset, as `flangeway.cases.case_file.read_case` reads it, or with ``case = "geometry"``.
-    values
-        Inputs that replace those of the file.
-
-    Raises
-    ------
-    InputError
-        If the file is of another case, or an input is wrong; the message names file, line and key.
-
+    It is an `InputError` if the file is of another case, or an input is wrong; the message names file, line and key.
+    - `file`: a case file of a wheelset, as `flangeway.cases.case_file.read_case` reads it, or with ``case =
+      "geometry"``.
+    - `values`: inputs that replace those of the file.
     """
     text = CaseText.read(file)
     name, given = text.name_and_values()

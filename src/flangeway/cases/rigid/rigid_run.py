@@ -66,11 +66,7 @@ class Conicities:
 def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None) -> Conicities:
     """Conicity at amplitudes 0.1 mm apart, as far as the difference is given.
 
-    Parameters
-    ----------
-    maximum_mm
-        Maximum amplitude; None: as far as the difference goes.
-
+    - `maximum_mm`: maximum amplitude; None: as far as the difference goes.
     """
     none: Floats = np.zeros(0)
     try:
@@ -123,18 +119,9 @@ class ConicityCase(Case):
 def run_conicity(file: Path, values: Mapping[str, Any]) -> ConicityRun:
     """Read a rolling radius difference and compute its conicity.
 
-    Parameters
-    ----------
-    file
-        See `flangeway.railway.rigid.conicity.read_rolling_radius_difference`.
-    values
-        Inputs of a `ConicityCase`.
-
-    Raises
-    ------
-    InputError
-        If the file cannot be read as a rolling radius difference, or an input is wrong.
-
+    It is an `InputError` if the file cannot be read as a rolling radius difference, or an input is wrong.
+    - `file`: see `flangeway.railway.rigid.conicity.read_rolling_radius_difference`.
+    - `values`: inputs of a `ConicityCase`.
     """
     start = time.perf_counter()
     case = ConicityCase.from_values(values)
@@ -200,16 +187,8 @@ def run_geometry(
 ) -> GeometryRun:
     """Compute the contact geometry of a case.
 
-    Parameters
-    ----------
-    notices
-        Sentences about the inputs, to be shown with those about the results.
-
-    Raises
-    ------
-    InputError
-        If gauge and wheels do not fit.
-
+    It is an `InputError` if gauge and wheels do not fit.
+    - `notices`: sentences about the inputs, to be shown with those about the results.
     """
     start = time.perf_counter()
     track, axle = case.track(), case.wheelset()

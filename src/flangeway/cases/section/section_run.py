@@ -44,11 +44,7 @@ _GROWTH = 0.3
 class SectionOptions:
     """How a section is computed.
 
-    Raises
-    ------
-    InputError
-        If the method is unknown, or the order, size or Poisson's ratio is not allowed.
-
+    It is an `InputError` if the method is unknown, or the order, size or Poisson's ratio is not allowed.
     """
 
     size: float | None = None  # length of a triangle's edge in the section's unit; None takes `usual_size`
@@ -108,18 +104,9 @@ def run_section(
 ) -> SectionRun:
     """Mesh a section and compute its constants by both formulations of torsion.
 
-    Parameters
-    ----------
-    options
-        How; the usual way if left out.
-
-    Raises
-    ------
-    InputError
-        If the section is in several pieces, its parts overlap, or an option is not allowed.
-    MissingLibraryError
-        If the mesh generator lacks a shared library of the system.
-
+    It is an `InputError` if the section is in several pieces, its parts overlap, or an option is not allowed.
+    `MissingLibraryError`: if the mesh generator lacks a shared library of the system.
+    - `options`: how; the usual way if left out.
     """
     start = time.perf_counter()
     given = options or SectionOptions()

@@ -31,26 +31,15 @@ def rail_named(
 ) -> RailProfile:
     """Return a bundled rail, a file's running surface on the body of a bundled one, or a file's whole outline.
 
-    Parameters
-    ----------
-    name
-        Of a bundled rail, or of a file.
-    crown_radius_in
-        Radius of a 136RE's crown; None: the usual one.
-    body
-        The bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's ends.
-    other
-        The rail of the other side.
-    options
-        What the file does not contain: unit, mirror, distance of the tape line.
-    key
-        Name of the input, for messages: the options are called after it, such as ``rail_unit``.
-
-    Raises
-    ------
-    InputError
-        If there is none of that name, or the file is that of a wheel, cannot be read or does not fit the body.
-
+    It is an `InputError` if there is none of that name, or the file is that of a wheel, cannot be read or does not fit
+    the body.
+    - `name`: of a bundled rail, or of a file.
+    - `crown_radius_in`: radius of a 136RE's crown; None: the usual one.
+    - `body`: the bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's
+      ends.
+    - `other`: the rail of the other side.
+    - `options`: what the file does not contain: unit, mirror, distance of the tape line.
+    - `key`: name of the input, for messages: the options are called after it, such as ``rail_unit``.
     """
     if not _means_file(name):
         _refuse_other_kind(name, "rail")

@@ -124,13 +124,8 @@ def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Writer]:
 class ColourSteps:
     """Steps of colour from light to dark, in grey too.
 
-    Parameters
-    ----------
-    values
-        All values to be shown.
-    from_zero
-        For values none of which is below zero, or none above: from light at zero to dark at the extreme.
-
+    - `values`: all values to be shown.
+    - `from_zero`: for values none of which is below zero, or none above: from light at zero to dark at the extreme.
     """
 
     def __init__(self, values: Floats, *, from_zero: bool = False) -> None:

@@ -150,11 +150,7 @@ def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path,
 def write_collection(path: str | Path, entries: Iterable[tuple[float, str, str]]) -> None:
     """Write a PVD file that opens VTU files of its folder together; `write_series` writes both.
 
-    Parameters
-    ----------
-    entries
-        Time, name of the part and name of the file, for each VTU file.
-
+    - `entries`: time, name of the part and name of the file, for each VTU file.
     """
     file = Path(path)
     numbers: dict[str, int] = {}

@@ -60,13 +60,8 @@ FILES = (
 def wheelset_page(run: CaseRun, pictures: Sequence[Picture], parts: Sequence[PartFields] = ()) -> Page:
     """Return the content of the report of a wheelset.
 
-    Parameters
-    ----------
-    pictures
-        Pictures, the most important first.
-    parts
-        Fields of the parts, for the interactive picture; without any the page has none.
-
+    - `pictures`: pictures, the most important first.
+    - `parts`: fields of the parts, for the interactive picture; without any the page has none.
     """
     summary = run.summary
     problem = run.result.model.problem

@@ -139,13 +139,8 @@ COOK_NORM = float(np.sqrt(2.0 * ENERGY))
 def l_shape(n: int, cells: str = "quadrilaterals") -> PolyMesh:
     """The square from (-1, -1) to (1, 1) without its lower left quarter, with the edge sets ``outer`` and ``notch``.
 
-    Parameters
-    ----------
-    n
-        Number of squares along a length of one.
-    cells
-        ``"quadrilaterals"``, ``"triangles"``, or ``"polygons"``, the dual of these.
-
+    - `n`: number of squares along a length of one.
+    - `cells`: ``"quadrilaterals"``, ``"triangles"``, or ``"polygons"``, the dual of these.
     """
     grid = rectangle_grid(
         2.0,

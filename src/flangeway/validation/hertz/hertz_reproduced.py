@@ -196,13 +196,8 @@ def published_case(code: str, level: int, variant: Variant = "printed") -> Hertz
     stabilisation: the published one, half of the trace, is many times too stiff for the shapes of edges that
     polynomials miss, and multipliers answer to it.
 
-    Parameters
-    ----------
-    code, level
-        One of `CODES`, and the mesh, 1 to 4.
-    variant
-        See `Variant`.
-
+    - `code`, `level`: one of `CODES`, and the mesh, 1 to 4.
+    - `variant`: see `Variant`.
     """
     upper, lower = (published_value(f"element size Delaunay {side}", "", level) for side in ("slave", "master"))
     values: dict[str, Any] = {
