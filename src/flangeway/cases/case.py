@@ -29,16 +29,13 @@ RENAMED = {
     "largest_amplitude_mm": "maximum_amplitude_mm",
 }
 """Keys of earlier versions, and what they are called now: the error for an old key names the new one."""
-MAX_REPORTED = 5
-"""Errors in one message; of the others only the number is given."""
-MAX_NUMBER = 1e30
-"""No length, force or modulus is larger in its unit."""
+MAX_REPORTED = 5  # errors in one message; of the others only the number is given
+MAX_NUMBER = 1e30  # no length, force or modulus is larger in its unit
 
 _BOUNDS = ((at.Gt, "gt", "above"), (at.Ge, "ge", "from"), (at.Lt, "lt", "below"), (at.Le, "le", "up to"))
 
 
-Pair = Annotated[tuple[float, float], Strict(False)]
-"""Two numbers in a list, as files have them."""
+Pair = Annotated[tuple[float, float], Strict(False)]  # two numbers in a list, as files have them
 Box = Annotated[tuple[float, float, float, float], Strict(False)]
 
 
@@ -85,10 +82,8 @@ class Case(Table):
 
     name: ClassVar[str]
     title: ClassVar[str]
-    essential: ClassVar[tuple[str, ...]] = ()
-    """Keys that are set in a new case file; the others are there as comments."""
-    example: ClassVar[Mapping[str, Any]] = {}
-    """Values of a new case file where they are not the defaults."""
+    essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
+    example: ClassVar[Mapping[str, Any]] = {}  # values of a new case file where they are not the defaults
 
     @classmethod
     def from_values(cls, values: Mapping[str, Any], where: Callable[[Key], str] = lambda _: "") -> Self:

@@ -26,8 +26,7 @@ CASES: dict[str, type[RunnableCase]] = {
 }
 """Types of the cases by name."""
 
-FORMAT = 1
-"""Number of the format that this version writes; files of lower numbers are read, higher ones refused."""
+FORMAT = 1  # number of the format that this version writes; files of lower numbers are read, higher ones refused
 ENDING = ".toml"
 
 FILE_KEYS = ("rail", "wheel", "left_rail", "left_wheel", "section", "file")

@@ -16,10 +16,8 @@ from flangeway.report.viewer.scene_model import DISPLACEMENT, Formula
 from flangeway.report.wheelset.wheelset_tables import contact_name
 from flangeway.types import Floats
 
-VIEW_WIDTHS = 8.0
-"""Width of the view of a contact over the half width of the contact."""
-MOST_POINTS = 400_000
-"""Points of all bodies above which the page shows whole elements, with values at their corners."""
+VIEW_WIDTHS = 8.0  # width of the view of a contact over the half width of the contact
+MOST_POINTS = 400_000  # points of all bodies above which the page shows whole elements, with values at their corners
 
 _STRESSES: tuple[tuple[str, str, Formula], ...] = (
     ("von_mises_MPa", "von Mises stress", "von-mises"),

@@ -84,8 +84,7 @@ class Reproduced:
         return not self.failures and all(number.within for number in self.numbers if number.required)
 
 
-Row = Mapping[str, object]
-"""Values of a row of a CSV file by column."""
+Row = Mapping[str, object]  # values of a row of a CSV file by column
 
 
 def write_numbers(path: Path, numbers: Sequence[ReproducedNumber]) -> None:
@@ -108,14 +107,11 @@ def published_rows(name: str) -> list[dict[str, str]]:
     return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 
-ROUND_OFF = 1e-10
-"""Numbers below it are shown as such, not with digits that change with the machine."""
-MIN_CHANGE = 1e-5
-"""Relative differences below it are shown as such."""
+ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that change with the machine
+MIN_CHANGE = 1e-5  # relative differences below it are shown as such
 
 SHOWN_ONLY = "shown only"
-NAMES = {"n_dof": "unknowns", "h": "maximum element diameter"}
-"""Quantities that have another name on the page."""
+NAMES = {"n_dof": "unknowns", "h": "maximum element diameter"}  # quantities that have another name on the page
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 
 

@@ -26,8 +26,7 @@ from flangeway.validation.published_numbers import (
     write_rows,
 )
 
-PICTURES = "images"
-"""Folder of the pictures, beside the page."""
+PICTURES = "images"  # folder of the pictures, beside the page
 DPI = 80
 
 HEAD = """# Validation
@@ -170,8 +169,7 @@ def _verdicts(sections: Sequence[PageSection]) -> str:
     return SummaryTable("", head, tuple(rows)).markdown()
 
 
-ALL = "all"
-"""The name of all reproductions together."""
+ALL = "all"  # the name of all reproductions together
 TABLE = "table.csv"
 
 

@@ -240,10 +240,8 @@ Ints = NDArray[np.int32]
 
 Where = str | tuple[float, float]
 
-FREE = 1e-9
-"""Singular value of the supports on rigid motions over the maximum, below which a motion is free."""
-ON_LINE = 1e-6
-"""Distance over the size of the mesh up to which a point lies on a line or in a box."""
+FREE = 1e-9  # singular value of the supports on rigid motions over the maximum, below which a motion is free
+ON_LINE = 1e-6  # distance over the size of the mesh up to which a point lies on a line or in a box
 
 
 def keys_of_place(table: PlaceTable) -> list[str]:

@@ -31,8 +31,7 @@ ENERGY = 1542.1595
 """Strain energy of the exact solution: orders 3 and 4 on adaptively refined meshes agree on it to 1e-8."""
 
 NEARLY_INCOMPRESSIBLE = 0.4999
-NEARLY_INCOMPRESSIBLE_WORK = 2652.4
-"""Work of the load for that Poisson's ratio: orders 3 and 4 agree on it to 5e-5."""
+NEARLY_INCOMPRESSIBLE_WORK = 2652.4  # work of the load for that Poisson's ratio: orders 3 and 4 agree on it to 5e-5
 
 SIZE = 10.0
 FINER_AT_CORNERS = (4.0, 4.0, 8.0, 10.0)

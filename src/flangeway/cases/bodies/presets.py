@@ -28,20 +28,15 @@ from flangeway.materials import Elastic
 # ruff: noqa: N815 (units in names)
 
 METHOD_MEANING = "fem: triangles; vem: polygons with virtual elements; vem-triangles: triangles with virtual elements"
-CONTACT_KEYS = set(ContactTable.model_fields)
-"""Keys of a preset that are those of its contact."""
+CONTACT_KEYS = set(ContactTable.model_fields)  # keys of a preset that are those of its contact
 ZONE_OF_LENS = 0.85
 """Half width of the candidate zone over that of the overlap of the rigid bodies; elastic contact takes about half."""
-ZONE_OF_HERTZ = 1.6
-"""The same over Hertz's half width, where the force is given."""
+ZONE_OF_HERTZ = 1.6  # the same over Hertz's half width, where the force is given
 ZONE_EDGES = 3.0
 MOST_EDGES = 10_000
-MAX_RADIUS = 1e6
-"""Radius over the elements' size above which a half disc is not meshed."""
-LEAST_PIECES = 17
-"""Minimum number of pieces of the polyline along a fine arc."""
-WIDEST_ZONE = 0.75
-"""Maximum half width of the zone over the radius: wider ones do not fit half discs."""
+MAX_RADIUS = 1e6  # radius over the elements' size above which a half disc is not meshed
+LEAST_PIECES = 17  # minimum number of pieces of the polyline along a fine arc
+WIDEST_ZONE = 0.75  # maximum half width of the zone over the radius: wider ones do not fit half discs
 
 
 class BodiesPreset(BodiesCase):

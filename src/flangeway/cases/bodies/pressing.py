@@ -16,15 +16,13 @@ from flangeway.types import Floats
 Trial = tuple[float, float, ContactState]
 """A distance along the push, the excess of the contact's resistance there, and the solution."""
 
-MAX_ERROR = 1e-7
-"""Relative difference of the force on a pushed part from the prescribed one at which the search ends."""
+MAX_ERROR = 1e-7  # relative difference of the force on a pushed part from the prescribed one at which the search ends
 NEAR = 1e-2
 """Excess at both ends of a bracket, over the force, below which the stiffness in it is compared with the one before."""
 JUMP = 10.0
 """Stiffness in such a bracket over that in the larger one before above which the resistance jumps there: of augmented
 Lagrange, where the number of corrections changes."""
-SLOW = 0.3
-"""Excess over the one before above which a step with one stiffness changes it."""
+SLOW = 0.3  # excess over the one before above which a step with one stiffness changes it
 MOST_TRIALS = 60
 SMALLEST_STEP = 1.0 / 1024.0
 

@@ -25,11 +25,9 @@ from flangeway.problems import ElasticField, Part
 from flangeway.solve import ElasticitySolution, Status, solve_elasticity
 from flangeway.types import Floats
 
-MAX_NODAL_RESIDUAL = 1e-6
-"""See `relative_nodal_residual`; a correct solution has round-off, below 1e-9."""
+MAX_NODAL_RESIDUAL = 1e-6  # see `relative_nodal_residual`; a correct solution has round-off, below 1e-9
 
-SHARE_OF_BODY = 0.25
-"""Motion between two checks for an overlap, over the smaller side of the smaller body."""
+SHARE_OF_BODY = 0.25  # motion between two checks for an overlap, over the smaller side of the smaller body
 MOST_STOPS = 200
 
 

@@ -33,8 +33,7 @@ FRAMES = {
 }
 """Meaning of the coordinates, by the origin of the frame."""
 
-TOP_OFF_MM = 0.05
-"""Height of a rail's top from the file's y = 0 above which the frame says where it is."""
+TOP_OFF_MM = 0.05  # height of a rail's top from the file's y = 0 above which the frame says where it is
 
 _SPACING_MM = 0.25
 _DEVIATION_MM = 2e-4

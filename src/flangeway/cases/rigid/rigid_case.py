@@ -73,8 +73,7 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
 """Title and inputs that differ from the defaults, by name."""
 
 
-OWN_NAME = "geometry"
-"""Name in a case file of nothing but the geometry."""
+OWN_NAME = "geometry"  # name in a case file of nothing but the geometry
 
 
 def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:

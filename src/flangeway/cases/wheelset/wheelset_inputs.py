@@ -27,8 +27,7 @@ from flangeway.railway.track.wheelset_problem import WheelsetProblem
 
 LengthUnit = Literal["mm", "cm", "m", "in", "ft"]
 
-N_AXLES = 4
-"""Wheelsets of a usual wagon."""
+N_AXLES = 4  # wheelsets of a usual wagon
 
 
 class WheelsetInputs(Case):

@@ -17,8 +17,7 @@ from flangeway.railway.track.placements import Side, Track, Wheelset
 from flangeway.system.file_content import is_file
 
 READ_AS_IT_IS = ReadOptions()
-PLAIN = "plain"
-"""Body of a wheel that fits no bundled one: a block above its running surface."""
+PLAIN = "plain"  # body of a wheel that fits no bundled one: a block above its running surface
 
 
 def rail_named(
@@ -82,8 +81,7 @@ def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
             raise InputError(f"{key}_{option} of the bundled {name}", "a file", f"leave {key}_{option} out")
 
 
-_joined = lru_cache(maxsize=8)(joined)
-"""The nearest body is joined to see whether it fits, so it is joined already."""
+_joined = lru_cache(maxsize=8)(joined)  # the nearest body is joined to see whether it fits, so it is joined already
 
 
 def _from_file(

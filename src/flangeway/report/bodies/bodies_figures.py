@@ -14,8 +14,7 @@ from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import marked
 from flangeway.types import Floats
 
-BRIGHTEST_SHARE = 0.999
-"""Fraction of the values within the colour range: stresses at sharp corners are singular."""
+BRIGHTEST_SHARE = 0.999  # fraction of the values within the colour range: stresses at sharp corners are singular
 MAX_SIDE_IN, SMALLEST_SIDE_IN = 9.0, 3.0
 MARGIN = 0.04
 

@@ -257,8 +257,7 @@ def _of_patches(contact: PairSummary, key: str) -> str:
     return ", ".join(value_text(getattr(patch, key)) for patch in contact.patches) or "–"
 
 
-STEPS = "steps"
-"""Folder of the earlier load steps."""
+STEPS = "steps"  # folder of the earlier load steps
 REPORT, COLLECTION = "report.html", "bodies.pvd"
 STRESSES, PRESSURE, CONVERGENCE = "stresses.png", "pressure.png", "convergence.png"
 NAMES = (REPORT, COLLECTION, STRESSES, PRESSURE, CONVERGENCE)

@@ -81,8 +81,7 @@ def _values(body: BodyResult, shown: Display | None) -> tuple[Floats, Stresses]:
     return motion, placed_stresses(corner_stresses(body.field.problem, values), body.placement)
 
 
-MOST_VALUES = 3_000_000
-"""Maximum number of values of all load steps on the page and in the files."""
+MOST_VALUES = 3_000_000  # maximum number of values of all load steps on the page and in the files
 
 
 @dataclass(frozen=True, eq=False)

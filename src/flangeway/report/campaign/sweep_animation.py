@@ -24,8 +24,7 @@ MOST_FRAMES = 120
 FRAMES_A_SECOND = 8
 DPI = 80
 WIDTH_MM, BELOW_MM, ABOVE_MM = 55.0, 22.0, 38.0
-HIGHEST_MM = 18.0
-"""Height at which the maximum pressure of all frames is drawn."""
+HIGHEST_MM = 18.0  # height at which the maximum pressure of all frames is drawn
 
 
 @dataclass(frozen=True)

@@ -11,11 +11,9 @@ from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, 
 from flangeway.report.page.tables import SummaryTable
 from flangeway.solve import ContactState
 
-MIN_ERROR = 1e-17
-"""Value for errors of exactly zero on the logarithmic axis."""
+MIN_ERROR = 1e-17  # value for errors of exactly zero on the logarithmic axis
 ERRORS = {"residual": "residual over the total force", "change": "change over the maximum displacement"}
-MOST_NAMED = 12
-"""Maximum number of steps with names in the figure."""
+MOST_NAMED = 12  # maximum number of steps with names in the figure
 
 
 def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:

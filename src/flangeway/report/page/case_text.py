@@ -10,8 +10,7 @@ from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.report.page.tables import SummaryTable
 
-LONGEST = 60
-"""Letters of a value on the page; longer ones are cut there, the case file has them whole."""
+LONGEST = 60  # letters of a value on the page; longer ones are cut there, the case file has them whole
 
 
 def case_text(case: RunnableCase) -> str:

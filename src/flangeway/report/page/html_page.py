@@ -11,8 +11,7 @@ from string import Template
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.viewer import Scene, field_viewer
 
-SHOWN_SIZE = 0.55
-"""Pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures."""
+SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
 INSTEAD = "The figures below show the most important fields."
 
 

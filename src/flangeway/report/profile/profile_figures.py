@@ -16,8 +16,7 @@ BLUE, ORANGE = "#0072b2", "#d55e00"
 TITLE_LETTERS = 70
 DRAWN_DEVIATION_MM = 0.01
 MAX_CURVATURE_PER_MM = 0.2
-SHOWN_DEVIATION_MM = 4.0
-"""Height at which the maximum deviation is drawn beside the shape."""
+SHOWN_DEVIATION_MM = 4.0  # height at which the maximum deviation is drawn beside the shape
 
 
 def shape_figure(run: ProfileRun) -> Figure:

@@ -17,8 +17,7 @@ from flangeway.types import Floats
 COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 STYLES: dict[Side, str] = {"left": "--", "right": "-"}
 MAX_RATIO = 0.9
-LIFT_MM = 12.0
-"""Distance at which the wheels are drawn above the rails, so that lines join the points of contact."""
+LIFT_MM = 12.0  # distance at which the wheels are drawn above the rails, so that lines join the points of contact
 
 LATERAL = "lateral displacement to the right in mm"
 _ROOM = Room(left=0.8, bottom=0.6, top=0.55, across=0.9, between=0.6)

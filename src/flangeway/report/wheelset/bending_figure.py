@@ -24,20 +24,16 @@ from flangeway.report.figures.drawing import (
 from flangeway.report.figures.fields import PartFields
 from flangeway.report.wheelset.wheelset_figure import FACTORS
 
-DEFORMATION_SHARE = 0.06
-"""Maximum displacement in the figure over the height of the rail."""
+DEFORMATION_SHARE = 0.06  # maximum displacement in the figure over the height of the rail
 
-ORDINATE_MM = 18.0
-"""Length of the maximum stress: less than the radius of the fillets, so that ordinates do not cross."""
+ORDINATE_MM = 18.0  # length of the maximum stress: less than the radius of the fillets, so that ordinates do not cross
 
 TENSION, COMPRESSION, STEEL = "#c77700", "#7fa8d1", "#e4e7eb"
 MARGIN_MM = 8.0
 ROOM = Room(bottom=0.9, top=0.55)
-WEB_MM = 15.0
-"""Height above and below the web's narrowest place that belongs to no fillet."""
+WEB_MM = 15.0  # height above and below the web's narrowest place that belongs to no fillet
 
-LEAST_LABEL = 0.08
-"""Minimum ratio of an extreme to the maximum stress for a label."""
+LEAST_LABEL = 0.08  # minimum ratio of an extreme to the maximum stress for a label
 
 
 def bending_figure(run: CaseRun, parts: list[PartFields]) -> Figure:

@@ -40,8 +40,7 @@ ARROW = 0.9  # longest arrow, in half widths
 MESH_LINES = (1.0, 1.0, 1.0, 0.5)
 PANEL_IN = 4.3
 ROOM = Room(bottom=1.2, top=0.3, across=0.7, between=0.75)
-BAR_IN = (0.45, 0.1)
-"""Bottom and height of a bar of colours."""
+BAR_IN = (0.45, 0.1)  # bottom and height of a bar of colours
 
 COLUMNS: tuple[tuple[str, Callable[[Stresses], Floats]], ...] = (
     ("von Mises stress in MPa", lambda stresses: stresses.von_mises),

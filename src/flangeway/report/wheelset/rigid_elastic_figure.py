@@ -18,15 +18,12 @@ from flangeway.types import Floats
 
 RIGID, ELASTIC, STEEL = "#c05800", "#0b3d78", "#dfe5ec"
 LEAST_WINDOW_MM = 7.0
-AROUND_MM = 4.0
-"""What is shown beyond the points of contact."""
+AROUND_MM = 4.0  # what is shown beyond the points of contact
 
-ARROW = 0.32
-"""Length of the longest arrow over the height of the picture."""
+ARROW = 0.32  # length of the longest arrow over the height of the picture
 
 ROOM = Room(bottom=0.85, top=0.65, between=0.8)
-OVERVIEW_MM = np.array([[-62.0, -62.0], [62.0, 56.0]])
-"""About the middle of the points of contact."""
+OVERVIEW_MM = np.array([[-62.0, -62.0], [62.0, 56.0]])  # about the middle of the points of contact
 
 
 @dataclass(frozen=True, eq=False)

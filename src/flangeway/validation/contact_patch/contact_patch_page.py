@@ -39,10 +39,8 @@ KINDS = {
     "VO2": "polygons, order 2",
 }
 """Names by the letter of the method and the order."""
-DETAIL = (0.6, 1.4)
-"""Part of the interface in the picture of the contact forces, over its half width."""
-STYLES = (("s", (0, (1, 1))), ("o", (0, (5, 1.5))), ("^", "solid"))
-"""Marker and line by refinement."""
+DETAIL = (0.6, 1.4)  # part of the interface in the picture of the contact forces, over its half width
+STYLES = (("s", (0, (1, 1))), ("o", (0, (5, 1.5))), ("^", "solid"))  # marker and line by refinement
 PIECES = 3  # subdivisions along each side of an element's triangles
 EXACT = "#d55e00"
 

@@ -27,24 +27,18 @@ from flangeway.post.pressure import PressurePatch
 from flangeway.problems import ElasticField
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, percent
 
-PUBLISHED = -1125.0
-"""Uniform vertical stress of (6.1) in kN/cm^2."""
+PUBLISHED = -1125.0  # uniform vertical stress of (6.1) in kN/cm^2
 WIDTH, HEIGHT, APPROACH = 2.0, 1.0, 0.1
-STEEL = Elastic(20e3, 1.0 / 3.0)
-"""Units are cm, kN and kN/cm^2, where the keys of the case have mm, N and MPa."""
-PENALTY = 1e6
-"""Published penalty in kN/cm at each secondary node; read as kN/cm^3 where it is per length."""
+STEEL = Elastic(20e3, 1.0 / 3.0)  # units are cm, kN and kN/cm^2, where the keys of the case have mm, N and MPa
+PENALTY = 1e6  # published penalty in kN/cm at each secondary node; read as kN/cm^3 where it is per length
 N_EDGES: Mapping[int, tuple[int, int]] = MappingProxyType({1: (9, 7), 2: (17, 13), 3: (33, 25)})
 """Triangles' edges along the upper and the lower box by refinement: no multiple of each other."""
 ROTATION_DEG = 30.0
-PASSED = 1e-8
-"""Maximum relative deviation from the converged uniform pressure that passes the test."""
-OFF = 1e-3
-"""Relative deviation of the stress that node-to-segment must exceed: it fails the test, as published."""
+PASSED = 1e-8  # maximum relative deviation from the converged uniform pressure that passes the test
+OFF = 1e-3  # relative deviation of the stress that node-to-segment must exceed: it fails the test, as published
 MAX_OFF = 0.5
 """Relative deviation of the stress beyond which node-to-segment is not of the published order of magnitude."""
-SAME_STRESS = 0.01
-"""Maximum relative difference of the mean stress from the published one, for node-to-segment."""
+SAME_STRESS = 0.01  # maximum relative difference of the mean stress from the published one, for node-to-segment
 
 LAWS: Mapping[str, Mapping[str, Any]] = MappingProxyType(
     {

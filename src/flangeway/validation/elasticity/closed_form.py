@@ -33,8 +33,7 @@ PLATE, PLATE_SIDE = PlateWithHole(radius=1.0, tension=5.0), 4.0
 CYLINDER = ThickCylinder(inner_radius=1.0, outer_radius=2.0, inner_pressure=10.0)
 METHODS = {"F": Lagrange(2), "V": published_virtual(2)}
 LIMITS = {"Kirsch": 5e-3, "Lamé": 1e-3}
-SOFT_STRESS_LIMIT = 0.02
-"""For stresses of nearly incompressible material."""
+SOFT_STRESS_LIMIT = 0.02  # for stresses of nearly incompressible material
 
 
 def kirsch_plate(n: int) -> PolyMesh:

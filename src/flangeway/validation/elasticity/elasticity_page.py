@@ -48,13 +48,11 @@ STRESS_SHARE = 0.995
 EDGES_UP_TO = 2
 """Refinements of the membrane whose elements are drawn over the stresses; those of the others are too small."""
 
-SINGULAR = {"Cook": (0.0, 44.0), "L-shape": (0.0, 0.0)}
-"""Corner of each body at which stresses are singular."""
+SINGULAR = {"Cook": (0.0, 44.0), "L-shape": (0.0, 0.0)}  # corner of each body at which stresses are singular
 
 NAMES = {"Cook": "Cook's membrane", "L-shape": "L-shaped body"}
 CELLS_SHOWN = 900
-ZOOM = 0.05
-"""Half width of the picture at the corner over the size of the body."""
+ZOOM = 0.05  # half width of the picture at the corner over the size of the body
 
 
 def patch_figure(found: ElasticityReproduction) -> Figure:

@@ -29,8 +29,7 @@ from flangeway.validation.elasticity.closed_form import (
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare, published_rows
 
 COOK = "Section 5.3.2"
-COOK_VALUES = ("energy", "middle", "corner")
-"""Attributes of a `CookRow` with the numbers published."""
+COOK_VALUES = ("energy", "middle", "corner")  # attributes of a `CookRow` with the numbers published
 METHODS = ("F", "V", "H")
 
 PATCH_LIMIT = 1e-9

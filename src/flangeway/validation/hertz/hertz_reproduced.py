@@ -32,8 +32,7 @@ CODES = ("FDO1", "VVO1", "FDO2", "VVO2", "VDO2", "HEO2")
 """Method, cells and order: finite, virtual, hybrid; Delaunay, Voronoi, edge-refined (Table 8)."""
 LEVELS = (1, 2, 3, 4)
 QUICK_LEVELS = (1, 2, 3)
-FINE = 3
-"""Level from which the tighter limits hold."""
+FINE = 3  # level from which the tighter limits hold
 
 REFERENCE_FORCE = 251.84
 """Force in kN of the published reference solution, from which its p0 = 671.51 kN/cm^2 and a = 0.239 cm follow."""
@@ -44,8 +43,7 @@ EXTREMES = {
 }
 """Published tables of extreme stresses: name among `HertzRow.extremes`, and quantity."""
 
-STRESS_LIMIT = 0.03
-"""Maximum relative difference from a published extreme."""
+STRESS_LIMIT = 0.03  # maximum relative difference from a published extreme
 STRESS_CODES = ("VVO1", "VVO2")
 """Rows whose extremes have a limit; those of the others depend on the mesh through their oscillations."""
 FORCE_LIMITS = {1: 0.01, 2: 0.005}
@@ -62,8 +60,7 @@ VARIANTS: dict[Variant, str] = {
 }
 """Names of the variants."""
 
-SLACK = 0.02
-"""Nodes keep the edge that they faced within this fraction of it; otherwise some configurations cycle."""
+SLACK = 0.02  # nodes keep the edge that they faced within this fraction of it; otherwise some configurations cycle
 METHODS = {"FD": "fem", "VD": "vem-triangles", "VV": "vem", "HE": "fem"}
 PUBLISHED_DISCS: dict[str, Any] = {
     "radius_mm": 4.0,

@@ -158,8 +158,7 @@ def convergence_rate(sizes: np.ndarray, errors: np.ndarray) -> float:
 LIMITS = {"h": 0.15, "n_dof": 0.05, "torsion_constant": 1e-3, "relative_error": 0.15}
 """Maximum relative difference from the published number, by quantity."""
 
-LEAST_WITHIN = 90 / 96
-"""Fraction of the published errors that must be within their limit."""
+LEAST_WITHIN = 90 / 96  # fraction of the published errors that must be within their limit
 
 MAX_RATE_DIFFERENCE = 0.15
 """Maximum difference of a rate of convergence over unknowns from that of the published errors."""

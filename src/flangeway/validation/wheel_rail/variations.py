@@ -29,12 +29,9 @@ from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_whe
 >>>>>>> a8dd08a (Small files of one subject joined: validation, cases, report, cli)
 from flangeway.types import Floats
 
-FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)
-"""Factors on Young's modulus."""
-DIVISORS = (1, 2, 4)
-"""Divisors of the element size in contact."""
-ROLL_ARM_MM = 750.0
-"""Half the distance of the contacts: turns a roll into a length."""
+FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # factors on Young's modulus
+DIVISORS = (1, 2, 4)  # divisors of the element size in contact
+ROLL_ARM_MM = 750.0  # half the distance of the contacts: turns a roll into a length
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,8 +134,7 @@ def refine_contact(
 
 WHEEL_RADIUS_MM, RAIL_RADIUS_MM = 330.0, 254.0
 WIDTH_MM, HEIGHT_MM = 140.0, 120.0
-LOADS_N = (60e3, 120e3)
-"""Loads of the wheelset, half of them on each side; the second twice the first."""
+LOADS_N = (60e3, 120e3)  # loads of the wheelset, half of them on each side; the second twice the first
 
 THICKNESS_MM = 10.0
 SOURCE = "one arc between straight lines, to compare with Hertz's theory"

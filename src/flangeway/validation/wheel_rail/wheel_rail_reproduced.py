@@ -54,10 +54,8 @@ REGIONS = ("left tread", "right flange root", "right tread")
 """Contacts of the curve: one on the inner rail, tread and flange root on the outer one."""
 RIGID_MM, RIGID_POINT_MM = 0.01, 0.5
 """Maximum distance of the position, extrapolated to rigid bodies, and of the contact points from the rigid ones."""
-REQUIRED_FACTOR = 100.0
-"""Factor on Young's modulus from which the contact points must be the rigid ones."""
-ONE_ARC = 0.01
-"""Maximum relative difference of one arc on one arc from Hertz's theory."""
+REQUIRED_FACTOR = 100.0  # factor on Young's modulus from which the contact points must be the rigid ones
+ONE_ARC = 0.01  # maximum relative difference of one arc on one arc from Hertz's theory
 ONE_ARC_MESH = Discretisation(order=2, contact_size_mm=0.1, body_size_mm=4.0, enforcement="multiplier")
 REFINED = {
     "force": 0.005,

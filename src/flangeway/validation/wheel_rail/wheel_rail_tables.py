@@ -28,33 +28,27 @@ TABLES = {"tangent": 15, "curve": 16}
 METHODS = {"F": "fem", "V": "vem"}
 CODES = ("FO1", "VO1", "FO2", "VO2")
 
-FITTED_CODE = "VO2"
-"""Row of Table 16 whose lateral translation identifies the flange root."""
+FITTED_CODE = "VO2"  # row of Table 16 whose lateral translation identifies the flange root
 NODAL_PENALTY_N_PER_MM = {"F": 1e7, "V": 5e6}
 """Penalty of triangles and polygons (Moherdaui 2021, Table 10, mesh 1: 1e5 and 5e4 kN/cm)."""
 RAIL_MM, WHEEL_MM, BODY_MM = 0.6, 0.5, 5.0
 """Sizes of triangles where rail and wheel touch, and elsewhere (Moherdaui 2021, Table 9, mesh 1; none in chapter 7)."""
 
-MAX_RESIDUAL = 1e-9
-"""Maximum equilibrium residual."""
-FIT = 1e-3
-"""Maximum relative difference of the fitted lateral translation."""
-PREDICTED = 0.05
-"""Maximum relative difference of predicted numbers."""
+MAX_RESIDUAL = 1e-9  # maximum equilibrium residual
+FIT = 1e-3  # maximum relative difference of the fitted lateral translation
+PREDICTED = 0.05  # maximum relative difference of predicted numbers
 SYMMETRIC_CM, SYMMETRIC_RAD = 1e-4, 1e-6
 """Maximum lateral translation and rotation on tangent track, where they vanish by symmetry."""
 SAME_CM = 3e-4
 """Maximum error of a difference of two vertical translations on tangent track: they are published to 1e-4, and the size
 of elements away from contact, which is not given, changes it by another 2e-4."""
-FOUND_MM = 0.05
-"""Maximum difference of the radius found again from the bundled one."""
+FOUND_MM = 0.05  # maximum difference of the radius found again from the bundled one
 
 FAMILIES = {"arcs moved": with_flange_root, "narrow arc in place": with_wide_flange_root}
 MEMBERS_MM = {"arcs moved": (54.0, 44.0), "narrow arc in place": (68.0, 80.0, 56.0)}
 """Radii of the wide arc that are computed beside the identified one, the last of each only without ``quick``."""
 MEMBER_CODE = "FO1"
-COARSE_MM = 10.0
-"""Another size of triangles away from contact, to show its influence on the differences of the rows."""
+COARSE_MM = 10.0  # another size of triangles away from contact, to show its influence on the differences of the rows
 BY_HAND = "the published equilibrium was found by hand"
 
 
