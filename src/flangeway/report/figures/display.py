@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import TypeAlias
 
 import numpy as np
+from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.elements import Reconstruction, monomials
@@ -224,6 +225,12 @@ def _ring_triangles(n: int, pieces: int) -> Ints:
             rows += [[number(j - 1, side, t), number(j, side, t), number(j, side, t + 1)] for t in range(j)]
             rows += [[number(j - 1, side, t), number(j, side, t + 1), number(j - 1, side, t + 1)] for t in range(j - 1)]
     return np.array(rows, dtype=np.int64)
+
+
+def shaded(field: ElasticField, pieces: int | None = None) -> tuple[Triangulation, Stresses]:
+    """Small triangles of a body, see `display`, and the stresses at their corners."""
+    shown = display(field.problem.space, pieces)
+    return Triangulation(shown.points[:, 0], shown.points[:, 1], shown.triangles), displayed_stresses(field, shown)
 
 
 def displayed_stresses(solution: ElasticField, shown: Display) -> Stresses:

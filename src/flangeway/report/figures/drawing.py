@@ -194,16 +194,12 @@ def _well_inside(axes: Axes, x: float, y: float) -> bool:
     return bool((np.abs(places - 0.5) < 0.47).all())
 
 
-def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats, *, dashed: bool = False) -> None:
-    """Draw the boundary of a part at `points`."""
+def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats | None = None, *, dashed: bool = False) -> None:
+    """Draw the outer boundary of a mesh and the holes', its points being at `points`."""
+    places = mesh.points if points is None else points
+    style = {"color": GREY, "linestyle": (0, (4, 2))} if dashed else {"color": INK, "linestyle": "solid"}
     for loop in boundary_loops(mesh):
-        axes.plot(
-            points[loop, 0],
-            points[loop, 1],
-            color=GREY if dashed else INK,
-            linewidth=0.9,
-            linestyle=(0, (4, 2)) if dashed else "solid",
-        )
+        axes.plot(*places[loop].T, linewidth=0.9, **style)
 
 
 def equal_axes(axes: Axes, corners: Floats) -> None:
@@ -254,12 +250,6 @@ def draw_field(axes: Axes, mesh: PolyMesh, values: Floats, shades: ColourSteps, 
     if lines:
         styles = ["dashed" if level < 0.0 else "solid" for level in shades.levels]
         axes.tricontour(surface, values, levels=shades.levels, colors=INK, linewidths=0.5, linestyles=styles)
-
-
-def draw_boundary(axes: Axes, mesh: PolyMesh) -> None:
-    """Draw the outer boundary and the holes'."""
-    for loop in boundary_loops(mesh):
-        axes.plot(*mesh.points[loop].T, color=INK, linewidth=0.9)
 
 
 Colour = tuple[float, float, float, float]

@@ -15,7 +15,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, boundary_loops, new_figure
+from flangeway.report.figures.drawing import GREY, INK, draw_outline, new_figure
 from flangeway.space import Space
 from flangeway.types import Floats
 
@@ -67,7 +67,7 @@ def plot_mesh(
             patches = PolyCollection(corners, facecolors=tint, alpha=0.25, linewidths=0.0, label=name)
             handles.append(axes.add_collection(patches))
     axes.add_collection(LineCollection(list(mesh.points[mesh.edges]), colors=GREY, linewidths=_line_width(mesh)))
-    _draw_rim(axes, mesh, mesh.points)
+    _draw_rim(axes, mesh)
     if edge_sets:
         for number, (name, pairs) in enumerate(mesh.edge_sets.items()):
             style = SET_LINES[number // len(SET_COLOURS) % len(SET_LINES)]
@@ -117,7 +117,7 @@ def plot_function(
     _fill(axes, shown, shown.points, values, _with_unit(label, unit), limits)
     if edges:
         _draw_edges(axes, space.mesh.points[space.mesh.edges], space.mesh)
-    _draw_rim(axes, space.mesh, space.mesh.points)
+    _draw_rim(axes, space.mesh)
     _fit(axes, shown.points)
     return axes
 
@@ -204,7 +204,7 @@ def plot_deformed(
     _draw_edges(axes, lines, mesh)
     outer = mesh.edge_cells[:, 1] < 0
     axes.add_collection(LineCollection(list(lines[outer]), colors=INK, linewidths=1.0))
-    _draw_rim(axes, mesh, mesh.points, dashed=True)
+    draw_outline(axes, mesh, dashed=True)
     _fit(axes, np.vstack([lines.reshape(-1, 2), mesh.points]))
     axes.set_title(_drawn_as(scale), fontsize=10)
     return axes
@@ -297,7 +297,7 @@ def _drawn(
     if scale:
         points = points + scale * shown.function(solution.displacements)
         axes.set_title(_drawn_as(scale), fontsize=10)
-        _draw_rim(axes, mesh, mesh.points, dashed=True)
+        draw_outline(axes, mesh, dashed=True)
     _fill(axes, shown, points, values, label, limits)
     lines = _moved_edges(solution, scale)
     if edges:
@@ -338,9 +338,5 @@ def _line_width(mesh: PolyMesh) -> float:
     return float(np.clip(12.0 / np.sqrt(mesh.n_cells), 0.1, 0.6))
 
 
-def _draw_rim(axes: Axes, mesh: PolyMesh, points: Floats, *, dashed: bool = False) -> None:
-    if not dashed:
-        axes.add_collection(LineCollection(list(points[mesh.boundary_edges]), colors=INK, linewidths=0.9))
-        return
-    for loop in boundary_loops(mesh):
-        axes.plot(*points[loop].T, color=GREY, linewidth=0.9, linestyle=(0, (4, 2)))
+def _draw_rim(axes: Axes, mesh: PolyMesh) -> None:
+    axes.add_collection(LineCollection(list(mesh.points[mesh.boundary_edges]), colors=INK, linewidths=0.9))

@@ -16,9 +16,9 @@ from flangeway.report.figures.drawing import (
     INK,
     ColourSteps,
     cells_path,
-    draw_boundary,
     draw_field,
     draw_lines,
+    draw_outline,
     new_figure,
 )
 from flangeway.types import Floats
@@ -176,7 +176,7 @@ def _across(point: Floats, direction: Floats, low: Floats, high: Floats) -> Floa
 
 
 def _outline(axes: Axes, mesh: PolyMesh) -> None:
-    draw_boundary(axes, mesh)
+    draw_outline(axes, mesh)
     inner = mesh.edge_cells.min(axis=1) >= 0
     if len(mesh.cell_sets) > 1:
         part = np.zeros(mesh.n_cells, dtype=np.int64)

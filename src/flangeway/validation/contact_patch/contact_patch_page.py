@@ -10,10 +10,8 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.tri import Triangulation
 
-from flangeway.problems import ElasticField
-from flangeway.report.figures.display import display, displayed_stresses
+from flangeway.report.figures.display import shaded
 from flangeway.report.figures.drawing import GREY, INK, new_figure
 from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import SummaryTable
@@ -125,11 +123,12 @@ def _draw_stresses(
 ) -> None:
     """Draw runs side by side in the same colours."""
     fields = [run.fields for run in runs]
-    shown = [[_stress(field) for field in pair] for pair in fields]
-    values = np.concatenate([part[1] for pair in shown for part in pair])
+    shown = [[shaded(field, PIECES) for field in pair] for pair in fields]
+    values = np.concatenate([stresses.components[:, 1] for pair in shown for _, stresses in pair])
     norm = Normalize(float(values.min()), float(values.max()))
     for axes, pair, drawn, title in zip(panels, fields, shown, titles, strict=True):
-        for field, (points, stress) in zip(pair, drawn, strict=True):
+        for field, (points, stresses) in zip(pair, drawn, strict=True):
+            stress = stresses.components[:, 1]
             colours = axes.tripcolor(points, stress, shading="gouraud", cmap=COLOURS.reversed(), norm=norm)
             mesh = field.problem.space.mesh
             axes.add_collection(LineCollection(list(mesh.points[mesh.edges]), colors=INK, linewidths=0.2, alpha=0.6))
@@ -145,13 +144,6 @@ def _draw_stresses(
     mark = bar.ax.axhline if location == "right" else bar.ax.axvline
     mark(PUBLISHED, color="white", linewidth=1.5)
     bar.ax.tick_params(labelsize=7)
-
-
-def _stress(field: ElasticField) -> tuple[Triangulation, Floats]:
-    """Small triangles of a body and the vertical stress at their corners."""
-    shown = display(field.problem.space, PIECES)
-    points = shown.points
-    return Triangulation(points[:, 0], points[:, 1], shown.triangles), displayed_stresses(field, shown).components[:, 1]
 
 
 def _levels(found: ContactPatchReproduction) -> list[int]:

@@ -16,7 +16,7 @@ from flangeway.cases.bodies.cook import CookRow
 from flangeway.mesh import PolyMesh
 from flangeway.post import recovered_stresses
 from flangeway.post.adaptive import RefinementRow
-from flangeway.report.figures.display import display, displayed_stresses
+from flangeway.report.figures.display import shaded
 from flangeway.report.figures.drawing import GREY, INK, cell_corners, new_figure
 from flangeway.report.figures.plots import COLOURS, plot_mesh, plot_stress
 from flangeway.report.page.tables import SummaryTable
@@ -151,9 +151,8 @@ def cook_stress_figure(found: ElasticityReproduction) -> Figure:
 
 def _von_mises(solution: ElasticitySolution) -> tuple[Triangulation, np.ndarray]:
     space = solution.problem.space
-    shown = display(space, 2 * space.order if space.mesh.n_cells < 2000 else space.order)
-    x, y = shown.points.T
-    return Triangulation(x, y, shown.triangles), displayed_stresses(solution, shown).von_mises
+    triangles, stresses = shaded(solution, 2 * space.order if space.mesh.n_cells < 2000 else space.order)
+    return triangles, stresses.von_mises
 
 
 def cook_deformed_figure(found: ElasticityReproduction) -> Figure:

@@ -13,10 +13,9 @@ from numpy.typing import NDArray
 
 from flangeway.exact import LineContact
 from flangeway.post import Stresses
-from flangeway.problems import ElasticField
-from flangeway.report.figures.display import display, displayed_stresses
+from flangeway.report.figures.display import shaded
 from flangeway.report.figures.drawing import GREY, INK, new_figure
-from flangeway.report.figures.plots import COLOURS
+from flangeway.report.figures.plots import COLOURS, Quantity, stress_quantity
 from flangeway.report.page.tables import SummaryTable
 from flangeway.types import Floats
 from flangeway.validation.hertz.hertz_reproduced import (
@@ -57,7 +56,7 @@ CODE_STYLES = (
 )
 GRID = {"color": "#dddddd", "linewidth": 0.6}
 ZOOM = 1.35  # in half widths
-STRESSES = {
+STRESSES: dict[Quantity, str] = {
     "principal_3": "minimum principal stress",
     "von_mises": "von Mises stress",
     "in_plane_shear": "maximum shear stress in the plane",
@@ -189,9 +188,9 @@ def fields_figure(found: HertzReproduction, code: str, variant: Variant = "halve
     panels = figure.subplots(3, 3)
     a = row.theory.half_width
     windows = ((4.1, "whole"), (3.0 * a, "±3 a"), (a, "±a"))
-    shown = [_triangles(field) for field in row.fields]
+    shown = [shaded(field, 1) for field in row.fields]
     for line, (name, label) in zip(panels, STRESSES.items(), strict=True):
-        values = [_values(stresses, name) for _, stresses in shown]
+        values = [stress_quantity(stresses, name) for _, stresses in shown]
         norm = Normalize(min(float(v.min()) for v in values), max(float(v.max()) for v in values))
         colours = COLOURS.reversed() if name == "principal_3" else COLOURS
         for axes, (half_width, title) in zip(line, windows, strict=True):
@@ -209,16 +208,6 @@ def fields_figure(found: HertzReproduction, code: str, variant: Variant = "halve
         fontsize=11,
     )
     return figure
-
-
-def _triangles(field: ElasticField) -> tuple[Triangulation, Stresses]:
-    shown = display(field.problem.space, 1)
-    grid = Triangulation(shown.points[:, 0], shown.points[:, 1], shown.triangles)
-    return grid, displayed_stresses(field, shown)
-
-
-def _values(stresses: Stresses, name: str) -> Floats:
-    return stresses.principal[:, 2] if name == "principal_3" else np.asarray(getattr(stresses, name))
 
 
 def _within(grid: Triangulation, half_width: float) -> NDArray[np.bool_]:

@@ -36,7 +36,7 @@ FINE = 3  # level from which the tighter limits hold
 
 REFERENCE_FORCE = 251.84
 """Force in kN of the published reference solution, from which its p0 = 671.51 kN/cm^2 and a = 0.239 cm follow."""
-EXTREMES = {
+EXTREMES: dict[int, tuple[Literal["principal_3", "in_plane_shear", "von_mises"], str]] = {
     12: ("principal_3", "min minimum principal stress"),
     13: ("in_plane_shear", "max maximum shear stress"),
     14: ("von_mises", "max von Mises stress"),

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_boundary, draw_field, new_figure
+from flangeway.report.figures.drawing import GREY, INK, ColourSteps, draw_field, draw_outline, new_figure
 from flangeway.report.page.tables import SummaryTable
 from flangeway.validation.published_numbers import percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
@@ -71,7 +71,7 @@ def fields_figure(found: TorsionReproduction, formulation: Literal["warping", "p
         shades = ColourSteps(np.concatenate([values for _, _, values in shown]))
         for axes, (name, mesh, values) in zip(line, shown, strict=True):
             draw_field(axes, mesh, values, shades)
-            draw_boundary(axes, mesh)
+            draw_outline(axes, mesh)
             axes.set_aspect("equal")
             axes.set_title(name, fontsize=10)
             axes.set_xlabel("x / √area", fontsize=8)
