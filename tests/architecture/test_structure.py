@@ -30,15 +30,15 @@ MAX_LINES = {
     "railway.wheelset": 1680,
     "railway.positions": 2500,
     "railway.spatial": 80,
-    "cases": 5750,
+    "cases": 5610,
     "campaign": 1780,
-    "report": 5690,
-    "validation": 4130,
+    "report": 5650,
+    "validation": 4060,
     "cli": 970,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 49_340
+MAX_LINES_OF_ALL = 49_090
 MAX_FILES_OF_ALL = 262
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
