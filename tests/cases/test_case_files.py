@@ -61,7 +61,7 @@ def test_a_new_file_explains_every_key(name):
 
 @pytest.mark.parametrize("name", CASES)
 def test_every_case_runs_from_its_file(tmp_path, name):
-    """Each case runs on a coarse mesh from its file, converges, and tells its inputs in a summary of plain numbers."""
+    """Each case runs on a coarse mesh from its file, converges, and has its inputs in a summary of plain numbers."""
     run = read_case(file_of(tmp_path, write_template(CASES[name])), COARSE[name]).run()
     assert run.status.converged
     assert run.summary.status.converged is True

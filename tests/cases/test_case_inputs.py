@@ -134,7 +134,7 @@ def test_a_curve_to_the_right_is_the_mirror_image():
 
 
 def test_what_is_taken_off_the_balanced_superelevation_is_the_deficiency():
-    """60 km/h in 500 m over 1500 mm is balanced by 84.85 mm, g = 9.80665 m/s²; 50 mm less are 34.85 mm."""
+    """60 km/h in 500 m over 1500 mm give 84.85 mm in equilibrium, g = 9.80665 m/s²; 50 mm less are 34.85 mm."""
     values = {"speed_km_h": 60, "curve_radius_m": 500, "superelevation_mm": "from-speed", "cant_deficiency_mm": 50}
     load = WheelsetTangentCase.from_values({**values, "superelevation_base_mm": 1500}).load()
     assert 1500.0 * math.sin(load.tilt_rad) == pytest.approx(34.85, abs=0.05)

@@ -55,7 +55,7 @@ def test_a_tension_is_an_error(good):
 
 
 def test_segments_are_counted_by_order(good):
-    """A patch of 7 constraints is 7 segments, which is told as too few; 8 on a smooth ellipse are enough."""
+    """A patch of 7 constraints is 7 segments, which is reported as too few; 8 on a smooth ellipse are enough."""
     patch = good.patches[0]
     short = replace(patch, pressures=patch.pressures[:7])
     checks = check_contact(good.contact.system, good.contact.state, [short], NAMES)
@@ -67,7 +67,7 @@ def test_segments_are_counted_by_order(good):
 
 @pytest.mark.parametrize("pairing", ["segment-to-segment", "node-to-segment"])
 def test_segments_of_order_2_are_counted_whole(pairing):
-    """A contact that is told as n segments wide has that width, though its constraints are at ends or at all nodes."""
+    """A contact reported as n segments wide has that width, though its constraints are at ends or at all nodes."""
     case = CASES["hertz"].from_values({"order": 2, "size_mm": 0.5, "pairing": pairing, "enforcement": "multiplier"})
     run = case.run()
     (patch,) = run.patches

@@ -142,7 +142,7 @@ def test_numbers_that_are_not_finite_become_null(runs):
 
 
 def test_rigid_wheels_stand_beside_the_elastic_ones(run):
-    """The rigid wheelset bears the same load, at contact angles and with Hertz's pressures near the elastic ones."""
+    """The rigid wheelset carries the same load, at contact angles and with Hertz's pressures near the elastic ones."""
     rigid, contacts = run.summary.to_dict()["rigid"], run.summary.to_dict()["contacts"]
     assert sum(c["vertical_force_kN"] for c in rigid["contacts"]) == pytest.approx(300.0, rel=1e-6)
     for one, other in zip(rigid["contacts"], contacts, strict=True):
@@ -179,7 +179,7 @@ def test_supports_and_bending_are_told(run):
 
 
 def test_a_prescribed_motion_tells_what_holds_it():
-    """Where motion is prescribed the error is that of what is free, and the force that holds the rest is told."""
+    """With prescribed components the residual is that of the free ones, and the holding force is reported."""
     case = WheelsetTangentCase.from_values({"lateral_mm": 2.0, "size_scale": 4.0})
     summary = case.run().summary
     assert summary.residual.equilibrium < 1e-9

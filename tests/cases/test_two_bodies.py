@@ -56,7 +56,7 @@ def pressures(run):
 
 @pytest.mark.parametrize("gap", [0.0, 0.7])
 def test_a_force_on_stacked_boxes_gives_uniform_pressure_and_their_shortening(gap):
-    """A pushed stack bears force over area everywhere and gives way by the sum of p h (1 - nu^2) / E, and the gap."""
+    """A pushed stack has force over area everywhere and deflects by the sum of p h (1 - nu^2) / E, and the gap."""
     run = stack(gap, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
     pressure = 240.0 / (WIDTH * 2.0)
     shorter = pressure * (UPPER * (1.0 - UPPER_POISSON**2) / 1000.0 + LOWER * (1.0 - LOWER_POISSON**2) / 3000.0)
@@ -261,7 +261,7 @@ def test_a_push_that_meets_nothing_ends_and_says_so():
 
 
 def test_a_push_is_found_where_corrections_make_the_resistance_jump():
-    """On a mesh with a corner at the contact, augmented Lagrange bears the force to the tolerance of the search."""
+    """On a mesh with a corner at the contact, augmented Lagrange carries the force to the tolerance of the search."""
     run = TwoBodiesCase.from_values(
         {
             "bodies": [
@@ -313,7 +313,7 @@ def test_a_push_that_fails_tells_why(monkeypatch, most):
 
 
 def test_a_pushed_body_hands_its_loads_on():
-    """The contact bears the push and the weight of the pushed body together."""
+    """The contact carries the push and the weight of the pushed body together."""
     loads = [{"body": "upper", "body_force_N_mm3": [0.0, -2.0]}]
     run = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}], loads=loads).run()
     assert run.contact.forces[0, 1] == pytest.approx(240.0 + 2.0 * UPPER * WIDTH * 2.0, rel=1e-6)
@@ -356,7 +356,7 @@ def test_supports_tell_what_they_bear():
 
 
 def test_three_bodies_hand_the_force_down():
-    """A plate held at its right side bears a part of the push; the block below it bears the rest."""
+    """A plate held at its right side carries a part of the push; the block below it carries the other part."""
     values = stack(motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).model_dump()
     # what is held is no surface: it has to be beside the other bodies
     values["bodies"][1]["rectangle"]["width_mm"] = WIDTH + 3.0
@@ -462,7 +462,7 @@ def test_a_part_of_a_mesh_keeps_its_sets():
 
 
 def test_a_gmsh_mesh_is_the_same_as_its_shape(tmp_path):
-    """A box meshed elsewhere, with its names in a .msh file, bears the force of the same box given by its measures."""
+    """A box meshed elsewhere, with its names in a .msh file, carries the force of the same box by its measures."""
     mesh = rectangle_grid(WIDTH, UPPER, 6, 2, cells="triangles")
     points = np.column_stack((mesh.points - [WIDTH / 2.0, 0.0], np.zeros(mesh.n_points)))
     cells = [

@@ -33,7 +33,7 @@ def environment():
 
 @pytest.mark.parametrize("method", ["fem", "vem"])
 def test_the_main_job_end_to_end(tmp_path, method):
-    """A run ends with status 0, tells its progress on stderr and its results on stdout, and leaves all files."""
+    """A run ends with status 0, writes its progress to stderr and its results to stdout, and leaves all files."""
     done = flangeway("run", "wheelset-tangent", "--method", method, "--size-scale", 3, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "meshing the rail" in done.stderr
@@ -55,7 +55,7 @@ def test_the_main_job_end_to_end(tmp_path, method):
 
 
 def test_options_reach_the_case(call, tmp_path):
-    """All options and settings change the inputs that the summary tells."""
+    """All options and settings change the inputs in the summary."""
     status, _, err = call(
         "run", "wheelset-tangent", "--size-scale", 4, "--primary", "wheel", "--crown-radius", 14,
         "--set", "axle_load_kN=200", "--set", "rail_inclination=0.05", "--out", "x",
@@ -67,7 +67,7 @@ def test_options_reach_the_case(call, tmp_path):
 
 
 def test_a_run_that_does_not_converge_has_status_1_and_says_why(call, tmp_path):
-    """Without balance the status is 1, the reason is told, and the files show how far it came."""
+    """Without equilibrium the status is 1, the reason is printed, and the files show the last position."""
     status, out, _ = call("run", "wheelset-tangent", "--size-scale", 4, "--set", "axle_load_kN=1e-6", "--out", ".")
     assert status == 1
     assert "NOT converged" in out
@@ -111,7 +111,7 @@ def test_interrupting_leaves_nothing(tmp_path, interruptible):
 
 
 def test_a_missing_library_is_told(call, monkeypatch, tmp_path):
-    """If Gmsh lacks a shared library, the message of its packages is told and the status is 1."""
+    """If Gmsh lacks a shared library, the message names its packages and the status is 1."""
     import_module = importlib.import_module
 
     def missing(name, package=None):
@@ -135,7 +135,7 @@ def test_cases_are_listed_with_their_inputs(call):
 
 
 def test_version_and_help(call):
-    """Version and help are told with status 0; help names the commands."""
+    """Version and help are printed with status 0; help names the commands."""
     status, said, _ = call("--version")
     assert status == 0
     assert said.startswith("flangeway ")

@@ -50,7 +50,7 @@ def full_disk(after):
 
 @pytest.mark.parametrize("after", [0, 1, 3])
 def test_a_full_disk_leaves_no_half_file(call, monkeypatch, tmp_path, after):
-    """If the disk is full after some files, status 2 and the system's reason are told, and no file stays."""
+    """If the disk is full after some files, the status is 2, the system's reason is printed, and no file stays."""
     write = full_disk(after)
     monkeypatch.setattr(Path, "write_text", write)
     monkeypatch.setattr(Path, "write_bytes", write)

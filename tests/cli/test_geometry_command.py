@@ -70,7 +70,7 @@ def test_the_title_says_what_is_changed():
 
 
 def test_overturning_ends_with_one(call):
-    """No balance is a result with exit status 1, and the sentence gives L/V."""
+    """No equilibrium is a result with exit status 1, and the sentence gives L/V."""
     code, out, _ = call("geometry", "--set", "lateral_force_kN=200", *COARSE)
     assert code == 1
     assert "overturning" in out

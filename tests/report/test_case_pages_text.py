@@ -47,7 +47,7 @@ def headings(text):
 
 
 def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
-    """Sections come in order, one without contents is left out, and notices, results and versions are told."""
+    """Sections come in order, one without contents is left out, and notices, results and versions are shown."""
     wanted = [each for each in HEADINGS if each != "Warnings" or hertz.summary.notices]
     assert headings(hertz_text) == wanted
     words = unescape(hertz_text)

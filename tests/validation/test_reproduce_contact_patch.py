@@ -132,7 +132,7 @@ def test_the_page_of_validation_is_this(found: ContactPatchReproduction, same_as
 def test_a_typed_number_is_found_out(
     found: ContactPatchReproduction, same_as_page: Callable[..., None], typed: tuple[str, str]
 ) -> None:
-    """A number of the section that was changed by hand is not taken for the computed one."""
+    """A number of the section that was changed by hand fails the comparison."""
     page = (Path(__file__).parents[2] / "docs" / "validation.md").read_text(encoding="utf-8")
     chapter = REPRODUCTIONS["contact-patch"].chapter
     before, title, after = page.partition(f"## {chapter.title}\n")

@@ -40,7 +40,7 @@ def test_every_configuration_passes_the_patch_test(found):
 
 
 def test_the_patch_test_sees_a_wrong_stress():
-    """The error of a row is the distance of its farthest stress from tension, zero and zero."""
+    """The error of a row is the distance of the stress that differs most from tension, zero and zero."""
     row = patch_row(PatchCode("VV", 1))
     spoiled = type(row)(row.code, row.n_unknowns, (1.0, -0.25, 0.1), 0.0, row.solution)
     assert spoiled.stress_error == 0.25

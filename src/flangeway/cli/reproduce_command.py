@@ -36,7 +36,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
     with errors_as_exit_status():
         from flangeway.validation.registry import REPRODUCTIONS  # noqa: PLC0415
-        from flangeway.validation.reproduction import (  # noqa: PLC0415  # noqa: PLC0415
+        from flangeway.validation.reproduction import (  # noqa: PLC0415
             Verdict,
             check_page,
             find_reproductions,

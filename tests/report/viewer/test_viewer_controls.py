@@ -125,7 +125,7 @@ def test_two_fingers_zoom(open_page, viewer_page):
 
 
 def test_keys_do_what_the_mouse_does(opened):
-    """Arrows move, plus and minus zoom, 0 shows all, F goes to the next field, and the value at the cross is told."""
+    """Arrows move, plus and minus zoom, 0 shows all, F goes to the next field, and the value at the cross is shown."""
     page = opened.page
     opened.fly("right contact")
     opened.canvas.focus()

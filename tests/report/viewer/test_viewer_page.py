@@ -117,7 +117,7 @@ def test_the_case_file_of_the_page_is_the_case(case, tmp_path):
 
 
 def test_the_search_is_kept_and_drawn(runs):
-    """The errors of the positions that were tried end with a balance; the picture has a line for each kind."""
+    """The residuals of the positions that were tried end with equilibrium; the picture has a line for each kind."""
     for run in runs.values():
         equilibrium = run.result.equilibrium
         errors = [balance.equilibrium_residual for balance in equilibrium.history]

@@ -166,7 +166,7 @@ def test_the_deformation_is_that_of_the_step(open_page, page, run):
 
 
 def test_buttons_keys_and_play_choose_steps(open_page, page):
-    """Buttons beside the slider, its own keys, S in the picture and play go through the steps, and each is told."""
+    """Buttons beside the slider, its own keys, S in the picture and play go through the steps, each announced."""
     opened = open_page(page)
     slider, told = opened.page.locator("#viewer-step"), "document.querySelector('.viewer-live').textContent"
     button = {name: opened.page.get_by_role("button", name=name, exact=True) for name in ("Next load step", "play")}
@@ -336,7 +336,7 @@ def alone():
 
 
 def test_steps_of_a_body_that_its_loads_press_are_not_shown():
-    """Of a body that slides until contact bears its load the page has the balance alone, and says why."""
+    """Of a body that slides until contact carries its load the page has the equilibrium alone, and the reason."""
     values = alone()
     supports = [{"body": "upper", "edges": "right", "hold": "x"}, values["supports"][1]]
     loads = [{"body": "upper", "edges": "top", "traction_MPa": (0.0, -100.0)}]
