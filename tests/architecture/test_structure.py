@@ -32,13 +32,13 @@ MAX_LINES = {
     "railway.spatial": 80,
     "cases": 5610,
     "campaign": 1780,
-    "report": 5650,
+    "report": 5640,
     "validation": 4060,
     "cli": 970,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 49_090
+MAX_LINES_OF_ALL = 49_080
 MAX_FILES_OF_ALL = 262
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

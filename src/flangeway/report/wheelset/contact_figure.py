@@ -11,12 +11,7 @@ from numpy.typing import NDArray
 from flangeway.cases import CaseRun
 from flangeway.post import Stresses
 from flangeway.railway.track.placements import SIDES, Side
-<<<<<<< HEAD
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
-from flangeway.report.figures.cell_patches import fill_cells
-=======
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
->>>>>>> a8dd08a (Small files of one subject joined: validation, cases, report, cli)
 from flangeway.report.figures.drawing import (
     GREY,
     HALO,

@@ -20,13 +20,8 @@ from flangeway.railway.track.placements import Track, Wheelset
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.subsurface import maximum_shear
-<<<<<<< HEAD
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult
-=======
-from flangeway.railway.wheelset.wheel_rail_patch import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
->>>>>>> a8dd08a (Small files of one subject joined: validation, cases, report, cli)
 from flangeway.types import Floats
 
 FACTORS = (1.0, 3.0, 10.0, 30.0, 100.0, 300.0)  # factors on Young's modulus
