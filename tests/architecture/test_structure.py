@@ -13,7 +13,7 @@ MAX_FILES = 20
 MAX_LINES = {
     "": 410,
     "system": 720,
-    "exact": 870,
+    "exact": 935,
     "geometry": 1260,
     "mesh": 2480,
     "formats": 1790,
@@ -21,25 +21,25 @@ MAX_LINES = {
     "space": 700,
     "materials": 400,
     "problems": 2170,
-    "solve": 2950,
-    "contact": 4230,
-    "post": 1630,
+    "solve": 3020,
+    "contact": 4260,
+    "post": 1820,
     "railway.profiles": 3280,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1680,
     "railway.positions": 2500,
     "railway.spatial": 80,
-    "cases": 5610,
+    "cases": 6130,
     "campaign": 1780,
-    "report": 5640,
+    "report": 5965,
     "validation": 4060,
     "cli": 970,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 49_080
-MAX_FILES_OF_ALL = 262
+MAX_LINES_OF_ALL = 50_280
+MAX_FILES_OF_ALL = 270
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -21,6 +21,10 @@ COARSE = {
     "contact-patch": {"upper_size_mm": 5.0},
     "cook": {"level": 1},
     "torsion": {"size": 20.0},
+    "crane-wheel": {"order": 1},
+    "roller": {"order": 1, "crown_radius_mm": 20.0},
+    "crossed-cylinders": {"order": 1},
+    "spatial": {"tolerance": 0.1, "bodies.bar.order": 1, "bodies.wheel.order": 1},
     "two-bodies": {"bodies.cylinder.size_mm": 20.0, "bodies.2.size_mm": 20.0},
 }
 
@@ -151,6 +155,7 @@ def test_every_unit_is_in_its_name():
     without = {
         *(
             "rail_inclination",
+            "tolerance",
             "poisson",
             "growth",
             "slack",

@@ -10,6 +10,8 @@ from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import RunnableCase, closest, key_text
 from flangeway.cases.section.section_run import TorsionCase
+from flangeway.cases.spatial.spatial_case import SpatialCase
+from flangeway.cases.spatial.spatial_presets import CraneWheelCase, CrossedCylindersCase, RollerCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file
@@ -22,6 +24,7 @@ CASES: dict[str, type[RunnableCase]] = {
     for case in (
         *(WheelsetTangentCase, WheelsetCurveCase),
         *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
+        *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase),
     )
 }
 """Types of the cases by name."""

@@ -3,6 +3,7 @@
 from flangeway.exact.cylinder_and_hole import PlateWithHole, ThickCylinder
 from flangeway.exact.half_space import half_space_influence
 from flangeway.exact.hertz_line_contact import LineContact, contact_modulus
+from flangeway.exact.hertz_point_contact import PointContact
 from flangeway.exact.notch import Notch
 from flangeway.exact.torsion_bars import (
     CircularSector,
@@ -21,6 +22,7 @@ __all__ = [
     "LineContact",
     "Notch",
     "PlateWithHole",
+    "PointContact",
     "Rectangle",
     "ThickCylinder",
     "TorsionSection",

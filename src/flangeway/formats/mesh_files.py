@@ -205,6 +205,7 @@ def write_vtu(
     point_data: Mapping[str, ArrayLike] | None = None,
     cell_data: Mapping[str, ArrayLike] | None = None,
     corner_data: Mapping[str, ArrayLike] | None = None,
+    positions: ArrayLike | None = None,
 ) -> None:
     """Write a mesh with values at points and cells, binary and compressed.
 
@@ -225,6 +226,8 @@ def write_vtu(
     corner_data
         Arrays with a row for each entry of ``mesh.cell_points`` by name, for fields that jump between cells. With any,
         each cell gets its own points, in the order of ``mesh.cell_points``.
+    positions
+        Points in space (n_points, 3) instead of those of the mesh with z = 0.
 
     Raises
     ------
@@ -239,10 +242,13 @@ def write_vtu(
     at_points = _checked(point_data or {}, mesh.n_points, "points")
     at_cells = _checked(cell_data or {}, mesh.n_cells, "cells")
     at_corners = _checked(corner_data or {}, len(mesh.cell_points), "corners of the cells")
+    flat = np.column_stack([mesh.points, np.zeros(mesh.n_points)])
+    space = _checked({"positions": flat if positions is None else positions}, mesh.n_points, "points")["positions"]
     if at_points.keys() & at_corners.keys():
         raise InputError(f"'{min(at_points.keys() & at_corners.keys())}' at points and corners", "one", "rename one")
     if at_corners:
         at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners
+        space = space[mesh.cell_points]
         mesh = PolyMesh(
             mesh.points[mesh.cell_points], mesh.cell_offsets, np.arange(len(mesh.cell_points), dtype=np.int32)
         )
@@ -254,8 +260,7 @@ def write_vtu(
         name: [array[cells] for _, cells in batches] for name, array in at_cells.items()
     }
     values["cell_number"] = [cells for _, cells in batches]
-    flat = np.column_stack([mesh.points, np.zeros(mesh.n_points)])
-    meshio.Mesh(flat, blocks, point_data=at_points, cell_data=values).write(file, file_format="vtu", binary=True)
+    meshio.Mesh(space, blocks, point_data=at_points, cell_data=values).write(file, file_format="vtu", binary=True)
 
 
 def _checked(data: Mapping[str, ArrayLike], n_rows: int, where: str) -> dict[str, NDArray[Any]]:

@@ -15,7 +15,7 @@ from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
 from flangeway.post.stress import Stresses
 from flangeway.problems import ElasticField
-from flangeway.space import CellBatch
+from flangeway.space import CellBatch, Space
 from flangeway.types import Floats, Ints
 
 NEAR = 1e-9  # distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh
@@ -63,7 +63,9 @@ def stresses_at(solution: ElasticField, points: ArrayLike) -> Stresses:
         If a point lies outside of the body.
     """
     given = np.asarray(points, dtype=np.float64)
-    return Stresses(_at(solution, given, _cells_of(solution, given), _stress_polynomials(solution), 4))
+    return Stresses(
+        polynomials_at(solution.problem.space, given, _cells_of(solution, given), _stress_polynomials(solution), 4)
+    )
 
 
 def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
@@ -78,7 +80,7 @@ def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
         local = solution.displacements[batch.dofs]
         return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, local)
 
-    return _at(solution, given, _cells_of(solution, given), polynomials, 2)
+    return polynomials_at(solution.problem.space, given, _cells_of(solution, given), polynomials, 2)
 
 
 def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: int = 101) -> StressLine:
@@ -98,7 +100,9 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
     if not inside.any():
         raise _no_body("a line", start, end)
     components = np.full((n_points, 4), np.nan)
-    components[inside] = _at(solution, points[inside], cells[inside], _stress_polynomials(solution), 4)
+    components[inside] = polynomials_at(
+        solution.problem.space, points[inside], cells[inside], _stress_polynomials(solution), 4
+    )
     return StressLine(points, share * float(np.linalg.norm(along)), Stresses(components))
 
 
@@ -120,7 +124,7 @@ def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutFo
     places = breaks[:-1][inside, None] + shares[:, None] * abscissae
     points = (first + places[..., None] * along).reshape(-1, 2)
     at_cells = np.repeat(cells[inside], len(abscissae))
-    xx, yy, xy, _ = _at(solution, points, at_cells, _stress_polynomials(solution), 4).T
+    xx, yy, xy, _ = polynomials_at(solution.problem.space, points, at_cells, _stress_polynomials(solution), 4).T
     normal = np.array([along[1], -along[0]]) / length
     traction = np.stack((xx * normal[0] + xy * normal[1], xy * normal[0] + yy * normal[1]), axis=1)
     lengths = (shares[:, None] * weights).ravel() * length
@@ -169,11 +173,11 @@ def _stress_polynomials(solution: ElasticField) -> Polynomials:
     return lambda batch: solution.problem.cell_stresses(batch, solution.displacements)
 
 
-def _at(solution: ElasticField, points: Floats, cells: Ints, polynomials: Polynomials, n_components: int) -> Floats:
+def polynomials_at(space: Space, points: Floats, cells: Ints, polynomials: Polynomials, n_components: int) -> Floats:
     """Values (n, n_components) of polynomials at points (n, 2) of cells (n,)."""
     values = np.empty((len(points), n_components))
-    place = np.full(solution.problem.space.mesh.n_cells, -1, dtype=np.int64)
-    for batch in solution.problem.space.batches():
+    place = np.full(space.mesh.n_cells, -1, dtype=np.int64)
+    for batch in space.batches():
         place[batch.cells] = np.arange(len(batch.cells))
         here = np.flatnonzero(place[cells] >= 0)
         if len(here):

@@ -11,10 +11,12 @@ from flangeway.cases import write_summary
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.section.section_run import TorsionCase, TorsionRun
+from flangeway.cases.spatial.spatial_case import SpatialRunCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.report.bodies import bodies_page
 from flangeway.report.page.case_text import command_line
 from flangeway.report.section import section_page
+from flangeway.report.spatial import spatial_page
 from flangeway.report.wheelset import wheelset_page
 from flangeway.system.output_folder import Writer, write_together
 
@@ -40,6 +42,7 @@ def _torsion_writers(run: TorsionRun, progress: Progress) -> dict[str, Writer]:
 OUTPUTS: dict[type[Case], CaseOutputs] = {
     WheelsetCase: CaseOutputs(wheelset_page.NAMES, wheelset_page.wheelset_writers, wheelset_page.print_summary),
     BodiesCase: CaseOutputs(bodies_page.NAMES, bodies_page.bodies_writers, bodies_page.print_bodies),
+    SpatialRunCase: CaseOutputs(spatial_page.NAMES, spatial_page.spatial_writers, spatial_page.print_spatial),
     TorsionCase: CaseOutputs(
         section_page.NAMES,
         _torsion_writers,

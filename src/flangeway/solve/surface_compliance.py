@@ -216,11 +216,11 @@ def _at_all(cells: SurfaceCells, logs: Floats) -> Floats:
         return np.stack([first, *pool.map(cells.compliance, wavenumbers[1:])])
 
 
-def inverse_weights(wavenumbers: Floats, distances: Floats, strip: float) -> tuple[Floats, Floats]:
+def inverse_weights(wavenumbers: Floats, distances: Floats, strip: float, averaged: int = 2) -> tuple[Floats, Floats]:
     """Weights of values C at wavenumbers in the integrals with cosine and sine over all wavenumbers, each (n_z, n_k).
 
     k C is a cubic spline over log k, C is constant below the least wavenumber, and falls with 1 / k above the
-    largest one.
+    largest one. Averaged over two strips, that of the force and that of the displacement, or over the first alone.
     """
     logs = np.log(wavenumbers)
     cardinal = _spline(logs, np.eye(len(logs)))
@@ -235,6 +235,6 @@ def inverse_weights(wavenumbers: Floats, distances: Floats, strip: float) -> tup
         lengths.append((half * weights).ravel())
     k, dk = np.concatenate(points), np.concatenate(lengths)
     basis = cardinal(np.clip(np.log(k), logs[0], logs[-1])) * (wavenumbers / np.maximum(k, wavenumbers[0])[:, None])
-    basis *= (dk * np.sinc(k * strip / (2.0 * np.pi)) ** 2 / np.pi)[:, None]
+    basis *= (dk * np.sinc(k * strip / (2.0 * np.pi)) ** averaged / np.pi)[:, None]
     phase = distances[:, None] * k
     return np.cos(phase) @ basis, np.sin(phase) @ basis

@@ -9,9 +9,19 @@ import scipy.ndimage
 
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_body import PatchBody
-from flangeway.contact.patch.patch_grid import LEAST_ACROSS, USUAL_ACROSS, GridGaps, PatchGrid, gaps_of, grid_of
+from flangeway.contact.patch.patch_grid import (
+    LEAST_ACROSS,
+    USUAL_ACROSS,
+    GridGaps,
+    PatchGrid,
+    gaps_of,
+    grid_of,
+    plane_modulus,
+)
 from flangeway.errors import InputError
+from flangeway.exact import PointContact, contact_modulus
 from flangeway.solve import ComplianceTable, Status, SurfaceCells, compliance_table
+from flangeway.system.disk_cache import Cache
 from flangeway.types import Bools, Floats
 
 CHANGE = 1e-9
@@ -20,12 +30,16 @@ LEAST_WAVENUMBER = 1e-4
 """Per mm: a wave of 60 m, beyond which bodies that are held or on a foundation no longer change."""
 LONGER_EDGE = 1.05
 """Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
+MAX_PHASE = np.pi
+"""Maximum wavenumber times the width of the strips."""
+PARABOLIC = 0.05
+"""Distance of gaps from a paraboloid over the approach, above which Hertz's contact has no meaning."""
 MOST_GRIDS = 4
 
 Progress = Callable[[str], None]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ContactEllipse:
     """One patch: its resultant, and the ellipse with the same second moments of pressure as Hertz's.
 
@@ -46,6 +60,8 @@ class ContactEllipse:
         Of the cells under pressure.
     cells
         Maximum numbers of them across and along z.
+    inside
+        Which cells they are, shape (n_cells, n_strips).
 
     """
 
@@ -56,6 +72,7 @@ class ContactEllipse:
     max_pressure: float
     area: float
     cells: tuple[int, int]
+    inside: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +122,7 @@ class PatchContact:
     @property
     def overlap(self) -> float:
         """Maximum overlap without pressure over the approach."""
-        return float(-self.contact.gaps[~self.loaded].min(initial=0.0)) / max(self.approach, 1e-300)
+        return float(abs(self.contact.gaps[~self.loaded].min(initial=0.0))) / max(self.approach, 1e-300)
 
     @property
     def loaded(self) -> Bools:
@@ -147,7 +164,25 @@ class PatchContact:
             float(self.pressures[inside].max()),
             float((inside * grid.widths[:, None]).sum() * grid.strip),
             (int(inside.sum(axis=0).max()), int(inside.sum(axis=1).max())),
+            inside,
         )
+
+    def hertz(self, patch: ContactEllipse) -> PointContact | None:
+        """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much.
+
+        The curvatures are those of the paraboloid that fits the gaps of the cells under pressure best.
+        """
+        grid, gaps = self.pair.grid, self.pair.gaps
+        across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
+        z, s = (each[patch.inside] for each in np.meshgrid(grid.along - patch.centre[2], across - across.mean()))
+        values = gaps.values[patch.inside]
+        terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
+        fit, *_ = np.linalg.lstsq(terms, values)
+        least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
+        if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * self.approach:
+            return None
+        modulus = contact_modulus(plane_modulus(self.pair.first), plane_modulus(self.pair.second))
+        return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, modulus)
 
 
 @dataclass(frozen=True, eq=False)
@@ -164,6 +199,8 @@ class PatchPair:
         See `flangeway.solve.compliance_table`.
     progress
         Called with a sentence at each stage.
+    cache
+        Where compliances are kept from one process to the next.
 
     """
 
@@ -172,6 +209,7 @@ class PatchPair:
     grid: PatchGrid
     tolerance: float = 1e-3
     progress: Progress = lambda _: None
+    cache: Cache | None = None
 
     @cached_property
     def gaps(self) -> GridGaps:
@@ -187,14 +225,13 @@ class PatchPair:
         return found
 
     @cached_property
-    def tables(self) -> tuple[ComplianceTable, ComplianceTable]:
-        """Compliances of the first and the second body on the cells."""
-        first, second = (
-            self._table(*each) for each in ((self.first, self.grid.bounds), (self.second, self.gaps.others))
-        )
+    def cells(self) -> tuple[SurfaceCells, SurfaceCells]:
+        """The cells on the surfaces of the first and the second body, in the direction of each."""
+        bounds = ((self.first, self.grid.bounds), (self.second, self.gaps.others))
+        first, second = (self._cells(*each) for each in bounds)
         return first, second
 
-    def _table(self, body: PatchBody, bounds: Floats) -> ComplianceTable:
+    def _cells(self, body: PatchBody, bounds: Floats) -> SurfaceCells:
         if body.placement.mirrored:
             bounds = body.length - bounds  # the same places in the body's own direction
         cells = SurfaceCells(body.problem, body.edges, np.sort(bounds))
@@ -205,8 +242,17 @@ class PatchPair:
                 "edges no longer than the cells",
                 f"refine the mesh along the contact surface to {narrowest:.2g}, or take larger cells",
             )
-        self.progress(f"compliance of {body.name} at many wavenumbers")
-        return compliance_table(cells, LEAST_WAVENUMBER, 2.0 * np.pi / self.grid.strip, self.tolerance)
+        return cells
+
+    @cached_property
+    def tables(self) -> tuple[ComplianceTable, ComplianceTable]:
+        """Compliances of the first and the second body on the cells."""
+        return self._table(0), self._table(1)
+
+    def _table(self, which: int) -> ComplianceTable:
+        self.progress(f"compliance of {(self.first, self.second)[which].name} at many wavenumbers")
+        top = MAX_PHASE / self.grid.strip
+        return compliance_table(self.cells[which], LEAST_WAVENUMBER, top, self.tolerance, cache=self.cache)
 
     def backwards(self, which: int) -> bool:
         """Whether the cells of the first (0) or second (1) body's table run against those of the grid."""
@@ -264,6 +310,7 @@ def press_patch(
     grid: PatchGrid | None = None,
     tolerance: float = 1e-3,
     progress: Progress = lambda _: None,
+    cache: Cache | None = None,
 ) -> PatchContact:
     """Press two bodies together along y and find the pressures between them.
 
@@ -288,6 +335,8 @@ def press_patch(
         See `flangeway.solve.compliance_table`.
     progress
         Called with a sentence at each stage.
+    cache
+        Where compliances are kept from one process to the next.
 
     Raises
     ------
@@ -304,7 +353,7 @@ def press_patch(
         )
     chosen = grid or grid_of(first, second, force=force, approach=approach)
     for attempt in range(MOST_GRIDS):
-        found = PatchPair(first, second, chosen, tolerance, progress).press(force=force, approach=approach)
+        found = PatchPair(first, second, chosen, tolerance, progress, cache).press(force=force, approach=approach)
         if not found.loaded.any():
             raise InputError("bodies that do not touch", "an approach that closes the gap", "give a larger one")
         at_edge = _at_edge(found.loaded)

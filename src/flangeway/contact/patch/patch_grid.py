@@ -6,9 +6,10 @@ from functools import cached_property
 import numpy as np
 import scipy.ndimage
 
-from flangeway.contact.patch.normal_contact import Convolution, solve_normal
+from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_body import PatchBody, cast, points_along, stations_of
 from flangeway.errors import InputError
+from flangeway.exact import contact_modulus, half_space_influence
 from flangeway.types import Bools, Floats
 
 LEAST_ACROSS = 20
@@ -161,7 +162,8 @@ def _near(body: PatchBody, points: Floats, normals: Floats, grid: PatchGrid) -> 
 def grid_about(first: PatchBody, second: PatchBody, cell: float, window: tuple[float, float]) -> PatchGrid:
     """Square cells in a window, width and length along z, about the place where the sections are closest."""
     n_cells, n_strips = (int(np.ceil(length / cell)) for length in window)
-    station = _first_station(first, second)
+    stations, apart = _apart(first, second)
+    station = stations[apart.argmin()]
     bounds: Floats = station + cell * (np.arange(n_cells + 1, dtype=np.float64) - n_cells / 2.0)
     return PatchGrid(bounds, cell, n_strips)
 
@@ -192,27 +194,36 @@ def grid_of(
 
     """
     limits = np.array([[0.0, first.length], [-np.inf, np.inf]])
-    modulus = 1.0 / sum(1.0 / _plane_modulus(body) for body in (first, second))
+    modulus = contact_modulus(plane_modulus(first), plane_modulus(second))
     reach = np.sqrt((force or 0.0) / modulus if approach is None else approach * first.length / 64.0)
-    station = _first_station(first, second)
+    stations, apart = _apart(first, second)
+    station = float(stations[apart.argmin()])
     window: Floats = np.array([[station - reach, station + reach], [-reach, reach]])
+    count, widened = COARSE, False
     for _ in range(MOST_WINDOWS):
         window = np.clip(window, limits[:, :1], limits[:, 1:])
         sizes = np.ptp(window, axis=1)
         grid = PatchGrid(
-            np.linspace(window[0, 0], window[0, 1], COARSE + 1), sizes[1] / COARSE, COARSE, float(window[1].mean())
+            np.linspace(window[0, 0], window[0, 1], count + 1), sizes[1] / COARSE, COARSE, float(window[1].mean())
         )
         gaps = gaps_of(first, second, grid)
-        loaded = half_space_forces(grid, gaps, modulus, force=force, approach=approach) > 0.0
+        contact = half_space_contact(grid, gaps, modulus, force=force, approach=approach)
+        loaded = contact.forces > 0.0
         patch = np.array([_extent(used, side) for used, side in zip(_sides(loaded), window, strict=True)])
         cut = ((patch == window) & (window != limits)).any(axis=1)
         extents = np.ptp(patch, axis=1)
-        small = extents < FILLED * sizes
-        if not (cut | small).any():
+        small = (extents < FILLED * sizes) & [not widened, True]
+        if (cut | small).any():
+            half = np.where(cut, 0.75 * sizes, np.where(small, extents, sizes / 2.0))[:, None]
+            centre = np.where(cut | small, patch.mean(axis=1), window.mean(axis=1))[:, None]
+            window = centre + half * [-1.0, 1.0]
+            continue
+        # elsewhere the rigid bodies would overlap: there may be another patch
+        overlaps = np.append(stations[apart < contact.approach], window[0])
+        if widened or np.ptp(overlaps) <= sizes[0]:
             break
-        half = np.where(cut, 0.75 * sizes, np.where(small, extents, sizes / 2.0))[:, None]
-        centre = np.where(cut | small, patch.mean(axis=1), window.mean(axis=1))[:, None]
-        window = centre + half * [-1.0, 1.0]
+        widened, window = True, np.array([[overlaps.min() - reach, overlaps.max() + reach], window[1]])
+        count = min(int(COARSE * np.ptp(window[0]) / sizes[0]) + 1, MOST_CELLS)
     met = np.isfinite(gaps.values)
     free = met.min(axis=1), met.min(axis=0)
     room = np.array([_extent(_run(*each), side) for *each, side in zip(free, _sides(loaded), window, strict=True)])
@@ -223,7 +234,9 @@ def grid_of(
             "a patch inside of both surfaces",
             "lower the force, name more edges as contact surfaces, or check the positions of the bodies",
         )
-    narrowest = np.min([np.ptp(each, axis=1) for each in boxes_of(loaded, window)], axis=0)
+    labels, n_patches = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
+    rows = [[(labels == each).sum(axis=axis).max() for axis in (0, 1)] for each in range(1, n_patches + 1)]
+    narrowest = np.min(rows, axis=0) * sizes / loaded.shape
     # cells are not smaller than the edges below them, if enough of them fit
     low, high = np.clip(patch + MARGIN * extents[:, None] * [-1.0, 1.0], room[:, :1], room[:, 1:]).T
     others = np.interp([low[0], high[0]], grid.bounds, gaps.others)
@@ -245,10 +258,10 @@ def grid_of(
     )
 
 
-def half_space_forces(
+def half_space_contact(
     grid: PatchGrid, gaps: GridGaps, modulus: float, *, force: float | None = None, approach: float | None = None
-) -> Floats:
-    """Forces on the cells if both bodies were half-spaces of a contact modulus, shape (n_cells, n_strips).
+) -> NormalContact:
+    """Contact on the cells if both bodies were half-spaces of a contact modulus.
 
     Raises
     ------
@@ -265,34 +278,19 @@ def half_space_forces(
         )
     far = 10.0 * np.ptp(gaps.values[met]) + np.ptp(gaps.points) + (approach or 0.0)
     values = np.where(met, gaps.values, gaps.values[met].max() + far)
-    apart = np.linalg.norm(gaps.points[:, None] - gaps.points[None], axis=2)
-    along = grid.strip * np.arange(grid.n_strips)[:, None, None]
-    half, step = grid.widths / 2.0, grid.strip / 2.0
-    # Love (1929): the middle of a cell by a uniform pressure on another one, from corner to corner
-    found = sum(
-        sign * x * np.arcsinh(z / np.abs(x)) + sign * z * np.arcsinh(x / np.abs(z))
-        for sign, x, z in (
-            (1.0, apart + half, along + step),
-            (-1.0, apart - half, along + step),
-            (-1.0, apart + half, along - step),
-            (1.0, apart - half, along - step),
-        )
-    )
-    influence = Convolution(found / (np.pi * modulus * grid.strip * grid.widths))
+    influence = Convolution(half_space_influence(modulus, 0.0, grid.bounds, grid.strip, grid.n_strips, (1,)))
     whole = None if approach is None else approach + gaps.first_touch
-    return solve_normal(
-        influence, values, force=force, approach=whole, share=gaps.normals[:, 1:], tolerance=1e-3
-    ).forces
+    return solve_normal(influence, values, force=force, approach=whole, share=gaps.normals[:, 1:], tolerance=1e-3)
 
 
-def _plane_modulus(body: PatchBody) -> float:
+def plane_modulus(body: PatchBody) -> float:
     """E / (1 - nu^2) of an isotropic body; of others that along y in the plane y, z."""
     compliance = np.linalg.inv(body.problem.elasticity.materials[0].full_matrix)
     return float(1.0 / (compliance[1, 1] - compliance[1, 2] ** 2 / compliance[2, 2]))
 
 
-def _first_station(first: PatchBody, second: PatchBody) -> float:
-    """Length along the first body's surface at which the sections are closest along y."""
+def _apart(first: PatchBody, second: PatchBody) -> tuple[Floats, Floats]:
+    """Lengths along the first body's surface, and the distances of the sections there along y, each (n,)."""
     ends = stations_of(first.chain)
     stations = np.unique(np.concatenate((ends, np.linspace(0.0, ends[-1], 8 * COARSE))))
     points, normals = points_along(first.chain, stations)
@@ -304,7 +302,7 @@ def _first_station(first: PatchBody, second: PatchBody) -> float:
             "contact surfaces that face each other along y",
             "move the bodies over each other, or name other contact surfaces",
         )
-    return float(stations[usable][((high - low) / normals[:, 1])[usable].argmin()])
+    return stations[usable], ((high - low) / normals[:, 1])[usable]
 
 
 def _extent(used: Bools, side: Floats) -> Floats:
@@ -325,17 +323,3 @@ def _run(usable: Bools, loaded: Bools) -> Bools:
     low, high = gaps[gaps < at[0]].max(initial=-1), gaps[gaps > at[-1]].min(initial=len(usable))
     numbers = np.arange(len(usable))
     return (numbers > low) & (numbers < high)
-
-
-def boxes_of(loaded: Bools, window: Floats) -> list[Floats]:
-    """Ends of each separate patch across and along z, (2, 2) each, in a window (2, 2) of equal cells."""
-    labels, _ = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
-    return [
-        np.array(
-            [
-                [side[0] + np.ptp(side) * at / n for at in (place.start, place.stop)]
-                for place, side, n in zip(places, window, loaded.shape, strict=True)
-            ]
-        )
-        for places in scipy.ndimage.find_objects(labels)
-    ]

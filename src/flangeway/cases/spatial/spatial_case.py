@@ -1,0 +1,247 @@
+"""The case of two bodies in contact in three dimensions: prisms and bodies of revolution by their sections."""
+
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import numpy as np
+from pydantic import Field
+
+from flangeway.cases.bodies.bodies_model import elements_of
+from flangeway.cases.bodies.bodies_shape import body_shape
+from flangeway.cases.bodies.bodies_tables import BodyTable, FineTable, elastic
+from flangeway.cases.case import Case, Pair, Progress, RunnableCase
+from flangeway.cases.spatial.spatial_summary import SpatialSummary, summarise_spatial
+from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
+from flangeway.contact.patch.patch_contact import PatchContact, press_patch
+from flangeway.contact.patch.patch_grid import PatchGrid, grid_about, grid_of
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.post.patch_stresses import DepthProfile, SectionStresses, depth_profile, patch_stresses
+from flangeway.problems import Elasticity, Foundation, Harmonic
+from flangeway.solve import Status
+from flangeway.space import Space
+from flangeway.system.disk_cache import Cache
+from flangeway.types import Floats
+
+# ruff: noqa: N815 (units in names)
+
+FINER = 0.85
+"""Size of triangles over that of the cells: Gmsh makes some edges longer."""
+BEYOND = 0.15
+"""Length of the finer mesh beyond the window on each side, over the window."""
+DEPTHS = 3.0
+"""Depth of the profiles over the longer semi-axis."""
+
+
+class SpatialBodyTable(BodyTable):
+    """A prism along z, or a body of revolution, by its section in the plane z = 0."""
+
+    contact_edges: str | list[str] = Field(description="edge sets of its contact surface, one chain")
+    held_edges: str | list[str] | None = Field(None, description="edge sets that are held")
+    hold: str = Field("xyz", pattern="^[xyz]+$", description="held components, some of x, y, z")
+    foundation_edges: str | list[str] | None = Field(None, description="edge sets on an elastic foundation")
+    foundation_N_mm3: tuple[float, float, float] | None = Field(
+        None, description="pressure per displacement of the foundation along x, y and z", strict=False
+    )
+    axis_mm: Pair | None = Field(None, description="a point of the axis of a body of revolution (default: a prism)")
+    axis_rotation_deg: float = Field(0.0, description="angle of the axis from x, counter-clockwise")
+    yaw_deg: float = Field(0.0, ge=-45.0, le=45.0, description="rotation of the axis about y, from x towards z")
+
+
+class SpatialInputs(Case):
+    """Two bodies, one above the other, and the load that presses them together along y."""
+
+    force_kN: float | None = Field(None, gt=0.0, description="force on the upper body, downwards")
+    approach_mm: float | None = Field(None, gt=0.0, description="approach after first touch, instead of force_kN")
+    cell_mm: float | None = Field(None, gt=0.0, description="size of square cells (default: 26 across the patch)")
+    window_mm: Pair | None = Field(None, description="width and length along z of the grid, with cell_mm")
+    tolerance: float = Field(1e-3, gt=0.0, le=0.1, description="interpolation error of the compliances")
+    bodies: list[SpatialBodyTable] = Field(description="the lower body, then the upper one", min_length=2, max_length=2)
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialRun:
+    """Two bodies and the patches between them.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    status
+        How it ended.
+    summary
+        What ``summary.json`` holds.
+    contact
+        Pressures.
+    sections
+        Stresses of the lower and the upper body in the plane of the first patch's centre.
+    profiles
+        The same below this centre.
+
+    """
+
+    case: Case
+    status: Status
+    summary: SpatialSummary
+    contact: PatchContact
+    sections: tuple[SectionStresses, SectionStresses]
+    profiles: tuple[DepthProfile, DepthProfile]
+
+
+class SpatialRunCase(RunnableCase):
+    """A case of two bodies in three dimensions."""
+
+    def spatial(self) -> "SpatialCase":
+        """Return the same as a general case."""
+        raise NotImplementedError
+
+    def check(self) -> None:
+        """See `RunnableCase.check`; the bodies are meshed coarsely."""
+        self.spatial().coarse([])
+
+    def run(self, progress: Progress = lambda _: None) -> SpatialRun:
+        """See `RunnableCase.run`."""
+        start = time.perf_counter()
+        notices: list[str] = []
+        general = self.spatial()
+        found, meshed = general.pressed(notices, progress)
+        pressed = time.perf_counter()
+        lower, upper = (patch_stresses(found, which, progress=progress) for which in (0, 1))
+        patch = found.patches[0]
+        cell = min(found.pair.grid.strip, float(found.pair.grid.widths.min()))
+        depths: Floats = np.geomspace(0.25 * cell, DEPTHS * patch.semi_axes[0], 120)
+        profiles = depth_profile(lower, patch, depths), depth_profile(upper, patch, depths)
+        timings = {"meshing": meshed - start, "contact": pressed - meshed, "total": time.perf_counter() - start}
+        status = found.status
+        case = {"name": self.name, **self.model_dump()}
+        summary = summarise_spatial(case, found, profiles, timings, notices)
+        return SpatialRun(self, status, summary, found, (lower, upper), profiles)
+
+
+class SpatialCase(SpatialInputs, SpatialRunCase):
+    """Two bodies by their sections; x to the right, y up, z along the prisms."""
+
+    name: ClassVar[str] = "spatial"
+    title: ClassVar[str] = "Two prisms or bodies of revolution in contact in three dimensions"
+    essential: ClassVar[tuple[str, ...]] = ("force_kN",)
+    example: ClassVar[Mapping[str, Any]] = {
+        "force_kN": 30.0,
+        "bodies": [
+            {
+                "name": "bar",
+                "disc": {"radius_mm": 50.0, "centre_mm": [0.0, -50.0], "half": "upper"},
+                "order": 2,
+                "contact_edges": "rim",
+                "held_edges": "cut",
+            },
+            {
+                "name": "wheel",
+                "rectangle": {"width_mm": 60.0, "height_mm": 50.0, "centre_mm": [0.0, 25.0]},
+                "order": 2,
+                "contact_edges": "bottom",
+                "held_edges": "top",
+                "axis_mm": [0.0, 200.0],
+            },
+        ],
+    }
+
+    def spatial(self) -> "SpatialCase":
+        """See `SpatialRunCase.spatial`."""
+        return self
+
+    def coarse(self, notices: list[str]) -> list[PatchBody]:
+        """Bodies as they are without refinement at the patch, after all inputs are checked."""
+        if (self.force_kN is None) == (self.approach_mm is None):
+            both = "force_kN and approach_mm" if self.force_kN is not None else "neither force_kN nor approach_mm"
+            raise InputError(f"{both}", "one of them", "give the force, or the approach")
+        if (self.cell_mm is None) != (self.window_mm is None):
+            raise InputError("one of cell_mm and window_mm", "both or none", "give both, or leave both out")
+        return [self._body(number, notices) for number in (0, 1)]
+
+    def pressed(self, notices: list[str], progress: Progress) -> tuple[PatchContact, float]:
+        """Contact of the bodies on meshes that are fine at the patch, and when these were ready."""
+        progress("meshing the bodies")
+        bodies = self.coarse(notices)
+        force = None if self.force_kN is None else 1e3 * self.force_kN
+        grid = self._grid(bodies, force)
+        fine = [self._body(number, [], self._along(grid, bodies, number)) for number in (0, 1)]
+        meshed = time.perf_counter()
+        chosen = None if self.cell_mm is None else self._grid(fine, force)
+        found = press_patch(
+            fine[0],
+            fine[1],
+            force=force,
+            approach=self.approach_mm,
+            grid=chosen,
+            tolerance=self.tolerance,
+            progress=progress,
+            cache=Cache.of_user(),
+        )
+        return found, meshed
+
+    def _grid(self, bodies: Sequence[PatchBody], force: float | None) -> PatchGrid:
+        if self.cell_mm is not None and self.window_mm is not None:
+            return grid_about(bodies[0], bodies[1], self.cell_mm, self.window_mm)
+        return grid_of(bodies[0], bodies[1], force=force, approach=self.approach_mm)
+
+    def _along(self, grid: PatchGrid, bodies: Sequence[PatchBody], number: int) -> FineTable | None:
+        """Refinement along a body's surface in the window."""
+        table, size = self.bodies[number], FINER * min(float(grid.widths.min()), 2.0 * grid.strip)
+        if table.file is not None and not bodies[number].curve:
+            return None
+        beyond = BEYOND * float(np.ptp(grid.bounds))
+        stations: Floats = np.linspace(grid.bounds[0] - beyond, grid.bounds[-1] + beyond, 2 * len(grid.bounds))
+        points, normals = points_along(bodies[0].chain, np.clip(stations, 0.0, bodies[0].length))
+        if number == 1:
+            distances, _ = cast(points, normals, bodies[1].chain)
+            points = points + np.where(np.isfinite(distances), distances, 0.0)[:, None] * normals
+        back = Placement(np.deg2rad(table.rotation_deg), table.shift_mm).inverse()
+        return FineTable(
+            edges=None, at_mm=[(float(x), float(y)) for x, y in back.points(points)], size_mm=size, growth=0.2
+        )
+
+    def _body(self, number: int, notices: list[str], fine: FineTable | None = None) -> PatchBody:
+        table, key = self.bodies[number], f"bodies[{number + 1}]"
+        if fine is not None:
+            table = table.model_copy(update={"fine": [*table.fine, fine]})
+        shape = body_shape(table, key, notices)
+        mesh, supports = shape.mesh, {}
+        for name, given in (("held_edges", table.held_edges), ("foundation_edges", table.foundation_edges)):
+            if given is not None:
+                supports[name] = f"{key}.{name}"
+                mesh = mesh.with_edge_set(f"{key}.{name}", np.vstack([mesh.edge_set(each) for each in _list(given)]))
+        if (table.foundation_edges is None) != (table.foundation_N_mm3 is None):
+            raise InputError(f"{key} with one of foundation_edges and foundation_N_mm3", "both or none", "give both")
+        names = _list(table.contact_edges)
+        chain = mesh.chain(*names).astype(np.int64)
+        material = {name: elastic(each, "plane-strain") for name, each in table.materials.items()}
+        problem = Harmonic(
+            Elasticity(
+                Space(mesh, elements_of(table)),
+                material or elastic(table, "plane-strain"),
+                name=table.name,
+            ),
+            held={supports["held_edges"]: table.hold} if "held_edges" in supports else None,
+            foundations=[Foundation(supports["foundation_edges"], *table.foundation_N_mm3)]
+            if table.foundation_N_mm3 is not None
+            else [],
+        )
+        return PatchBody(
+            problem,
+            np.stack((chain[:-1], chain[1:]), axis=1),
+            shape.curve(names, mesh.points[chain]),
+            axis=_axis(table),
+        )
+
+
+def _axis(table: SpatialBodyTable) -> Axis | None:
+    if table.axis_mm is None:
+        return None
+    angle = np.deg2rad(table.axis_rotation_deg)
+    return Axis(table.axis_mm, (float(np.cos(angle)), float(np.sin(angle))), float(np.deg2rad(table.yaw_deg)))
+
+
+def _list(names: str | list[str]) -> list[str]:
+    return [names] if isinstance(names, str) else names

@@ -1,0 +1,188 @@
+"""Stresses inside the bodies of a contact patch in three dimensions, on sections z = const and along depths."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.contact.patch.patch_body import PatchBody
+from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, ContactEllipse, PatchContact
+from flangeway.elements import Reconstruction, monomials
+from flangeway.post.lines import OUTSIDE, locate, polynomials_at
+from flangeway.problems.harmonic import NAMES
+from flangeway.solve.wave_sums import wave_sums
+from flangeway.space import CellBatch
+from flangeway.types import Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialStresses:
+    """Stresses in three dimensions.
+
+    Parameters
+    ----------
+    components
+        xx, yy, zz, xy, yz, xz in the common axes, tension positive, shape (n, 6).
+
+    """
+
+    components: Floats
+
+    @cached_property
+    def principal(self) -> Floats:
+        """Principal stresses, descending, shape (n, 3)."""
+        xx, yy, zz, xy, yz, xz = self.components.T
+        tensors = np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=1).reshape(-1, 3, 3)
+        defined = np.isfinite(tensors).all(axis=(1, 2))
+        found = np.full((len(tensors), 3), np.nan)
+        found[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
+        return found
+
+    @property
+    def von_mises(self) -> Floats:
+        """Von Mises stress, shape (n,)."""
+        one, two, three = self.principal.T
+        return np.sqrt(((one - two) ** 2 + (two - three) ** 2 + (three - one) ** 2) / 2.0)
+
+    @property
+    def by_name(self) -> dict[str, Floats]:
+        """Components, principal and equivalent stresses, each (n,), by the names of arrays in files."""
+        found = {f"stress_{name}_MPa": self.components[:, number] for number, name in enumerate(NAMES)}
+        found |= {f"principal_{number + 1}_MPa": self.principal[:, number] for number in range(3)}
+        return {"von_mises_MPa": self.von_mises, "tresca_MPa": self.tresca, **found}
+
+    @property
+    def tresca(self) -> Floats:
+        """Tresca's stress, twice the maximum shear stress: the first less the third principal stress, shape (n,)."""
+        return self.principal[:, 0] - self.principal[:, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class SectionStresses:
+    """Stresses of one body in the plane of a z.
+
+    Parameters
+    ----------
+    body
+        The body.
+    z
+        Of the plane.
+    even, odd
+        Amplitudes of cosine and sine with their weights: the sum of all wavenumbers, and the sum times the wavenumber,
+        shape (2, n_dofs, 3).
+
+    """
+
+    body: PatchBody
+    z: float
+    even: Floats
+    odd: Floats
+
+    def polynomials(self, batch: CellBatch) -> tuple[Reconstruction, Floats]:
+        """Reconstruction and stresses (6, n_monomials, n_cells) in the frame of the section of a batch.
+
+        Stresses are linear in the wavenumber and in the amplitudes, so that the sums of both are enough.
+        """
+        stresses = self.body.problem.cell_stresses
+        found = []
+        for fields, kept in ((self.even, slice(0, 4)), (self.odd, slice(4, 6))):
+            constant, linear = (stresses(batch, fields[1], wavenumber)[1] for wavenumber in (0.0, 1.0))
+            reconstruction, total = stresses(batch, fields[0], 0.0)
+            found.append((total + linear - constant)[kept])
+        return reconstruction, np.concatenate(found)
+
+    def corners(self) -> SpatialStresses:
+        """Stresses at the cells' corners, each from its own cell, in the order of ``mesh.cell_points``."""
+        space = self.body.problem.elasticity.space
+        components = np.empty((len(space.mesh.cell_points), 6))
+        for batch in space.batches():
+            reconstruction, stress = self.polynomials(batch)
+            values = monomials.evaluate(space.order, reconstruction.frame.local(batch.vertices))[: stress.shape[1]]
+            places = space.mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+            components[places] = np.einsum("sae,ave->evs", stress, values)
+        return self.in_common_axes(components)
+
+    def in_common_axes(self, components: Floats) -> SpatialStresses:
+        """Turn components (n, 6) from the frame of the section into the common axes."""
+        xx, yy, zz, xy, yz, xz = components.T
+        turn = self.body.placement.matrix
+        plane = turn @ np.stack((xx, xy, xy, yy), axis=1).reshape(-1, 2, 2) @ turn.T
+        along = np.stack((xz, yz), axis=1) @ turn.T
+        return SpatialStresses(
+            np.stack((plane[:, 0, 0], plane[:, 1, 1], zz, plane[:, 0, 1], along[:, 1], along[:, 0]), axis=1)
+        )
+
+    def at(self, points: Floats) -> SpatialStresses:
+        """Stresses at points (n, 2) of the common axes; not-a-number outside of the body."""
+        local = self.body.placement.inverse().points(points)
+        space = self.body.problem.elasticity.space
+        cells = locate(space.mesh, local)
+        components = np.full((len(local), 6), np.nan)
+        inside = cells != OUTSIDE
+        components[inside] = polynomials_at(space, local[inside], cells[inside], self.polynomials, 6)
+        return self.in_common_axes(components)
+
+
+def patch_stresses(
+    found: PatchContact, which: int, z: float | None = None, progress: Callable[[str], None] = lambda _: None
+) -> SectionStresses:
+    """Stresses in a body by the pressures of a contact.
+
+    Parameters
+    ----------
+    found
+        The contact.
+    which
+        0 for the first (lower) body, 1 for the second one.
+    z
+        The plane; left out: that of the centre of pressure of the first patch.
+    progress
+        Called with a sentence at each stage.
+
+    """
+    pair = found.pair
+    body, cells, grid = (pair.first, pair.second)[which], pair.cells[which], pair.grid
+    plane = float(found.patches[0].centre[2]) if z is None else z
+    progress(f"stresses in {body.name}")
+    forces = found.contact.forces[::-1] if pair.backwards(which) else found.contact.forces
+    even, odd = wave_sums(cells, -forces, plane - grid.along, grid.strip, LEAST_WAVENUMBER)
+    return SectionStresses(body, plane, even, odd)
+
+
+@dataclass(frozen=True, eq=False)
+class DepthProfile:
+    """Stresses below a patch along the inward normal of a body's surface.
+
+    Parameters
+    ----------
+    depths
+        Rising from near the surface, shape (n,).
+    stresses
+        At the depths, in the axes of the patch: x along the surface, y along its normal, z.
+
+    """
+
+    depths: Floats
+    stresses: SpatialStresses
+
+
+def depth_profile(section: SectionStresses, patch: ContactEllipse, depths: Floats) -> DepthProfile:
+    """Stresses at depths (n,) below the centre of pressure of a patch."""
+    body = section.body
+    chain = body.chain
+    start, chords = chain[:-1], np.diff(chain, axis=0)
+    lengths = np.linalg.norm(chords, axis=1)
+    share = np.clip(np.einsum("ei,ei->e", patch.centre[:2] - start, chords) / lengths**2, 0.0, 1.0)
+    feet = start + share[:, None] * chords
+    nearest = int(np.linalg.norm(feet - patch.centre[:2], axis=1).argmin())
+    inward = -patch.force / np.linalg.norm(patch.force)
+    if float(inward @ [-chords[nearest, 1], chords[nearest, 0]]) < 0.0:
+        inward = -inward
+    stresses = section.at(feet[nearest] + depths[:, None] * inward)
+    turn = np.array([[inward[1], -inward[0]], [inward[0], inward[1]]])
+    xx, yy, zz, xy, yz, xz = stresses.components.T
+    plane = turn @ np.stack((xx, xy, xy, yy), axis=1).reshape(-1, 2, 2) @ turn.T
+    along = np.stack((xz, yz), axis=1) @ turn.T
+    turned = (plane[:, 0, 0], plane[:, 1, 1], zz, plane[:, 0, 1], along[:, 1], along[:, 0])
+    return DepthProfile(depths, SpatialStresses(np.stack(turned, axis=1)))

@@ -1,0 +1,195 @@
+"""Files, report and terminal summary of two bodies in contact in three dimensions."""
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+from matplotlib.figure import Figure
+from rich.console import Console
+
+from flangeway.cases.case import RunnableCase
+from flangeway.cases.spatial.spatial_case import SpatialRun
+from flangeway.cases.spatial.spatial_summary import SpatialSummary
+from flangeway.contact.patch.patch_body import points_along
+from flangeway.formats import write_vtu
+from flangeway.mesh import PolyMesh
+from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
+from flangeway.report.figures.drawing import png
+from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
+from flangeway.report.page.html_page import Again, Page, Picture, report_page
+from flangeway.report.page.tables import (
+    Column,
+    SummaryTable,
+    print_files,
+    print_notices,
+    print_rows,
+    print_status,
+    print_table,
+    table_across,
+    table_of,
+    timings_table,
+)
+from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
+from flangeway.report.viewer import Scene, ShownField, ShownPart, View
+from flangeway.system.output_folder import Writer, bytes_writer, text_writer
+from flangeway.types import Ints
+
+PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
+    "patch.png": (patch_figure, "The pressure from above, with the outline of the patch and Hertz's ellipse"),
+    "pressure.png": (pressure_figure, "The pressure across and along z through its maximum, beside Hertz's"),
+    "depth.png": (depth_figure, "Stresses below the centre of the patch in both bodies"),
+}
+REPORT, SURFACE = "report.html", "surface.vtu"
+SECTIONS = ("section-lower.vtu", "section-upper.vtu")
+NAMES = (*PICTURES, SURFACE, *SECTIONS, REPORT)
+NEAR = 6.0
+"""Width of the view of a patch over its longer semi-axis."""
+AXES = {
+    "x, y, z": "to the right, up, and along the prisms towards the reader of a section",
+    "force": "on the upper body",
+    "angle": "from z to the longer semi-axis; positive to the left, seen from above with z up",
+    "stresses": "tension positive; below the patch x is along the surface, y along its normal",
+}
+
+
+def spatial_writers(run: SpatialRun, progress: Callable[[str], None]) -> dict[str, Writer]:
+    """Return functions that write pictures, fields and report, by the files' names."""
+    progress("drawing the pictures and writing the files")
+    pictures = [Picture(png(draw(run)), f"{words}.", f"{words}.") for draw, words in PICTURES.values()]
+    corners = [section.corners() for section in run.sections]
+    writers = {name: bytes_writer(each.png) for name, each in zip(PICTURES, pictures, strict=True)}
+    writers[SURFACE] = lambda path: _write_surface(run, path)
+    for name, section, stresses in zip(SECTIONS, run.sections, corners, strict=True):
+        writers[name] = partial(_write_section, section, stresses)
+    writers[REPORT] = text_writer(report_page(_page(run, pictures, corners)))
+    return writers
+
+
+def _write_surface(run: SpatialRun, path: Path) -> None:
+    """Write pressure and gap of the cells on the first body's surface."""
+    contact = run.contact
+    grid, (n, m) = contact.pair.grid, contact.pressures.shape
+    ends, _ = points_along(contact.pair.first.chain, grid.bounds)
+    z = grid.along[0] + grid.strip * (np.arange(m + 1) - 0.5)
+    plane = np.stack(np.meshgrid(grid.bounds, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    space = np.column_stack((np.repeat(ends, m + 1, axis=0), np.tile(z, n + 1)))
+    corner = (np.arange(n)[:, None] * (m + 1) + np.arange(m)).ravel()
+    quads = np.stack((corner, corner + m + 1, corner + m + 2, corner + 1), axis=1)
+    mesh = PolyMesh(plane, 4 * np.arange(n * m + 1, dtype=np.int32), quads.ravel().astype(np.int32))
+    values = {"pressure_MPa": contact.pressures.ravel(), "gap_mm": contact.contact.gaps.ravel()}
+    write_vtu(path, mesh, cell_data=values, positions=space)
+
+
+def _write_section(section: SectionStresses, stresses: SpatialStresses, path: Path) -> None:
+    """Write the stresses of a section, each cell with points of its own."""
+    mesh = _mesh(section)
+    positions = np.column_stack((mesh.points, np.full(mesh.n_points, section.z)))
+    write_vtu(path, mesh, corner_data=stresses.by_name, positions=positions)
+
+
+def _mesh(section: SectionStresses) -> PolyMesh:
+    return section.body.problem.elasticity.space.mesh.placed(section.body.placement)
+
+
+def _page(run: SpatialRun, pictures: list[Picture], corners: list[SpatialStresses]) -> Page:
+    case, summary = run.case, run.summary
+    assert isinstance(case, RunnableCase)
+    patch = summary.patches[0]
+    file = f"{case.name}.toml" if has_tables(case) else ""
+    return Page(
+        title=case.title,
+        subtitle=f"{len(summary.patches)} patch{'es' * (len(summary.patches) > 1)} on {summary.cells[0]} by "
+        f"{summary.cells[1]} cells",
+        converged=run.status.converged,
+        message=run.status.message,
+        facts=[
+            (f"{patch.max_pressure_MPa:.5g} MPa", "maximum pressure"),
+            (f"{patch.semi_axes_mm[0]:.4g} and {patch.semi_axes_mm[1]:.4g} mm", "semi-axes of the patch"),
+            (f"{1e-3 * summary.force_N[1]:.5g} kN", "force"),
+            (f"{summary.approach_mm:.4g} mm", "approach"),
+            (f"{max(b.max_von_mises.value_MPa for b in summary.bodies):.4g} MPa", "maximum von Mises stress below it"),
+        ],
+        again=Again(
+            f"flangeway run {file}" if file else command_line(case),
+            case_text(case),
+            file,
+            "The same numbers, for programs, are in `summary.json`; `surface.vtu` has pressures and gaps, "
+            "`section-lower.vtu` and `section-upper.vtu` stresses, for ParaView.",
+        ),
+        versions=summary.versions,
+        warnings=summary.notices,
+        assumptions=[
+            "Linear elastic bodies, small strains, contact without friction.",
+            "Each body is a prism along z of unlimited length; of a body of revolution the true surface is in the gap, "
+            "its elasticity is that of the prism of its section.",
+            "The load acts along y; the upper body is held along x and against rotation.",
+            "Hertz's values are those of half-spaces for the same force and the curvatures of the gap under pressure.",
+        ],
+        scene=_scene(run, corners),
+        pictures=pictures,
+        tables=[_patches_table(summary), _bodies_table(summary), timings_table(summary.timings_s)],
+        axes=AXES,
+        inputs=inputs_tables(case),
+    )
+
+
+def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
+    parts = []
+    for section, stresses in zip(run.sections, corners, strict=True):
+        mesh = _mesh(section)
+        used, places = np.unique(mesh.cell_points, return_inverse=True)
+        own = PolyMesh(mesh.points[mesh.cell_points], mesh.cell_offsets, np.arange(len(places), dtype=np.int32))
+        arrays = {name: values[:, None] for name, values in stresses.by_name.items()}
+        numbers: Ints = places.astype(np.int64)
+        parts.append(ShownPart(section.body.name, own, arrays, places=numbers, n_rim_places=len(used)))
+    fields = [
+        ShownField(name, name.removesuffix("_MPa").replace("_", " "), "MPa", "Stresses", name, "value")
+        for name in corners[0].by_name
+    ]
+    patch = run.summary.patches[0]
+    view = View("patch", (patch.centre_mm[0], patch.centre_mm[1]), NEAR * patch.semi_axes_mm[0])
+    note = (
+        f"Stresses in the plane z = {run.sections[0].z:.4g} mm, of the centre of the first patch, in the axes of the "
+        "picture, tension positive, as in the VTU files of the sections."
+    )
+    return Scene(parts, fields, [view], notes=(note,))
+
+
+def _patches_table(summary: SpatialSummary) -> SummaryTable:
+    quantities: list[Column] = [
+        ("force (x, y), N", "force_N", "z.1f"),
+        ("centre of pressure (x, y, z), mm", "centre_mm", "z.3f"),
+        ("maximum pressure, MPa", "max_pressure_MPa", ".1f"),
+        ("  Hertz, MPa", "hertz_pressure_MPa", ".1f"),
+        ("semi-axes, mm", "semi_axes_mm", ".4f"),
+        ("  Hertz, mm", "hertz_semi_axes_mm", ".4f"),
+        ("angle of the longer one from z, degrees", "angle_deg", "z.1f"),
+        ("area, mm²", "area_mm2", ".3f"),
+        ("cells across, along z", "cells", "d"),
+    ]
+    names = [f"patch {number}" for number in range(1, len(summary.patches) + 1)]
+    return table_across("Patches", names, summary.patches, quantities)
+
+
+def _bodies_table(summary: SpatialSummary) -> SummaryTable:
+    columns: list[Column] = [
+        *(("", "name", ""), ("elements", "elements", ","), ("unknowns", "unknowns", ",")),
+        ("wavenumbers", "wavenumbers", "d"),
+        ("von Mises, MPa", lambda body: body.max_von_mises.value_MPa, ".1f"),
+        ("at mm", lambda body: body.max_von_mises.depth_mm, ".3f"),
+        ("Tresca, MPa", lambda body: body.max_tresca.value_MPa, ".1f"),
+        ("at mm", lambda body: body.max_tresca.depth_mm, ".3f"),
+    ]
+    return table_of("Bodies, with the maximum stresses below the first patch", summary.bodies, columns)
+
+
+def print_spatial(console: Console, run: SpatialRun, files: list[Path]) -> None:
+    """Print status, patches, maximum stresses, notices and the files."""
+    summary = run.summary
+    print_status(console, run.case.name, run.status)
+    print_rows(console, _patches_table(summary).rows)
+    print_rows(console, [("approach from first touch, mm", f"{summary.approach_mm:.5g}")])
+    print_table(console, _bodies_table(summary))
+    print_notices(console, summary.notices)
+    print_files(console, files, summary.timings_s["total"])
