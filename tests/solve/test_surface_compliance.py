@@ -5,6 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 from scipy.sparse.linalg import splu
@@ -15,9 +17,9 @@ from flangeway.contact.patch.normal_contact import Convolution, solve_normal
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError, OutOfMemoryError
 from flangeway.exact import half_space_influence
-from flangeway.geometry import polygon
+from flangeway.geometry import circle, polygon
 from flangeway.materials import Elastic, Orthotropic
-from flangeway.mesh import Refinement, dual, triangulate
+from flangeway.mesh import Refinement, dual, rectangle_grid, triangulate
 from flangeway.problems import Elasticity
 from flangeway.problems.harmonic import Foundation, Harmonic
 from flangeway.solve import surface_cells
@@ -58,13 +60,37 @@ def table() -> ComplianceTable:
     return table_of(Lagrange(2))
 
 
-@pytest.mark.parametrize("element", [Lagrange(2), Virtual(1), Virtual(2)])
-@pytest.mark.parametrize("wavenumber", [1e-3, 0.3, 8.0])
-def test_the_compliance_at_a_wavenumber_is_positive_definite(element, wavenumber) -> None:
-    """C(k) is symmetric and has positive eigenvalues, for every element."""
-    values = cells_of(element).compliance(wavenumber)
-    np.testing.assert_array_equal(values, values.T)
+@given(
+    element=st.sampled_from([Lagrange(1), Lagrange(2), Virtual(1), Virtual(2), Virtual(3)]),
+    poisson=st.floats(-0.5, 0.49),
+    exponent=st.floats(-3.0, 1.5),
+    support=st.sampled_from(["held", "foundation"]),
+    share=st.floats(0.05, 0.9),
+)
+@settings(settings.get_profile("costly"))
+def test_the_compliance_at_a_wavenumber_is_symmetric_and_positive_definite(
+    element, poisson, exponent, support, share
+) -> None:
+    """For every element, material, wavenumber and support; so are the coefficients of a force and of one across it."""
+    mesh = rectangle_grid(3.0, 2.0, 3, 2)
+    mesh = dual(mesh) if isinstance(element, Virtual) else mesh
+    edges = mesh.boundary_edges
+    heights = mesh.points[edges][:, :, 1]
+    mesh = mesh.with_edge_set("base", edges[(heights < 1e-9).all(axis=1)])
+    top = edges[(heights > 2.0 - 1e-9).all(axis=1)]
+    top = top[np.argsort(-mesh.points[top[:, 0], 0])]
+    elasticity = Elasticity(Space(mesh, element), Elastic(7.0, poisson))
+    springs = [Foundation("base", 1.0, 0.1, 0.3)]
+    problem = Harmonic(elasticity, held={"base": "xyz"}) if support == "held" else Harmonic(elasticity, (), springs)
+    cells = SurfaceCells(problem, top, 3.0 * np.array([0.0, share / 2.0, share, 1.0]))
+    values = cells.compliance(10.0**exponent)
+    np.testing.assert_allclose(values, values.T, atol=1e-12 * values.max())
     assert np.linalg.eigvalsh(values).min() > 0.0
+    # at the wavenumbers given the integrals keep the symmetry: what one force moves another moves
+    found = ComplianceTable(cells, np.array([0.1, 0.3, 1.0, 3.0]), np.stack([values] * 4), 0.0).influence(0.5, 6)
+    np.testing.assert_allclose(found[0], found[0].T, atol=1e-9 * abs(found).max())
+    turned = np.tile([1.0, 1.0, -1.0], 3)
+    np.testing.assert_allclose(found.swapaxes(1, 2), turned[:, None] * found * turned, atol=1e-9 * abs(found).max())
 
 
 def test_far_forces_act_as_on_a_half_space() -> None:
@@ -187,6 +213,21 @@ def test_the_compliance_is_the_displacement_of_cells_by_loads_on_them(element) -
     forces[(3 * nodes[:, None] + np.arange(3)).ravel()] = loads
     exact = forces[free].T @ splu(problem.stiffness(0.2).restricted(free).full().tocsc()).solve(forces[free])
     np.testing.assert_allclose(cells.compliance(0.2), exact, atol=1e-9 * exact.max())
+
+
+def test_frames_of_cells_on_a_polygon_turn_as_its_circle_does() -> None:
+    """On pairs of straight edges and cells that do not fit them, tangents are the circle's to 2 % of an edge."""
+    mesh = dual(triangulate(circle(1.0), size=0.1))
+    edges = mesh.boundary_edges
+    following = dict(edges.tolist())
+    chain = [edges[0].tolist()]
+    while len(chain) < 40:
+        chain.append([chain[-1][1], following[chain[-1][1]]])
+    problem = Harmonic(Elasticity(Space(mesh, Virtual(1)), Elastic(1.0, 0.3)))
+    cells = SurfaceCells(problem, np.array(chain), np.arange(0.2, 1.5, 0.06))
+    radial = cells.middles / np.linalg.norm(cells.middles, axis=1)[:, None]
+    errors = radial[:, 0] * cells.frames[:, 1, 1] - radial[:, 1] * cells.frames[:, 1, 0]
+    assert abs(errors).max() < 0.02 * cells.longest_edge
 
 
 def test_the_error_of_the_interpolation_is_not_more_than_what_is_stated() -> None:

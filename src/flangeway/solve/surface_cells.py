@@ -26,6 +26,8 @@ from flangeway.types import Bools, Floats, Ints
 
 SAME = 1e-9
 """Length over that of a surface that is round-off."""
+STRAIGHT = 1e-6
+"""Angle between edges of one straight piece, in rad."""
 WAVE_DEPTH = 10.0
 """Depth of a cut mesh times the wavenumber, at least: C(k) then changes by 1e-5 or less (at 5 it would be 1e-3)."""
 CUTS = (1.0 / 4.0, 1.0 / 16.0, 1.0 / 64.0)
@@ -140,12 +142,20 @@ class SurfaceCells:
 
     @cached_property
     def frames(self) -> Floats:
-        """Axes tangent, outward normal and z of the cells, rows of (n_cells, 3, 3)."""
-        chords = np.diff(self.ends, axis=0)
-        tangents = chords / np.linalg.norm(chords, axis=1)[:, None]
+        """Axes tangent, outward normal and z of the cells, rows of (n_cells, 3, 3).
+
+        The tangent turns evenly from the middle of one straight piece of the mesh to that of the next, as that of the
+        curve does which they are chords of: edges of dual polygons are straight in pairs.
+        """
+        chords = np.diff(self.problem.elasticity.space.mesh.points[self.edges], axis=1)[:, 0]
+        angles = np.unwrap(np.angle(chords @ np.array([1.0, 1j])))
+        first = np.flatnonzero(np.abs(np.diff(angles, prepend=np.inf)) > STRAIGHT)
+        bounds = np.append(self._stations[first], self._stations[-1])
+        at_cells = (self.limits[1:] + self.limits[:-1]) / 2.0
+        turned = np.interp(at_cells, (bounds[1:] + bounds[:-1]) / 2.0, angles[first])
         frames = np.zeros((self.n_cells, 3, 3))
-        frames[:, 0, :2] = tangents
-        frames[:, 1, 0], frames[:, 1, 1] = tangents[:, 1], -tangents[:, 0]
+        frames[:, 0, :2] = np.stack((np.cos(turned), np.sin(turned)), axis=1)
+        frames[:, 1, :2] = np.stack((np.sin(turned), -np.cos(turned)), axis=1)
         frames[:, 2, 2] = 1.0
         return frames
 
