@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 700,
     "materials": 400,
     "problems": 2170,
-    "solve": 3030,
+    "solve": 3040,
     "contact": 4290,
     "post": 1820,
     "railway.profiles": 3280,
@@ -38,7 +38,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 50_320
+MAX_LINES_OF_ALL = 50_330
 MAX_FILES_OF_ALL = 270
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

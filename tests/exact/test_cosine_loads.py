@@ -152,6 +152,18 @@ def test_an_orthotropic_prism_shears_along_with_its_own_modulus() -> None:
     np.testing.assert_allclose(stresses[[0, 1, 2, 3, 5]], 0.0, atol=1e-9)
 
 
+@pytest.mark.parametrize("element", [Lagrange(1), Virtual(1), Virtual(2)])
+def test_resultants_of_the_stresses_balance_the_loads_at_any_place(element) -> None:
+    """Over a section dN/dz and dQ/dz are the loads along z and y per length, N of zz and Q of yz, to 1e-9."""
+    space = ring(0.0, 1.0, 2.0, 3, 4, element)
+    wavenumber, along = 0.7, 0.4
+    elasticity = Elasticity(space, Elastic(1.0, 0.3), loads=[Traction("top", (0.0, 0.2))])
+    found = solve_harmonic(Harmonic(elasticity, [LongitudinalTraction("top", 0.3)]), wavenumber)
+    resultants = space.mesh.cell_areas @ found.stresses(along)
+    assert resultants[2] == pytest.approx(0.3 / wavenumber * np.cos(wavenumber * along), rel=1e-9)
+    assert resultants[4] == pytest.approx(-0.2 / wavenumber * np.sin(wavenumber * along), rel=1e-9)
+
+
 def test_what_is_not_held_is_named() -> None:
     """A prism without longitudinal support is refused at wavenumber 0 under a load along z, with the direction."""
     space = ring(0.0, 1.0, 1.0, 2, 2, Lagrange(1))

@@ -42,10 +42,21 @@ class HarmonicSolution:
 
     def displacements(self, along: float) -> Floats:
         """Displacements of all nodes at a place z (or angle t), shape (n_nodes, 3)."""
+        return self.amplitudes[: self.problem.elasticity.space.n_nodes] * self._phases(along, 2, 1)
+
+    def stresses(self, along: float) -> Floats:
+        """Stresses at all cells' centres of gravity at a place z (or angle t), shape (n_cells, 6), see `NAMES`."""
+        space = self.problem.elasticity.space
+        result = np.empty((space.mesh.n_cells, 6))
+        for batch in space.batches():
+            polynomials = self.problem.cell_stresses(batch, self.amplitudes, self.wavenumber)[1]
+            result[batch.cells] = polynomials[:, 0].T  # their frames have their origins there
+        return result * self._phases(along, 4, 2)
+
+    def _phases(self, along: float, n_even: int, n_odd: int) -> Floats:
+        """Cosine for the even components, sine for the others that follow."""
         phase = self.wavenumber * along
-        n_nodes = self.problem.elasticity.space.n_nodes
-        result: Floats = self.amplitudes[:n_nodes] * np.array([np.cos(phase), np.cos(phase), np.sin(phase)])
-        return result
+        return np.repeat([np.cos(phase), np.sin(phase)], [n_even, n_odd])
 
 
 def solve_harmonic(problem: Harmonic, wavenumber: float) -> HarmonicSolution:
