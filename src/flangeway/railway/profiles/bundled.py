@@ -133,7 +133,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     """
     if name not in _RAIL_FILES:
         advice = _advice("rail", name, RAILS)
-        if name.upper() in SECTIONS:
+        if name.upper() in SECTIONS and name.upper().startswith("136RE-"):
             advice = f"give 136RE, and crown_radius_in = {name[6:]}"
         raise InputError(f"rail '{name}'", f"one of {', '.join(RAILS)}, or a file of a profile", advice)
     radii = _RAIL_FILES[name]
