@@ -14,8 +14,8 @@ CURVES = (
     ("von Mises", "#8b1a8b", "--"), ("Tresca", "#2e7d32", "-."),
 )  # fmt: skip
 N_PROFILE = 241
-HIGHEST, LOWEST = 1.6, 0.45
-"""Height over width of the picture from above, at most and at least."""
+HIGHEST, LOWEST, WIDE = 1.6, 0.45, 0.8
+"""Height over width of the picture from above, at most and at least, and where the scale is below it."""
 
 
 def patch_figure(run: SpatialRun) -> Figure:
@@ -47,7 +47,8 @@ def patch_figure(run: SpatialRun) -> Figure:
     axes.set_aspect("equal", adjustable="box")
     axes.set_xlabel("length along the surface, across z, in mm")
     axes.set_ylabel("z in mm")
-    figure.colorbar(drawn, ax=axes, label="contact pressure in MPa", shrink=0.9)
+    side = "bottom" if ratio < WIDE else "right"
+    figure.colorbar(drawn, ax=axes, label="contact pressure in MPa", shrink=0.9, location=side)
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="upper right", fontsize=8)
     return figure

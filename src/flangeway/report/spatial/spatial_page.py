@@ -27,7 +27,6 @@ from flangeway.report.page.tables import (
     print_status,
     print_table,
     table_across,
-    table_of,
     timings_table,
 )
 from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
@@ -173,15 +172,14 @@ def _patches_table(summary: SpatialSummary) -> SummaryTable:
 
 
 def _bodies_table(summary: SpatialSummary) -> SummaryTable:
-    columns: list[Column] = [
-        *(("", "name", ""), ("elements", "elements", ","), ("unknowns", "unknowns", ",")),
-        ("wavenumbers", "wavenumbers", "d"),
-        ("von Mises, MPa", lambda body: body.max_von_mises.value_MPa, ".1f"),
-        ("at mm", lambda body: body.max_von_mises.depth_mm, ".3f"),
-        ("Tresca, MPa", lambda body: body.max_tresca.value_MPa, ".1f"),
-        ("at mm", lambda body: body.max_tresca.depth_mm, ".3f"),
+    quantities: list[Column] = [
+        *(("elements", "elements", ","), ("unknowns", "unknowns", ","), ("wavenumbers", "wavenumbers", "d")),
+        ("maximum von Mises stress below the first patch, MPa", lambda body: body.max_von_mises.value_MPa, ".1f"),
+        ("  at the depth, mm", lambda body: body.max_von_mises.depth_mm, ".3f"),
+        ("maximum Tresca stress below the first patch, MPa", lambda body: body.max_tresca.value_MPa, ".1f"),
+        ("  at the depth, mm", lambda body: body.max_tresca.depth_mm, ".3f"),
     ]
-    return table_of("Bodies, with the maximum stresses below the first patch", summary.bodies, columns)
+    return table_across("Bodies", [body.name for body in summary.bodies], summary.bodies, quantities)
 
 
 def print_spatial(console: Console, run: SpatialRun, files: list[Path]) -> None:

@@ -1,0 +1,51 @@
+"""Files and report of two bodies in contact in three dimensions."""
+
+import io
+
+import meshio
+import numpy as np
+import pytest
+from rich.console import Console
+
+from flangeway.cases import load_case
+from flangeway.report.case_outputs import case_files, print_case, write_case
+
+
+@pytest.fixture(scope="module")
+def run():
+    """A cylinder across another one, on coarse elements."""
+    return load_case("crossed-cylinders", order=1, angle_deg=60.0, upper_radius_mm=30.0).run()
+
+
+def test_files_hold_the_force_and_the_stresses(run, tmp_path):
+    """All files are there; pressure times area is the force, also on the surface in space; stresses are Hertz's."""
+    files = write_case(run, tmp_path)
+    assert {file.name for file in files} == set(case_files(run.case))
+    surface = meshio.read(tmp_path / "surface.vtu")
+    corners = surface.points[surface.cells[0].data]
+    one, other = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
+    normals = -np.cross(one, other)
+    pressures = surface.cell_data["pressure_MPa"][0]
+    assert np.abs(pressures @ normals)[1] == pytest.approx(10e3, rel=2e-3)
+    assert np.ptp(surface.points[:, 2]) == pytest.approx(
+        run.contact.pair.grid.strip * pressures.size / len(run.contact.pair.grid.widths)
+    )
+    assert (surface.cell_data["gap_mm"][0][pressures > 0.0] < 1e-8).all()
+    for name, body in zip(("lower", "upper"), run.summary.bodies, strict=True):
+        section = meshio.read(tmp_path / f"section-{name}.vtu")
+        mises = section.point_data["von_mises_MPa"]
+        assert mises.max() == pytest.approx(body.max_von_mises.value_MPa, rel=0.1)
+        assert section.point_data["stress_yy_MPa"].min() == pytest.approx(-pressures.max(), rel=0.1)
+
+
+def test_summary_terminal_and_page_name_the_numbers(run, tmp_path):
+    """Hertz's pressure within 1 %; the terminal and the page show the maximum pressure and both bodies."""
+    patch = run.summary.patches[0]
+    assert patch.max_pressure_MPa == pytest.approx(patch.hertz_pressure_MPa, rel=1e-2)
+    np.testing.assert_allclose(patch.semi_axes_mm, patch.hertz_semi_axes_mm, rtol=1e-2)
+    console = Console(file=io.StringIO(), width=80)
+    print_case(console, run, write_case(run, tmp_path))
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    for text in (console.file.getvalue(), page):
+        assert f"{patch.max_pressure_MPa:.1f}" in text
+        assert "upper" in text
