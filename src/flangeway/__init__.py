@@ -1,4 +1,4 @@
-"""Elastic contact in two dimensions with finite and virtual elements, up to a wheelset on two rails.
+"""Elastic contact with finite and virtual elements, up to a wheelset on two rails.
 
 What most scripts need stands here, in the order in which a script uses it:
 
