@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.errors import InputError
-from flangeway.exact import LineContact
+from flangeway.exact import LineContact, PointContact
 from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 
 
@@ -93,3 +93,37 @@ def test_what_is_not_below_the_surface_is_refused(contact):
         contact.stresses(0.0, -0.1)
     with pytest.raises(InputError, match="disc of radius"):
         contact.axis_stresses_in_disc([8.5], 4.0)
+
+
+def test_a_sphere_touches_in_a_circle() -> None:
+    """Equal radii give a^3 = 3 P R / (4 E*) and the approach a^2 / R."""
+    sphere = PointContact(1000.0, 50.0, 50.0, 1e5)
+    radius = np.cbrt(0.75 * 1000.0 * 50.0 / 1e5)
+    assert sphere.semi_axes == pytest.approx((radius, radius), rel=1e-12)
+    assert sphere.approach == pytest.approx(radius**2 / 50.0, rel=1e-12)
+
+
+@pytest.mark.parametrize("ratio", [1.0 + 1e-9, 1.5, 6.0, 40.0, 1e4])
+def test_an_ellipse_of_pressure_closes_the_gap(ratio) -> None:
+    """The displacement of a half-space by the pressure of the ellipse has the curvatures of the gap.
+
+    They are integrals over the depth w of the confocal ellipses (Johnson, 1985, 3.5), done by quadrature.
+    """
+    contact = PointContact(3e4, 80.0, 80.0 * ratio, 1.1e5)
+    a, b = contact.semi_axes
+    assert (a <= b * (1.0 + 1e-9)) == (ratio >= 1.0)
+    assert PointContact(3e4, 80.0 * ratio, 80.0, 1.1e5).semi_axes == pytest.approx((b, a), rel=1e-12)
+
+    def depth(power_a: int, power_b: int) -> float:
+        """Integral of ``dw / ((a^2 + w)^(p/2) (b^2 + w)^(q/2) w^(1/2))`` with ``w = a b tan(t)^2``."""
+        nodes, weights = np.polynomial.legendre.leggauss(2000)
+        t = np.pi / 4.0 * (nodes + 1.0)
+        w = a * b * np.tan(t) ** 2
+        jacobian = 2.0 * np.sqrt(a * b) / np.cos(t) ** 2
+        values = jacobian / ((a**2 + w) ** (power_a / 2.0) * (b**2 + w) ** (power_b / 2.0))
+        return float(np.pi / 4.0 * weights @ values)
+
+    scale = contact.max_pressure * a * b / (2.0 * contact.modulus)
+    assert scale * depth(1, 1) == pytest.approx(contact.approach, rel=1e-6)
+    assert scale * depth(3, 1) == pytest.approx(0.5 / 80.0, rel=1e-6)
+    assert scale * depth(1, 3) == pytest.approx(0.5 / (80.0 * ratio), rel=1e-6)

@@ -12,7 +12,8 @@ from flangeway.errors import InputError
 ReproductionName = Annotated[
     str,
     typer.Argument(
-        metavar="NAME", help="torsion, elasticity, hertz, contact-patch or wheel-rail; all: every one, with a summary."
+        metavar="NAME",
+        help="torsion, elasticity, hertz, contact-patch, wheel-rail or spatial; all: every one, with a summary.",
     ),
 ]
 Quick = Annotated[

@@ -4,6 +4,7 @@ from flangeway.validation.contact_patch.contact_patch_page import CONTACT_PATCH
 from flangeway.validation.elasticity.elasticity_page import ELASTICITY
 from flangeway.validation.hertz.hertz_page import HERTZ
 from flangeway.validation.reproduction import Reproduction
+from flangeway.validation.spatial.spatial_page import SPATIAL
 from flangeway.validation.torsion.torsion_page import TORSION
 from flangeway.validation.wheel_rail.wheel_rail_page import WHEEL_RAIL
 
@@ -13,4 +14,5 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "hertz": HERTZ,
     "contact-patch": CONTACT_PATCH,
     "wheel-rail": WHEEL_RAIL,
+    "spatial": SPATIAL,
 }

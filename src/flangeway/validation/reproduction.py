@@ -47,8 +47,9 @@ reason for a large difference is given below the table. Round-off is shown as `<
 """
 WHOLE = "All meshes of all parts are computed."
 QUICK = (
-    "With `--quick` the finest mesh of Hertz's problem, the search for the wheel's flange root, and further crowns,\n"
-    "meshes and moduli of wheel and rail are left out; without it they are computed as well."
+    "With `--quick` the finest meshes of Hertz's problem and of bars under short waves, the search for the wheel's\n"
+    "flange root, and further crowns, meshes and moduli of wheel and rail are left out; without it they are computed\n"
+    "as well."
 )
 
 
