@@ -15,6 +15,7 @@ from benchmarks import (
     hertz_block_times,
     positions,
     report,
+    spatial,
     stabilisation,
     torsion_assembly,
     torsion_sections,
@@ -33,6 +34,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "cache": cache.measurements,
     "stabilisation": stabilisation.measurements,
     "worn": worn.measurements,
+    "spatial": spatial.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -46,6 +48,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "growth": growth.quick,
     "stabilisation": stabilisation.quick,
     "worn": worn.quick,
+    "spatial": spatial.quick,
 }
 
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from flangeway.contact.patch.normal_contact import Convolution, solve_normal
 from flangeway.contact.patch.patch_body import Axis, PatchBody
-from flangeway.contact.patch.patch_contact import PatchContact, press_patch
+from flangeway.contact.patch.patch_contact import PatchContact, PatchPair, press_patch
+from flangeway.contact.patch.patch_grid import grid_about
 from flangeway.elements import Lagrange
 from flangeway.exact import PointContact, contact_modulus, half_space_influence
 from flangeway.geometry import Arc, Line, Outline, Point, Segment
@@ -39,6 +40,7 @@ ARM = 50.0
 HERTZ_SIZES, CONFORMAL_SIZES, BLOCK_SIZES = (0.25, 40.0), (0.35, 12.0), (0.3, 3.0)
 """Edges in the contact and elsewhere in mm."""
 CONFORMAL_LIMITS = {"force": 5e-3, "p0": 5e-3, "area": 0.03}
+BODIES_CELL, BODIES_WINDOW = 0.4, (14.4, 24.0)
 BLOCK_MESHES = ("1", "0.7")
 """Edges of CalculiX's elements in mm."""
 BODIES_LIMITS, BLOCK_LIMIT = {"p0": 0.03, "area": 0.06}, 0.01
@@ -247,24 +249,25 @@ def conforming_blocks() -> tuple[PatchBody, PatchBody]:
     return bodies[0], bodies[1]
 
 
-def conforming_patches() -> tuple[PatchContact, PatchContact]:
-    """The published bodies at the force published for finite elements, and both blocks."""
-    bodies = press_patch(*conforming_bodies(), force=_published("conformal")["finite_elements", "force"])
-    return bodies, press_patch(*conforming_blocks(), approach=BLOCK.approach)
+def conforming_patches() -> tuple[PatchPair, PatchContact]:
+    """The published bodies on a grid, and both blocks."""
+    first, second = conforming_bodies()
+    pair = PatchPair(first, second, grid_about(first, second, BODIES_CELL, BODIES_WINDOW))
+    return pair, press_patch(*conforming_blocks(), approach=BLOCK.approach)
 
 
-def conforming_numbers(bodies: PatchContact, block: PatchContact) -> Iterator[ReproducedNumber]:
+def conforming_numbers(bodies: PatchPair, block: PatchContact) -> Iterator[ReproducedNumber]:
     """Forces and pressures beside the published half-space, the published finite elements, and CalculiX."""
     published, units = _published("conformal"), {"force": "N", "p0": "MPa", "area": "mm2"}
     for gap in ("parabolic", "half-space"):
         for (name, unit), value in zip(units.items(), half_space_contact(gap), strict=True):
             yield compare("Conformal", gap, name, unit, (published[gap, name], value), CONFORMAL_LIMITS[name])
     # the published gap on the real bodies, with the published sum of forces
-    grid, code = bodies.pair.grid, "finite_elements"
-    gaps, shares = published_gaps(grid.bounds - bodies.pair.first.length / 2.0, grid.along, "half-space")
+    grid, code = bodies.grid, "finite_elements"
+    gaps, shares = published_gaps(grid.bounds - bodies.first.length / 2.0, grid.along, "half-space")
     total = published[code, "force"]
-    first = solve_normal(bodies.pair.influence, gaps, force=total, share=shares)
-    found = solve_normal(bodies.pair.influence, gaps, force=total**2 / float(first.forces.sum()), share=shares)
+    first = solve_normal(bodies.influence, gaps, force=total, share=shares)
+    found = solve_normal(bodies.influence, gaps, force=total**2 / float(first.forces.sum()), share=shares)
     cells = grid.widths[:, None] * grid.strip
     values = float((found.forces / cells).max()), float(((found.forces > 0.0) * cells).sum())
     note = "by the real bodies at the published force; the published ones and their supports are not known"

@@ -29,21 +29,20 @@ class SpatialReproduction(Reproduced):
         The rail on foundations.
     hertz
         Hertz's contacts.
-    bodies, block
-        The published conforming bodies, and the conforming blocks.
+    block
+        The conforming blocks.
 
     """
 
     bars: tuple[BarRow, ...]
     rails: tuple[RailRow, ...]
     hertz: tuple[HertzPatch, ...]
-    bodies: PatchContact
     block: PatchContact
 
     @property
     def failures(self) -> tuple[str, ...]:
         """Contacts that did not converge."""
-        contacts = {each.code: each.found for each in self.hertz} | {"bodies": self.bodies, "block": self.block}
+        contacts = {each.code: each.found for each in self.hertz} | {"block": self.block}
         return tuple(
             f"{code}: {found.status.message}" for code, found in contacts.items() if not found.status.converged
         )
@@ -76,7 +75,6 @@ def reproduce_spatial(*, quick: bool = False, progress: Callable[[str], None] = 
         bars=tuple(bars),
         rails=tuple(rails),
         hertz=tuple(hertz),
-        bodies=bodies,
         block=block,
         numbers=tuple(numbers),
         seconds=time.perf_counter() - start,
