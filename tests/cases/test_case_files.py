@@ -73,6 +73,15 @@ def test_every_case_runs_from_its_file(tmp_path, name):
     json.dumps(run.summary.to_dict(), allow_nan=False)
 
 
+def test_a_file_may_name_the_spatial_model(tmp_path):
+    """``model = "spatial"`` is the case of this name; another model is an error that names the key."""
+    text = write_template(CASES["spatial"])
+    named = file_of(tmp_path, text.replace('case = "spatial"', 'model = "spatial"'), "model.toml")
+    assert read_case(named) == read_case(file_of(tmp_path, text))
+    with pytest.raises(InputError, match="no key case"):
+        read_case(file_of(tmp_path, 'model = "solid"\n'))
+
+
 def test_a_file_of_few_lines_is_the_same_as_python(tmp_path):
     """Seven lines of TOML with one's own profile names give the case that Python gives with the same inputs."""
     text = 'case = "wheelset-curve"\nrail = "60E1"\nwheel = "S1002"\ngauge_mm = 1435.0\nspeed_km_h = 70\n'

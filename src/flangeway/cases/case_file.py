@@ -167,9 +167,11 @@ class CaseText(TomlFile):
             raise InputError(f"{self.place(('case',))}{reason.given}", reason.allowed, reason.advice) from reason
 
     def name_and_values(self) -> tuple[Any, dict[str, Any]]:
-        """Value of the key ``case``, and the inputs."""
+        """Value of the key ``case`` (``model = "spatial"`` is the case of this name), and the inputs."""
         values = dict(self.data)
         self._refuse_other_format(values.pop("flangeway", FORMAT))
+        if "case" not in values and values.get("model") == "spatial":
+            values["case"] = values.pop("model")
         if "case" not in values:
             raise InputError(
                 f"{self.file}: no key case",

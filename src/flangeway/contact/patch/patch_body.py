@@ -87,7 +87,7 @@ class PatchBody:
             raise InputError(
                 f"{self.name!r} without a support along {' and '.join(loose)}, free to move at the wavenumber 0",
                 "a body that is held, or on a foundation, along x, y and z",
-                'give held={"base": "xyz"}, or a foundation with a stiffness along each axis',
+                "hold it along x, y and z, or give a foundation with a stiffness along each axis",
             )
 
     @property
