@@ -13,6 +13,8 @@ from benchmarks import growth
 from benchmarks.measurement import fastest, fastest_in_turns
 from benchmarks.peers import PeerMissingError
 
+pytestmark = pytest.mark.ci
+
 ROOT = Path(__file__).parents[1]
 KEYS = {"work", "peer", "ours_s", "peer_s", "ratio", "ours_accuracy", "peer_accuracy", "versions"}
 

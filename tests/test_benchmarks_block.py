@@ -11,6 +11,8 @@ from benchmarks.hertz_block_peers import bodies
 from benchmarks.peers import PeerMissingError, run_python
 from benchmarks.peers.calculix_deck import deck
 
+pytestmark = pytest.mark.ci
+
 
 def test_the_block_is_the_published_contact() -> None:
     """A half cylinder of 100 mm under 2000 N/mm touches on 2 x 1.4856 mm with 857.07 MPa by Hertz."""

@@ -133,6 +133,7 @@ def tables(database):
     return found
 
 
+@pytest.mark.ci
 def test_twenty_kills_at_random_instants_leave_the_table_of_an_undisturbed_run(synthetic, tmp_path):
     """Twenty coordinators are killed, in their start and while they store rows; the table is the same, exactly.
 

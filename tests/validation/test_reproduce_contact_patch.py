@@ -19,6 +19,8 @@ from flangeway.validation.contact_patch.contact_patch_reproduced import (
 )
 from flangeway.validation.registry import REPRODUCTIONS
 
+pytestmark = pytest.mark.ci
+
 
 @pytest.fixture(scope="module")
 def found() -> ContactPatchReproduction:

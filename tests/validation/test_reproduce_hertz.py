@@ -27,6 +27,8 @@ from flangeway.validation.hertz.hertz_reproduced import (
 )
 from flangeway.validation.registry import REPRODUCTIONS
 
+pytestmark = pytest.mark.ci
+
 
 @pytest.fixture(scope="module")
 def found():

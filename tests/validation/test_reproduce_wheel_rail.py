@@ -15,6 +15,8 @@ from flangeway.validation.wheel_rail.variations import contact_name, extrapolate
 from flangeway.validation.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
 from flangeway.validation.wheel_rail.wheel_rail_tables import CASES, CODES
 
+pytestmark = pytest.mark.ci
+
 
 @pytest.fixture(scope="module")
 def found() -> WheelRailReproduction:
