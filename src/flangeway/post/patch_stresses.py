@@ -29,6 +29,15 @@ class SpatialStresses:
 
     components: Floats
 
+    def turned(self, turn: Floats) -> "SpatialStresses":
+        """In axes x, y that are turned by a matrix (2, 2)."""
+        xx, yy, zz, xy, yz, xz = self.components.T
+        plane = turn @ np.stack((xx, xy, xy, yy), axis=1).reshape(-1, 2, 2) @ turn.T
+        along = np.stack((xz, yz), axis=1) @ turn.T
+        return SpatialStresses(
+            np.stack((plane[:, 0, 0], plane[:, 1, 1], zz, plane[:, 0, 1], along[:, 1], along[:, 0]), axis=1)
+        )
+
     @cached_property
     def principal(self) -> Floats:
         """Principal stresses, descending, shape (n, 3)."""
@@ -101,17 +110,7 @@ class SectionStresses:
             values = monomials.evaluate(space.order, reconstruction.frame.local(batch.vertices))[: stress.shape[1]]
             places = space.mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
             components[places] = np.einsum("sae,ave->evs", stress, values)
-        return self.in_common_axes(components)
-
-    def in_common_axes(self, components: Floats) -> SpatialStresses:
-        """Turn components (n, 6) from the frame of the section into the common axes."""
-        xx, yy, zz, xy, yz, xz = components.T
-        turn = self.body.placement.matrix
-        plane = turn @ np.stack((xx, xy, xy, yy), axis=1).reshape(-1, 2, 2) @ turn.T
-        along = np.stack((xz, yz), axis=1) @ turn.T
-        return SpatialStresses(
-            np.stack((plane[:, 0, 0], plane[:, 1, 1], zz, plane[:, 0, 1], along[:, 1], along[:, 0]), axis=1)
-        )
+        return SpatialStresses(components).turned(self.body.placement.matrix)
 
     def at(self, points: Floats) -> SpatialStresses:
         """Stresses at points (n, 2) of the common axes; not-a-number outside of the body."""
@@ -121,7 +120,7 @@ class SectionStresses:
         components = np.full((len(local), 6), np.nan)
         inside = cells != OUTSIDE
         components[inside] = polynomials_at(space, local[inside], cells[inside], self.polynomials, 6)
-        return self.in_common_axes(components)
+        return SpatialStresses(components).turned(self.body.placement.matrix)
 
 
 def patch_stresses(
@@ -181,8 +180,4 @@ def depth_profile(section: SectionStresses, patch: ContactEllipse, depths: Float
         inward = -inward
     stresses = section.at(feet[nearest] + depths[:, None] * inward)
     turn = np.array([[inward[1], -inward[0]], [inward[0], inward[1]]])
-    xx, yy, zz, xy, yz, xz = stresses.components.T
-    plane = turn @ np.stack((xx, xy, xy, yy), axis=1).reshape(-1, 2, 2) @ turn.T
-    along = np.stack((xz, yz), axis=1) @ turn.T
-    turned = (plane[:, 0, 0], plane[:, 1, 1], zz, plane[:, 0, 1], along[:, 1], along[:, 0])
-    return DepthProfile(depths, SpatialStresses(np.stack(turned, axis=1)))
+    return DepthProfile(depths, stresses.turned(turn))

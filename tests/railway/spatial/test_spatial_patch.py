@@ -2,12 +2,11 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
-from scipy.special import ellipe, ellipk
 
 from flangeway.cases.wheelset.wheelset_case import WheelsetTangentCase
 from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.errors import InputError
+from flangeway.exact import PointContact
 from flangeway.railway.spatial.spatial_patch import spatial_patch
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
 
@@ -25,21 +24,6 @@ def patch_of(method: str, order: int, size: float, side: str = "right") -> Patch
     return spatial_patch(
         model_of(method, order, size), side, FORCE, cell_mm=0.5, window_mm=(13.0, 20.0), tolerance=5e-3
     )
-
-
-def hertz() -> tuple[float, float, float]:
-    """Maximum pressure and semi-axes along and across of the ellipse."""
-    modulus = 210e3 / (1.0 - 0.3**2) / 2.0
-    force, along = FORCE * np.hypot(1.0, INCLINATION), RADIUS * np.hypot(1.0, INCLINATION)
-    sum_of_curvatures = (1.0 / CROWN + 1.0 / along) / 2.0
-
-    def ratio(square: float) -> float:
-        return (ellipe(square) / (1.0 - square) - ellipk(square)) / (ellipk(square) - ellipe(square))
-
-    square = brentq(lambda m: ratio(m) - along / CROWN, 1e-9, 1.0 - 1e-9)
-    long = (3.0 * force * ellipe(square) / (2.0 * np.pi * modulus * (1.0 - square) * sum_of_curvatures)) ** (1.0 / 3.0)
-    short = long * np.sqrt(1.0 - square)
-    return 3.0 * force / (2.0 * np.pi * long * short), long, short
 
 
 @pytest.fixture(scope="module")
@@ -61,11 +45,12 @@ def test_a_wheel_on_the_crown_of_a_rail_touches_as_hertz_says(patches, method) -
     """Pressure of AAR-1B on 136RE under 150 kN to 1 %, semi-axes to 1 %, whatever the element."""
     found = patches[method]
     assert found.contact.status.converged
-    peak, long, short = hertz()
-    assert found.pressures.max() == pytest.approx(peak, rel=1e-2)
+    inclined = np.hypot(1.0, INCLINATION)
+    hertz = PointContact(FORCE * inclined, CROWN, RADIUS * inclined, 210e3 / (1.0 - 0.3**2) / 2.0)
+    assert found.pressures.max() == pytest.approx(hertz.max_pressure, rel=1e-2)
     np.testing.assert_allclose(found.force[1], FORCE, rtol=1e-9)
     assert len(found.patches) == 1
-    np.testing.assert_allclose(found.patches[0].semi_axes, (long, short), rtol=1e-2)
+    np.testing.assert_allclose(found.patches[0].semi_axes, hertz.semi_axes[::-1], rtol=1e-2)
     assert abs(found.patches[0].angle_rad) < 1e-6
 
 

@@ -7,16 +7,15 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from flangeway.elements import Element, Lagrange, Virtual, monomials
-from flangeway.elements.monomials import Frame
+from flangeway.elements import Element, Lagrange, Reconstruction, Virtual
 from flangeway.geometry import polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, dual, rectangle_grid, triangulate
-from flangeway.post.lines import locate
+from flangeway.post.lines import locate, polynomials_at
 from flangeway.problems import Elasticity, Harmonic, Pressure
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.solve import solve_harmonic
-from flangeway.space import Space
+from flangeway.space import CellBatch, Space
 from flangeway.types import Floats
 from flangeway.validation.published_numbers import ReproducedNumber, compare, published_rows
 
@@ -197,17 +196,15 @@ def _disc_numbers() -> Iterator[ReproducedNumber]:
 def fields_at(harmonic: Harmonic, amplitudes: Floats, wavenumber: float, points: Floats) -> tuple[Floats, Floats]:
     """Amplitudes of the six stresses (n, 6) and of the displacements (n, 3) at points (n, 2) inside the body."""
     space = harmonic.elasticity.space
-    cells = locate(space.mesh, points)
-    stresses, displacements = np.empty((len(points), 6)), np.empty((len(points), 3))
-    for batch in space.batches():
-        here, columns = np.nonzero(cells[:, None] == batch.cells)
+
+    def stresses_and_displacements(batch: CellBatch) -> tuple[Reconstruction, Floats]:
         reconstruction, stress = harmonic.cell_stresses(batch, amplitudes, wavenumber)
-        frame = Frame(reconstruction.frame.origin[:, columns], reconstruction.frame.map[:, :, columns])
-        at = monomials.evaluate(reconstruction.order, frame.local(points[here].T))
-        stresses[here] = np.einsum("spe,pe->es", stress[..., columns], at[: stress.shape[1]])
-        local = amplitudes[batch.dofs[:, columns]]
-        displacements[here] = np.einsum("pme,mei,pe->ei", reconstruction.projected_value[..., columns], local, at)
-    return stresses, displacements
+        moved = np.einsum("pme,mei->ipe", reconstruction.projected_value, amplitudes[batch.dofs])
+        missing = moved.shape[1] - stress.shape[1]  # stresses have a lower degree
+        return reconstruction, np.concatenate((np.pad(stress, ((0, 0), (0, missing), (0, 0))), moved))
+
+    found = polynomials_at(space, points, locate(space.mesh, points), stresses_and_displacements, 9)
+    return found[:, :6], found[:, 6:]
 
 
 def _bar(n_sides: int, element: Element, *, graded: bool) -> tuple[Harmonic, EdgeQuadrature]:
