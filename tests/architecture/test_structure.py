@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 700,
     "materials": 400,
     "problems": 2170,
-    "solve": 3040,
+    "solve": 3045,
     "contact": 4290,
     "post": 1820,
     "railway.profiles": 3280,
@@ -29,7 +29,7 @@ MAX_LINES = {
     "railway.rigid": 1920,
     "railway.wheelset": 1680,
     "railway.positions": 2500,
-    "railway.spatial": 80,
+    "railway.spatial": 455,
     "cases": 6130,
     "campaign": 1780,
     "report": 5965,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 51_405
-MAX_FILES_OF_ALL = 275
+MAX_LINES_OF_ALL = 51_785
+MAX_FILES_OF_ALL = 277
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

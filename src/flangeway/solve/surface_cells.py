@@ -1,4 +1,4 @@
-"""Rows of cells on a prism's surface, and their compliance at one wavenumber.
+"""Rows of cells on the surface of a prism or a body of revolution, and their compliance at one wavenumber.
 
 A contact surface is a row of cells across, each some edges of the plane mesh with a frame of its own (tangent, outward
 normal, z). C(k) are the mean displacements of the cells by uniform loads on them. A wave of the number k reaches about
@@ -65,12 +65,12 @@ class _CutMesh:
 
 @dataclass(frozen=True, eq=False)
 class SurfaceCells:
-    """A row of cells on a prism's surface.
+    """A row of cells on the surface of a prism, or of a body of revolution that does not reach its axis.
 
     Parameters
     ----------
     problem
-        The prism with its supports.
+        The body with its supports.
     edges
         Boundary edges one after the other, body on their left, shape (n_edges, 2).
     bounds
@@ -89,8 +89,8 @@ class SurfaceCells:
             raise InputError(
                 f"cells on edges of shape {edges.shape}", "edges that follow each other", "order them along the surface"
             )
-        if self.problem.revolution:
-            raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
+        if self.problem.revolution and len(self.problem.axis_nodes):
+            raise InputError("surface cells of a section that reaches the axis", "a hole along it", "draw a small bore")
         first, last = self.limits[0], self.limits[-1]
         length = self._stations[-1]
         if not (np.diff(self.limits) > 0.0).all() or first < -SAME * length or last > (1.0 + SAME) * length:
@@ -222,12 +222,12 @@ class SurfaceCells:
         return _CutMesh(depth, parts, inner, groups.astype(np.int32), scale)
 
     def compliance(self, wavenumber: float) -> Floats:
-        """Mean displacements of the cells by unit forces per length on them at a wavenumber, in their frames.
+        """Mean displacements of the cells by unit forces on them at a wavenumber, in their frames.
 
         Parameters
         ----------
         wavenumber
-            k > 0.
+            k > 0 of a prism, the forces per length; n >= 0 of a body of revolution, the forces per radian.
 
         Returns
         -------
@@ -237,7 +237,7 @@ class SurfaceCells:
         Raises
         ------
         InputError
-            If the prism can move without strain.
+            If the body can move without strain.
 
         """
         return self.compliance_and_bytes(wavenumber)[0]
@@ -245,7 +245,9 @@ class SurfaceCells:
     def compliance_and_bytes(self, wavenumber: float) -> tuple[Floats, int]:
         """Do the same, and say how many bytes the factorisation took."""
         whole, *cut = self._cut_meshes
-        mesh = min([whole, *(each for each in cut if wavenumber * each.depth >= WAVE_DEPTH)], key=lambda one: one.depth)
+        space = self.problem.elasticity.space
+        per_length = wavenumber / np.max(self.problem.depth(space.nodes))
+        mesh = min([whole, *(each for each in cut if per_length * each.depth >= WAVE_DEPTH)], key=lambda one: one.depth)
         matrix = at_wavenumber(mesh.parts, wavenumber)
         matrix = replace(matrix, values=mesh.inner.eliminated(matrix.values, wavenumber))
         border = np.arange(matrix.n - 3 * self.n_cells, matrix.n, dtype=np.int32)
@@ -254,7 +256,7 @@ class SurfaceCells:
         except NotPositiveDefiniteError as error:
             raise InputError(
                 f"body `{self.problem.elasticity.name}` at wavenumber {wavenumber:g}: it can move without strain",
-                "a prism that is held, or on a foundation, along x, y and z",
+                "a body that is held, or on a foundation, along x, y and z",
                 "give held=... or foundations=...",
             ) from error
         return factor.schur() / -(mesh.scale**2), factor.peak_bytes

@@ -164,6 +164,8 @@ def compliance_table(
             "0 < least < maximum, and a tolerance > 0",
             "give per length",
         )
+    if cells.problem.revolution:
+        raise InputError("surface cells of a body of revolution", "a prism", "take the prism of its section")
     key = cells.key(least, maximum, tolerance, (PER_DECADE, MOST_DOUBLINGS, HALVED)) if cache is not None else None
     if cache is None or key is None:
         found: Arrays = _computed(cells, least, maximum, tolerance, progress)
@@ -179,12 +181,12 @@ def _computed(
     size = 8 * (3 * cells.n_cells) ** 2
     refuse_beyond_memory(f"the compliance of {cells.n_cells} cells at {2 * count} wavenumbers", 6 * count * size)
     logs = np.linspace(np.log(least), np.log(maximum), count)
-    values = _at_all(cells, logs)
+    values = compliances(cells, np.exp(logs))
     open_intervals = np.ones(count - 1, dtype=np.bool_)
     error = 0.0
     for stage in range(MOST_DOUBLINGS):
         middles = (logs[:-1] + logs[1:])[open_intervals] / 2.0
-        new = _at_all(cells, middles)
+        new = compliances(cells, np.exp(middles))
         scaled = values * np.exp(logs)[:, None, None]
         missed = _spline(logs, scaled)(middles) - new * np.exp(middles)[:, None, None]
         errors = np.abs(missed).max(axis=(1, 2)) / np.abs(scaled).max() / HALVED
@@ -207,13 +209,12 @@ def _spline(logs: Floats, values: Floats) -> CubicSpline:
     return CubicSpline(logs, values, bc_type="not-a-knot")
 
 
-def _at_all(cells: SurfaceCells, logs: Floats) -> Floats:
-    """Compliances at wavenumbers exp(logs), side by side on as many cores as there is memory for."""
-    wavenumbers = np.exp(logs).tolist()
+def compliances(cells: SurfaceCells, wavenumbers: Floats) -> Floats:
+    """Compliances at wavenumbers, side by side on as many cores as there is memory for."""
     first, n_bytes = cells.compliance_and_bytes(wavenumbers[0])
     with ThreadPoolExecutor(max(1, min(n_threads(), memory_left() // n_bytes))) as pool:
         # where one raises, as where the user interrupts, those that have not begun are dropped
-        return np.stack([first, *pool.map(cells.compliance, wavenumbers[1:])])
+        return np.stack([first, *pool.map(cells.compliance, wavenumbers[1:].tolist())])
 
 
 def inverse_weights(wavenumbers: Floats, distances: Floats, strip: float, averaged: int = 2) -> tuple[Floats, Floats]:

@@ -1,0 +1,273 @@
+"""Whole wheels, rim, web and hub, as bodies of revolution held at their bores.
+
+Contact takes the prism of a wheel's rim, held at its cut. What the whole wheel gives more is almost the same for all
+strips of a patch: it is added as one matrix for the row of cells across. Waves around the wheel are summed one by one
+for n <= 8 and by a spline over log n beyond, each less that of the prism of the same length along the surface.
+"""
+
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from flangeway.checks import check_finite, check_positive
+from flangeway.elements import Lagrange
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Line, Outline, Placement, Segment, as_point
+from flangeway.mesh import Refinement, triangulate
+from flangeway.problems import Elasticity, Harmonic
+from flangeway.railway.profiles.bundled import WheelProfile
+from flangeway.solve import SurfaceCells
+from flangeway.solve.surface_compliance import compliances
+from flangeway.space import Space
+from flangeway.system.disk_cache import Arrays, Cache
+from flangeway.types import Floats
+
+ONE_BY_ONE = 8
+"""Harmonics that are computed each."""
+PER_DECADE = 4
+"""Those beyond for each decade."""
+SHORTEST_MM = 20.0
+"""Wave along the surface beyond which prism and wheel are the same."""
+BODY_MM = 7.0
+"""Edges of the mesh of a whole wheel away from its cells."""
+EDGES_A_CELL = 3.0
+"""Those at the cells for each of them; for the shortest wave `EDGES_A_WAVE`."""
+EDGES_A_WAVE = 8.0
+GROWTH = 0.3
+OFF_MM = 0.5
+"""Distance of cells from a wheel's outline that is more than a chord's."""
+FACES = ("outer_face", "cut", "back_face")
+
+
+@dataclass(frozen=True)
+class WheelDisc:
+    """Dimensions of a monobloc wheel inside of its running surface, in mm, x from the tape line.
+
+    Those by default are assumed: a wheel of 920 mm of usual proportions, with a straight conical web and a wheel seat
+    of 200 mm. No public source gives a drawing.
+
+    Parameters
+    ----------
+    rim_mm
+        Thickness of the rim above the tape line.
+    web_mm
+        Thickness of the web at the rim and at the hub.
+    web_middle_mm
+        Place x of the web's middle at the rim and at the hub.
+    fillet_mm
+        Radius of the four fillets between the web, rim and hub.
+    hub_mm
+        Places x of the hub's inner and outer face.
+    hub_radius_mm, bore_radius_mm
+        Radii of the hub and of its bore.
+
+    Raises
+    ------
+    InputError
+        If a length is not positive, or the hub has no thickness or length.
+
+    """
+
+    rim_mm: float = 65.0
+    web_mm: tuple[float, float] = (22.0, 30.0)
+    web_middle_mm: tuple[float, float] = (0.0, -25.0)
+    fillet_mm: float = 35.0
+    hub_mm: tuple[float, float] = (-115.0, 65.0)
+    hub_radius_mm: float = 140.0
+    bore_radius_mm: float = 100.0
+
+    def __post_init__(self) -> None:
+        for each in fields(self):
+            value = getattr(self, each.name)
+            for number in value if isinstance(value, tuple) else (value,):
+                if each.name in ("web_middle_mm", "hub_mm"):
+                    check_finite("WheelDisc", each.name, number)
+                else:
+                    check_positive("WheelDisc", each.name, number, "positive lengths", "give it in mm")
+        if not (self.hub_mm[0] < self.hub_mm[1] and self.bore_radius_mm < self.hub_radius_mm):
+            raise InputError(
+                f"a hub from {self.hub_mm[0]:g} to {self.hub_mm[1]:g} mm and radii of {self.bore_radius_mm:g} and "
+                f"{self.hub_radius_mm:g} mm",
+                "an inner face left of the outer one, and a bore smaller than the hub",
+                "exchange or correct them",
+            )
+
+
+def whole_wheel(profile: WheelProfile, radius_mm: float, disc: WheelDisc | None = None) -> WheelProfile:
+    """Put rim, web and hub on the running surface of a wheel.
+
+    Parameters
+    ----------
+    profile
+        A bundled or measured wheel. What it has above its running surface is replaced.
+    radius_mm
+        Radius at the tape line.
+    disc
+        Dimensions; those of `WheelDisc` by default.
+
+    Returns
+    -------
+    WheelProfile
+        In the same frame. Its cut is the bore.
+
+    Raises
+    ------
+    InputError
+        If the parts do not fit each other.
+
+    """
+    disc = WheelDisc() if disc is None else disc
+    kept = [(n, s) for n, s in zip(profile.outline.names, profile.outline.segments, strict=True) if n not in FACES]
+    first = next(i for i in range(len(kept)) if kept[i][1].start != kept[i - 1][1].end)
+    kept = [*kept[first:], *kept[:first]]
+    back, outer = kept[0][1].start, kept[-1][1].end
+    hub, bore = radius_mm - disc.hub_radius_mm, radius_mm - disc.bore_radius_mm
+    (low, high), (at_rim, at_hub) = disc.web_mm, disc.web_middle_mm
+    corners = [
+        (outer, "outer_face", 0.0),
+        ((outer[0], disc.rim_mm), "rim", 0.0),
+        ((at_rim + low / 2.0, disc.rim_mm), "web", disc.fillet_mm),
+        ((at_hub + high / 2.0, hub), "hub", disc.fillet_mm),
+        ((disc.hub_mm[1], hub), "hub", 0.0),
+        ((disc.hub_mm[1], bore), "cut", 0.0),
+        ((disc.hub_mm[0], bore), "hub", 0.0),
+        ((disc.hub_mm[0], hub), "hub", 0.0),
+        ((at_hub - high / 2.0, hub), "web", disc.fillet_mm),
+        ((at_rim - low / 2.0, disc.rim_mm), "rim", disc.fillet_mm),
+        ((back[0], disc.rim_mm), "back_face", 0.0),
+        (back, "", 0.0),
+    ]
+    places = np.array([corner for corner, _, _ in corners])
+    if (np.diff(places[[0, 1, 3, 5]], axis=0)[:, 1] <= 0.0).any() or back[1] >= disc.rim_mm:
+        raise InputError(
+            f"a wheel of the radius {radius_mm:g} mm, its running surface up to {max(back[1], outer[1]):.4g} mm above "
+            f"the tape line, its rim up to {disc.rim_mm:g} mm, its hub from {hub:.4g} to {bore:.4g} mm",
+            "parts that follow each other",
+            "correct the radii or the rim's thickness",
+        )
+    kept += _rounded(places, [name for _, name, _ in corners[:-1]], [radius for _, _, radius in corners])
+    outline = Outline.from_segments([segment for _, segment in kept], [name for name, _ in kept])
+    return replace(
+        profile,
+        title=f"{profile.title} with web and hub",
+        outline=outline,
+        certainty=f"{profile.certainty} Rim, web and hub: dimensions as given, those by default assumed.",
+    )
+
+
+def _rounded(corners: Floats, names: list[str], radii: list[float]) -> list[tuple[str, Segment]]:
+    """Return the named sides between corners (n, 2) and the fillets of some radii at them."""
+    steps = np.diff(corners, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    ways = steps / lengths[:, None]
+    turns = np.concatenate(([0.0], np.arctan2(ways[:-1, 0] * ways[1:, 1] - ways[:-1, 1] * ways[1:, 0],
+                                              (ways[:-1] * ways[1:]).sum(axis=1)), [0.0]))  # fmt: skip
+    cuts = np.array(radii) * np.tan(np.abs(turns) / 2.0)
+    if (cuts[:-1] + cuts[1:] >= lengths).any():
+        at = int(np.argmax(cuts[:-1] + cuts[1:] - lengths))
+        raise InputError(
+            f"fillets that take {cuts[at] + cuts[at + 1]:.4g} mm of {lengths[at]:.4g} mm of the {names[at]}",
+            "fillets that fit between the rim and the hub",
+            "give a smaller fillet_mm, a thinner web, or another web_middle_mm",
+        )
+    starts, ends = corners[:-1] + cuts[:-1, None] * ways, corners[1:] - cuts[1:, None] * ways
+    pieces: list[tuple[str, Segment]] = []
+    for i, name in enumerate(names):
+        pieces.append((name, Line(as_point(starts[i]), as_point(ends[i]))))
+        if cuts[i + 1] > 0.0:
+            left = np.sign(turns[i + 1])
+            centre = ends[i] + left * radii[i + 1] * np.array([-ways[i, 1], ways[i, 0]])
+            pieces.append(("web", Arc(as_point(ends[i]), as_point(starts[i + 1]), as_point(centre), bool(left > 0.0))))
+    return pieces
+
+
+def wheel_correction(whole: WheelProfile, radius_mm: float, cells: SurfaceCells, cache: Cache | None = None) -> Floats:
+    """What a whole wheel, held at its bore, gives more than the prism of its rim at the place of the force.
+
+    Parameters
+    ----------
+    whole
+        The wheel with web and hub; its ``cut`` is the bore.
+    radius_mm
+        Radius at the tape line.
+    cells
+        Cells of the prism, in the wheel's frame.
+    cache
+        Where results are kept from one process to the next.
+
+    Returns
+    -------
+    Floats
+        Mean displacements of cells by unit forces on cells, in mm/N, both in the cells' frames: (n, 3, n, 3).
+
+    Raises
+    ------
+    InputError
+        If the cells are not on the wheel's surface.
+
+    """
+    key = cells.key("wheel", whole.outline.segments, whole.outline.names, radius_mm, _SETTINGS) if cache else None
+
+    def make() -> Arrays:
+        return {"values": _correction(revolved(whole, radius_mm, cells), cells)}
+
+    values = make() if cache is None or key is None else cache.get(key, make)
+    return values["values"]
+
+
+_SETTINGS = (ONE_BY_ONE, PER_DECADE, SHORTEST_MM, BODY_MM, EDGES_A_CELL, EDGES_A_WAVE, GROWTH)
+
+
+def revolved(whole: WheelProfile, radius_mm: float, cells: SurfaceCells) -> SurfaceCells:
+    """Cells at the same places of a running surface on the whole wheel as a body of revolution held at its bore.
+
+    An `InputError` if they are not on it, or the material is not isotropic.
+    """
+    if cells.material is None:
+        raise InputError("a wheel of several or anisotropic materials", "one isotropic material", "leave its web out")
+    off = float(whole.outline.closest(cells.ends)[2].max())
+    if off > OFF_MM:
+        raise InputError(
+            f"cells {off:.3g} mm from the outline of {whole.title}",
+            "cells on the wheel's running surface, in its frame",
+            "take the profile that the rim was meshed from",
+        )
+    size = min(SHORTEST_MM / EDGES_A_WAVE, float(cells.widths.min()) / EDGES_A_CELL)
+    turned = Placement(np.pi / 2.0, (radius_mm, 0.0))  # x the radius, y along the axle
+    zone = Refinement(turned.points(cells.ends), size, GROWTH)
+    mesh = triangulate(whole.outline.transformed(turned), size=BODY_MM, refinements=[zone])
+    chain = mesh.chain(*(name for name in dict.fromkeys(whole.outline.names) if name != "cut")).astype(np.int64)
+    points, ends = mesh.points[chain], turned.points(cells.ends)
+    steps = np.diff(points, axis=0)
+    lengths = np.linalg.norm(steps, axis=1)
+    shares = np.clip(np.einsum("pec,ec->pe", ends[:, None] - points[:-1], steps) / lengths**2, 0.0, 1.0)
+    apart = np.linalg.norm(points[:-1] + shares[..., None] * steps - ends[:, None], axis=2)
+    nearest = apart.argmin(axis=1)
+    bounds = np.concatenate(([0.0], np.cumsum(lengths)))[nearest] + (shares * lengths)[np.arange(len(ends)), nearest]
+    material, name = replace(cells.material, hypothesis="axisymmetric"), cells.problem.elasticity.name
+    problem = Harmonic(Elasticity(Space(mesh, Lagrange(2)), material, name=name), held={"cut": "xyz"})
+    return SurfaceCells(problem, np.stack((chain[:-1], chain[1:]), axis=1), bounds)
+
+
+def _correction(wheel: SurfaceCells, prism: SurfaceCells) -> Floats:
+    """Sum of the harmonics of a wheel less those of a prism closed to a ring of the same length."""
+    radii = wheel.middles[:, 0]
+    mean = float(radii.mean())
+    top = 2.0 * np.pi * mean / SHORTEST_MM
+    steps = int(np.ceil(PER_DECADE * np.log10(top / ONE_BY_ONE))) + 1
+    numbers: Floats = np.append(np.arange(ONE_BY_ONE), np.geomspace(ONE_BY_ONE, round(top), steps))
+    found = compliances(wheel, numbers)
+    more = found - compliances(prism, numbers / mean) / mean
+    # n times the difference is a spline over log n; the first and the last term count half
+    weights = (numbers <= ONE_BY_ONE).astype(np.float64)
+    weights[0] = 0.5
+    between = np.arange(ONE_BY_ONE + 1, round(top) + 1)
+    shares = np.where(between == between[-1], 0.5, 1.0) / between
+    weights[1:] += shares @ CubicSpline(np.log(numbers[1:]), np.eye(len(numbers) - 1))(np.log(between)) * numbers[1:]
+    result = np.tensordot(weights, more, axes=1).reshape(len(radii), 3, len(radii), 3)
+    # cells at other radii reach the length of the last wave at another number
+    last = (numbers[-1] * found[-1]).reshape(result.shape)
+    result += last * np.log((radii[:, None, None] + radii[:, None]) / (2.0 * mean))[:, None]
+    result[:, 2, :, :2] = result[:, :2, :, 2] = 0.0  # odd around the place of the force
+    return result / np.pi
