@@ -1,5 +1,6 @@
 """Normal contact on a grid of cells: dense across, a convolution along z."""
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -22,21 +23,28 @@ class Convolution:
     Parameters
     ----------
     coefficients
-        At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, n, n), by displacement and force; at negative
-        distances the transpose.
+        At the distances 0, dz, 2 dz, ... of all strips, shape (n_strips, n, n), by displacement and force.
+    behind
+        At the distances 0, -dz, -2 dz, ...; left out: the transpose.
 
     """
 
-    def __init__(self, coefficients: Floats) -> None:
+    def __init__(self, coefficients: Floats, behind: Floats | None = None) -> None:
         n_strips = len(coefficients)
         self.shape = (coefficients.shape[1], n_strips)
         kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
         kernel[:n_strips] = coefficients
-        kernel[n_strips + 1 :] = coefficients[:0:-1].swapaxes(1, 2)
+        kernel[n_strips + 1 :] = (coefficients.swapaxes(1, 2) if behind is None else behind)[:0:-1]
         spectrum = scipy.fft.rfft(kernel, axis=0)
         # normal displacements by normal forces are even in z: half of the work
         even = np.abs(spectrum.imag).max() <= EVEN * np.abs(spectrum.real).max()
         self._spectrum = np.ascontiguousarray(spectrum.real) if even else spectrum
+
+    def inverted(self) -> "Convolution":
+        """The inverse on twice the strips without ends: near the inverse of this one."""
+        found = copy(self)
+        found._spectrum = np.linalg.inv(self._spectrum)
+        return found
 
     def __call__(self, forces: Floats) -> Floats:
         """Displacements (n, n_strips) by forces (n, n_strips)."""

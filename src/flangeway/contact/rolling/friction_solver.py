@@ -1,0 +1,243 @@
+"""Tangential forces within Coulomb's limit for a given rigid slip: a semismooth Newton method with GMRES and FFT.
+
+With tangential forces f of the cells, slip ``S = g + B f`` and limits ``m = mu p``, friction demands
+``f = P(f - r S)`` for any r > 0, where P projects on the disc of radius m of each cell: where ``|f| < m`` there is no
+slip, elsewhere f is opposite to it (Kalker, 1990, "Three-dimensional elastic bodies in rolling contact", 4). B is
+monotone, so there is one solution. Newton's method for this equation solves ``S = 0`` on the cells that stick and the
+tangential part of the law on the others.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.signal import lfilter
+from scipy.sparse.linalg import LinearOperator, gmres
+
+from flangeway.contact.patch.normal_contact import Convolution
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats
+
+MOST_STEPS = 60
+FORCING = 1e-2
+"""Residual of the linear equations over that before."""
+RESTART, CYCLES = 80, 3
+DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
+"""Part of a step by which the residual must fall, and the smallest part that is tried."""
+ROUND_OFF = 1e-12
+"""Residual over the limits that is none."""
+COARSE = 20
+"""Cells of a side from which a grid of twice as large cells is solved first."""
+
+
+class SlipOperator:
+    """Slip of cells by tangential forces: ``sum_k w_k u(z + k dz)`` with their displacements u.
+
+    Parameters
+    ----------
+    coefficients
+        Displacements along t and z by forces, at the distances 0, dz, ..., shape (n_strips + n_weights - 1 or more,
+        2 n_cells, 2 n_cells).
+    weights
+        ``(1,)`` for a shift, ``(1, -1)`` or ``(1.5, -2, 0.5)`` for steady rolling to +z.
+    n_strips
+        Number of strips.
+
+    """
+
+    def __init__(self, coefficients: Floats, weights: tuple[float, ...], n_strips: int) -> None:
+        self.coefficients, self.weights = coefficients, weights
+        last, first = n_strips + len(weights) - 1, len(weights) - 1
+        both = np.concatenate((coefficients[last - 1 : 0 : -1].swapaxes(1, 2), coefficients[:last]))
+        width = 2 * n_strips - 1
+        slips = np.sum([w * both[first + k : first + k + width] for k, w in enumerate(weights)], axis=0)
+        self._slips = Convolution(slips[n_strips - 1 :], slips[n_strips - 1 :: -1])
+        self.shape = (coefficients.shape[1] // 2, 2, n_strips)
+        own = np.diagonal(slips[n_strips - 1]).reshape(-1, 2).mean(axis=1)
+        self.scale: Floats = 1.0 / own[:, None, None]
+        """Force over slip of each cell by itself."""
+
+    @cached_property
+    def _inverse(self) -> Convolution:
+        return Convolution(self.coefficients[: self.shape[2]]).inverted()
+
+    def __call__(self, forces: Floats) -> Floats:
+        """Slip (n_cells, 2, n_strips) by forces."""
+        return self._slips(forces.reshape(-1, self.shape[2])).reshape(self.shape)
+
+    def preconditioned(self, slips: Floats) -> Floats:
+        """Forces that nearly give slips: the inverse without ends, then the inverse of the difference along z."""
+        found = self._inverse(slips.reshape(-1, self.shape[2]))
+        if len(self.weights) > 1:
+            found = lfilter([1.0], self.weights, found[:, ::-1], axis=1)[:, ::-1]
+        return found.reshape(self.shape)
+
+    @cached_property
+    def coarser(self) -> "SlipOperator":
+        """The operator on cells of twice the size: mean displacements by evenly spread forces."""
+        n_cells, _, n_strips = self.shape
+        rows = np.arange(2 * n_cells)
+        share = np.zeros((2 * n_cells, 2 * ((n_cells + 1) // 2)))
+        share[rows, 2 * (rows // 4) + rows % 2] = 1.0
+        share /= share.sum(axis=0)
+        n_coarse = (n_strips + 1) // 2 + len(self.weights) - 1
+        missing = max(2 * n_coarse - len(self.coefficients), 0)
+        fine = np.pad(self.coefficients, ((0, missing), (0, 0), (0, 0)), mode="edge")
+        fine = share.T @ fine @ share
+        before = np.concatenate((fine[1:2].swapaxes(1, 2), fine[1:-1:2]))[:n_coarse]
+        pairs = fine[: 2 * n_coarse : 2] / 2.0 + (before + fine[1 : 2 * n_coarse : 2]) / 4.0
+        return SlipOperator(pairs, self.weights, (n_strips + 1) // 2)
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionState:
+    """Forces with what follows from them.
+
+    Parameters
+    ----------
+    forces, slips
+        Tangential forces on the second body and its slip, shape (n_cells, 2, n_strips).
+    length
+        Length of ``f - r S``, shape (n_cells, 1, n_strips).
+    direction
+        Direction of the same.
+    sticks
+        Where it is within the limit, and there is pressure.
+    residual
+        ``f - P(f - r S)``.
+
+    """
+
+    forces: Floats
+    slips: Floats
+    length: Floats
+    direction: Floats
+    sticks: Bools
+    residual: Floats
+
+    @cached_property
+    def norm(self) -> float:
+        """Norm of the residual."""
+        return float(np.linalg.norm(self.residual))
+
+
+@dataclass(frozen=True, eq=False)
+class FrictionProblem:
+    """Rigid slip (n_cells, 2, n_strips) and limits (n_cells, n_strips) of the forces for an operator."""
+
+    operator: SlipOperator
+    rigid: Floats
+    limits: Floats
+
+    @cached_property
+    def loaded(self) -> Bools:
+        """Cells with a limit above 0, shape (n_cells, 1, n_strips)."""
+        return self.limits[:, None] > 0.0
+
+    def state(self, forces: Floats) -> FrictionState:
+        """Slip and residual of forces."""
+        slips, limits = self.rigid + self.operator(forces), self.limits[:, None]
+        trial = forces - self.operator.scale * slips
+        length = np.maximum(np.linalg.norm(trial, axis=1, keepdims=True), np.finfo(float).tiny)
+        within = length <= limits
+        projected = np.where(within, trial, trial * (limits / length))
+        return FrictionState(forces, slips, length, trial / length, within & self.loaded, forces - projected)
+
+    def solve(self, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
+        """Find the forces.
+
+        Parameters
+        ----------
+        start
+            Forces to start from; without them those of a coarser grid.
+        tolerance
+            Norm of the residual over that without forces at which the iteration ends: in slip that is of the limits,
+            at small creepages of what single cells would carry.
+
+        """
+        if start is None:
+            start = self._nested(tolerance)
+        none = self.state(np.zeros(self.rigid.shape))
+        whole = max(none.norm, ROUND_OFF * float(np.linalg.norm(self.limits)), np.finfo(float).tiny)
+        state = self.state(self._within(start))
+        step, part = 0, 1.0
+        while state.norm > tolerance * whole and step < MOST_STEPS and part > 0.0:
+            step += 1
+            change = self.solved(state, state.residual, FORCING)
+            part, best = 1.0, state
+            while part >= LEAST_STEP:
+                trial = self.state(state.forces - part * change)
+                best = min(best, trial, key=lambda each: each.norm)
+                if trial.norm <= (1.0 - DECREASE * part) * state.norm:
+                    break
+                part /= 2.0
+            part = 0.0 if best is state else part
+            state = best
+        error = state.norm / whole
+        last = self.state(state.forces - state.residual)  # within the limits exactly
+        advice = "" if error <= tolerance else "; start from a neighbouring result, or take larger cells"
+        message = f"forces satisfy the law of friction to {error:.1e} after {step} steps{advice}"
+        return last, Status(error <= tolerance, message, step)
+
+    def solved(self, state: FrictionState, right: Floats, tolerance: float) -> Floats:
+        """Solve the linearised law for a change of the residual."""
+        shape, scale, slipping = right.shape, self.operator.scale, self.loaded & ~state.sticks
+        ratio = np.where(slipping, self.limits[:, None] / state.length, 0.0)
+        n = state.direction
+
+        def law(vector: Floats) -> Floats:
+            forces = vector.reshape(shape)
+            moved = scale * self.operator(np.where(self.loaded, forces, 0.0))
+            # where it slips: df - ratio (1 - n n') (df - r dS)
+            other = forces - ratio * (forces - moved)
+            other += n * (ratio * np.sum(n * (forces - moved), axis=1, keepdims=True))
+            return np.where(state.sticks, moved, np.where(slipping, other, forces)).ravel()
+
+        def near(vector: Floats) -> Floats:
+            values = vector.reshape(shape)
+            inside = self.operator.preconditioned(np.where(state.sticks, values / scale, 0.0))
+            return np.where(state.sticks, inside, values).ravel()
+
+        whole = (right.size, right.size)
+        found, _ = gmres(
+            LinearOperator(whole, law, dtype=np.float64),
+            right.ravel(),
+            M=LinearOperator(whole, near, dtype=np.float64),
+            rtol=tolerance,
+            restart=RESTART,
+            maxiter=CYCLES,
+        )
+        return np.where(self.loaded, found.reshape(shape), 0.0)
+
+    def derivative(self, state: FrictionState, rigid: Floats, tolerance: float = 1e-4) -> Floats:
+        """Change of the forces by a change of the rigid slip."""
+        n, slipping = state.direction, self.loaded & ~state.sticks
+        ratio = np.where(slipping, self.limits[:, None] / state.length, 0.0)
+        scaled = self.operator.scale * rigid
+        across = scaled - n * np.sum(n * scaled, axis=1, keepdims=True)
+        return -self.solved(state, np.where(state.sticks, scaled, ratio * across), tolerance)
+
+    def _within(self, forces: Floats) -> Floats:
+        """Forces cut at the limits."""
+        length, limits = np.linalg.norm(forces, axis=1, keepdims=True), self.limits[:, None]
+        return np.asarray(forces * np.where(length > limits, limits / np.where(length > 0.0, length, 1.0), 1.0))
+
+    def _nested(self, tolerance: float) -> Floats:
+        """Forces from a grid of cells of twice the size, or none where the grid is coarse."""
+        n_cells, _, n_strips = self.rigid.shape
+        if min(n_cells, n_strips) < 2 * COARSE:
+            return np.zeros(self.rigid.shape)
+        rows = np.arange(0, n_cells, 2), np.arange(0, n_strips, 2)
+        number = np.minimum(rows[0] + 2, n_cells) - rows[0], np.minimum(rows[1] + 2, n_strips) - rows[1]
+
+        def summed(values: Floats) -> Floats:
+            return np.asarray(np.add.reduceat(np.add.reduceat(values, rows[0], axis=0), rows[1], axis=-1))
+
+        rigid = summed(self.rigid) / (number[0][:, None, None] * number[1])
+        limits = summed(self.limits)
+        n_weights = len(self.operator.weights)
+        coarse = FrictionProblem(self.operator.coarser, rigid * (2.0 if n_weights > 1 else 1.0), limits)
+        state, _ = coarse.solve(None, tolerance)
+        share = state.forces / np.maximum(limits, np.finfo(float).tiny)[:, None]
+        fine = np.repeat(np.repeat(share, 2, axis=0), 2, axis=-1)[:n_cells, :, :n_strips]
+        return np.asarray(fine * self.limits[:, None])

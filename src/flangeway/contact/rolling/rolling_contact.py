@@ -1,0 +1,246 @@
+"""A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
+from flangeway.contact.patch.patch_contact import CHANGE, PatchContact, PatchPair
+from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.friction_solver import SlipOperator
+from flangeway.errors import InputError
+from flangeway.exact import half_space_influence
+from flangeway.materials import Elastic
+from flangeway.types import Floats
+
+BEYOND = 2
+"""Strips beyond the grid at each end, whose displacements are needed."""
+SAME = 1e-9
+"""Coupling of normal and tangential coefficients, over the others, that is none."""
+
+PressedBy = Callable[[Floats, Floats], NormalContact]
+"""Normal contact by changes of the gaps and forces to start from."""
+
+
+@dataclass(frozen=True, eq=False)
+class RollingContact:
+    """A patch between two bodies: use `between_half_spaces`, `of_half_spaces` or `of_bodies`.
+
+    Parameters
+    ----------
+    grid
+        The cells.
+    pressures
+        Mean pressures of the cells, >= 0, shape (n_cells, n_strips).
+    friction
+        Coefficients of friction.
+    materials
+        Isotropic materials of the first and the second body.
+    coefficients
+        Displacements of the second body less those of the first one by unit forces on cells of the second one, both
+        along t, n and z, at n_strips + 4 distances or more along z, shape (n_distances, 3 n_cells, 3 n_cells).
+    pressed
+        Finds normal forces anew where gaps change; needed for bodies of different materials.
+    origin
+        Length s along the surface and z of the place that creepages and moments are of; left out: the centre of
+        pressure.
+
+    Raises
+    ------
+    InputError
+        If there is no pressure, or a pressure is negative or of another shape.
+
+    """
+
+    grid: PatchGrid
+    pressures: Floats
+    friction: Friction
+    materials: tuple[Elastic, Elastic]
+    coefficients: Floats = field(repr=False)
+    pressed: PressedBy | None = field(default=None, repr=False)
+    origin: tuple[float, float] | None = None
+    _operators: dict[tuple[object, ...], SlipOperator] = field(default_factory=dict, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        shape = len(self.grid.widths), self.grid.n_strips
+        found = np.shape(self.pressures)
+        if found != shape or not (np.asarray(self.pressures) >= 0.0).all() or not np.asarray(self.pressures).any():
+            raise InputError(
+                f"pressures of shape {found} on {shape[0]} x {shape[1]} cells, or none, or negative ones",
+                "pressures >= 0 on all cells, some of them > 0",
+                "press the bodies together first",
+            )
+        n_rows = max(map(len, self.friction.limits))
+        if n_rows not in (1, shape[0]):
+            raise InputError(
+                f"{n_rows} coefficients of friction for {shape[0]} rows of cells",
+                "one number, or one for each row",
+                "give as many as the grid has cells across",
+            )
+
+    @classmethod
+    def between_half_spaces(
+        cls, grid: PatchGrid, pressures: Floats, friction: Friction, materials: tuple[Elastic, Elastic]
+    ) -> "RollingContact":
+        """Known pressures between half-spaces."""
+        return cls(grid, pressures, friction, materials, _half_spaces(grid, materials))
+
+    @classmethod
+    def of_half_spaces(
+        cls,
+        grid: PatchGrid,
+        gaps: Floats,
+        friction: Friction,
+        materials: tuple[Elastic, Elastic],
+        *,
+        force: float | None = None,
+        approach: float | None = None,
+    ) -> "RollingContact":
+        """Half-spaces pressed together: gaps (n_cells, n_strips), and the force or the approach."""
+        coefficients = _half_spaces(grid, materials)
+        influence = Convolution(np.ascontiguousarray(coefficients[: grid.n_strips, 1::3, 1::3]))
+
+        def pressed(change: Floats, start: Floats | None) -> NormalContact:
+            return solve_normal(influence, gaps + change, force=force, approach=approach, start=start, tolerance=CHANGE)
+
+        forces = pressed(np.zeros(gaps.shape), None).forces
+        return cls(grid, forces / _areas(grid), friction, materials, coefficients, pressed)
+
+    @classmethod
+    def of_bodies(cls, found: PatchContact, friction: Friction) -> "RollingContact":
+        """Bodies that were pressed together.
+
+        Raises
+        ------
+        InputError
+            If a material is not isotropic.
+
+        """
+        pair, grid = found.pair, found.pair.grid
+        materials = [_isotropic(each.problem.elasticity.materials[0]) for each in (pair.first, pair.second)]
+        total = float(np.sum(found.contact.forces * pair.gaps.normals[:, 1:]))
+
+        def pressed(change: Floats, start: Floats) -> NormalContact:
+            return solve_normal(
+                pair.influence,
+                pair.gaps.values + change,
+                force=total,
+                share=pair.gaps.normals[:, 1:],
+                start=start,
+                tolerance=CHANGE,
+            )
+
+        coefficients = pair_coefficients(pair, grid.n_strips + 2 * BEYOND)
+        return cls(grid, found.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
+
+    @cached_property
+    def areas(self) -> Floats:
+        """Areas of the cells, shape (n_cells, 1)."""
+        return _areas(self.grid)
+
+    @cached_property
+    def normal_forces(self) -> Floats:
+        """Normal forces of the cells, shape (n_cells, n_strips)."""
+        forces: Floats = self.pressures * self.areas
+        return forces
+
+    @property
+    def force(self) -> float:
+        """Sum of the normal forces."""
+        return float(self.normal_forces.sum())
+
+    @cached_property
+    def places(self) -> tuple[Floats, Floats]:
+        """Lengths s (n_cells,) and z (n_strips,) of the cells from the origin."""
+        across = (self.grid.bounds[1:] + self.grid.bounds[:-1]) / 2.0
+        along, forces = self.grid.along, self.normal_forces
+        s, z = self.origin or (forces.sum(axis=1) @ across / self.force, forces.sum(axis=0) @ along / self.force)
+        return across - s, along - z
+
+    @cached_property
+    def box(self) -> tuple[slice, slice]:
+        """Rows and strips of the cells under pressure."""
+        rows, strips = (np.flatnonzero(self.pressures.any(axis=axis)) for axis in (1, 0))
+        return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
+
+    def operator(self, weights: tuple[float, ...]) -> SlipOperator:
+        """Slip of the cells in the box by their forces, for rolling to +z or, mirrored, to -z."""
+        rows, strips = self.box
+        n_cells, n_strips = len(self.pressures), strips.stop - strips.start
+        key = (n_strips, rows.start, rows.stop, weights)
+        if key not in self._operators:
+            blocks = self.coefficients.reshape(-1, n_cells, 3, n_cells, 3)[: n_strips + len(weights) - 1]
+            part = blocks[:, rows, ::2, rows, ::2]
+            size = 2 * (rows.stop - rows.start)
+            self._operators[key] = SlipOperator(part.reshape(-1, size, size), weights, n_strips)
+        return self._operators[key]
+
+    @cached_property
+    def coupled(self) -> bool:
+        """Whether tangential forces move the surfaces along the normals too: the materials or sections differ."""
+        blocks = self.coefficients.reshape(len(self.coefficients), len(self.pressures), 3, len(self.pressures), 3)
+        mixed = max(float(np.abs(blocks[:, :, 1, :, each]).max()) for each in (0, 2))
+        return mixed > SAME * float(np.abs(blocks[:, :, 1, :, 1]).max())
+
+    @cached_property
+    def _beyond(self) -> Convolution:
+        return Convolution(self.coefficients[: self.grid.n_strips + 2 * BEYOND])
+
+    def displacements(self, tangential: Floats, *, normal: bool = True) -> Floats:
+        """Displacements (t, n, z) of the second body less the first one's, on `BEYOND` more strips at each end.
+
+        Parameters
+        ----------
+        tangential
+            Forces (t, z) on the cells of the second body, shape (n_cells, 2, n_strips).
+        normal
+            Whether the normal forces act too.
+
+        Returns
+        -------
+        Floats
+            Shape (n_cells, 3, n_strips + 2 BEYOND).
+
+        """
+        n_cells, _, n_strips = tangential.shape
+        forces = np.zeros((n_cells, 3, n_strips + 2 * BEYOND))
+        forces[:, ::2, BEYOND:-BEYOND] = tangential
+        if normal:
+            forces[:, 1, BEYOND:-BEYOND] = self.normal_forces
+        return self._beyond(forces.reshape(3 * n_cells, -1)).reshape(forces.shape)
+
+
+def pair_coefficients(pair: PatchPair, n_distances: int) -> Floats:
+    """Coefficients of two bodies as `RollingContact` needs them."""
+    total = np.zeros((n_distances, 3 * len(pair.grid.widths), 3 * len(pair.grid.widths)))
+    for which, table in enumerate(pair.tables):
+        found = table.influence(pair.grid.strip, n_distances)
+        n = table.cells.n_cells
+        turned = np.array([-1.0 if pair.backwards(which) else 1.0, -1.0 if which else 1.0, 1.0])
+        cells = found.reshape(-1, n, 3, n, 3) * turned[:, None, None] * turned
+        total += (cells[:, ::-1, :, ::-1] if pair.backwards(which) else cells).reshape(total.shape)
+    return total
+
+
+def _half_spaces(grid: PatchGrid, materials: tuple[Elastic, Elastic]) -> Floats:
+    first, second = (
+        half_space_influence(each.young, each.poisson, grid.bounds, grid.strip, grid.n_strips + 2 * BEYOND)
+        for each in materials
+    )
+    turned = np.tile([1.0, -1.0, 1.0], len(grid.widths))  # the second one's outward normal is -n
+    return first + turned[:, None] * second * turned
+
+
+def _areas(grid: PatchGrid) -> Floats:
+    return grid.widths[:, None] * grid.strip
+
+
+def _isotropic(material: object) -> Elastic:
+    if not isinstance(material, Elastic):
+        raise InputError(
+            f"a body of {type(material).__name__}", "bodies of isotropic materials", "give them a material Elastic"
+        )
+    return material

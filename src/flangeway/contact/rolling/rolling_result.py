@@ -1,0 +1,134 @@
+"""What rolling with friction gives: creep forces, and tractions, slip and power of the cells."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.friction_solver import FrictionProblem, FrictionState
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.solve import Status
+from flangeway.types import Floats, Ints
+
+NO_CONTACT, STICKS, SLIPS = 0, 1, 2
+"""Values of `Rolling.states`."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class CreepForces:
+    """Forces on the second body by friction, about the patch's origin in the axes t, n and z of `Creepages`.
+
+    In Kalker's and CONTACT's axes, rolling to +z, ``F_x = along``, ``F_y = across`` and ``M_z = -moment``.
+
+    Parameters
+    ----------
+    motion
+        Creepages, also where they were found for prescribed forces.
+    along, across
+        Longitudinal (z) and lateral (t) force.
+    moment
+        Spin moment about n.
+    theory
+        Its name.
+    status
+        How the computation ended.
+    notices
+        What is unusual about the input.
+
+    """
+
+    motion: Creepages
+    along: float
+    across: float
+    moment: float
+    theory: str
+    status: Status
+    notices: tuple[str, ...] = ()
+
+    @property
+    def t_gamma(self) -> float:
+        """Energy dissipated over the distance rolled: T-gamma with spin, ``-(F . creepages + moment spin)``."""
+        motion = self.motion
+        return -float(np.sum(self.along * motion.along + self.across * motion.across) + self.moment * motion.spin)
+
+    @property
+    def frictional_power(self) -> float:
+        """Power that friction dissipates."""
+        return abs(self.motion.speed) * self.t_gamma
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Rolling(CreepForces):
+    """Creep forces with the fields of the cells.
+
+    Parameters
+    ----------
+    contact
+        The patch, with the pressures that were found where normal and tangential contact are coupled.
+    tractions
+        Mean tangential tractions (t, z) on the second body, shape (n_cells, n_strips, 2).
+    slip_velocities
+        Slip of the second body on the first one (t, z): velocities, or displacements for a shift, same shape.
+    states
+        `NO_CONTACT`, `STICKS` or `SLIPS`, shape (n_cells, n_strips).
+    power_density
+        Frictional power over area (work of a shift). In steady rolling it is that of slip by central differences: its
+        sum is the power of the creepages exactly, single cells beside the edge of slip may be slightly negative.
+    rolling_power
+        Power that frictional displacements along the normals take up through the pressures, 0 for bodies of one
+        material: the frictional power is that of the creepages plus this.
+    displacements
+        Displacements of the second body less the first one's, see `RollingContact.displacements`, of this state and
+        of the one before it.
+
+    """
+
+    contact: RollingContact
+    tractions: Floats
+    slip_velocities: Floats
+    states: Ints
+    power_density: Floats
+    rolling_power: float = 0.0
+    displacements: tuple[Floats, ...] = ()
+    problem: FrictionProblem | None = None
+    state: FrictionState | None = None
+
+    @property
+    def frictional_power(self) -> float:
+        """Sum of the power of the cells."""
+        return float(np.sum(self.power_density * self.contact.areas))
+
+    @cached_property
+    def t_gamma(self) -> float:
+        """See `CreepForces.t_gamma`; creepages of each row count with its forces."""
+        s, z = self.contact.places
+        rigid = self.motion.rigid(s, z).swapaxes(1, 2)
+        return -float(np.sum(self.tractions * self.contact.areas[:, :, None] * rigid))
+
+    @property
+    def coefficient(self) -> float:
+        """Resultant tangential force over the normal one: the utilised friction."""
+        return float(np.hypot(self.along, self.across)) / self.contact.force
+
+    @cached_property
+    def residuals(self) -> dict[str, float]:
+        """How well the law of friction holds, all 0 for an exact solution.
+
+        ``cone``: traction above its limit over the maximum limit; ``complementarity``: slip times what is missing to
+        the limit; ``opposition``: traction times slip plus their scalar product; both over the maximum limit times the
+        maximum rigid slip.
+        """
+        state, problem = self.state, self.problem
+        if state is None or problem is None or not problem.limits.any():
+            return dict.fromkeys(("cone", "complementarity", "opposition"), 0.0)
+        force, slip = np.linalg.norm(state.forces, axis=1), np.linalg.norm(state.slips, axis=1)
+        inside = problem.limits > 0.0
+        most = float(problem.limits.max())
+        unit = most * max(float(np.linalg.norm(problem.rigid, axis=1)[inside].max()), np.finfo(float).tiny)
+        against = force * slip + np.sum(state.forces * state.slips, axis=1)
+        return {
+            "cone": float((force - problem.limits).max()) / most if inside.any() else 0.0,
+            "complementarity": float((slip * np.abs(problem.limits - force))[inside].max()) / unit,
+            "opposition": float(against[inside].max()) / unit,
+        }

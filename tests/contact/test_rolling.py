@@ -1,0 +1,287 @@
+"""Rolling and shifting with friction by the exact theory."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.contact.patch.patch_body import Axis
+from flangeway.contact.patch.patch_contact import press_patch
+from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import creep_curve, derivatives, roll
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+from flangeway.problems import Elasticity, Harmonic
+from tests.contact.test_patch_contact import TURNED, block
+
+SOFT = Elastic(2.5, 0.25)
+SHEAR = 1.0
+MU = 0.3
+
+
+def ellipse(
+    n: int, wide: float = 1.0, friction: Friction | None = None, materials: tuple[Elastic, Elastic] = (SOFT, SOFT)
+) -> RollingContact:
+    """A Hertzian pressure of maximum 1 on n x n cells, semi-axes 1 along z and `wide` across, two more cells around."""
+    sides = np.linspace(-1.0, 1.0, n + 1)
+    bounds = np.concatenate((sides[:2] - 4.0 / n, sides, sides[-2:] + 4.0 / n))
+    grid = PatchGrid(wide * bounds, 2.0 / n, n + 4)
+    s = (bounds[1:] + bounds[:-1]) / 2.0
+    pressures = np.sqrt(np.maximum(1.0 - s[:, None] ** 2 - grid.along**2, 0.0))
+    return RollingContact.between_half_spaces(grid, pressures, friction or Friction(MU), materials)
+
+
+@pytest.fixture(scope="module")
+def circle() -> RollingContact:
+    return ellipse(16)
+
+
+def forces(found: Rolling) -> np.ndarray:
+    return np.array([found.along, found.across, found.moment])
+
+
+def check_friction(found: Rolling, tolerance: float = 1e-3) -> None:
+    """Tractions lie within the cone, and oppose slip where there is any."""
+    assert found.status.converged
+    limits = found.contact.friction.limits[0][:, None] * found.contact.pressures
+    size = np.linalg.norm(found.tractions, axis=2)
+    assert (size <= limits * (1.0 + 1e-12)).all()
+    assert max(found.residuals.values()) <= tolerance
+    np.testing.assert_array_equal(found.states == NO_CONTACT, found.contact.pressures == 0.0)
+    slips = found.states == SLIPS
+    np.testing.assert_allclose(size[slips], limits[slips], rtol=1e-9)
+
+
+@pytest.mark.parametrize("wide", [0.5, 1.0, 2.0])
+def test_small_creepages_have_kalkers_coefficients(wide) -> None:
+    """C11, C22, C23 (Kalker, 1990, table E.3, nu = 0.25) come within 2 % at 24 x 24 cells."""
+    table = {2.0: (3.62, 3.01, 0.929), 1.0: (4.12, 3.67, 1.47), 0.5: (5.10, 4.90, 2.62)}
+    contact = ellipse(24, wide)
+    area = float(contact.areas.max() * (contact.pressures > 0.0).sum()) / np.pi
+    rates = -derivatives(roll(contact, Creepages(1e-9))) / SHEAR
+    found = rates[0, 0] / area, rates[1, 1] / area, -rates[1, 2] / area**1.5
+    np.testing.assert_allclose(found, table[wide], rtol=0.02)
+    assert rates[1, 2] == pytest.approx(-rates[2, 1], rel=0.03)
+
+
+def test_cylinders_roll_as_carter_says() -> None:
+    """Carter (1926): F / (mu P) = 1 - (1 - xi / xi0)^2 and the width of stick 2 (1 - xi / xi0), to 0.5 % and a cell."""
+    n = 40
+    grid = PatchGrid(np.array([-200.0, 200.0]), 2.0 / n, n + 4)
+    ends = np.clip(grid.along[None] + grid.strip * np.array([[-0.5], [0.5]]), -1.0, 1.0)
+    pressures = np.diff((ends * np.sqrt(1.0 - ends**2) + np.arcsin(ends)) / 2.0, axis=0) / grid.strip
+    contact = RollingContact.between_half_spaces(grid, pressures, Friction(MU), (SOFT, SOFT))
+    saturation = MU * 4.0 * (1.0 - SOFT.poisson**2) / SOFT.young
+    for part in (0.2, 0.4, 0.7):
+        found = roll(contact, Creepages(part * saturation))
+        check_friction(found)
+        assert -found.along / (MU * contact.force) == pytest.approx(1.0 - (1.0 - part) ** 2, rel=5e-3)
+        stick = np.flatnonzero(found.states[0] == STICKS)
+        assert len(stick) * grid.strip == pytest.approx(2.0 * (1.0 - part), abs=grid.strip)
+        assert grid.along[stick[-1]] == pytest.approx(1.0 - grid.strip / 2.0)  # at the leading edge
+
+
+def test_a_shift_is_cattaneos_and_mindlins() -> None:
+    """Spheres shifted by a force T: stick within c = a (1 - T / mu P)^(1/3), and Mindlin's shift, to 1 %."""
+    contact = ellipse(32)
+    limit = MU * contact.force
+    found = roll(contact, Creepages(speed=0.0), force_along=-0.875 * limit)
+    check_friction(found)
+    assert found.along == pytest.approx(-0.875 * limit, rel=1e-5)
+    stick = (found.states == STICKS).sum() * contact.areas[0, 0]
+    assert np.sqrt(stick / np.pi) == pytest.approx(0.5, rel=0.02)
+    shift = 3.0 * limit * (2.0 - SOFT.poisson) / (8.0 * SHEAR) * (1.0 - 0.25)
+    assert found.motion.along == pytest.approx(shift, rel=0.01)
+    assert found.frictional_power > 0.0
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [
+        Creepages(0.05),
+        Creepages(0.1, -0.2, 0.1),
+        Creepages(0.0, 0.0, 0.4),
+        Creepages(3.0, 1.0, 2.0),
+        Creepages(-0.1, 0.1, 0.3, -20.0),
+    ],
+)
+def test_frictional_power_is_that_of_creepages(circle, motion) -> None:
+    """In steady rolling elastic energy stays: friction dissipates forces times creepages to 1e-9."""
+    found = roll(circle, motion)
+    check_friction(found)
+    work = -(found.along * motion.along + found.across * motion.across + found.moment * motion.spin)
+    assert found.frictional_power == pytest.approx(abs(motion.speed) * work, rel=1e-9)
+    assert found.t_gamma == pytest.approx(work, rel=1e-9)
+    assert found.power_density.min() >= -0.01 * found.power_density.max()
+
+
+def test_frictional_power_of_different_materials_has_a_part_of_the_pressures() -> None:
+    """With normal and tangential contact coupled the pressures' work of rolling is added."""
+    contact = ellipse(12, materials=(SOFT, Elastic(25.0, 0.1)))
+    found = roll(contact, Creepages(0.05, 0.02))
+    assert abs(found.rolling_power) > 1e-3 * found.frictional_power
+    assert found.frictional_power == pytest.approx(found.t_gamma + found.rolling_power, rel=1e-9)
+
+
+def test_rolling_backwards_and_mirrored(circle) -> None:
+    """Turned over along z or across, forces turn over too; rolling the other way is the same turned over."""
+    found = roll(circle, Creepages(0.1, 0.05, 0.2))
+    back = roll(circle, Creepages(-0.1, 0.05, -0.2, -1.0))
+    np.testing.assert_allclose(forces(back), forces(found) * [-1.0, 1.0, -1.0], rtol=1e-12)
+    np.testing.assert_allclose(back.tractions[:, ::-1] * [1.0, -1.0], found.tractions, atol=1e-12)
+    mirrored = roll(circle, Creepages(0.1, -0.05, -0.2))
+    np.testing.assert_allclose(forces(mirrored), forces(found) * [1.0, -1.0, -1.0], rtol=1e-2)
+    np.testing.assert_allclose(mirrored.tractions[::-1] * [-1.0, 1.0], found.tractions, atol=2e-3)
+
+
+def test_spin_turns_forces_to_positive_t_and_against_itself(circle) -> None:
+    """Spin about n drags the leading edge along -t, which gives a force along +t (Kalker's -C23 phi) and a moment."""
+    found = roll(circle, Creepages(spin=0.02))
+    assert found.across > 0.0 > found.moment
+    assert abs(found.along) < 1e-6 * found.across
+
+
+def test_transient_rolling_becomes_steady(circle) -> None:
+    """From a start without tractions, rolling over some patches gives the forces of steady rolling to 1 %."""
+    motion = Creepages(0.1, 0.05, 0.1)
+    state = roll(circle, Creepages(speed=0.0))
+    assert not state.tractions.any()
+    size = [0.0]
+    for _ in range(60):
+        state = roll(circle, motion, before=state, start=state)
+        size.append(abs(state.along))
+    check_friction(state)
+    assert size[1] < size[5] < size[20]
+    np.testing.assert_allclose(forces(state), forces(roll(circle, motion)), rtol=0.01)
+    steady = roll(circle, motion, tolerance=1e-8)
+    onwards = roll(circle, motion, before=steady, start=steady, tolerance=1e-8)
+    np.testing.assert_allclose(onwards.tractions, steady.tractions, atol=1e-6)
+    shifted = roll(circle, Creepages(0.01, speed=0.0), before=state)
+    assert shifted.along < state.along
+
+
+def test_prescribed_forces_are_met(circle) -> None:
+    """Creepages are found for two forces, for one with the other creepage known, and with spin."""
+    limit = MU * circle.force
+    both = roll(circle, Creepages(spin=0.1), force_along=-0.5 * limit, force_across=0.3 * limit)
+    assert both.status.converged
+    np.testing.assert_allclose([both.along, both.across], [-0.5 * limit, 0.3 * limit], atol=1e-5 * limit)
+    np.testing.assert_allclose(forces(roll(circle, both.motion)), forces(both), rtol=1e-3)
+    one = roll(circle, Creepages(across=0.05), force_along=-0.9 * limit)
+    assert one.motion.across == 0.05
+    assert one.along == pytest.approx(-0.9 * limit, rel=1e-5)
+
+
+def test_derivatives_are_those_of_forces(circle) -> None:
+    """Derivatives by the creepages agree with differences."""
+    motion = Creepages(0.05, 0.02, 0.05)
+    found = roll(circle, motion, tolerance=1e-8)
+    rates, step = derivatives(found), 1e-5
+    for number, name in enumerate(("along", "across", "spin")):
+        near = [replace(motion, **{name: getattr(motion, name) + part * step}) for part in (-1.0, 1.0)]
+        low, high = (forces(roll(circle, each, start=found, tolerance=1e-10)) for each in near)
+        np.testing.assert_allclose(rates[:, number], (high - low) / (2.0 * step), atol=2e-3 * np.abs(rates).max())
+
+
+def test_friction_falls_with_the_slip_velocity(circle) -> None:
+    """Where surfaces slip fast the kinetic coefficient acts; slow rolling has the static one."""
+    falling = replace(circle, friction=Friction(0.4, 0.2, decay=0.5))
+    slow, fast = (roll(falling, Creepages(2.0, speed=speed)) for speed in (1e-3, 100.0))
+    assert slow.coefficient == pytest.approx(0.4, rel=0.01)
+    assert fast.coefficient == pytest.approx(0.2, rel=0.01)
+    middle = roll(falling, Creepages(0.4))
+    velocity = np.linalg.norm(middle.slip_velocities, axis=2)
+    slips = middle.states == SLIPS
+    wanted = (0.2 + 0.2 * np.exp(-velocity / 0.5)) * circle.pressures
+    np.testing.assert_allclose(np.linalg.norm(middle.tractions, axis=2)[slips], wanted[slips], rtol=1e-3)
+    assert middle.frictional_power == pytest.approx(middle.t_gamma, rel=1e-9)
+
+
+def test_a_kinetic_coefficient_acts_as_soon_as_cells_slip(circle) -> None:
+    """With decay 0 slipping cells have the kinetic limit, sticking ones up to the static one."""
+    found = roll(replace(circle, friction=Friction(0.4, 0.3)), Creepages(0.15))
+    assert found.status.converged
+    size, slips = np.linalg.norm(found.tractions, axis=2), found.states == SLIPS
+    np.testing.assert_allclose(size[slips], 0.3 * circle.pressures[slips], rtol=1e-9)
+    assert slips.any()
+    assert (size > 0.31 * circle.pressures).any()
+
+
+def test_friction_may_vary_across(circle) -> None:
+    """Rows with a coefficient of 0 carry nothing, others their own limit."""
+    coefficients = np.where(np.arange(len(circle.pressures)) < len(circle.pressures) // 2, 0.0, 0.5)
+    found = roll(replace(circle, friction=Friction(coefficients)), Creepages(5.0))
+    check_friction(found)
+    assert not found.tractions[coefficients == 0.0].any()
+    assert -found.along == pytest.approx(0.25 * circle.force, rel=1e-3)
+
+
+def test_different_materials_roll_freely_with_creepage() -> None:
+    """Bentall and Johnson (1967): rollers of aluminium and steel creep without a force; nearly no friction, 1.5 %."""
+    grid = PatchGrid(np.array([-50.0, 50.0]), 0.005, 50)
+    metals = Elastic(2.62 * 23000.0, 0.31), Elastic(2.56 * 82000.0, 0.28)
+    contact = RollingContact.of_half_spaces(grid, grid.along[None] ** 2 / 50.0, Friction(1e-4), metals, force=1620.19)
+    slipping = roll(contact, Creepages(), force_along=0.0)
+    assert slipping.status.converged
+    assert slipping.motion.along == pytest.approx(5.26e-4, rel=0.015)
+    sticking = roll(replace(contact, friction=Friction(10.0)), Creepages(), force_along=0.0)
+    assert sticking.status.converged
+    assert sticking.motion.along == pytest.approx(3.591e-4, rel=0.015)
+    assert "above 1" in sticking.notices[0]
+    change = np.abs(sticking.contact.pressures - contact.pressures).max()
+    assert 0.001 < change / contact.pressures.max() < 0.2
+
+
+def test_bodies_roll_nearly_as_half_spaces() -> None:
+    """A steel crown below an aluminium wheel: forces are within 5 % of those of half-spaces, coupling to 10 %."""
+    low, high = block(60.0, 0.15), block(None, 0.15, placement=TURNED, axis=Axis((0.0, -60.0)))
+    aluminium = Elasticity(high.problem.elasticity.space, Elastic(70e3, 0.33), name="wheel")
+    high = replace(high, problem=Harmonic(aluminium, held={"base": "xyz"}))
+    found = press_patch(low, high, force=10e3, tolerance=1e-2)
+    bodies = RollingContact.of_bodies(found, Friction(MU))
+    grid, materials, n = bodies.grid, bodies.materials, len(bodies.pressures)
+    spaces = RollingContact.between_half_spaces(grid, bodies.pressures, bodies.friction, materials)
+    own, plain = (each.coefficients.reshape(-1, n, 3, n, 3)[1:3] for each in (bodies, spaces))
+    for i, j in ((0, 1), (1, 0), (1, 2), (2, 1), (0, 2)):
+        exact = plain[:, :, i, :, j]
+        np.testing.assert_allclose(own[:, :, i, :, j], exact, atol=0.1 * np.abs(exact).max())
+    motion = Creepages(5e-4, 5e-4, 1e-4)
+    real, plain = (roll(each, motion) for each in (bodies, spaces))
+    check_friction(real)
+    np.testing.assert_allclose(forces(real), forces(plain), rtol=0.05)
+    assert real.frictional_power == pytest.approx(real.t_gamma + real.rolling_power, rel=1e-9)
+
+
+def test_a_creep_curve_starts_each_point_from_the_one_before(circle) -> None:
+    """Along a curve the force grows to its limit."""
+    curve = creep_curve(circle, [Creepages(each) for each in np.linspace(0.0, 0.8, 9)])
+    sizes = [-each.along for each in curve]
+    assert sizes == sorted(sizes)
+    assert sizes[-1] == pytest.approx(MU * circle.force, rel=1e-3)
+    assert all(each.status.converged for each in curve)
+
+
+def test_bad_inputs(circle) -> None:
+    """Friction 0 is none; negative and rising friction, forces beyond the limit, and wrong shapes end in an error."""
+    smooth = roll(replace(circle, friction=Friction(0.0)), Creepages(0.1))
+    assert smooth.status.converged
+    assert not smooth.tractions.any()
+    assert "percent" in roll(circle, Creepages(0.2)).notices[0]
+    assert roll(circle, Creepages(0.2, speed=0.0)).notices == ()
+    for given, said in (
+        (lambda: Friction(-0.1), "coefficients >= 0"),
+        (lambda: Friction(0.2, 0.3), "not above the static"),
+        (lambda: Friction(0.2, 0.1, decay=-1.0), "slip velocity >= 0"),
+        (lambda: Creepages(np.nan), "finite"),
+        (lambda: Creepages(speed=np.inf), "a shift"),
+        (lambda: replace(circle, friction=Friction([0.1, 0.2])), "one for each row"),
+        (lambda: replace(circle, pressures=0.0 * circle.pressures), "press the bodies"),
+        (lambda: roll(circle, Creepages(), force_along=circle.force), "limit of friction"),
+        (lambda: roll(circle, Creepages(), start=roll(ellipse(4), Creepages(0.1))), "same grid"),
+    ):
+        with pytest.raises(InputError, match=said):
+            given()
