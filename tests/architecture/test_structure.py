@@ -18,10 +18,10 @@ MAX_LINES = {
     "mesh": 2480,
     "formats": 1790,
     "elements": 1380,
-    "space": 700,
+    "space": 710,
     "materials": 400,
-    "problems": 2170,
-    "solve": 3045,
+    "problems": 2215,
+    "solve": 3050,
     "contact": 5440,
     "post": 1820,
     "railway.profiles": 3280,
@@ -29,7 +29,7 @@ MAX_LINES = {
     "railway.rigid": 1920,
     "railway.wheelset": 1680,
     "railway.positions": 2500,
-    "railway.spatial": 455,
+    "railway.spatial": 1065,
     "cases": 6130,
     "campaign": 1780,
     "report": 5965,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 52_935
-MAX_FILES_OF_ALL = 283
+MAX_LINES_OF_ALL = 53_605
+MAX_FILES_OF_ALL = 286
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

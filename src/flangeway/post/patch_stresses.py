@@ -10,7 +10,7 @@ from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, ContactEllipse, PatchContact
 from flangeway.elements import Reconstruction, monomials
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
-from flangeway.problems.harmonic import NAMES
+from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.wave_sums import wave_sums
 from flangeway.space import CellBatch
 from flangeway.types import Floats
@@ -67,6 +67,20 @@ class SpatialStresses:
         return self.principal[:, 0] - self.principal[:, 2]
 
 
+def summed_stresses(problem: Harmonic, batch: CellBatch, even: Floats, odd: Floats) -> tuple[Reconstruction, Floats]:
+    """Reconstruction and stresses (..., 6, n_monomials, n_cells) of a batch, of sums of all wavenumbers.
+
+    Stresses are linear in the wavenumber and in the amplitudes, so that their sums, and those times the wavenumber, of
+    what varies as the cosine and as the sine, each (2, ..., n_dofs, 3), are enough.
+    """
+    found = []
+    for fields, kept in ((even, slice(0, 4)), (odd, slice(4, 6))):
+        constant, linear = (problem.cell_stresses(batch, fields[1], wavenumber)[1] for wavenumber in (0.0, 1.0))
+        reconstruction, total = problem.cell_stresses(batch, fields[0], 0.0)
+        found.append((total + linear - constant)[..., kept, :, :])
+    return reconstruction, np.concatenate(found, axis=-3)
+
+
 @dataclass(frozen=True, eq=False)
 class SectionStresses:
     """Stresses of one body in the plane of a z.
@@ -89,17 +103,8 @@ class SectionStresses:
     odd: Floats
 
     def polynomials(self, batch: CellBatch) -> tuple[Reconstruction, Floats]:
-        """Reconstruction and stresses (6, n_monomials, n_cells) in the frame of the section of a batch.
-
-        Stresses are linear in the wavenumber and in the amplitudes, so that the sums of both are enough.
-        """
-        stresses = self.body.problem.cell_stresses
-        found = []
-        for fields, kept in ((self.even, slice(0, 4)), (self.odd, slice(4, 6))):
-            constant, linear = (stresses(batch, fields[1], wavenumber)[1] for wavenumber in (0.0, 1.0))
-            reconstruction, total = stresses(batch, fields[0], 0.0)
-            found.append((total + linear - constant)[kept])
-        return reconstruction, np.concatenate(found)
+        """Reconstruction and stresses (6, n_monomials, n_cells) in the frame of the section of a batch."""
+        return summed_stresses(self.body.problem, batch, self.even, self.odd)
 
     def corners(self) -> SpatialStresses:
         """Stresses at the cells' corners, each from its own cell, in the order of ``mesh.cell_points``."""

@@ -13,10 +13,11 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
-from flangeway.problems.edges import edge_quadrature
+from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
 from flangeway.problems.elasticity_problem import ON_AXIS, Elasticity
 from flangeway.problems.prescribed import Scalar, check_scalar, scalar_at
 from flangeway.problems.strains import strain_operators
@@ -78,6 +79,10 @@ class Foundation:
         Name of an edge set.
     x, y, z
         Pressure per displacement along each axis, >= 0.
+    roll
+        Moment about z per angle and length of a prism, > 0. The edges, along x, are then supported as one: by even
+        pressures against their mean displacement, and linear ones along y against their mean rotation, see
+        `mean_and_rotation`. Left out, each point is supported by itself.
 
     """
 
@@ -85,8 +90,11 @@ class Foundation:
     x: float = 0.0
     y: float = 0.0
     z: float = 0.0
+    roll: float | None = None
 
     def __post_init__(self) -> None:
+        if self.roll is not None:
+            check_positive("Foundation", "roll", self.roll, advice="leave it out for separate points")
         values = np.array([self.x, self.y, self.z], dtype=np.float64)
         if not (np.isfinite(values).all() and values.min() >= 0.0 and values.max() > 0.0):
             raise InputError(
@@ -94,6 +102,27 @@ class Foundation:
                 "finite stiffnesses >= 0, and one of them positive",
                 "give pressure per displacement along each axis",
             )
+
+
+def mean_and_rotation(rule: EdgeQuadrature) -> tuple[Ints, Floats, float]:
+    """Nodes of edges along x, and what takes their mean value and their slope over x from values at nodes.
+
+    The same numbers are the nodal forces of a unit force, spread evenly, and of a unit moment about the middle, by
+    forces across that grow linearly.
+
+    Returns
+    -------
+    tuple
+        Nodes (n,), mean and slope (2, n), and the edges' length.
+
+    """
+    length, x = float(rule.weights.sum()), rule.points[..., 0]
+    arms = x - float((rule.weights * x).sum()) / length
+    weights = np.stack((rule.weights / length, rule.weights * arms / (rule.weights * arms**2).sum()))
+    nodes, numbers = np.unique(rule.nodes, return_inverse=True)
+    on_nodes = [np.bincount(numbers.ravel(), (each @ rule.shapes).ravel()) for each in weights]
+    shares = np.array(on_nodes, dtype=np.float64)
+    return nodes.astype(np.int64), shares, length
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,6 +168,8 @@ class Harmonic:
             )
         for name in [load.edges for load in self.longitudinal] + [each.edges for each in self.foundations]:
             problem.space.mesh.edge_set(name)
+        if problem.axisymmetric and any(each.roll is not None for each in self.foundations):
+            raise InputError("a foundation with roll in a body of revolution", "one of a prism", "leave roll out")
         for where, components in (self.held or {}).items():
             if not components or set(components) - set("xyz"):
                 raise InputError(f"held {where!r} in {components!r}", "some of 'xyz'", "name the components")
@@ -173,12 +204,16 @@ class Harmonic:
     def parts(self) -> tuple[SymmetricMatrix, SymmetricMatrix, SymmetricMatrix]:
         """K0 with the foundations, K1 and K2, on ``3 * dof + amplitude``, all of one pattern."""
         constant, linear, square = self.elasticity.space.assemble_each(self._cell_parts, n_components=3)
-        values = constant.values.copy()
         for foundation in self.foundations:
             rows, columns, stiffness = self._foundation(foundation)
             lower = rows >= columns
-            np.add.at(values, constant.places(rows[lower], columns[lower]), stiffness[lower])
-        return SymmetricMatrix(constant.n, constant.indptr, constant.indices, values), linear, square
+            rows, columns, stiffness = rows[lower], columns[lower], stiffness[lower]
+            if foundation.roll is not None:  # all nodes of the edges act on each other
+                constant, linear, square = (part.widened(rows, columns) for part in (constant, linear, square))
+            values = constant.values.copy()
+            np.add.at(values, constant.places(rows, columns), stiffness)
+            constant = replace(constant, values=values)
+        return constant, linear, square
 
     def stiffness(self, wavenumber: float) -> SymmetricMatrix:
         """Stiffness of all amplitudes at a wavenumber (prism, per length) or harmonic (revolution, per radian)."""
@@ -257,13 +292,22 @@ class Harmonic:
         """Rows, columns and entries of a foundation."""
         space = self.elasticity.space
         rule = edge_quadrature(space, space.mesh.edge_set(foundation.edges))
-        mass = np.einsum("eq,qm,qn->emn", rule.weights * self.depth(rule.points), rule.shapes, rule.shapes)
+        stiffnesses = np.array([foundation.x, foundation.y, foundation.z])
+        if foundation.roll is None:
+            nodes = rule.nodes.astype(np.int64)
+            mass = np.einsum("eq,qm,qn->emn", rule.weights * self.depth(rule.points), rule.shapes, rule.shapes)
+            matrices = stiffnesses[:, None, None, None] * mass
+        else:
+            numbers, (mean, slope), length = mean_and_rotation(rule)
+            nodes = numbers[None]
+            matrices = (length * stiffnesses)[:, None, None, None] * np.outer(mean, mean)
+            matrices[1] += foundation.roll * np.outer(slope, slope)
         rows, columns, entries = [], [], []
-        for component, stiffness in enumerate((foundation.x, foundation.y, foundation.z)):
-            unknowns = 3 * rule.nodes.astype(np.int64) + component
-            rows.append(np.broadcast_to(unknowns[:, :, None], mass.shape).ravel())
-            columns.append(np.broadcast_to(unknowns[:, None, :], mass.shape).ravel())
-            entries.append((stiffness * mass).ravel())
+        for component, matrix in enumerate(matrices):
+            unknowns = 3 * nodes + component
+            rows.append(np.broadcast_to(unknowns[:, :, None], matrix.shape).ravel())
+            columns.append(np.broadcast_to(unknowns[:, None, :], matrix.shape).ravel())
+            entries.append(matrix.ravel())
         return np.concatenate(rows), np.concatenate(columns), np.concatenate(entries)
 
     # loads and supports
@@ -319,7 +363,7 @@ class Harmonic:
         batch
             The cells.
         amplitudes
-            All unknowns, shape (n_dofs, 3).
+            All unknowns, shape (..., n_dofs, 3).
         wavenumber
             Theirs.
 
@@ -327,13 +371,14 @@ class Harmonic:
         -------
         tuple
             The reconstruction, whose frame the polynomials are written in, and the coefficients of the components of
-            `NAMES` (6, n_monomials, n_cells): of ``cos kz`` for xx, yy, zz and xy, of ``sin kz`` for yz and xz.
+            `NAMES` (..., 6, n_monomials, n_cells): of ``cos kz`` for xx, yy, zz and xy, of ``sin kz`` for yz and xz.
 
         """
         reconstruction = batch.element.reconstruct(batch.vertices)
         coefficients, _ = self.slots(batch, reconstruction)
         b0, b1 = self._tables
         # e_sp = sum over amplitudes i, slots a and unknowns m of B_sia c_pam u_mi
-        strain = np.einsum("sia,pame,mei->spe", b0 + wavenumber * b1, coefficients, amplitudes[batch.dofs])
+        local = amplitudes[..., batch.dofs, :]
+        strain = np.einsum("sia,pame,...mei->...spe", b0 + wavenumber * b1, coefficients, local, optimize=True)
         matrices = np.broadcast_to(self.matrices(batch), (6, 6, len(batch.cells)))
-        return reconstruction, np.einsum("ste,tpe->spe", matrices, strain)
+        return reconstruction, np.einsum("ste,...tpe->...spe", matrices, strain)

@@ -36,11 +36,26 @@ class SymmetricMatrix:
         """Both triangles, as a SciPy array."""
         return sp.csr_array(self.lower + sp.tril(self.lower, -1).T)
 
+    @property
+    def _keys(self) -> NDArray[np.int64]:
+        """Column times n, plus row, of the entries, rising."""
+        return np.repeat(np.arange(self.n), np.diff(self.indptr)) * self.n + self.indices
+
+    def _keys_of(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> NDArray[np.int64]:
+        return np.minimum(rows, columns).astype(np.int64) * self.n + np.maximum(rows, columns)
+
     def places(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> NDArray[np.int64]:
         """Where entries, which must be in the pattern on either side of the diagonal, are among the values."""
-        stored = np.repeat(np.arange(self.n), np.diff(self.indptr)) * self.n + self.indices
-        asked = np.minimum(rows, columns).astype(np.int64) * self.n + np.maximum(rows, columns)
-        return np.searchsorted(stored, asked)
+        return np.searchsorted(self._keys, self._keys_of(rows, columns))
+
+    def widened(self, rows: NDArray[np.integer], columns: NDArray[np.integer]) -> "SymmetricMatrix":
+        """Take more entries, on either side of the diagonal, into the pattern, as zeros."""
+        stored = self._keys
+        keys = np.union1d(stored, self._keys_of(rows, columns))
+        values = np.zeros(len(keys))
+        values[np.searchsorted(keys, stored)] = self.values
+        starts = np.searchsorted(keys, np.arange(self.n + 1) * self.n)
+        return SymmetricMatrix(self.n, starts.astype(np.int64), (keys % self.n).astype(np.int32), values)
 
     def times(self, vector: Floats) -> Floats:
         """Product with a vector (n,)."""

@@ -91,13 +91,13 @@ def rail_bending(result: WheelsetResult, side: Side) -> RailBending:
     profile, body, placement = track.rail_of(side), result.model.parts[name].body, result.placements[name]
     displacement = result.displacements[name]
     mesh = body.mesh
-    centre, shift, turn = _head_motion(mesh, displacement[: mesh.n_points], profile)
+    centre, shift, turn = head_motion(mesh, displacement[: mesh.n_points], profile)
 
     def moved(point: Floats) -> Floats:
         arm = point - centre
         return placement.vectors([shift + turn * np.array([-arm[1], arm[0]])])[0]
 
-    top, gauge = _top_and_gauge(profile, placement.matrix, track.gauge_depth_mm or GAUGE_DEPTH_MM)
+    top, gauge = top_and_gauge(profile, placement.matrix, track.gauge_depth_mm or GAUGE_DEPTH_MM)
     lateral, vertical = moved(top)
     outward = float(moved(gauge)[0]) * (1.0 if side == "right" else -1.0)
     height, left, right = narrowest_web(profile.outline)
@@ -135,7 +135,7 @@ def narrowest_web(outline: Outline) -> tuple[float, float, float]:
     return float(heights[place]), float(left[place]), float(right[place])
 
 
-def _head_motion(mesh: PolyMesh, displacement: Floats, profile: RailProfile) -> tuple[Floats, Floats, float]:
+def head_motion(mesh: PolyMesh, displacement: Floats, profile: RailProfile) -> tuple[Floats, Floats, float]:
     """Centre of the head, its translation and its counter-clockwise rotation, least squares by the cells' areas."""
     foot = float(profile.outline.bounds(profile.head_names)[0, 1])
     in_head = mesh.cell_centroids[:, 1] > foot
@@ -148,7 +148,7 @@ def _head_motion(mesh: PolyMesh, displacement: Floats, profile: RailProfile) -> 
     return centre, shift, float(turn)
 
 
-def _top_and_gauge(profile: RailProfile, matrix: Floats, depth_mm: float) -> tuple[Floats, Floats]:
+def top_and_gauge(profile: RailProfile, matrix: Floats, depth_mm: float) -> tuple[Floats, Floats]:
     """Highest point of the canted head and its gauge face at a depth below, in the frame of the profile."""
     points = profile.running_surface.sampled(max_deviation=DEVIATION_MM, spacing=1.0)
     heights = points @ matrix[1]
