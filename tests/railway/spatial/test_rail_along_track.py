@@ -14,6 +14,7 @@ from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack, rail_along_track
 from flangeway.railway.spatial.rail_supports import RailSupport
 from flangeway.railway.spatial.supported_rail import SupportedRail, sleeper_compliance, supported_rail
+from flangeway.system.disk_cache import Cache
 
 YOUNG, POISSON, SIZE = 210e3, 0.3, 11.0
 LOAD, LATERAL = 150e3, 50e3  # N
@@ -307,3 +308,16 @@ def test_points_off_the_rail_and_forces_that_do_not_fit_are_refused() -> None:
     for points, forces in ((np.zeros((1, 3)), np.zeros((1, 3))), (np.zeros((1, 2)), np.full((1, 3), np.nan))):
         with pytest.raises(InputError, match="along x, y and z"):
             rail_along_track(rail_on(), rail("60E1"), points, forces)
+
+
+def test_what_is_solved_is_kept_from_one_process_to_the_next(tmp_path) -> None:
+    """A second rail takes its amplitudes from the cache; one with another support does not."""
+    cache = Cache(tmp_path, 10**9)
+    material = Elastic(YOUNG, POISSON)
+    first = supported_rail(rail("60E1"), material, USUAL, 25.0, cache).by_modes
+    assert len(list(tmp_path.iterdir())) == 1
+    np.testing.assert_array_equal(supported_rail(rail("60E1"), material, USUAL, 25.0, cache).by_modes, first)
+    assert len(list(tmp_path.iterdir())) == 1
+    softer = supported_rail(rail("60E1"), material, replace(USUAL, vertical_kN_per_mm=20.0), 25.0, cache).by_modes
+    assert len(list(tmp_path.iterdir())) == 2
+    assert np.abs(softer - first).max() > 0.1 * np.abs(first).max()
