@@ -29,7 +29,7 @@ MAX_LINES = {
     "railway.rigid": 1920,
     "railway.wheelset": 1680,
     "railway.positions": 2500,
-    "railway.spatial": 1085,
+    "railway.spatial": 1095,
     "cases": 6130,
     "campaign": 1780,
     "report": 5965,
@@ -38,7 +38,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 53_625
+MAX_LINES_OF_ALL = 53_635
 MAX_FILES_OF_ALL = 286
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -25,6 +25,7 @@ BETWEEN = (0.0, 0.5)
 
 
 USUAL = RailSupport()
+PLACES = np.arange(-2100.0, 2101.0, 75.0)
 
 
 @cache
@@ -49,9 +50,8 @@ def loaded(
 ) -> RailAlongTrack:
     """Rail under forces, each with the depth of its point on the gauge side of the head."""
     points = np.array([on_head(name, depth) for depth, *_ in forces])
-    return rail_along_track(
-        rail_on(name, support).at(position), rail(name), points, np.array([each for _, *each in forces])
-    )
+    on_head_of = np.array([each for _, *each in forces])
+    return rail_along_track(rail_on(name, support).at(position), rail(name), points, on_head_of, z_mm=PLACES)
 
 
 class Beam:
@@ -147,8 +147,8 @@ def test_deflection_and_bending_stress_on_a_continuous_support_are_those_of_a_be
     moment = np.interp(found.z_mm[away], (beam.z[1:] + beam.z[:-1]) / 2.0, moments)
     bent = moment * section.centroid[1] / section.second_moments[0]
     along = stresses.along_MPa[away][:, middle].mean(axis=1)
-    assert np.abs(along - bent).max() < 0.03 * 120.0
-    assert along.max() > 50.0
+    assert np.abs(along - bent).max() < 0.03 * 90.0  # MPa, below the load
+    assert along.max() > 40.0
     assert len(found.reactions) == 0
 
 
@@ -308,6 +308,13 @@ def test_points_off_the_rail_and_forces_that_do_not_fit_are_refused() -> None:
     for points, forces in ((np.zeros((1, 3)), np.zeros((1, 3))), (np.zeros((1, 2)), np.full((1, 3), np.nan))):
         with pytest.raises(InputError, match="along x, y and z"):
             rail_along_track(rail_on(), rail("60E1"), points, forces)
+
+
+@pytest.mark.parametrize("soft", [{"vertical_kN_per_mm": 0.1}, {"roll_kNm_per_rad": 2.0}, {"n_sleepers": 5}])
+def test_loads_that_reach_beyond_the_last_sleepers_are_refused(soft) -> None:
+    """On soft supports, and with few sleepers, the error says to take more."""
+    with pytest.raises(InputError, match="n_sleepers"):
+        sleeper_compliance(rail_on(support=replace(USUAL, **soft)), on_head("60E1")[None], np.eye(3)[None])
 
 
 def test_what_is_solved_is_kept_from_one_process_to_the_next(tmp_path) -> None:

@@ -47,7 +47,7 @@ class RailSupport:
     pad_length_mm
         Length of the seat along the rail.
     n_sleepers
-        Sleepers that act one by one, about the wheel; odd. Beyond, the support is continuous, see `SupportedRail`.
+        Sleepers that act one by one, about the wheel; odd, 5 to 101. There must be as many as carry load.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class RailSupport:
             raise refused(owner, "pad_length_mm", self.pad_length_mm, "at most spacing_mm", "shorten the pads")
         if not (is_finite(self.position) and 0.0 <= self.position < 1.0):
             raise refused(owner, "position", self.position, "0 (over a sleeper) to 1, excluded", "give the share")
-        check_integer(owner, "n_sleepers", self.n_sleepers, 5, 201)
+        check_integer(owner, "n_sleepers", self.n_sleepers, 5, 101)
         if self.n_sleepers % 2 == 0:
             raise refused(owner, "n_sleepers", self.n_sleepers, "an odd number", "add one")
 

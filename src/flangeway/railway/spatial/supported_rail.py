@@ -35,6 +35,8 @@ WAVENUMBERS = (5e-6, 0.3)
 """Range per mm: from the reach of torsion on the share that is spread to waves of 20 mm."""
 PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
+FAR = 0.02
+"""Load of the last sleepers over that of the most loaded one, above which there are too few."""
 CHUNK = 64
 """Distances whose weights are computed together: bounds their memory."""
 
@@ -136,16 +138,25 @@ class SupportedRail:
     def seat_stiffness(self) -> Floats:
         """Forces of seats (minus) by the displacements that others cause there, (n_sleepers, 3, n_sleepers, 3).
 
-        ``R = (K^-1 + G)^-1`` with the stiffnesses K of the seats and the compliance G between them.
+        ``R = (K^-1 + G)^-1`` with the stiffnesses K of the seats and the compliance G between them. An `InputError` if
+        the load reaches beyond the last ones.
         """
         places = self.support.sleepers_mm
         n = len(places)
         even, _ = weights_at(self.wavenumbers, places - places[:1], self.support.pad_length_mm, 2)
         by_distance = np.einsum("zk,kam->zam", even, self.on_base(self.by_seats))
         apart = np.abs(np.arange(n)[:, None] - np.arange(n))
-        full = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
-        full[np.diag_indices(3 * n)] += np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)
-        return np.linalg.inv(full).reshape(n, 3, n, 3)
+        between = by_distance[apart].transpose(0, 2, 1, 3).reshape(3 * n, 3 * n)
+        found = np.linalg.inv(between + np.diag(np.tile(1.0 / ((1.0 - SPREAD) * self.support.of_seat), n)))
+        # a load over the middle sleeper, each along its own mode
+        carried = np.abs(np.einsum("sma,am->sm", found.reshape(n, 3, -1), between[:, 3 * (n // 2) :][:, :3]))
+        if (carried[[0, -1]] > FAR * carried.max(axis=0)).any():
+            raise InputError(
+                f"{n} sleepers, the last with {(carried[[0, -1]] / carried.max(axis=0)).max():.2g} of the largest load",
+                f"as many as the load reaches, with less than {FAR:g} there",
+                "raise n_sleepers, or the stiffness",
+            )
+        return found.reshape(n, 3, n, 3)
 
     @cached_property
     def at_place(self) -> Floats:
