@@ -34,7 +34,9 @@ class Convolution:
         self.shape = (coefficients.shape[1], n_strips)
         kernel = np.zeros((2 * n_strips, *coefficients.shape[1:]))
         kernel[:n_strips] = coefficients
-        kernel[n_strips + 1 :] = (coefficients.swapaxes(1, 2) if behind is None else behind)[:0:-1]
+        back = coefficients.swapaxes(1, 2) if behind is None else behind
+        kernel[n_strips + 1 :] = back[:0:-1]
+        kernel[n_strips] = (coefficients[-1] + back[-1]) / 2.0  # not used, but a gap would make the inverse rough
         spectrum = scipy.fft.rfft(kernel, axis=0)
         # normal displacements by normal forces are even in z: half of the work
         even = np.abs(spectrum.imag).max() <= EVEN * np.abs(spectrum.real).max()

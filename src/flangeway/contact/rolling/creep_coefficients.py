@@ -1,0 +1,55 @@
+"""Kalker's creep coefficients of the linear theory, from a table of the exact theory without slip.
+
+For creepages so small that nothing slips, on an ellipse with the semi-axes a (along) and b (across), Kalker's axes,
+
+    F_x = -C11 G a b xi,  F_y = -C22 G a b eta - C23 G (a b)^1.5 phi,  M_z = C23 G (a b)^1.5 eta - C33 G (a b)^2 phi.
+"""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+TABLE = Path(__file__).with_name("creep_coefficients.csv")
+
+
+@dataclass(frozen=True)
+class CreepCoefficients:
+    """C11, C22, C23 and C33 for one ratio a/b and one Poisson's ratio."""
+
+    c11: float
+    c22: float
+    c23: float
+    c33: float
+
+
+@lru_cache(maxsize=4096)
+def creep_coefficients(ratio: float, poisson: float) -> CreepCoefficients:
+    """Coefficients for semi-axes with a ratio a/b (along over across) and Poisson's ratio.
+
+    `TABLE` was computed by `flangeway.contact.rolling.exact_rolling.derivatives` on half-spaces at Poisson's ratios 0,
+    1/4 and 1/2, on five or six grids of 24 to 64 cells across the ellipse, extrapolated linearly to cells of no width;
+    it is within 0.5 % of Kalker's (1990, table E.3), which has three digits; 0.8 % at a/b = 10. Between, logarithms of
+    the coefficients are splines of that of a/b, and inverse coefficients parabolas of Poisson's ratio. Beyond the
+    table, a/b from 0.05 to 20, the splines' ends are continued straight.
+    """
+    ratios, table = _table()
+    x, ends = np.log(ratio), np.log(ratios[[0, -1]])
+    inside = float(np.clip(x, *ends))
+    spline = CubicSpline(np.log(ratios), np.log(table), axis=0)
+    inverse = np.exp(-(spline(inside) + (x - inside) * spline(inside, 1)))
+    weights = (
+        8.0 * (poisson - 0.25) * (poisson - 0.5),
+        -16.0 * poisson * (poisson - 0.5),
+        8.0 * poisson * (poisson - 0.25),
+    )
+    return CreepCoefficients(*(1.0 / np.tensordot(weights, inverse, 1)).tolist())
+
+
+@lru_cache(maxsize=1)
+def _table() -> tuple[np.ndarray, np.ndarray]:
+    """Ratios (n,) and coefficients (n, 3, 4) by ratio, Poisson's ratio and kind."""
+    rows = np.loadtxt(TABLE, delimiter=",", skiprows=1)
+    return rows[::3, 0], rows[:, 2:].reshape(-1, 3, 4)

@@ -1,0 +1,96 @@
+"""What fast theories take of a patch: an ellipse, and creepages in Kalker's axes."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.contact.rolling.creep_coefficients import CreepCoefficients, creep_coefficients
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.errors import InputError
+from flangeway.types import Floats
+
+
+@dataclass(frozen=True)
+class EllipticContact:
+    """Ellipse under a Hertzian pressure, creepages of it, and materials.
+
+    Axes are Kalker's: x in the direction of rolling, z into the first body. For rolling to +z they are x = z and y = t
+    of `Creepages`, for rolling to -z both are turned over; `direction` is 1 or -1.
+
+    Parameters
+    ----------
+    along, across
+        Semi-axes a and b, those of Hertz's pressure with the second moments of the patch.
+    force
+        Normal force.
+    friction
+        Static coefficient of friction, the mean weighted by the normal forces.
+    shear, poisson
+        Those of two equal bodies: ``2 / G = 1 / G1 + 1 / G2``, ``2 nu / G = nu1 / G1 + nu2 / G2`` (Kalker, 1990, 1.3).
+    xi, eta, phi
+        Longitudinal, lateral and spin creepage at the centre.
+    direction
+        Of rolling along z.
+    centre
+        Length s and z of the centre of pressure from the patch's origin.
+
+    """
+
+    along: float
+    across: float
+    force: float
+    friction: float
+    shear: float
+    poisson: float
+    xi: float
+    eta: float
+    phi: float
+    direction: float
+    centre: tuple[float, float]
+
+    @classmethod
+    def of(cls, contact: RollingContact, motion: Creepages) -> "EllipticContact":
+        """The ellipse of a patch; creepages of rows are their means weighted by the normal forces.
+
+        Raises
+        ------
+        InputError
+            If the motion is a shift.
+
+        """
+        if not motion.rolls:
+            raise InputError("a speed of 0", "a speed of rolling", "shift by flangeway.contact.rolling.roll")
+        s, z = contact.places
+        rows, strips = contact.normal_forces.sum(axis=1), contact.normal_forces.sum(axis=0)
+        total = contact.force
+        s0, z0 = float(rows @ s) / total, float(strips @ z) / total
+        a = float(np.sqrt(5.0 * (strips @ (z - z0) ** 2 / total + contact.grid.strip**2 / 12.0)))
+        b = float(np.sqrt(5.0 * (rows @ ((s - s0) ** 2 + contact.grid.widths**2 / 12.0) / total)))
+        static = np.broadcast_to(contact.friction.limits[0], rows.shape)
+        along, across = (
+            float(np.broadcast_to(each, rows.shape) @ rows) / total for each in (motion.along, motion.across)
+        )
+        flexible = [(1.0 + each.poisson) / each.young for each in contact.materials]  # 1 / (2 G)
+        poisson = sum(part * each.poisson for part, each in zip(flexible, contact.materials, strict=True))
+        direction = float(np.sign(motion.speed))
+        return cls(
+            a, b, total, float(static @ rows) / total, 1.0 / sum(flexible), poisson / sum(flexible),
+            direction * (along + motion.spin * s0), direction * (across - motion.spin * z0), -motion.spin, direction,
+            (s0, z0),
+        )  # fmt: skip
+
+    @property
+    def coefficients(self) -> CreepCoefficients:
+        """Creep coefficients."""
+        return creep_coefficients(self.along / self.across, self.poisson)
+
+    @property
+    def unit(self) -> float:
+        """Force ``G a b`` of linear theory."""
+        return self.shear * self.along * self.across
+
+    def forces(self, x: float, y: float, moment: float) -> Floats:
+        """Forces along and across and the moment about n, of those in Kalker's axes."""
+        along, across = self.direction * x, self.direction * y
+        return np.array([along, across, self.centre[0] * along - self.centre[1] * across - moment])

@@ -1,0 +1,89 @@
+"""Creep forces of an ellipse in closed form: Kalker's linear theory, and Polach's."""
+
+import numpy as np
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import CreepForces
+from flangeway.solve import Status
+
+
+def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
+    """Kalker's linear theory (1967, thesis, Delft; 1990, 2.2.3): no slip, forces in proportion to creepages.
+
+    Range: forces up to about a third of the limit of friction, where it is some 20 % too large. A notice is given
+    where they exceed the limit.
+    """
+    ellipse = EllipticContact.of(contact, motion)
+    c, unit = ellipse.coefficients, ellipse.unit
+    size = np.sqrt(ellipse.along * ellipse.across)
+    x = -c.c11 * unit * ellipse.xi
+    y = -unit * (c.c22 * ellipse.eta + c.c23 * size * ellipse.phi)
+    moment = unit * size * (c.c23 * ellipse.eta - c.c33 * size * ellipse.phi)
+    limit = ellipse.friction * ellipse.force
+    beyond = float(np.hypot(x, y))
+    notices = () if beyond <= limit else (f"linear theory gives {beyond / limit:.3g} times the limit of friction",)
+    return _closed_form("linear theory", contact, motion, ellipse, (x, y, moment), notices)
+
+
+def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0, slip: float = 1.0) -> CreepForces:
+    """Polach's formula (1999, Vehicle System Dynamics 33 supplement; 2005, Wear 258).
+
+    Range: one patch that is nearly an ellipse, any creepages; the force is within about 5 % of the limit of friction of
+    the exact one without spin, and up to 30 % off with the spin of wheel flanges. It has no spin moment: that is 0.
+
+    Parameters
+    ----------
+    contact, motion
+        The patch and its motion.
+    adhesion, slip
+        Reductions of the initial slope in the areas of stick and slip (2005): ``0 < k_S <= k_A <= 1``.
+
+    """
+    ellipse = EllipticContact.of(contact, motion)
+    c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
+    creep = np.hypot(ellipse.xi, ellipse.eta)
+    with_spin = ellipse.eta + ellipse.phi * a
+    lateral = with_spin if abs(with_spin) > abs(ellipse.eta) else ellipse.eta
+    whole = np.hypot(ellipse.xi, lateral)
+    static, kinetic = (np.broadcast_to(each, contact.grid.widths.shape) for each in contact.friction.limits)
+    rows = contact.normal_forces.sum(axis=1)
+    velocity = abs(motion.speed) * whole
+    decay = contact.friction.decay
+    share = np.exp(-velocity / decay) if decay > 0.0 else float(velocity == 0.0)
+    limit = float((kinetic + (static - kinetic) * share) @ rows)
+    x = y = 0.0
+    if whole > 0.0 and limit > 0.0:
+        stiffness = np.hypot(c.c11 * ellipse.xi, c.c22 * ellipse.eta) / creep if creep > 0.0 else c.c22
+        gradient = np.pi * ellipse.unit * stiffness * whole / (4.0 * limit)
+        ahead = adhesion * gradient
+        force = -2.0 * limit / np.pi * (ahead / (1.0 + ahead**2) + np.arctan(slip * gradient))
+        spread = 1.0 + 6.3 * (1.0 - np.exp(-a / b))
+        turning = 8.0 * ellipse.shear * b * np.sqrt(a * b) * c.c23 * abs(lateral) / (3.0 * limit * spread)
+        delta = (turning**2 - 1.0) / (turning**2 + 1.0)
+        shape = turning * (delta**3 / 3.0 - delta**2 / 2.0 + 1.0 / 6.0) - (1.0 - delta**2) ** 1.5 / 3.0
+        by_spin = -9.0 / 16.0 * a * limit * shape * spread
+        x = force * ellipse.xi / whole
+        y = (force * ellipse.eta - by_spin * ellipse.phi) / whole
+    return _closed_form("Polach", contact, motion, ellipse, (float(x), float(y), 0.0))
+
+
+def _closed_form(
+    theory: str,
+    contact: RollingContact,
+    motion: Creepages,
+    ellipse: EllipticContact,
+    found: tuple[float, float, float],
+    notices: tuple[str, ...] = (),
+) -> CreepForces:
+    along, across, moment = ellipse.forces(*found).tolist()
+    return CreepForces(
+        motion=motion,
+        along=along,
+        across=across,
+        moment=moment,
+        theory=theory,
+        status=Status(True, "closed form", 0),
+        notices=(*motion.notices, *contact.friction.notices, *notices),
+    )

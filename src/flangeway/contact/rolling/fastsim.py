@@ -1,0 +1,261 @@
+"""FASTSIM and FaStrip: tractions of an ellipse, strip by strip from the leading to the trailing edge."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats, Ints
+
+STEPS = 30
+"""Least number of steps along each strip."""
+LEAST = 1e-12
+"""Coefficient of friction that is none."""
+MOST_PASSES, PASS_CHANGE = 20, 1e-3
+"""Passes over all strips, and the change of the coefficients at which they end, where friction falls with slip."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SimplifiedRolling(CreepForces):
+    """Creep forces with tractions on the cells of the patch.
+
+    Parameters
+    ----------
+    contact
+        The patch.
+    tractions, slip_velocities, states
+        As those of `flangeway.contact.rolling.rolling_result.Rolling`, interpolated along the strips; forces are
+        integrals of the tractions along them.
+    power_density
+        Tractions times slip.
+
+    """
+
+    contact: RollingContact
+    tractions: Floats
+    slip_velocities: Floats
+    states: Ints
+
+    @property
+    def power_density(self) -> Floats:
+        """Frictional power over area."""
+        return -np.sum(self.tractions * self.slip_velocities, axis=2)
+
+
+@dataclass(frozen=True, eq=False)
+class _Strips:
+    """Strips of an ellipse, one for each row of cells in it, with nodes from the leading edge, in Kalker's axes.
+
+    Nodes are close to each other at both ends, as cosines of even angles.
+
+    Parameters
+    ----------
+    inside
+        Rows of cells in the ellipse.
+    y, widths, half
+        Place across, width and half length of each strip, shape (n,).
+    x
+        Places of the nodes, shape (n, n_steps + 1).
+
+    """
+
+    inside: Bools
+    y: Floats
+    widths: Floats
+    half: Floats
+    x: Floats
+
+    @classmethod
+    def of(cls, contact: RollingContact, ellipse: EllipticContact, n_steps: int) -> "_Strips":
+        y = ellipse.direction * (contact.places[0] - ellipse.centre[0])
+        inside = np.abs(y) < ellipse.across
+        y = y[inside]
+        half = ellipse.along * np.sqrt(1.0 - (y / ellipse.across) ** 2)
+        x = half[:, None] * np.cos(np.pi * np.arange(n_steps + 1) / n_steps)
+        return cls(inside, y, contact.grid.widths[inside], half, x)
+
+    def resultants(self, tractions: Floats) -> tuple[float, float, float]:
+        """Forces along x and y, and the moment about z, of tractions (2, n, n_steps + 1) that are 0 at both ends."""
+        forces = tractions[:, :, 1:-1] * (self.widths[:, None] * (self.x[:, :-2] - self.x[:, 2:]) / 2.0)
+        moment = np.sum(self.x[:, 1:-1] * forces[1] - self.y[:, None] * forces[0])
+        return float(forces[0].sum()), float(forces[1].sum()), float(moment)
+
+
+def fastsim(
+    contact: RollingContact,
+    motion: Creepages,
+    *,
+    flexibilities: tuple[float, float, float] | None = None,
+    parabolic: bool = True,
+    n_steps: int | None = None,
+) -> SimplifiedRolling:
+    """Kalker's simplified theory (1982, Vehicle System Dynamics 11): displacements in proportion to tractions.
+
+    Range: one patch that is nearly an ellipse, bodies of one material, a spin up to that of wheel flanges. The force is
+    then within about 10 % of the limit of friction of the exact one. Where everything slips, different flexibilities
+    turn it by some degrees.
+
+    Parameters
+    ----------
+    contact, motion
+        The patch and its motion; pressures are replaced by those of an ellipse with the same moments.
+    flexibilities
+        L1, L2 and L3 (length over stress) for longitudinal creepage, lateral creepage and spin; left out: those with
+        the forces of linear theory. One mean of them, three times, makes forces of everything that slips exact.
+    parabolic
+        Whether the limit of friction is a paraboloid, as in the original, or Hertz's ellipsoid.
+    n_steps
+        Steps along each strip; left out: 30, or as many as there are strips of cells.
+
+    """
+    ellipse = EllipticContact.of(contact, motion)
+    strips = _Strips.of(contact, ellipse, n_steps or max(STEPS, contact.grid.n_strips))
+    tractions, slips, slipping = _simplified(contact, motion, ellipse, strips, flexibilities, parabolic=parabolic)
+    return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, slipping))
+
+
+def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None = None) -> SimplifiedRolling:
+    """FaStrip (Sichani, Enblom and Berg, 2016, Vehicle System Dynamics 54): strip theory where it sticks.
+
+    Where strips stick, tractions are those of plane contact in each strip (Kalker, 1967), scaled to linear theory;
+    where they slip, they have Hertz's limit and the direction of FASTSIM. Range: as FASTSIM, with tractions nearer to
+    the exact theory; spin below that at which `psi` is 1, beyond it strips slip as in FASTSIM.
+    """
+    ellipse = EllipticContact.of(contact, motion)
+    strips = _Strips.of(contact, ellipse, n_steps or max(STEPS, contact.grid.n_strips))
+    c, a, b, nu = ellipse.coefficients, ellipse.along, ellipse.across, ellipse.poisson
+    # one flexibility, so that all that slips has its direction
+    mean = a / ellipse.shear * 8.0 / (1.5 * (c.c11 + c.c22))
+    directions, slips, _ = _simplified(contact, motion, ellipse, strips, (mean, mean, mean), parabolic=True)
+    pressure = 1.5 * ellipse.force / (np.pi * a * b)
+    mu = np.broadcast_to(contact.friction.limits[0], contact.grid.widths.shape)[strips.inside]
+    unit = ellipse.shear / (2.0 * np.maximum(mu, LEAST) * pressure)
+    plane = 4.0 * (1.0 - nu) / np.pi**2
+    xi, eta = -unit * plane * c.c11 * ellipse.xi, -unit * plane * c.c22 * ellipse.eta
+    psi = -unit * 3.0 / np.pi * np.sqrt(a * b) * c.c23 * ellipse.phi
+    across = xi - psi * strips.y / a
+    rest = 1.0 - psi**2
+    turned = np.abs(psi) < 1.0
+    rest = np.where(turned, rest, 1.0)
+    # half of the length of slip of each strip, at its trailing end
+    slip = np.where(turned, (np.sqrt(eta**2 + rest * across**2) + eta * psi) / rest * a / (1.0 - nu), np.inf)
+    slip = np.clip(slip, 0.0, strips.half)
+    ahead = eta + psi * slip / a
+    size = np.maximum(np.hypot(across, ahead), np.finfo(float).tiny)
+    whole = np.sqrt(np.maximum(strips.half[:, None] ** 2 - strips.x**2, 0.0))
+    inner = (strips.half - slip)[:, None] ** 2 - (strips.x - slip[:, None]) ** 2
+    sticks = (inner > 0.0) & (slip < strips.half)[:, None]
+    inner = np.sqrt(np.maximum(inner, 0.0))
+    scale = (mu * pressure / a)[:, None]
+    kappa, lam = (across / size)[:, None], (ahead / size)[:, None]
+    sticking = scale * np.stack((kappa * (whole - inner), lam * whole - (lam - psi[:, None]) * inner))
+    limit = scale * whole
+    length = np.linalg.norm(directions, axis=0)
+    sliding = directions * np.where(length > 0.0, limit / np.where(length > 0.0, length, 1.0), 0.0)
+    tractions = np.where(sticks, sticking, sliding)
+    return _record("FaStrip", contact, motion, (ellipse, strips), (tractions, np.where(sticks, 0.0, slips), ~sticks))
+
+
+def _simplified(
+    contact: RollingContact,
+    motion: Creepages,
+    ellipse: EllipticContact,
+    strips: _Strips,
+    flexibilities: tuple[float, float, float] | None,
+    *,
+    parabolic: bool,
+) -> tuple[Floats, Floats, Bools]:
+    """Tractions and slip (2, n, n_steps + 1) over the distance rolled, and which nodes slip."""
+    c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
+    if flexibilities is None:
+        unit = a / ellipse.shear
+        spinning = np.pi * np.sqrt(a / b) / (4.0 * c.c23)
+        flexibilities = 8.0 * unit / (3.0 * c.c11), 8.0 * unit / (3.0 * c.c22), float(spinning) * unit
+    flexible = np.array(flexibilities[:2])[:, None]
+    middles = (strips.x[:, 1:] + strips.x[:, :-1]) / 2.0
+    ratio = flexible[:, 0] / flexibilities[2]
+    rigid = np.empty((middles.shape[1], 2, len(strips.y)))
+    rigid[:, 0] = ellipse.xi - ratio[0] * ellipse.phi * strips.y
+    rigid[:, 1] = ellipse.eta + ratio[1] * ellipse.phi * middles.T
+    share = 1.0 - (strips.x.T / a) ** 2 - (strips.y / b) ** 2
+    share = np.maximum(share, 0.0) * 2.0 if parabolic else np.sqrt(np.maximum(share, 0.0)) * 1.5
+    pressures = ellipse.force / (np.pi * a * b) * share
+    steps = -np.diff(strips.x, axis=1).T[:, None]
+    change = rigid * steps / flexible
+    static, kinetic = (np.broadcast_to(each, strips.inside.shape)[strips.inside] for each in contact.friction.limits)
+    coefficients: Floats = np.broadcast_to(static, pressures.shape)
+    moved, passes = np.inf, 0
+    while moved > PASS_CHANGE and passes < MOST_PASSES:
+        passes += 1
+        limits = coefficients * pressures
+        tractions, slips = np.zeros((len(limits), 2, len(strips.y))), np.zeros((len(limits), 2, len(strips.y)))
+        last = tractions[0]
+        for number in range(1, len(limits)):
+            trial = last - change[number - 1]
+            length = np.sqrt(trial[0] ** 2 + trial[1] ** 2)
+            last = trial * np.minimum(limits[number] / np.maximum(length, 1e-300), 1.0)
+            tractions[number], slips[number] = last, last - trial
+        if contact.friction.constant:
+            break
+        speed = abs(motion.speed) * np.linalg.norm(_over_distance(slips, flexible, steps), axis=1)
+        decay = contact.friction.decay
+        part = np.exp(-speed / decay) if decay > 0.0 else (speed == 0.0) * 1.0
+        new = kinetic + (static - kinetic) * part
+        moved, coefficients = float(np.abs(new - coefficients).max()), new
+    slipping = (slips != 0.0).any(axis=1)
+    return tractions.transpose(1, 2, 0), _over_distance(slips, flexible, steps).transpose(1, 2, 0), slipping.T
+
+
+def _over_distance(slips: Floats, flexible: Floats, steps: Floats) -> Floats:
+    """Slip over the distance rolled at the nodes, from changes of tractions in the steps before them."""
+    found = slips * flexible
+    found[1:] /= steps
+    return found
+
+
+def _record(
+    theory: str,
+    contact: RollingContact,
+    motion: Creepages,
+    places: tuple[EllipticContact, _Strips],
+    fields: tuple[Floats, Floats, Bools],
+) -> SimplifiedRolling:
+    """Resultants, and fields on the cells, of tractions, slip and where strips slip."""
+    ellipse, strips = places
+    along, across, moment = ellipse.forces(*strips.resultants(fields[0])).tolist()
+    shape = contact.pressures.shape
+    x = ellipse.direction * (contact.places[1] - ellipse.centre[1])
+    n_steps = strips.x.shape[1] - 1
+    cosine = x / strips.half[:, None]
+    met = np.abs(cosine) < 1.0
+    place = np.arccos(np.clip(cosine, -1.0, 1.0)) * n_steps / np.pi
+    before = np.clip(place.astype(int), 0, n_steps - 1)
+    part = place - before
+    rows = np.arange(len(strips.y))[:, None]
+
+    def on_cells(values: Floats) -> Floats:
+        whole = np.zeros((*shape, 2))
+        found = values[:, rows, before] * (1.0 - part) + values[:, rows, before + 1] * part
+        whole[strips.inside] = ellipse.direction * (found * met)[::-1].transpose(1, 2, 0)
+        return whole
+
+    states = np.full(shape, NO_CONTACT)
+    near = np.clip(np.rint(place).astype(int), 1, n_steps)
+    states[strips.inside] = np.where(met, np.where(fields[2][rows, near], SLIPS, STICKS), NO_CONTACT)
+    return SimplifiedRolling(
+        motion=motion,
+        along=along,
+        across=across,
+        moment=moment,
+        theory=theory,
+        status=Status(True, f"{len(strips.y)} strips of {n_steps} steps", n_steps),
+        notices=(*motion.notices, *contact.friction.notices),
+        contact=contact,
+        tractions=on_cells(fields[0]),
+        slip_velocities=abs(motion.speed) * on_cells(fields[1]),
+        states=states,
+    )

@@ -1,0 +1,183 @@
+"""Fast theories of rolling: creep coefficients, linear theory, Polach's formula, FASTSIM and FaStrip."""
+
+import numpy as np
+import pytest
+
+from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creep_coefficients import creep_coefficients
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.fast_theories import linear_theory, polach
+from flangeway.contact.rolling.fastsim import fastrip, fastsim
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+
+STEEL = Elastic(2.56 * 82000.0, 0.28)
+FORCE, MU = 82000.0, 0.3
+THEORIES = (linear_theory, polach, fastsim, fastrip)
+
+
+def ellipse(along: float, across: float, n: int = 24, friction: Friction | None = None) -> RollingContact:
+    """Hertz's pressure on n x n cells about an ellipse."""
+    grid = PatchGrid(1.1 * across * np.linspace(-1.0, 1.0, n + 1), 2.2 * along / n, n)
+    s = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0 / across
+    pressures = np.sqrt(np.maximum(1.0 - s[:, None] ** 2 - (grid.along / along) ** 2, 0.0))
+    pressures *= FORCE / float((pressures * grid.widths[:, None] * grid.strip).sum())
+    return RollingContact.between_half_spaces(grid, pressures, friction or Friction(MU), (STEEL, STEEL))
+
+
+def values(found: CreepForces) -> np.ndarray:
+    return np.array([found.along, found.across, found.moment]) / (MU * FORCE)
+
+
+@pytest.mark.parametrize(
+    ("ratio", "published"),
+    [
+        (0.1, (3.31, 2.52, 0.473, 8.28)),
+        (0.5, (3.62, 3.01, 0.929, 1.93)),
+        (1.0, (4.12, 3.67, 1.47, 1.19)),
+        (2.0, (5.10, 4.90, 2.62, 0.819)),
+        (10.0, (11.7, 12.8, 14.6, 0.526)),
+    ],
+)
+def test_creep_coefficients_are_those_of_kalker(ratio, published) -> None:
+    """Kalker (1990), table E.3, nu = 0.25: within 1 %."""
+    found = creep_coefficients(ratio, 0.25)
+    np.testing.assert_allclose((found.c11, found.c22, found.c23, found.c33), published, rtol=0.01)
+
+
+def test_creep_coefficients_of_incompressible_and_other_bodies() -> None:
+    """At nu = 0 both directions are equal; between and beyond the table coefficients are smooth and rise with a/b."""
+    assert creep_coefficients(0.7, 0.0).c11 == pytest.approx(creep_coefficients(0.7, 0.0).c22, rel=1e-4)
+    ratios = np.geomspace(0.01, 100.0, 60)
+    curves = np.array(
+        [[getattr(creep_coefficients(each, 0.3), name) for name in ("c11", "c22", "c23")] for each in ratios]
+    )
+    assert (np.diff(curves, axis=0) > 0.0).all()
+    # Kalker's limit of slender ellipses across: pi^2 / (4 (1 - nu)) and pi^2 / 4
+    np.testing.assert_allclose(curves[0, :2], (np.pi**2 / 2.8, np.pi**2 / 4.0), rtol=0.02)
+
+
+@pytest.mark.parametrize("shape", [(8.0, 4.0), (4.0, 4.0), (3.0, 8.0)])
+def test_at_small_creepages_all_theories_agree(shape) -> None:
+    """Forces of linear theory, and of the exact one to 2 %."""
+    contact = ellipse(*shape)
+    motion = Creepages(2e-6, 1e-6, 1e-7)
+    wanted = values(linear_theory(contact, motion))
+    np.testing.assert_allclose(values(roll(contact, motion)), wanted, atol=0.02 * np.abs(wanted).max())
+    for theory in (fastsim, fastrip):
+        np.testing.assert_allclose(values(theory(contact, motion))[:2], wanted[:2], atol=0.04 * np.abs(wanted).max())
+    pure = values(polach(contact, Creepages(2e-6)))
+    np.testing.assert_allclose(pure, values(linear_theory(contact, Creepages(2e-6))), atol=1e-3 * abs(pure[0]))
+    spun = values(polach(contact, Creepages(spin=1e-7)))
+    np.testing.assert_allclose(spun[1], values(linear_theory(contact, Creepages(spin=1e-7)))[1], rtol=1e-3)
+
+
+@pytest.mark.parametrize("motion", [Creepages(1e-3), Creepages(0.0, 2e-3), Creepages(1e-3, 1e-3), Creepages(-4e-3)])
+def test_without_spin_fast_theories_are_near_the_exact_one(motion) -> None:
+    """Within 6 % of the limit of friction."""
+    for shape in ((8.0, 4.0), (3.0, 8.0)):
+        contact = ellipse(*shape)
+        exact = values(roll(contact, motion))
+        for theory in (polach, fastsim, fastrip):
+            found = values(theory(contact, motion))
+            assert np.hypot(*(found - exact)[:2]) < 0.06, theory
+
+
+@pytest.mark.parametrize(
+    "motion", [Creepages(0.0, -6.25e-4, -6.25e-4), Creepages(1e-3, 1e-3, 3e-4), Creepages(spin=2e-3)]
+)
+def test_with_spin_strip_theories_are_near_the_exact_one(motion) -> None:
+    """Within 11 % of the limit of friction; the moment within 30 %."""
+    contact = ellipse(8.0, 4.0)
+    exact = values(roll(contact, motion))
+    for theory in (fastsim, fastrip):
+        found = values(theory(contact, motion))
+        assert np.hypot(*(found - exact)[:2]) < 0.11
+        assert found[2] == pytest.approx(exact[2], rel=0.3)
+
+
+def test_fastsim_is_that_of_contact() -> None:
+    """CONTACT's example fastsim (FX, FY, MZ printed for 40 and 200 steps, first order): extrapolated, 0.5 %."""
+    contact, motion = ellipse(8.0, 4.0, 110), Creepages(0.0, -6.25e-4, -6.25e-4)
+    printed = {True: ((-0.6118, -3.900e4), (-0.6359, -3.798e4)), False: ((-0.6016, -4.829e4), (-0.5956, -4.530e4))}
+    for parabolic, (coarse, fine) in printed.items():
+        wanted = np.array(fine) + (np.array(fine) - coarse) / 4.0
+        found = fastsim(
+            contact, motion, flexibilities=(0.4937e-4, 0.5152e-4, 0.4090e-4), parabolic=parabolic, n_steps=200
+        )
+        np.testing.assert_allclose((found.across / (MU * FORCE), -found.moment), wanted, rtol=5e-3)
+
+
+@pytest.mark.parametrize("theory", [fastsim, fastrip])
+def test_strip_theories_give_fields(theory) -> None:
+    """Tractions on the cells have the forces, lie within the limit, and oppose slip; states say where there is slip."""
+    contact, motion = ellipse(8.0, 4.0, 40), Creepages(2e-3, -1e-3, -3e-4, speed=1e3)
+    found = theory(contact, motion)
+    sums = (found.tractions * contact.areas[:, :, None]).sum(axis=(0, 1))
+    np.testing.assert_allclose(sums, (found.across, found.along), rtol=0.01)
+    size = np.linalg.norm(found.tractions, axis=2)
+    assert (size <= 1.34 * MU * contact.pressures.max()).all()
+    assert set(np.unique(found.states)) == {NO_CONTACT, STICKS, SLIPS}
+    assert not found.tractions[found.states == NO_CONTACT].any()
+    assert np.abs(found.slip_velocities[found.states == SLIPS]).max() > 0.0
+    assert found.power_density.min() >= -0.05 * found.power_density.max()
+    assert (found.power_density * contact.areas).sum() == pytest.approx(found.frictional_power, rel=0.15)
+
+
+@pytest.mark.parametrize("theory", THEORIES)
+def test_fast_theories_have_the_symmetries_of_the_exact_one(theory) -> None:
+    """Rolling to -z and mirrored motions turn the forces over; nothing follows from no creepage."""
+    contact = ellipse(8.0, 4.0)
+    found = values(theory(contact, Creepages(1e-3, 5e-4, 2e-4)))
+    back = values(theory(contact, Creepages(-1e-3, 5e-4, -2e-4, -1.0)))
+    np.testing.assert_allclose(back, found * [-1.0, 1.0, -1.0], atol=1e-12)
+    mirrored = values(theory(contact, Creepages(1e-3, -5e-4, -2e-4)))
+    np.testing.assert_allclose(mirrored, found * [1.0, -1.0, -1.0], atol=1e-9)
+    np.testing.assert_array_equal(values(theory(contact, Creepages())), 0.0)
+
+
+@pytest.mark.parametrize("theory", [polach, fastsim, fastrip])
+def test_large_creepages_give_the_limit(theory) -> None:
+    """The force is the limit of friction against the creepage; without friction it is 0."""
+    contact = ellipse(6.0, 5.0)
+    found = values(theory(contact, Creepages(0.5)))
+    np.testing.assert_allclose(found[:2], (-1.0, 0.0), atol=0.02)
+    assert "percent" in theory(contact, Creepages(0.5)).notices[0]
+    smooth = theory(ellipse(6.0, 5.0, friction=Friction(0.0)), Creepages(0.5, 0.1, 1e-3))
+    np.testing.assert_array_equal(values(smooth), 0.0)
+
+
+@pytest.mark.parametrize("theory", [polach, fastsim])
+def test_friction_falls_in_fast_theories(theory) -> None:
+    """At high slip velocities the kinetic coefficient acts."""
+    falling = ellipse(6.0, 5.0, friction=Friction(0.4, 0.2, decay=1.0))
+    assert -theory(falling, Creepages(0.1, speed=1e4)).along / FORCE == pytest.approx(0.2, rel=0.02)
+    assert -theory(falling, Creepages(0.1, speed=0.1)).along / FORCE == pytest.approx(0.4, rel=0.03)
+
+
+def test_polachs_reductions_and_notices() -> None:
+    """Reduced slopes lower the force; linear theory beyond the limit says so; a shift is refused."""
+    contact = ellipse(6.0, 5.0)
+    motion = Creepages(1e-3)
+    assert abs(polach(contact, motion, adhesion=0.6, slip=0.3).along) < 0.8 * abs(polach(contact, motion).along)
+    assert "times the limit" in linear_theory(contact, Creepages(0.05)).notices[0]
+    with pytest.raises(InputError, match="speed of 0"):
+        linear_theory(contact, Creepages(1e-3, speed=0.0))
+
+
+def test_the_origin_moves_moments_but_not_the_motion() -> None:
+    """Creepages and moments about another origin describe the same motion and the same power."""
+    plain = ellipse(6.0, 5.0)
+    moved = RollingContact(
+        plain.grid, plain.pressures, plain.friction, plain.materials, plain.coefficients, origin=(1.5, -2.0)
+    )
+    motion = Creepages(1e-3, 5e-4, 2e-4)
+    other = Creepages(1e-3 + 2e-4 * 1.5, 5e-4 + 2e-4 * 2.0, 2e-4)
+    for theory in (roll, *THEORIES):
+        first, second = theory(plain, motion), theory(moved, other)
+        np.testing.assert_allclose(values(first)[:2], values(second)[:2], rtol=1e-3)
+        assert second.t_gamma == pytest.approx(first.t_gamma, rel=1e-3)
