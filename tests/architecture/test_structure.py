@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2215,
     "solve": 3050,
-    "contact": 5440,
+    "contact": 5938,
     "post": 1820,
     "railway.profiles": 3280,
     "railway.track": 570,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 53_635
-MAX_FILES_OF_ALL = 286
+MAX_LINES_OF_ALL = 54_133
+MAX_FILES_OF_ALL = 290
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
