@@ -1,7 +1,7 @@
-"""Quarters of two pressed bodies of C3D20 as CalculiX reads them, and the pressures that it writes.
+"""Quarters and halves of two pressed bodies of C3D20 as CalculiX reads them, and the pressures that it writes.
 
 A body is a grid of cells whose nodes any function places: abscissae across, up from the held side to the surface, and
-along. Both are cut at x = 0 and z = 0, where they are held by symmetry.
+along. Both are cut at z = 0, and at x = 0 if they are symmetric about it, where they are held by symmetry.
 """
 
 from collections.abc import Callable
@@ -25,7 +25,7 @@ FACES = (3, 5)
 
 @dataclass(frozen=True)
 class Solid:
-    """A quarter of a body.
+    """A quarter, or half, of a body.
 
     Parameters
     ----------
@@ -34,7 +34,7 @@ class Solid:
     elements
         C3D20, shape (m, 20).
     held, surface, at_x, at_z
-        Nodes of the held side, of the contact surface, and of the planes of symmetry.
+        Nodes of the held side, of the contact surface, and of the planes of symmetry; none at x in a half.
     faces
         Elements at the contact surface.
     face
@@ -58,6 +58,7 @@ def solid(
     """Return a grid of cells between rising abscissae, its nodes placed by a function of three abscissae (n,) each.
 
     The function must keep the orientation of (across, up, along). An upper body has its surface where ``up`` begins.
+    Where ``across`` begins below 0 it is a half.
     """
     each: list[Floats] = [np.sort(np.concatenate((ends, (ends[1:] + ends[:-1]) / 2.0))) for ends in (across, up, along)]
     shape = tuple(len(values) for values in each)
@@ -74,8 +75,8 @@ def solid(
     touching = np.flatnonzero(starts[:, 1] == (0 if upper else last - 2))
     return Solid(
         place(each[0][i], each[1][j], each[2][k]), elements,
-        np.flatnonzero(j == held), np.flatnonzero(j == surface), np.flatnonzero(i == 0), np.flatnonzero(k == 0),
-        touching, face,
+        np.flatnonzero(j == held), np.flatnonzero(j == surface),
+        np.flatnonzero((i == 0) & (across[0] >= 0.0)), np.flatnonzero(k == 0), touching, face,
     )  # fmt: skip
 
 
@@ -93,6 +94,7 @@ def deck(lower: Solid, upper: Solid, *, young: float, poisson: float, penalty: f
         "ATX": np.union1d(lower.at_x, upper.at_x + first), "ATZ": np.union1d(lower.at_z, upper.at_z + first),
         "TOUCHING": np.union1d(lower.surface, upper.surface + first),
     }  # fmt: skip
+    sets = {name: nodes for name, nodes in sets.items() if len(nodes)}
     for name, nodes in sets.items():
         lines += [f"*NSET, NSET={name}", *(f"{node}," for node in (nodes + 1).tolist())]
     for name, body, before in (("LOWER", lower, 0), ("UPPER", upper, first_element)):
@@ -102,7 +104,7 @@ def deck(lower: Solid, upper: Solid, *, young: float, poisson: float, penalty: f
         "*MATERIAL, NAME=STEEL", "*ELASTIC", f"{young},{poisson}", "*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL",
         "*SURFACE INTERACTION, NAME=HARD", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{penalty:.6g}",
         "*CONTACT PAIR, INTERACTION=HARD, TYPE=SURFACE TO SURFACE", "UPPER,LOWER",
-        "*BOUNDARY", "BASE,1,3", "TOP,1,1", "TOP,3,3", "ATX,1,1", "ATZ,3,3",
+        "*BOUNDARY", "BASE,1,3", "TOP,1,1", "TOP,3,3", *(["ATX,1,1"] if "ATX" in sets else []), "ATZ,3,3",
         "*STEP, INC=1000", "*STATIC", "0.5,1.",
         "*BOUNDARY", f"TOP,2,2,{-approach:.14g}",
         "*NODE PRINT, NSET=BASE, TOTALS=ONLY, FREQUENCY=1000", "RF",

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from flangeway.errors import InputError
-from flangeway.geometry import FloatArray, Line, Outline, Placement, Point, Segment, as_point
+from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment, as_point
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 from flangeway.railway.profiles.profile_file import MeasuredProfile, side_notices
 
@@ -95,7 +95,7 @@ def _renamed(outline: Outline, names: dict[int, str], other: str) -> Outline:
     return Outline.from_segments(outline.segments, [names.get(i, other) for i in range(outline.n_segments)])
 
 
-def lengths_along(outline: Outline) -> FloatArray:
+def lengths_along(outline: Contour) -> FloatArray:
     """Return the lengths (n_segments + 1,) along an outline at the ends of its segments, from 0."""
     return np.concatenate([[0.0], np.cumsum([segment.length for segment in outline.segments])])
 
@@ -106,7 +106,7 @@ def point_at(outline: Outline, lengths: FloatArray, place: float) -> Point:
     return as_point(outline.segments[i].point((place - lengths[i]) / outline.segments[i].length)[0])
 
 
-def pieces_between(outline: Outline, lengths: FloatArray, first: float, last: float) -> list[tuple[str, Segment]]:
+def pieces_between(outline: Contour, lengths: FloatArray, first: float, last: float) -> list[tuple[str, Segment]]:
     """Return the named pieces of an outline from one length along it forwards to another."""
     total = float(lengths[-1])
     last = last if last > first else last + total

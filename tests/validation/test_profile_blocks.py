@@ -1,0 +1,55 @@
+"""Wheel and rail with true profiles, cut to blocks, beside CalculiX."""
+
+import numpy as np
+import pytest
+
+from benchmarks.peers.calculix_solid import Solid
+from benchmarks.profile_blocks import blocks
+from flangeway.validation.spatial.profile_blocks import (
+    DEPTH,
+    HALF,
+    RADIUS,
+    cut_surfaces,
+    heights,
+    pressed_profiles,
+    profile_numbers,
+)
+
+
+def test_wheel_and_rail_agree_with_calculix() -> None:
+    """Maximum pressure, semi-axes and approach of S1002 on 60E1 within 2 %, where Hertz's ellipse means nothing."""
+    found = pressed_profiles()
+    assert found.status.converged
+    numbers = list(profile_numbers(found))
+    assert [each.quantity for each in numbers] == ["p0", "along", "across", "approach", "x"]
+    assert all(each.within and each.required for each in numbers)
+    assert found.hertz(found.patches[0]) is None
+
+
+def test_the_cut_profiles_touch_first_at_the_origin() -> None:
+    """The gap is least there and nothing, and on the rail two arcs of the crown meet within the patch."""
+    low, high, axle = cut_surfaces()
+    x = np.linspace(-HALF + 0.1, HALF - 0.1, 2001)
+    gap = heights(high, x) - heights(low, x)
+    assert gap.min() == pytest.approx(0.0, abs=1e-6)
+    assert abs(x[gap.argmin()]) < 0.02
+    curvatures = [np.polyfit(x[near], gap[near], 2)[0] * 2.0 for near in (abs(x + 1.5) < 0.8, abs(x - 4.0) < 0.8)]
+    assert curvatures[0] > 3.0 * curvatures[1]
+    assert axle == pytest.approx(RADIUS, abs=1.0)
+
+
+def test_calculix_gets_the_same_surfaces() -> None:
+    """Nodes of the rail's surface lie on its profile, those of the wheel's on the surface of revolution."""
+    low, high, axle = cut_surfaces()
+    rail, wheel = blocks(2.5)
+    for body, surface, level in ((rail, low, -DEPTH), (wheel, high, DEPTH)):
+        assert isinstance(body, Solid)
+        x, y, z = body.nodes[body.surface].T
+        above = axle - np.hypot(axle - y, z) if level > 0.0 else y
+        np.testing.assert_allclose(above, heights(surface, x), atol=1e-6)
+        np.testing.assert_allclose(body.nodes[body.held][:, 1], level)
+        assert (x.min(), x.max(), z.min(), z.max()) == pytest.approx((-HALF, HALF, 0.0, 30.0))
+        corners = body.nodes[body.elements[:, :8]]
+        edges = corners[:, [1, 3, 4]] - corners[:, :1]
+        assert (np.linalg.det(edges) > 0.0).all()
+        assert len(body.at_x) == 0
