@@ -33,13 +33,13 @@ MAX_LINES = {
     "cases": 6130,
     "campaign": 1780,
     "report": 5965,
-    "validation": 5135,
+    "validation": 5250,
     "cli": 970,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 54_133
-MAX_FILES_OF_ALL = 290
+MAX_LINES_OF_ALL = 54_248
+MAX_FILES_OF_ALL = 291
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
