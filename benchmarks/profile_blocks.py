@@ -27,7 +27,7 @@ GROWTH = 1.9
 QUANTITIES = (("p0", "MPa"), ("x", "mm"), ("along", "mm"), ("across", "mm"))
 STEP = 1e-2
 """Over which slopes are taken in mm."""
-NOISE = 0.02
+NOISE = 0.005
 """Stresses at the nodes below this share of the maximum pressure are taken as those of a free surface."""
 SHARES = np.array([-1.0, -1.0, -1.0, -1.0, 4.0, 4.0, 4.0, 4.0]) / 12.0
 """Of the nodes of a face in its area: corners, then middles of sides."""
