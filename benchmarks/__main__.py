@@ -15,6 +15,7 @@ from benchmarks import (
     hertz_block_times,
     positions,
     report,
+    rolling,
     spatial,
     stabilisation,
     torsion_assembly,
@@ -35,6 +36,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "stabilisation": stabilisation.measurements,
     "worn": worn.measurements,
     "spatial": spatial.measurements,
+    "rolling": rolling.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -49,6 +51,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "stabilisation": stabilisation.quick,
     "worn": worn.quick,
     "spatial": spatial.quick,
+    "rolling": rolling.quick,
 }
 
 

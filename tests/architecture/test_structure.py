@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2215,
     "solve": 3050,
-    "contact": 5938,
+    "contact": 5946,
     "post": 1820,
     "railway.profiles": 3280,
     "railway.track": 570,
@@ -33,13 +33,13 @@ MAX_LINES = {
     "cases": 6130,
     "campaign": 1780,
     "report": 5965,
-    "validation": 5250,
+    "validation": 5807,
     "cli": 970,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 54_248
-MAX_FILES_OF_ALL = 291
+MAX_LINES_OF_ALL = 54_813
+MAX_FILES_OF_ALL = 294
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

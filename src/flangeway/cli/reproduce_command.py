@@ -13,7 +13,7 @@ ReproductionName = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="torsion, elasticity, hertz, contact-patch, wheel-rail or spatial; all: every one, with a summary.",
+        help="torsion, elasticity, hertz, contact-patch, wheel-rail, spatial or rolling; all: every one, summarised.",
     ),
 ]
 Quick = Annotated[

@@ -4,6 +4,7 @@ from flangeway.validation.contact_patch.contact_patch_page import CONTACT_PATCH
 from flangeway.validation.elasticity.elasticity_page import ELASTICITY
 from flangeway.validation.hertz.hertz_page import HERTZ
 from flangeway.validation.reproduction import Reproduction
+from flangeway.validation.rolling.rolling_chapter import ROLLING
 from flangeway.validation.spatial.spatial_chapter import SPATIAL
 from flangeway.validation.torsion.torsion_page import TORSION
 from flangeway.validation.wheel_rail.wheel_rail_page import WHEEL_RAIL
@@ -15,4 +16,5 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "contact-patch": CONTACT_PATCH,
     "wheel-rail": WHEEL_RAIL,
     "spatial": SPATIAL,
+    "rolling": ROLLING,
 }

@@ -7,7 +7,7 @@ monotone, so there is one solution. Newton's method for this equation solves ``S
 tangential part of the law on the others.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,8 @@ DECREASE, LEAST_STEP = 0.1, 1.0 / 32.0
 """Part of a step by which the residual must fall, and the smallest part that is tried."""
 ROUND_OFF = 1e-12
 """Residual over the limits that is none."""
+LEAST_PART = 0.02
+"""Smallest part of the rigid slip by which it grows where Newton's method does not converge at once."""
 COARSE = 20
 """Cells of a side from which a grid of twice as large cells is solved first."""
 
@@ -97,8 +99,8 @@ class FrictionState:
     ----------
     forces, slips
         Tangential forces on the second body and its slip, shape (n_cells, 2, n_strips).
-    length
-        Length of ``f - r S``, shape (n_cells, 1, n_strips).
+    share
+        Limit over length of ``f - r S`` where it is beyond the limit, otherwise 1, shape (n_cells, 1, n_strips).
     direction
         Direction of the same.
     sticks
@@ -110,7 +112,7 @@ class FrictionState:
 
     forces: Floats
     slips: Floats
-    length: Floats
+    share: Floats
     direction: Floats
     sticks: Bools
     residual: Floats
@@ -139,9 +141,9 @@ class FrictionProblem:
         slips, limits = self.rigid + self.operator(forces), self.limits[:, None]
         trial = forces - self.operator.scale * slips
         length = np.maximum(np.linalg.norm(trial, axis=1, keepdims=True), np.finfo(float).tiny)
-        within = length <= limits
-        projected = np.where(within, trial, trial * (limits / length))
-        return FrictionState(forces, slips, length, trial / length, within & self.loaded, forces - projected)
+        share = limits / np.maximum(length, limits)
+        within = self.loaded & (length <= limits)
+        return FrictionState(forces, slips, share, trial / length, within, forces - share * trial)
 
     def solve(self, start: Floats | None, tolerance: float) -> tuple[FrictionState, Status]:
         """Find the forces.
@@ -155,8 +157,21 @@ class FrictionProblem:
             at small creepages of what single cells would carry.
 
         """
-        if start is None:
-            start = self._nested(tolerance)
+        state, status = self._newton(self._nested(tolerance) if start is None else start, tolerance)
+        # otherwise the slip grows from none, in parts as small as needed
+        done, part, forces = 0.0, 0.5, np.zeros(self.rigid.shape)
+        while not status.converged and part >= LEAST_PART:
+            trial, found = replace(self, rigid=min(done + part, 1.0) * self.rigid)._newton(forces, tolerance)
+            if not found.converged:
+                part /= 4.0
+                continue
+            done, part, forces = done + part, 2.0 * part, trial.forces
+            if done >= 1.0:
+                return trial, found
+        return state, status
+
+    def _newton(self, start: Floats, tolerance: float) -> tuple[FrictionState, Status]:
+        """Newton's method with step halving."""
         none = self.state(np.zeros(self.rigid.shape))
         whole = max(none.norm, ROUND_OFF * float(np.linalg.norm(self.limits)), np.finfo(float).tiny)
         state = self.state(self._within(start))
@@ -182,8 +197,7 @@ class FrictionProblem:
     def solved(self, state: FrictionState, right: Floats, tolerance: float) -> Floats:
         """Solve the linearised law for a change of the residual."""
         shape, scale, slipping = right.shape, self.operator.scale, self.loaded & ~state.sticks
-        ratio = np.where(slipping, self.limits[:, None] / state.length, 0.0)
-        n = state.direction
+        ratio, n = np.where(slipping, state.share, 0.0), state.direction
 
         def law(vector: Floats) -> Floats:
             forces = vector.reshape(shape)
@@ -211,8 +225,7 @@ class FrictionProblem:
 
     def derivative(self, state: FrictionState, rigid: Floats, tolerance: float = 1e-4) -> Floats:
         """Change of the forces by a change of the rigid slip."""
-        n, slipping = state.direction, self.loaded & ~state.sticks
-        ratio = np.where(slipping, self.limits[:, None] / state.length, 0.0)
+        n, ratio = state.direction, np.where(self.loaded & ~state.sticks, state.share, 0.0)
         scaled = self.operator.scale * rigid
         across = scaled - n * np.sum(n * scaled, axis=1, keepdims=True)
         return -self.solved(state, np.where(state.sticks, scaled, ratio * across), tolerance)

@@ -1,0 +1,129 @@
+"""Figures and chapter of rolling with friction."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from flangeway.contact.rolling.rolling_result import SLIPS, STICKS
+from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.plots import COLOURS
+from flangeway.report.page.tables import SummaryTable
+from flangeway.validation.published_numbers import digits, percent
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
+from flangeway.validation.rolling.rolling_cases import (
+    COARSE_LIMIT,
+    COEFFICIENT_LIMITS,
+    FASTSIM_LIMIT,
+    FREE_LIMIT,
+    LINE_LIMIT,
+    POINT_LIMIT,
+)
+from flangeway.validation.rolling.rolling_reproduced import (
+    SPIN,
+    THEORIES,
+    RollingReproduction,
+    curve_of,
+    curve_table,
+    refinement_table,
+    reproduce_rolling,
+)
+
+LINES = {"exact": ("solid", INK), "linear theory": ("dotted", GREY), "Polach": ("dashdot", "#b35806"),
+         "FASTSIM": ("dashed", "#2166ac"), "FaStrip": ("dashed", "#1b7837")}  # fmt: skip
+
+
+def curves_figure(found: RollingReproduction) -> Figure:
+    """Draw forces over the longitudinal creepage, without and with spin."""
+    figure = new_figure(10.5, 4.0)
+    for axes, (spin, column, title) in zip(
+        figure.subplots(1, 3),
+        (
+            (0.0, 1, "along, without spin"),
+            (SPIN, 1, f"along, spin {1e3 * SPIN:g} per m"),
+            (SPIN, 2, f"across, spin {1e3 * SPIN:g} per m"),
+        ),
+        strict=True,
+    ):
+        for name in ("exact", *THEORIES):
+            curve = curve_of(found, name, spin)
+            style, colour = LINES[name]
+            axes.plot(1e3 * curve[:, 0], curve[:, column], ls=style, color=colour, lw=1.2, label=name)
+        axes.set_ylim(*((-1.1, 0.05) if column == 1 else (-0.05, 0.6)))
+        axes.set_title(title, fontsize=10)
+        axes.set_xlabel("longitudinal creepage, 1/1000")
+        axes.grid(color="#e4e4e4", linewidth=0.5)
+    figure.axes[0].set_ylabel("force over the limit of friction")
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False)
+    return figure
+
+
+def tractions_figure(found: RollingReproduction) -> Figure:
+    """Draw tractions, stick and slip, and frictional power of a patch under lateral creepage and spin."""
+    state, figure = found.shown, new_figure(10.5, 3.6)
+    grid = state.contact.grid
+    edges = grid.middle + grid.strip * (np.arange(grid.n_strips + 1) - grid.n_strips / 2.0)
+    across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
+    size = np.linalg.norm(state.tractions, axis=2)
+    power = np.where(state.states == SLIPS, state.power_density, np.nan)
+    fields = (np.where(size > 0.0, size, np.nan), power / np.nanmax(power))
+    for axes, values, label in zip(
+        figure.subplots(1, 2), fields, ("traction, MPa", "power over its maximum"), strict=True
+    ):
+        mesh = axes.pcolormesh(edges, grid.bounds, values, cmap=COLOURS)
+        figure.colorbar(mesh, ax=axes, label=label, shrink=0.8)
+        axes.contour(grid.along, across, (state.states == STICKS) * 1.0, levels=[0.5], colors=INK, linewidths=1.0)
+        axes.set_aspect("equal")
+        axes.set_xlabel("z in mm, rolling to the right")
+    every = slice(1, None, 3)
+    arrows = (state.tractions[every, every, 1], state.tractions[every, every, 0])
+    figure.axes[0].quiver(grid.along[every], across[every], *arrows, color=INK, width=0.003)
+    figure.axes[0].set_ylabel("across in mm")
+    return figure
+
+
+def _tables(found: RollingReproduction) -> Sequence[SummaryTable]:
+    """Coefficients on all grids."""
+    chosen = [row for row in found.rows if row.case == "coefficients"]
+    cells = list(dict.fromkeys(row.cells for row in chosen))
+    kinds = dict.fromkeys((row.code, row.quantity) for row in chosen)
+    rows = tuple(
+        (code, name.upper(), *(digits(row.value) for row in chosen if (row.code, row.quantity) == (code, name)))
+        for code, name in kinds
+    )
+    return [SummaryTable("Creep coefficients on grids with 24 to 48 cells across", ("a/b", "", *map(str, cells)), rows)]
+
+
+ROLLING = Reproduction(
+    reproduce_rolling,
+    Chapter(
+        "Rolling with friction",
+        f"""Kalker's exact theory and fast theories on half-spaces. Cylinders beside Carter (1926,
+        {percent(LINE_LIMIT)}) and, when shifted, beside Cattaneo and Mindlin; shifted spheres ({percent(POINT_LIMIT)});
+        Kalker's creep coefficients for five ellipses at nu = 1/4, extrapolated from five grids
+        ({percent(COEFFICIENT_LIMITS["c11"])}, C33 {percent(COEFFICIENT_LIMITS["c33"])}, published with three digits);
+        free rolling of different materials beside Bentall and Johnson (1967) and Bufler ({percent(FREE_LIMIT)});
+        saturation under large creepage and pure spin; examples of CONTACT ({percent(COARSE_LIMIT)}, the error of its
+        grids), and of FASTSIM, extrapolated ({percent(FASTSIM_LIMIT)}). Two bodies that are meshed beside half-spaces
+        under the same pressures. In every state of steady rolling the power of friction is that of forces and
+        creepages.""",
+        (
+            PagePicture(
+                "rolling-curves",
+                "Creep curves of an ellipse by five theories: the fast ones follow the exact one, linear theory its "
+                "tangent; with spin there is a lateral force, which falls as the longitudinal creepage grows",
+                curves_figure,
+            ),
+            PagePicture(
+                "rolling-tractions",
+                "Tractions with arrows, and frictional power density, of an ellipse under lateral creepage and spin; "
+                "the line is around the area of stick at the leading edge",
+                tractions_figure,
+            ),
+        ),
+        _tables,
+    ),
+    {"creep_curves.png": curves_figure, "tractions.png": tractions_figure},
+    {"refinement.csv": refinement_table, "creep_curves.csv": curve_table},
+    brief=True,
+)
