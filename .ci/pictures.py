@@ -14,7 +14,12 @@ from PIL import Image
 ROOT = Path(__file__).parents[1]
 IMAGES = ROOT / "docs" / "images"
 PICTURES = {
-    "run wheelset-tangent": {"wheelset.png": ("wheelset", 1400)},
+    "run wheelset": {"wheelset.png": ("wheelset", 1400)},
+    "run wheelset --set curve_radius_m=300 --set speed_km_h=80 --set superelevation_mm=100": {
+        "wheelset.png": ("gallery-wheelset", 1100),
+        "patches.png": ("gallery-patches", 900),
+        "rails.png": ("gallery-rails", 900),
+    },
     "run wheelset-curve --size-scale 3": {
         "wheelset.png": ("gallery-curve", 900),
         "stresses-right.png": ("gallery-contact-stresses", 760),

@@ -20,6 +20,7 @@ from benchmarks import (
     stabilisation,
     torsion_assembly,
     torsion_sections,
+    wheelset3d,
     worn,
 )
 from benchmarks.measurement import Measurement
@@ -37,6 +38,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "worn": worn.measurements,
     "spatial": spatial.measurements,
     "rolling": rolling.measurements,
+    "wheelset3d": wheelset3d.measurements,
 }
 
 ABOUTS = {name: sys.modules[run.__module__].__doc__ or "" for name, run in BENCHMARKS.items()}
@@ -52,6 +54,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "worn": worn.quick,
     "spatial": spatial.quick,
     "rolling": rolling.quick,
+    "wheelset3d": wheelset3d.quick,
 }
 
 

@@ -71,7 +71,7 @@ def contacts(grids: tuple[tuple[int, int], ...]) -> Iterator[Measurement]:
     """Normal contact cold and warm, and growth over the number of cells: one ellipse on finer and finer grids."""
     sizes: list[dict[str, Any]] = []
     for across, along in grids:
-        size, exact = _contact(across, along)
+        size, exact = contact_of(across, along)
         sizes.append(size)
         asked = {"asked_cold_s": ASKED_COLD_S, "asked_warm_s": ASKED_WARM_S} if across == CELLS else {}
         yield Measurement(
@@ -88,7 +88,7 @@ def contacts(grids: tuple[tuple[int, int], ...]) -> Iterator[Measurement]:
     )  # fmt: skip
 
 
-def _contact(across: int, along: int) -> tuple[dict[str, Any], float]:
+def contact_of(across: int, along: int) -> tuple[dict[str, Any], float]:
     """Times on a grid over one window, and the error of the maximum pressure."""
     hertz = PointContact(FORCE, RADIUS, RADIUS, MODULUS)
     half = 1.4 * hertz.semi_axes[0]

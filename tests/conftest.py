@@ -28,6 +28,7 @@ from flangeway.problems import Body, Part
 # Tests with @settings.get_profile("costly"), whose examples take 0.03 s or more, have a fifth of these numbers.
 checked = settings(settings.get_profile("default"), deadline=None, derandomize=True)
 settings.register_profile("default", checked, max_examples=50)
+settings.register_profile("commit", checked, max_examples=250)
 settings.register_profile("ci", checked, max_examples=1000)
 settings.register_profile("search", checked, max_examples=1000, derandomize=False)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "default"))

@@ -13,7 +13,7 @@ MAX_FILES = 20
 MAX_LINES = {
     "": 410,
     "system": 720,
-    "exact": 935,
+    "exact": 1010,
     "geometry": 1260,
     "mesh": 2480,
     "formats": 1790,
@@ -21,25 +21,25 @@ MAX_LINES = {
     "space": 710,
     "materials": 400,
     "problems": 2215,
-    "solve": 3050,
-    "contact": 5946,
-    "post": 1820,
-    "railway.profiles": 3280,
+    "solve": 3090,
+    "contact": 6220,
+    "post": 1830,
+    "railway.profiles": 3300,
     "railway.track": 570,
     "railway.rigid": 1920,
-    "railway.wheelset": 1680,
+    "railway.wheelset": 1765,
     "railway.positions": 2500,
-    "railway.spatial": 1095,
-    "cases": 6130,
-    "campaign": 1780,
-    "report": 5965,
-    "validation": 5807,
-    "cli": 970,
+    "railway.spatial": 2615,
+    "cases": 6570,
+    "campaign": 1880,
+    "report": 6830,
+    "validation": 6400,
+    "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 54_813
-MAX_FILES_OF_ALL = 294
+MAX_LINES_OF_ALL = 58_845
+MAX_FILES_OF_ALL = 317
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -15,6 +15,7 @@ from flangeway.cases.case_template import toml_value
 from flangeway.errors import InputError
 
 COARSE = {
+    "wheelset": {"size_scale": 4.0, "rail_support": "fixed"},
     "wheelset-tangent": {"size_scale": 4.0},
     "wheelset-curve": {"size_scale": 4.0},
     "hertz": {"size_mm": 0.4},
@@ -174,9 +175,9 @@ def test_every_unit_is_in_its_name():
             "lower_poisson",
             "wheel_poisson",
         ),
-        *("rail_poisson", "hold"),
+        *("rail_poisson", "hold", "sleeper_position"),
     }
-    units = ("_mm", "_MPa", "_N", "_kN", "_rad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3")
+    units = ("_mm", "_MPa", "_N", "_kN", "_rad", "_mrad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3")
     for case in CASES.values():
         for _, rows in case.tables_of_inputs():
             for key, _, allowed, _ in rows:

@@ -23,6 +23,8 @@ from flangeway.geometry import Arc, Line, Outline, Placement, rectangle
 from flangeway.solve import solve_contact
 from tests.contact.steel_boxes import BoxDiscretisation, Method, surface_of
 
+pytestmark = pytest.mark.ci  # costs a minute or more
+
 Floats = NDArray[np.float64]
 
 SMOOTH = 0.02

@@ -1,4 +1,4 @@
-"""The page on three dimensions: its script prints what it shows."""
+"""The pages on three dimensions: their scripts print what they show."""
 
 import re
 from pathlib import Path
@@ -13,3 +13,8 @@ def test_the_script_prints_what_the_page_shows(capsys):
     )
     exec(code, {})
     assert capsys.readouterr().out == shown
+
+
+def test_positions_of_a_wheelset_share_their_surfaces(follow):
+    """The script of the page on the wheelset runs as it stands, and prints the page's numbers, to 1 %."""
+    assert follow("theory/spatial-wheelset.md", tolerance=0.01) == {"python": 1, "text": 1}

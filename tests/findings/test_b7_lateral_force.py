@@ -18,7 +18,7 @@ def test_b7_the_lateral_force_is_not_said_to_be_along_the_track():
     assert load["lateral_in_track_kN"] == pytest.approx(28.4 * math.cos(tilt) - 300.0 * math.sin(tilt), abs=0.02)
     assert not any("along" in key for key in load)
     axes = Figure().add_subplot()
-    draw_sketch(axes, run.result)
+    draw_sketch(axes, run.result.model.problem, run.result.equilibrium.position)
     words = [" ".join(text.get_text().split()) for text in axes.texts]
     assert f"{load['lateral_in_track_kN']:.4g} kN lateral, in the track's plane" in words
     assert not any("along the track" in each for each in (*words, rigid_table(run.summary).caption))

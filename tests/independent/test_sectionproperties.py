@@ -7,6 +7,8 @@ from flangeway.cases.section.section_run import SectionOptions, find_section, ru
 from flangeway.formats import DrawnSection
 from flangeway.geometry import Region, Section, polygon, rectangle, square
 
+pytestmark = pytest.mark.ci  # costs a minute or more
+
 pytest.importorskip("sectionproperties", reason="the peer is installed with the extra 'dev'")
 
 CHANNEL = Region(polygon([(0, 0), (60, 0), (60, 6), (6, 6), (6, 114), (60, 114), (60, 120), (0, 120)]))

@@ -4,17 +4,19 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
 
-from flangeway.campaign.columns import POSITION_KEYS, WHEELSET_COLUMNS, WHEELSET_SHEAR_COLUMNS
+from flangeway.campaign.columns import POSITION_KEYS, WHEELSET_SHEAR_COLUMNS, Model, wheelset_columns
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
 from flangeway.cases.case import RunnableCase, closest
 from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
@@ -52,11 +54,24 @@ class Row:
         """Hash of all inputs."""
         return _hash(self.content)
 
+    @cached_property
+    def computed(self) -> RunnableCase:
+        """The case to compute: of ``wheelset`` with the plane model the plane wheelset."""
+        case = self.case
+        return case.plane() if isinstance(case, SpatialWheelsetCase) and case.model == "plane" else case
+
+    @property
+    def model(self) -> Model | None:
+        """Of a wheelset; None for other cases."""
+        if isinstance(self.computed, SpatialWheelsetCase):
+            return "spatial"
+        return "plane" if isinstance(self.computed, WheelsetCase) else None
+
     @property
     def is_position(self) -> bool:
         """Whether it can be computed together with other positions of the same bodies."""
-        case = self.case
-        return (
+        case = self.computed
+        return self.model == "spatial" or (
             isinstance(case, WheelsetCase)
             and case.pairing == "segment-to-segment"
             and case.enforcement != "augmented-lagrange"
@@ -66,7 +81,7 @@ class Row:
     @cached_property
     def bodies(self) -> str:
         """Hash of the inputs that shape the bodies: rows that share it differ in position and load only."""
-        skipped = POSITION_KEYS if isinstance(self.case, WheelsetCase) else ()
+        skipped = POSITION_KEYS if self.model else ()
         return _hash({key: value for key, value in self.content.items() if key not in skipped})
 
 
@@ -133,6 +148,11 @@ class Campaign:
         """Hash of all rows in their order, of the requested results, and of the version that computes them."""
         return _hash([versions()["flangeway"], self.shear, *(row.identity for row in self.rows)])
 
+    @cached_property
+    def models(self) -> frozenset[Model]:
+        """Models of its wheelsets."""
+        return frozenset(row.model for row in self.rows if row.model)
+
     @property
     def chunks(self) -> tuple[tuple[Row | None, tuple[Row, ...]], ...]:
         """Rows that are computed together, the same whoever computes them, after the row they are prepared for.
@@ -145,7 +165,9 @@ class Campaign:
             groups.setdefault(row.bodies, []).append(row)
         chunks: list[tuple[Row | None, tuple[Row, ...]]] = []
         for group in groups.values():
-            together = len(group) >= FEWEST_TOGETHER and group[0].is_position
+            # in three dimensions the tables of the bodies are most of the work of one position too
+            fewest = 1 if group[0].model == "spatial" else FEWEST_TOGETHER
+            together = len(group) >= fewest and group[0].is_position
             size = min(max(math.ceil(len(group) / 8), FEWEST_TOGETHER), ROWS_OF_A_CHUNK) if together else 1
             first = group[0] if together else None
             chunks += [(first, tuple(group[start : start + size])) for start in range(0, len(group), size)]
@@ -204,8 +226,9 @@ class _CampaignText(TomlFile):
             rows.append(Row(number, {key: _read(found, key, value) for key, value in values.items()}, found))
         self._check(rows)
         kind = type(rows[0].case)
-        shear = self._shear(kind)
-        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, shear), shear)
+        models = frozenset(row.model for row in rows)
+        shear = self._shear(kind, models)
+        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, models, shear), shear)
 
     def _refuse_unknown(self) -> None:
         for key, value in self.data.items():
@@ -284,7 +307,7 @@ class _CampaignText(TomlFile):
             try:
                 if row.bodies not in seen:
                     row.case.check()
-                elif isinstance(row.case, WheelsetCase):
+                elif isinstance(row.case, WheelsetInputs):
                     row.case.load()
             except InputError as reason:
                 given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
@@ -306,28 +329,29 @@ class _CampaignText(TomlFile):
             )
         return value
 
-    def _shear(self, kind: type[RunnableCase]) -> bool:
+    def _shear(self, kind: type[RunnableCase], models: Collection[Model | None]) -> bool:
         shear = self.data.get("results", {}).get("subsurface_shear", False)
         place = f"{self._line('results', 'subsurface_shear')}results.subsurface_shear"
         if not isinstance(shear, bool):
             raise InputError(f"{place} = {short(shear)}", "true or false", "correct it")
-        if shear and not issubclass(kind, WheelsetCase):
-            raise InputError(f"{place} with case = {kind.name!r}", "a case of a wheelset", "leave it out")
+        if shear and set(models) != {"plane"}:
+            inside = " in three dimensions" if "spatial" in models else ""
+            raise InputError(f"{place} with case = {kind.name!r}{inside}", "a case of a plane wheelset", "leave it out")
         return shear
 
-    def _columns(self, kind: type[RunnableCase], shear: bool) -> tuple[str, ...]:
+    def _columns(self, kind: type[RunnableCase], models: Collection[Model | None], shear: bool) -> tuple[str, ...]:
         given = self.data.get("results", {})
         for key in given:
             if key not in RESULTS:
                 raise InputError(
                     f"{self._line('results', key)}results.{key}", " and ".join(RESULTS), closest(key, list(RESULTS))
                 )
-        known = (*WHEELSET_COLUMNS, *(WHEELSET_SHEAR_COLUMNS if shear else ()))
+        known = (*wheelset_columns(models), *(WHEELSET_SHEAR_COLUMNS if shear else ()))
         columns = given.get("columns", [])
         place = self._line("results", "columns")
         if not isinstance(columns, list) or not all(isinstance(name, str) for name in columns):
             raise InputError(f"{place}results.columns = {short(columns)}", "a list of names", "leave it out for all")
-        if columns and not issubclass(kind, WheelsetCase):
+        if columns and None in models:
             raise InputError(
                 f"{place}results.columns with case = {kind.name!r}",
                 "columns of wheelsets",

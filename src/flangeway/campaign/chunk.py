@@ -3,20 +3,25 @@
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Protocol
 
 import numpy as np
 
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.columns import RowResult, numbers_of, summary_row, wheelset_row
+from flangeway.campaign.columns import RowResult, numbers_of, plane_patch, spatial_row, summary_row, wheelset_row
 from flangeway.cases.case import RunnableCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
 from flangeway.post.contact_checks import roughness
 from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
+from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.spatial.spatial_result import solve_position
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -27,7 +32,7 @@ from flangeway.system.versions import versions
 _ALONE = threading.Lock()
 KEPT = 2  # wheelsets that a worker keeps prepared; each takes some hundred megabytes
 
-_prepared: OrderedDict[str, PreparedWheelset] = OrderedDict()
+_prepared: OrderedDict[str, PreparedWheelset | SpatialWheelset] = OrderedDict()
 
 
 @dataclass(frozen=True)
@@ -102,18 +107,21 @@ def compute(chunk: Chunk) -> Outcome:
 def _results(chunk: Chunk) -> tuple[RowResult, ...]:
     if chunk.prepared_for is not None:
         try:
-            return _position_rows(chunk.prepared_for, chunk.rows, shear=chunk.shear, n_alike=chunk.n_alike)
+            whole = _of(chunk.prepared_for)
+            if isinstance(whole, SpatialWheelset):
+                return tuple(_guarded(partial(_spatial, whole, row.case)) for row in chunk.rows)
+            return _position_rows(whole, chunk.rows, shear=chunk.shear, n_alike=chunk.n_alike)
         except MissingLibraryError:
             raise
         except Exception as reason:
             return tuple(_failed(reason, 0.0) for _ in chunk.rows)
-    return tuple(_guarded(row.case, chunk.shear) for row in chunk.rows)
+    return tuple(_guarded(partial(_computed, row.computed, chunk.shear)) for row in chunk.rows)
 
 
-def _guarded(case: RunnableCase, shear: bool) -> RowResult:
+def _guarded(compute_row: Callable[[float], RowResult]) -> RowResult:
     start = time.perf_counter()
     try:
-        return _computed(case, start, shear)
+        return compute_row(start)
     except MissingLibraryError:
         raise
     except Exception as reason:
@@ -125,17 +133,25 @@ def _failed(reason: Exception, seconds: float) -> RowResult:
     return RowResult("failed", reported if isinstance(reason, FlangewayError) else unforeseen(reason), seconds=seconds)
 
 
-def _computed(case: RunnableCase, start: float, shear: bool) -> RowResult:
+def _computed(case: RunnableCase, shear: bool, start: float) -> RowResult:
     if isinstance(case, WheelsetCase):
         result = solve_wheelset(case.problem())
         return wheelset_row(result, time.perf_counter() - start, shear=shear)
     return summary_row(case.run().summary, time.perf_counter() - start)
 
 
-def _position_rows(prepared_for: Row, rows: Sequence[Row], *, shear: bool, n_alike: int) -> tuple[RowResult, ...]:
-    """Compute positions of the same bodies, prepared with the weight of one row: the same for all chunks."""
+def _spatial(whole: SpatialWheelset, case: RunnableCase, start: float) -> RowResult:
+    """Compute a position in three dimensions, of bodies that are prepared."""
+    if not isinstance(case, SpatialWheelsetCase):
+        raise TypeError("positions are of wheelsets")
+    prescribed = Prescribed(case.lateral_mm, case.vertical_mm, case.roll_rad)
+    result = solve_position(whole.at(case.load(), prescribed, case.spatial_model().yaw_rad), {})
+    return spatial_row(result, time.perf_counter() - start)
+
+
+def _position_rows(whole: PreparedWheelset, rows: Sequence[Row], *, shear: bool, n_alike: int) -> tuple[RowResult, ...]:
+    """Compute plane positions of the same bodies, prepared with the weight of one row: the same for all chunks."""
     problems = [_problem(row) for row in rows]
-    whole = _of(prepared_for)
     results: dict[int, RowResult] = {}
     # tilt, prescribed vertical position and roll are the same for a whole table of positions
     groups: dict[tuple[float | None, ...], list[int]] = {}
@@ -157,13 +173,18 @@ def _position_rows(prepared_for: Row, rows: Sequence[Row], *, shear: bool, n_ali
     return tuple(results[number] for number in range(len(rows)))
 
 
-def _of(row: Row) -> PreparedWheelset:
+def _of(row: Row) -> PreparedWheelset | SpatialWheelset:
     """Return the prepared wheelset of a row, from an earlier chunk if there is one."""
     if row.identity not in _prepared:
         problem = _problem(row)
-        # in the middle of level track, which rigid wheels can always reach
-        in_the_middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
-        _prepared[row.identity] = prepare(in_the_middle, cache=Cache.of_user())
+        if isinstance(row.computed, SpatialWheelsetCase):
+            model = row.computed.spatial_model()
+            surfaces = running_surfaces(problem, model, cache=Cache.of_user())
+            _prepared[row.identity] = SpatialWheelset(problem, surfaces, model)
+        else:
+            # in the middle of level track, which rigid wheels can always reach
+            in_the_middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
+            _prepared[row.identity] = prepare(in_the_middle, cache=Cache.of_user())
         while len(_prepared) > KEPT:
             _prepared.popitem(last=False)
     _prepared.move_to_end(row.identity)
@@ -171,9 +192,9 @@ def _of(row: Row) -> PreparedWheelset:
 
 
 def _problem(row: Row) -> WheelsetProblem:
-    if not isinstance(row.case, WheelsetCase):
+    if not isinstance(row.computed, WheelsetCase | SpatialWheelsetCase):
         raise TypeError("positions are of wheelsets")
-    return row.case.problem()
+    return row.computed.problem()
 
 
 def _lateral(prescribed: Prescribed) -> float:
@@ -202,5 +223,5 @@ def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: 
         prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force)
         for patch, force in zip(patches, forces, strict=True)
     ]
-    values, rows = numbers_of((lateral, vertical, roll), list(zip(patches, hertz, strict=True)))
+    values, rows = numbers_of((lateral, vertical, roll), list(map(plane_patch, patches, hertz)))
     return RowResult("converged", "contact forces and load are in equilibrium", tuple(warnings), values, rows, seconds)

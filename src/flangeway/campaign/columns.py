@@ -2,50 +2,67 @@
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 from flangeway.cases.summary import Summary
 from flangeway.exact import LineContact
 from flangeway.railway.positions.positions_patches import PositionPatch
+from flangeway.railway.spatial.spatial_result import SpatialPatch, SpatialResult
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 Value = float | int | str | None
-Patch = tuple[PositionPatch, LineContact | None]
-"""A region of contact, and Hertz's contact there, None where the profiles conform."""
+Model = Literal["plane", "spatial"]
 
 POSITION_KEYS = (
     *("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
     *("speed_km_h", "curve_radius_m", "superelevation_mm", "cant_deficiency_mm", "superelevation_base_mm"),
+    "yaw_mrad",
 )
 """Inputs of a wheelset that leave its bodies as they are."""
 
 _MOTION = ("lateral_mm", "vertical_mm", "roll_rad")
-_SIDE = (
-    *("n_patches", "normal_force_N", "lateral_force_N", "vertical_force_N", "lateral_over_vertical"),
-    *("max_pressure_MPa", "max_pressure_remark", "half_width_mm", "contact_angle_deg"),
-    *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
-)
-WHEELSET_COLUMNS = (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in _SIDE))
-"""Results of a wheelset: its motion; of each side the sums over its patches, and the most loaded patch."""
-
-PATCH_COLUMNS = (
-    *("row", "side", "number", "region", "normal_force_N", "lateral_force_N", "vertical_force_N", "max_pressure_MPa"),
-    *("max_pressure_remark", "half_width_mm", "hertz_pressure_MPa", "hertz_half_width_mm", "contact_angle_deg"),
-    *("wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm"),
-)
-"""Columns of the table of patches; they are numbered on each side from the field to the gauge."""
-
+_FORCES = ("normal_force_N", "lateral_force_N", "vertical_force_N")
+_PRESSURE = ("max_pressure_MPa", "max_pressure_remark")
+_POINTS = ("contact_angle_deg", "wheel_x_mm", "wheel_y_mm", "rail_x_mm", "rail_y_mm")
+_SIZE = {
+    "plane": ("half_width_mm",),
+    "spatial": ("long_semi_axis_mm", "short_semi_axis_mm", "patch_angle_deg", "ahead_mm", "rolling_radius_mm"),
+}
+_HERTZ = {
+    "plane": ("hertz_pressure_MPa", "hertz_half_width_mm"),
+    "spatial": ("hertz_pressure_MPa", "hertz_long_semi_axis_mm", "hertz_short_semi_axis_mm"),
+}
+_HEAD = ("head_lateral_mm", "head_vertical_mm", "head_roll_rad", "gauge_outward_mm")
+"""Motion of a rail's head in three dimensions."""
 _SHEAR = {role: (f"{role}_max_in_plane_shear_MPa", f"{role}_max_in_plane_shear_depth_mm") for role in ROLES}
 PATCH_SHEAR_COLUMNS = tuple(name for names in _SHEAR.values() for name in names)
 """Further columns of patches where the maximum shear stress below the surface is asked for."""
 
 WHEELSET_SHEAR_COLUMNS = tuple(f"{side}_{name}" for side in SIDES for name in PATCH_SHEAR_COLUMNS)
 """Further results of wheelsets then: the maximum of each side's patches, in the wheel and in the rail."""
+
+
+def wheelset_columns(models: Collection[str | None]) -> tuple[str, ...]:
+    """Results of wheelsets: their motion; of each side the sums over its patches, and the most loaded patch."""
+    sizes = (name for model in _SIZE if model in models for name in _SIZE[model])
+    names = ("n_patches", *_FORCES, "lateral_over_vertical", *_PRESSURE, *sizes, *_POINTS)
+    head = _HEAD if "spatial" in models else ()
+    return (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in (*names, *head)))
+
+
+def patch_columns(models: Collection[str | None]) -> tuple[str, ...]:
+    """Columns of the table of patches; they are numbered on each side from the field to the gauge."""
+    own = dict.fromkeys(name for model in _SIZE if model in models for name in (*_SIZE[model], *_HERTZ[model]))
+    return ("row", "side", "number", "region", *_FORCES, *_PRESSURE, *own, *_POINTS)
+
+
+WHEELSET_COLUMNS, PATCH_COLUMNS = wheelset_columns(("plane",)), patch_columns(("plane",))
+"""Of plane wheelsets, and of other cases."""
 
 _SKIPPED = ("timings_s", "case", "versions", "published", "status")
 
@@ -77,69 +94,100 @@ def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False)
     patches = []
     for patch in result.patches:
         below = {role: maximum_shear(result, patch, role) for role in ROLES} if shear else None
-        patches.append((replace(PositionPatch.of(patch), shear=below), patch.hertz))
+        patches.append(plane_patch(replace(PositionPatch.of(patch), shear=below), patch.hertz))
     values, rows = numbers_of(result.equilibrium.position.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
 
+def spatial_row(result: SpatialResult, seconds: float) -> RowResult:
+    """Return the numbers of a wheelset in three dimensions."""
+    if not result.status.converged:
+        return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
+    patches = [_spatial_patch(patch) for patch in result.patches]
+    values, rows = numbers_of(result.equilibrium.position.components, patches, "spatial")
+    for side in SIDES:
+        motion = result.head_motion(side)
+        values |= {f"{side}_{name}": value for name, value in zip(_HEAD, motion, strict=True)}
+    return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
+
+
 def numbers_of(
-    motion: tuple[float, float, float], patches: list[Patch]
+    motion: tuple[float, float, float], patches: list[dict[str, Value]], model: Model = "plane"
 ) -> tuple[dict[str, Value], tuple[dict[str, Value], ...]]:
     """Return the columns of a row, and of its patches."""
-    values: dict[str, Value] = dict(zip(_MOTION, motion, strict=True))
+    values: dict[str, Value] = {name: float(value) for name, value in zip(_MOTION, motion, strict=True)}
     rows: list[dict[str, Value]] = []
     for side in SIDES:
-        mine = sorted((each for each in patches if each[0].side == side), key=lambda each: -each[0].rail_point_mm[0])
-        numbered = [_patch(*each, number) for number, each in enumerate(mine, 1)]
-        values |= _side(side, numbered)
+        mine = sorted(
+            (each for each in patches if each["side"] == side), key=lambda each: -float(each["rail_x_mm"] or 0)
+        )
+        numbered = [{"side": side, "number": number} | each for number, each in enumerate(mine, 1)]
+        values |= _side(side, numbered, model)
         rows += numbered
     return {name: _plain(value) for name, value in values.items()}, tuple(rows)
 
 
-def _side(side: Side, patches: list[dict[str, Value]]) -> dict[str, Value]:
+def _side(side: Side, patches: list[dict[str, Value]], model: Model) -> dict[str, Value]:
     """Sums over the patches of a side, and the most loaded of them."""
-    sums = {
-        name: math.fsum(float(patch[name] or 0.0) for patch in patches)
-        for name in ("normal_force_N", "lateral_force_N", "vertical_force_N")
-    }
+    sums = {name: math.fsum(float(patch[name] or 0.0) for patch in patches) for name in _FORCES}
     lateral, vertical = sums["lateral_force_N"], sums["vertical_force_N"]
     ratio = (lateral if side == "left" else -lateral) / vertical if vertical > 0.0 else None
     values: dict[str, Value] = {"n_patches": len(patches), **sums, "lateral_over_vertical": ratio}
+    values |= dict.fromkeys((*_PRESSURE, *_SIZE[model], *_POINTS))
     if patches:
         highest = max(patches, key=lambda patch: float(patch["max_pressure_MPa"] or 0.0))
-        values |= {name: highest[name] for name in ("max_pressure_MPa", "max_pressure_remark")}
+        values |= {name: highest[name] for name in _PRESSURE}
         most = max(patches, key=lambda patch: float(patch["normal_force_N"] or 0.0))
-        values |= {name: most[name] for name in _SIDE if name not in values}
+        values |= {name: most[name] for name in (*_SIZE[model], *_POINTS)}
         for value, depth in _SHEAR.values():
             if value in most:
                 worst = max(patches, key=lambda patch: float(patch[value] or 0.0))
                 values |= {value: worst[value], depth: worst[depth]}
-    return {f"{side}_{name}": value for name, value in (dict.fromkeys(_SIDE) | values).items()}
+    return {f"{side}_{name}": value for name, value in values.items()}
 
 
-def _patch(patch: PositionPatch, hertz: LineContact | None, number: int) -> dict[str, Value]:
+def plane_patch(patch: PositionPatch, hertz: LineContact | None) -> dict[str, Value]:
+    """Return the columns of a region of contact, without its number; Hertz's are None where the profiles conform."""
     lateral, vertical = patch.force_on_wheel_N
-    inward = -lateral if patch.side == "right" else lateral
-    values: dict[str, Value] = {
-        "side": patch.side,
-        "number": number,
-        "region": patch.region,
-        "normal_force_N": math.hypot(lateral, vertical),
-        "lateral_force_N": lateral,
-        "vertical_force_N": vertical,
+    values = _patch(patch) | {
+        "contact_angle_deg": math.degrees(math.atan2(lateral if patch.side == "left" else -lateral, vertical)),
         "max_pressure_MPa": patch.max_pressure_MPa,
         "max_pressure_remark": patch.remark,
         "half_width_mm": patch.half_width_mm,
         "hertz_pressure_MPa": hertz.max_pressure if hertz else None,
         "hertz_half_width_mm": hertz.half_width if hertz else None,
-        "contact_angle_deg": math.degrees(math.atan2(inward, vertical)),
     }
-    for name, (x, y) in (("wheel", patch.wheel_point_mm), ("rail", patch.rail_point_mm)):
-        values |= {f"{name}_x_mm": x, f"{name}_y_mm": y}
     if patch.shear is not None:
         for role, (value, depth) in _SHEAR.items():
             values |= {value: patch.shear[role].value_MPa, depth: patch.shear[role].depth_mm}
     return {name: _plain(value) for name, value in values.items()}
+
+
+def _spatial_patch(patch: SpatialPatch) -> dict[str, Value]:
+    hertz, ellipse = patch.hertz, patch.ellipse
+    axes = hertz.semi_axes if hertz else (None, None)
+    values = _patch(patch) | {
+        "contact_angle_deg": math.degrees(patch.contact_angle_rad),
+        "max_pressure_MPa": ellipse.max_pressure,
+        "max_pressure_remark": patch.remark or None,
+        "hertz_pressure_MPa": hertz.max_pressure if hertz else None,
+        "patch_angle_deg": math.degrees(ellipse.angle_rad),
+        "ahead_mm": float(patch.centre_mm[2]),
+        "rolling_radius_mm": patch.rolling_radius_mm,
+    }
+    for place, name in enumerate(("long_semi_axis_mm", "short_semi_axis_mm")):
+        values |= {name: ellipse.semi_axes[place], f"hertz_{name}": axes[place]}
+    return {name: _plain(value) for name, value in values.items()}
+
+
+def _patch(patch: PositionPatch | SpatialPatch) -> dict[str, Value]:
+    """Return what both models have."""
+    lateral, vertical = (float(force) for force in patch.force_on_wheel_N)
+    values: dict[str, Value] = {"side": patch.side, "region": patch.region}
+    values |= dict(zip(_FORCES, (math.hypot(lateral, vertical), lateral, vertical), strict=True))
+    for name, (x, y) in (("wheel", patch.wheel_point_mm), ("rail", patch.rail_point_mm)):
+        values |= {f"{name}_x_mm": float(x), f"{name}_y_mm": float(y)}
+    return values
 
 
 def summary_row(summary: Summary, seconds: float) -> RowResult:

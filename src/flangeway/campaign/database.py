@@ -15,15 +15,14 @@ import numpy as np
 
 from flangeway.campaign.campaign import Campaign, Row
 from flangeway.campaign.columns import (
-    PATCH_COLUMNS,
     PATCH_SHEAR_COLUMNS,
-    WHEELSET_COLUMNS,
     WHEELSET_SHEAR_COLUMNS,
     RowResult,
     Value,
     as_cell,
+    patch_columns,
+    wheelset_columns,
 )
-from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.system.versions import versions
 from flangeway.types import Floats
@@ -141,8 +140,8 @@ class CampaignDatabase:
         return True
 
     def _create(self, campaign: Campaign) -> None:
-        results = WHEELSET_COLUMNS if issubclass(campaign.case, WheelsetCase) else ()
-        patches = [*PATCH_COLUMNS, *(PATCH_SHEAR_COLUMNS if campaign.shear else ())]
+        results = wheelset_columns(campaign.models) if campaign.models else ()
+        patches = [*patch_columns(campaign.models or ("plane",)), *(PATCH_SHEAR_COLUMNS if campaign.shear else ())]
         columns = [*campaign.keys, *(name for name in results if name not in campaign.keys)]
         columns += WHEELSET_SHEAR_COLUMNS if campaign.shear else ()
         with self._transaction():
@@ -342,7 +341,7 @@ def _wanted(names: list[str], keys: tuple[str, ...], columns: list[str]) -> list
     """Columns in an order that does not depend on the order in which rows were done."""
     own = [name for name in OWN_COLUMNS if name != "identity"]
     found = [name for name in names if name not in (*OWN_COLUMNS, *keys)]
-    if not set(WHEELSET_COLUMNS) <= set(names):
+    if not set(wheelset_columns(())) <= set(names):
         found.sort()
     return [*own[:2], *keys, *(columns or found), *own[2:]]
 

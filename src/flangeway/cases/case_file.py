@@ -12,6 +12,7 @@ from flangeway.cases.case import RunnableCase, closest, key_text
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.cases.spatial.spatial_presets import CraneWheelCase, CrossedCylindersCase, RollerCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCurveCase, WheelsetTangentCase
 from flangeway.errors import InputError, short
 from flangeway.system.file_content import is_file
@@ -22,7 +23,7 @@ from flangeway.types import Key
 CASES: dict[str, type[RunnableCase]] = {
     case.name: case
     for case in (
-        *(WheelsetTangentCase, WheelsetCurveCase),
+        *(SpatialWheelsetCase, WheelsetTangentCase, WheelsetCurveCase),
         *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
         *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase),
     )

@@ -99,15 +99,18 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
 @_command_on_a_case
 def run(name: str, case: "RunnableCase", out: Path | None) -> bool:
     """Run a case or a case file: summary here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
-    from flangeway.report.case_outputs import case_files, print_case, write_case  # noqa: PLC0415
+    from flangeway.report.case_outputs import case_files, print_case, print_case_files, write_case  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     folder = out or Path("out", Path(name).stem)
     refuse_unwritable(folder, case_files(case))
     with progress_shown() as progress:
         done = case.run(progress)
+    # the numbers do not wait for the pictures
+    print_case(stdout(), done)
+    with progress_shown() as progress:
         files = write_case(done, folder, progress)
-    print_case(stdout(), done, files)
+    print_case_files(stdout(), done, files)
     return done.status.converged
 
 

@@ -119,6 +119,7 @@ def section(
             find_section,
             run_section,
         )
+        from flangeway.report.page.tables import print_files  # noqa: PLC0415
         from flangeway.report.section.section_page import NAMES, print_section, write_section  # noqa: PLC0415
         from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
@@ -130,8 +131,10 @@ def section(
         refuse_unwritable(folder, NAMES)
         with progress_shown() as progress:
             done = run_section(drawn, options, progress)
+        print_section(stdout(), done.summary)
+        with progress_shown() as progress:
             files = write_section(done, case, folder, progress)
-        print_section(stdout(), done.summary, files)
+        print_files(stdout(), files, done.summary["timings_s"]["total"])
 
 
 ProfileName = Annotated[

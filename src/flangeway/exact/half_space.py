@@ -66,9 +66,12 @@ def half_space_influence(
     # differences of a primitive over the corners under load, and over those of the displaced cell for its mean
     displaced = bounds if averaged else (bounds[1:] + bounds[:-1]) / 2.0
     times = 2 if averaged else 1
-    shape = (n_strips + times, len(displaced), len(bounds))
-    x: Floats = np.broadcast_to(displaced[:, None] - bounds, shape)
-    z: Floats = np.broadcast_to(strip * (np.arange(shape[0]) - times / 2.0)[:, None, None], shape)
+    apart = displaced[:, None] - bounds
+    # even cells have few distances: each is evaluated once
+    _, first, places = np.unique(np.round(apart / np.ptp(bounds), 12), return_index=True, return_inverse=True)
+    x = apart.ravel()[first]
+    z = strip * (np.arange(n_strips + times, dtype=np.float64) - times / 2.0)[:, None]
+    x, z = np.broadcast_arrays(x, z)
     r = np.hypot(x, z)
     over = np.diff(bounds) * strip * (np.diff(bounds)[:, None] * strip if averaged else 1.0)
     square, mixed, odd = _AVERAGED if averaged else _AT_POINTS
@@ -76,6 +79,7 @@ def half_space_influence(
 
     def integrated(primitive: Primitive, *, swapped: bool) -> Floats:
         corners = np.diff(primitive(z, x, r) if swapped else primitive(x, z, r), n=times, axis=0)
+        corners = corners[:, places.reshape(apart.shape)]
         for axis in (1, 2) if averaged else (2,):
             corners = np.diff(corners, axis=axis)
         found: Floats = -corners / over

@@ -6,8 +6,9 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_body import PatchBody
-from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, ContactEllipse, PatchContact
+from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction, monomials
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.harmonic import NAMES, Harmonic

@@ -1,5 +1,6 @@
 """Files and terminal summary of the run of any case: one table says what writes them for each kind of case."""
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,11 +13,14 @@ from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.section.section_run import TorsionCase, TorsionRun
 from flangeway.cases.spatial.spatial_case import SpatialRunCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.report.bodies import bodies_page
 from flangeway.report.page.case_text import command_line
+from flangeway.report.page.tables import print_files
 from flangeway.report.section import section_page
 from flangeway.report.spatial import spatial_page
+from flangeway.report.spatial_wheelset import spatial_wheelset_page
 from flangeway.report.wheelset import wheelset_page
 from flangeway.system.output_folder import Writer, write_together
 
@@ -30,7 +34,7 @@ class CaseOutputs:
     names: tuple[str, ...]  # names of the files, except ``summary.json``
     writers: Callable[[Any, Progress], dict[str, Writer]]
     """From a run to functions that write these files, by their names."""
-    print_run: Callable[[Console, Any, list[Path]], None]  # prints what a run found, and the files
+    print_run: Callable[[Console, Any], None]  # prints what a run found
 
 
 def _torsion_writers(run: TorsionRun, progress: Progress) -> dict[str, Writer]:
@@ -41,12 +45,17 @@ def _torsion_writers(run: TorsionRun, progress: Progress) -> dict[str, Writer]:
 
 OUTPUTS: dict[type[Case], CaseOutputs] = {
     WheelsetCase: CaseOutputs(wheelset_page.NAMES, wheelset_page.wheelset_writers, wheelset_page.print_summary),
+    SpatialWheelsetCase: CaseOutputs(
+        spatial_wheelset_page.NAMES,
+        spatial_wheelset_page.wheelset_writers,
+        spatial_wheelset_page.print_spatial_wheelset,
+    ),
     BodiesCase: CaseOutputs(bodies_page.NAMES, bodies_page.bodies_writers, bodies_page.print_bodies),
     SpatialRunCase: CaseOutputs(spatial_page.NAMES, spatial_page.spatial_writers, spatial_page.print_spatial),
     TorsionCase: CaseOutputs(
         section_page.NAMES,
         _torsion_writers,
-        lambda console, run, files: section_page.print_section(console, run.section.summary, files),
+        lambda console, run: section_page.print_section(console, run.section.summary),
     ),
 }
 """Outputs by the kind of case; a new kind adds its line."""
@@ -71,6 +80,14 @@ def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> l
     return write_together(folder, writers)
 
 
-def print_case(console: Console, run: Run, files: list[Path]) -> None:
-    """Print what a run found, in a table, and the files."""
-    _outputs(run.case).print_run(console, run, files)
+def print_case(console: Console, run: Run) -> None:
+    """Print what a run found; its files may be written afterwards."""
+    _outputs(run.case).print_run(console, run)
+
+
+def print_case_files(console: Console, run: Run, files: list[Path]) -> None:
+    """Print the time of a run and its files; those in folders of their own are counted."""
+    folder = files[-1].parent
+    print_files(console, [file for file in files if file.parent == folder], run.summary.timings_s["total"])
+    for name, count in Counter(file.parent for file in files if file.parent != folder).items():
+        console.print(f"  {name}: {count} files of earlier load steps", markup=False, soft_wrap=True)

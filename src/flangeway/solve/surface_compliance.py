@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from itertools import pairwise, product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flangeway._core import n_threads
@@ -62,7 +63,9 @@ class ComplianceTable:
     values: Floats
     error: float
 
-    def influence(self, strip: float, n_strips: int, axes: Sequence[int] = (0, 1, 2)) -> Floats:
+    def influence(
+        self, strip: float, n_strips: int, axes: Sequence[int] = (0, 1, 2), nearest: float = NEAREST
+    ) -> Floats:
         """Mean displacement of cells by unit forces on cells of strips at distances along z.
 
         Parameters
@@ -73,17 +76,20 @@ class ComplianceTable:
             Number of distances 0, dz, 2 dz, ...
         axes
             Which of t, n, z.
+        nearest
+            Distance up to which cells are corrected on an isotropic material, over the largest of strip, cells' widths
+            and edges below them.
 
         Returns
         -------
         Floats
             Shape (n_strips, m n_cells, m n_cells) for m axes, by displacement and force. At negative distances it is
-            the transpose. On an isotropic material those of the nearest cells are corrected; see `NEAREST`.
+            the transpose.
 
         """
         n, m, material = self.cells.n_cells, len(axes), self.cells.material
         refuse_beyond_memory(f"influence coefficients of {n} x {n_strips} cells", 4 * 8 * n_strips * (n * m) ** 2)
-        reach = NEAREST * max(strip, float(self.cells.widths.max()), self.cells.longest_edge)
+        reach = nearest * max(strip, float(self.cells.widths.max()), self.cells.longest_edge)
         last = int(np.ceil(reach / strip))
         n_distances = n_strips if material is None else max(n_strips, last + 3)
         distances = strip * np.arange(n_distances, dtype=np.float64)
@@ -108,15 +114,8 @@ class ComplianceTable:
         assert material is not None
         n = self.cells.n_cells
         exact = half_space_influence(material.young, material.poisson, limits, strip, last + 3)
-        # each frame is turned by half of the angle between both from that of the plane
-        tangents = self.cells.frames[:, 0, :2] @ np.array([1.0, 1j])
-        half = np.sqrt(tangents / tangents[:, None])
-        turn = np.zeros((n, n, 3, 3))
-        turn[..., 0, 0] = turn[..., 1, 1] = half.real
-        turn[..., 0, 1], turn[..., 1, 0] = half.imag, -half.imag
-        turn[..., 2, 2] = 1.0
         exact = exact.reshape(last + 3, n, 3, n, 3).transpose(0, 1, 3, 2, 4)
-        exact = (turn @ exact @ turn)[..., axes, :][..., axes].transpose(0, 1, 3, 2, 4)
+        exact = turned(exact, self.cells.frames)[..., axes, :][..., axes].transpose(0, 1, 3, 2, 4)
         longitudinal = np.array(axes) == 2
         mixed = (longitudinal[:, None] != longitudinal)[:, None]
         growth = np.where(mixed, np.arange(last + 3)[:, None, None, None, None], 1.0)
@@ -124,6 +123,39 @@ class ComplianceTable:
         middles = (limits[1:] + limits[:-1]) / 2.0
         near = (np.abs(middles[:, None] - middles) <= (1.0 + SAME) * reach)[:, None, :, None]
         result[: last + 1] = np.where(near, exact + growth * beyond, result[: last + 3])[: last + 1]
+
+
+def half_angles(frames: Floats) -> NDArray[np.complex128]:
+    """Half of the angle from the tangent of each cell to that of each other one, as exp(i a), shape (n, n)."""
+    tangents = frames[:, 0, :2] @ np.array([1.0, 1j])
+    result: NDArray[np.complex128] = np.sqrt(tangents / tangents[:, None])
+    return result
+
+
+def turned(exact: Floats, frames: Floats) -> Floats:
+    """Influence among cells of a plane, as if a surface were flat between each two of its cells.
+
+    Parameters
+    ----------
+    exact
+        By displacement and force in the frame of the plane, shape (..., n, n, 3, 3).
+    frames
+        Axes tangent, outward normal and z of the cells on the surface, rows of (n, 3, 3).
+
+    Returns
+    -------
+    Floats
+        The same in the frames of the cells.
+
+    """
+    # each frame is turned by half of the angle between both from that of the plane
+    half = half_angles(frames)
+    turn = np.zeros((*half.shape, 3, 3))
+    turn[..., 0, 0] = turn[..., 1, 1] = half.real
+    turn[..., 0, 1], turn[..., 1, 0] = half.imag, -half.imag
+    turn[..., 2, 2] = 1.0
+    result: Floats = turn @ exact @ turn
+    return result
 
 
 def compliance_table(

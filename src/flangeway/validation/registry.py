@@ -8,6 +8,7 @@ from flangeway.validation.rolling.rolling_chapter import ROLLING
 from flangeway.validation.spatial.spatial_chapter import SPATIAL
 from flangeway.validation.torsion.torsion_page import TORSION
 from flangeway.validation.wheel_rail.wheel_rail_page import WHEEL_RAIL
+from flangeway.validation.wheelset3d.wheelset3d_chapter import WHEELSET3D
 
 REPRODUCTIONS: dict[str, Reproduction] = {
     "torsion": TORSION,
@@ -17,4 +18,5 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "wheel-rail": WHEEL_RAIL,
     "spatial": SPATIAL,
     "rolling": ROLLING,
+    "wheelset3d": WHEELSET3D,
 }

@@ -48,8 +48,8 @@ reason for a large difference is given below the table. Round-off is shown as `<
 WHOLE = "All meshes of all parts are computed."
 QUICK = (
     "With `--quick` the finest meshes of Hertz's problem and of bars under short waves, the search for the wheel's\n"
-    "flange root, and further crowns, meshes and moduli of wheel and rail are left out; without it they are computed\n"
-    "as well."
+    "flange root, further crowns, meshes and moduli of wheel and rail, and four in five positions and the elements of\n"
+    "order 1 of the wheelset in three dimensions are left out; without it they are computed as well."
 )
 
 

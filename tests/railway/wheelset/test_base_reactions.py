@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
-from flangeway.railway.wheelset.residual import residuals_of
+from flangeway.railway.wheelset.plane_contact import PlaneContact
 from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
 from flangeway.railway.wheelset.wheelset_result import solve_wheelset
 from flangeway.solve import CondensedBodies
@@ -85,7 +85,9 @@ def test_the_holding_force_is_the_residual_of_the_equilibrium(results):
     """What holds a prescribed motion is the negative residual about the axle's middle, and zero where it is free."""
     held = results["held"]
     response = CondensedBodies(held.model.system.surface_nodes)
-    residual, relative = residuals_of(held.model, response, held.equilibrium.position, held.equilibrium.state)
+    residual, relative = PlaneContact(held.model, response).residuals_of(
+        held.equilibrium.position, held.equilibrium.state
+    )
     found = holding_force(held)
     assert found.lateral_N == pytest.approx(-residual[0], rel=1e-9)
     assert found.moment_Nmm == pytest.approx(-residual[2], rel=1e-9)

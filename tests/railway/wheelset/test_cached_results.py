@@ -42,7 +42,7 @@ def test_a_second_run_computes_nothing_anew(folder: Path, monkeypatch: pytest.Mo
     for name in (
         "flangeway.railway.wheelset.wheelset_mesh.triangulate",
         "flangeway.solve.condensed.factorise",
-        "flangeway.railway.wheelset.equilibrium.find_equilibrium",
+        "flangeway.railway.wheelset.equilibrium.search_equilibrium",
     ):
         monkeypatch.setattr(name, refuse)
     second = solve_wheelset(problem())

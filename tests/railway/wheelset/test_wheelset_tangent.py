@@ -9,8 +9,8 @@ from flangeway.railway.track.discretisation import Discretisation
 from flangeway.railway.track.placements import Track, Wheelset, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import contact_at, find_equilibrium
-from flangeway.railway.wheelset.residual import jacobian_of, residuals_of
+from flangeway.railway.wheelset.equilibrium import search_equilibrium
+from flangeway.railway.wheelset.plane_contact import PlaneContact
 from flangeway.railway.wheelset.wheelset_model import build_model
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
 from flangeway.solve import CondensedBodies, SparseBodies
@@ -98,9 +98,9 @@ def test_roles_can_be_exchanged() -> None:
 def test_the_whole_sparse_system_agrees(coarse) -> None:
     """At the equilibrium, a cold start has the same nodal forces, condensed and with all unknowns, to 1e-9."""
     model, response = coarse
-    motion = find_equilibrium(model, response).position
-    condensed = contact_at(model, response, motion)
-    sparse = contact_at(model, SparseBodies(model.system.surface_nodes), motion)
+    motion = search_equilibrium(PlaneContact(model, response)).position
+    condensed = PlaneContact(model, response).contact_at(motion)
+    sparse = PlaneContact(model, SparseBodies(model.system.surface_nodes)).contact_at(motion)
     assert sparse.status.converged
     scale = np.abs(condensed.nodal_forces).max()
     assert np.abs(sparse.nodal_forces - condensed.nodal_forces).max() < 1e-9 * scale
@@ -109,8 +109,8 @@ def test_the_whole_sparse_system_agrees(coarse) -> None:
 def test_the_forces_hardly_depend_on_the_path(coarse) -> None:
     """A cold start at the equilibrium has the total force of the search to 1e-4, though pairs are kept for a while."""
     model, response = coarse
-    found = find_equilibrium(model, response)
-    cold = contact_at(model, response, found.position)
+    found = search_equilibrium(PlaneContact(model, response))
+    cold = PlaneContact(model, response).contact_at(found.position)
     assert cold.forces.sum() == pytest.approx(found.state.forces.sum(), rel=1e-4)
 
 
@@ -119,15 +119,15 @@ def test_jacobian_of_the_equilibrium(coarse, motion: WheelsetPosition) -> None:
     """The exact Jacobian of the equilibrium agrees with central differences to 1e-5."""
     model, response = coarse
     motion = model.rigid_position.moved(motion)
-    state = contact_at(model, response, motion)
-    exact = jacobian_of(model, response, motion, state)
+    state = PlaneContact(model, response).contact_at(motion)
+    exact = PlaneContact(model, response).jacobian_of(motion, state)
     steps = (1e-6, 1e-6, 1e-9)
     for column, change in enumerate(np.eye(3) * steps):
         ends = []
         for sign in (1.0, -1.0):
             at = motion.moved(WheelsetPosition(*change), sign)
-            moved = contact_at(model, response, at, (motion, state))
-            ends.append(residuals_of(model, response, at, moved)[0])
+            moved = PlaneContact(model, response).contact_at(at, (motion, state))
+            ends.append(PlaneContact(model, response).residuals_of(at, moved)[0])
         difference = (ends[0] - ends[1]) / (2.0 * steps[column])
         assert difference == pytest.approx(exact[:, column], rel=1e-5, abs=1e-5 * np.abs(exact[:, column]).max())
 

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 
 from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
-from flangeway.contact.patch.patch_contact import ContactEllipse, PatchContact
+from flangeway.contact.patch.contact_ellipse import ContactEllipse
+from flangeway.contact.patch.patch_contact import PatchContact
 from flangeway.post.patch_stresses import DepthProfile
 from flangeway.types import Floats
 

@@ -185,12 +185,16 @@ class WheelsetInputs(Case):
         base = self._superelevation_base
         height = self._superelevation(base)
         if height:
-            which = "the gauge" if self.superelevation_base_mm is None else "superelevation_base_mm"
+            which = self._base_words if self.superelevation_base_mm is None else "superelevation_base_mm"
             sentences.append(
                 f"Superelevation {height:.4g} mm over a base of {base:g} mm: {which}, tilt of the track "
                 f"{superelevation_angle(height, base):.5f} rad."
             )
         return sentences
+
+    @property
+    def _base_words(self) -> str:
+        return "the gauge"
 
     @property
     def _superelevation_base(self) -> float:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.ndimage
 
+from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.contact.patch.patch_grid import (
@@ -32,47 +32,9 @@ LONGER_EDGE = 1.05
 """Maximum edge of a mesh over the cells on it: pressures on cells that are smaller than the edges oscillate."""
 MAX_PHASE = np.pi
 """Maximum wavenumber times the width of the strips."""
-PARABOLIC = 0.05
-"""Distance of gaps from a paraboloid over the approach, above which Hertz's contact has no meaning."""
 MOST_GRIDS = 4
 
 Progress = Callable[[str], None]
-
-
-@dataclass(frozen=True, eq=False)
-class ContactEllipse:
-    """One patch: its resultant, and the ellipse with the same second moments of pressure as Hertz's.
-
-    Parameters
-    ----------
-    force
-        Resultant on the second body, shape (2,).
-    centre
-        Centre of pressure (x, y, z), shape (3,).
-    semi_axes
-        Longer and shorter semi-axis of the ellipse under a Hertzian pressure with the patch's second moments.
-    angle_rad
-        From z to the longer semi-axis, towards the first body's tangent (counter-clockwise seen from above for a flat
-        body: z up, x to the left), within pi / 2.
-    max_pressure
-        Maximum mean pressure of a cell.
-    area
-        Of the cells under pressure.
-    cells
-        Maximum numbers of them across and along z.
-    inside
-        Which cells they are, shape (n_cells, n_strips).
-
-    """
-
-    force: Floats
-    centre: Floats
-    semi_axes: tuple[float, float]
-    angle_rad: float
-    max_pressure: float
-    area: float
-    cells: tuple[int, int]
-    inside: Bools
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +66,16 @@ class PatchContact:
         )
 
     @cached_property
+    def cells(self) -> CellForces:
+        """Forces on the cells."""
+        grid, gaps = self.pair.grid, self.pair.gaps
+        ends = np.stack((grid.bounds[:-1], grid.bounds[1:]), axis=1)
+        return CellForces(self.contact.forces, ends, gaps.points, gaps.normals, grid.along, grid.strip)
+
+    @property
     def pressures(self) -> Floats:
         """Mean pressures of the cells, shape (n_cells, n_strips)."""
-        grid = self.pair.grid
-        return self.contact.forces / (grid.widths[:, None] * grid.strip)
+        return self.cells.pressures
 
     @property
     def approach(self) -> float:
@@ -138,51 +106,12 @@ class PatchContact:
     @cached_property
     def patches(self) -> list[ContactEllipse]:
         """Separate patches, by falling force."""
-        labels, count = scipy.ndimage.label(self.loaded, structure=np.ones((3, 3)))
-        found = [self._ellipse(labels == number) for number in range(1, count + 1)]
-        return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
-
-    def _ellipse(self, inside: Bools) -> ContactEllipse:
-        grid, gaps = self.pair.grid, self.pair.gaps
-        forces = np.where(inside, self.contact.forces, 0.0)
-        total = float(forces.sum())
-        along, across = grid.along, (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
-        by_cell, by_strip = forces.sum(axis=1) / total, forces.sum(axis=0) / total
-        s, z = across - by_cell @ across, along - by_strip @ along
-        # a cell's own second moments are those of its area
-        mixed = float(s @ forces @ z) / total
-        moments = np.array(
-            [[by_strip @ z**2 + grid.strip**2 / 12.0, mixed], [mixed, by_cell @ (s**2 + grid.widths**2 / 12.0)]]
-        )
-        values, vectors = np.linalg.eigh(moments)
-        direction = vectors[:, 1] * (1.0 if vectors[0, 1] >= 0.0 else -1.0)
-        return ContactEllipse(
-            forces.sum(axis=1) @ gaps.normals,
-            np.append(by_cell @ gaps.points, by_strip @ along),
-            (float(np.sqrt(5.0 * values[1])), float(np.sqrt(5.0 * values[0]))),
-            float(np.arctan2(direction[1], direction[0])),
-            float(self.pressures[inside].max()),
-            float((inside * grid.widths[:, None]).sum() * grid.strip),
-            (int(inside.sum(axis=0).max()), int(inside.sum(axis=1).max())),
-            inside,
-        )
+        return self.cells.patches()
 
     def hertz(self, patch: ContactEllipse) -> PointContact | None:
-        """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much.
-
-        The curvatures are those of the paraboloid that fits the gaps of the cells under pressure best.
-        """
-        grid, gaps = self.pair.grid, self.pair.gaps
-        across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
-        z, s = (each[patch.inside] for each in np.meshgrid(grid.along - patch.centre[2], across - across.mean()))
-        values = gaps.values[patch.inside]
-        terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
-        fit, *_ = np.linalg.lstsq(terms, values)
-        least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
-        if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * self.approach:
-            return None
+        """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much."""
         modulus = contact_modulus(plane_modulus(self.pair.first), plane_modulus(self.pair.second))
-        return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, modulus)
+        return self.cells.hertz(patch, self.pair.gaps.values, self.approach, modulus)
 
 
 @dataclass(frozen=True, eq=False)

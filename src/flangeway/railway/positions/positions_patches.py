@@ -20,7 +20,7 @@ from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.subsurface import DEPTH, SEARCHED, SubsurfaceExtreme, inward_from, maximum_of_lines
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, region_of, wheel_rail_patch
-from flangeway.solve import CondensedBodies
+from flangeway.solve import CondensedBodies, ContactState
 from flangeway.types import Floats, Ints
 
 
@@ -129,7 +129,7 @@ def position_patches(side: PositionSide, slots: Ints) -> list[list[PositionPatch
     return found
 
 
-def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium) -> tuple[PositionPatch, ...]:
+def patches_of(prepared: PreparedWheelset, equilibrium: Equilibrium[ContactState]) -> tuple[PositionPatch, ...]:
     """Regions of contact of a position that was found by the full search, left side first."""
     model = prepared.model
     found = pressure_patches(model.system, equilibrium.state)

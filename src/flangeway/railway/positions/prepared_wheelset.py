@@ -12,10 +12,11 @@ from flangeway.railway.positions.surface_positions import SidePose
 from flangeway.railway.track.placements import SIDES, WheelsetPosition, mirrored
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibrium
+from flangeway.railway.wheelset.equilibrium import Equilibrium, search_equilibrium
+from flangeway.railway.wheelset.plane_contact import PlaneContact
 from flangeway.railway.wheelset.wheelset_checks import overlap_error
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel, build_model
-from flangeway.solve import CondensedBodies, Status
+from flangeway.solve import CondensedBodies, ContactState, Status
 from flangeway.system.disk_cache import Cache
 
 
@@ -34,7 +35,7 @@ class PreparedWheelset:
         load: WheelsetLoad | None = None,
         prescribed: Prescribed | None = None,
         start: WheelsetPosition | None = None,
-    ) -> Equilibrium:
+    ) -> Equilibrium[ContactState]:
         """Find one position by the full search.
 
         - `load`, `prescribed`: what differs from the problem that was prepared.
@@ -42,13 +43,13 @@ class PreparedWheelset:
           found from the first: rigid flanges climb where elastic rails deflect.
         """
         changed = replace(self.model, problem=self.problem_with(load, prescribed))
-        found = self._without_overlap(find_equilibrium(changed, self.response, start=start))
+        found = self._without_overlap(search_equilibrium(PlaneContact(changed, self.response), start=start))
         if start is None or found.status.converged:
             return found
-        second = self._without_overlap(find_equilibrium(changed, self.response))
+        second = self._without_overlap(search_equilibrium(PlaneContact(changed, self.response)))
         return second if second.status.converged else found
 
-    def _without_overlap(self, found: Equilibrium) -> Equilibrium:
+    def _without_overlap(self, found: Equilibrium[ContactState]) -> Equilibrium[ContactState]:
         """Return an equilibrium; it is not converged where the bodies overlap, anywhere."""
         overlaps = body_overlaps(self.model.system, self.response, found.state) if found.status.converged else ()
         errors = [overlap_error(each) for each in overlaps if not each.is_explained]

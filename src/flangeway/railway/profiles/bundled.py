@@ -4,7 +4,7 @@ import csv
 import difflib
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib.resources import files
 
 import numpy as np
@@ -13,7 +13,12 @@ from flangeway.errors import InputError
 from flangeway.formats import DrawnSection
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Region, Section, Segment
 from flangeway.geometry.arrays import Point, as_point
-from flangeway.railway.profiles.wheel_contours import HEAVY_HAUL_TAPE_MM, heavy_haul_contour, s1002_contour
+from flangeway.railway.profiles.wheel_contours import (
+    FINE_TOLERANCE_MM,
+    HEAVY_HAUL_TAPE_MM,
+    heavy_haul_contour,
+    s1002_contour,
+)
 
 _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
     "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
@@ -94,6 +99,7 @@ class WheelProfile:
     - `flange_back_mm`: distance of the flange's back face from the tape line.
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
+    - `fine`: the running surface with as smooth a curvature as is known, for gaps in three dimensions; None: as drawn.
     """
 
     title: str
@@ -104,11 +110,17 @@ class WheelProfile:
     certainty: str
     source: str
     notices: tuple[str, ...] = ()
+    fine: Contour | None = None
 
     @property
     def running_surface(self) -> Contour:
         """The running surface as one chain, from the flange's back to the rim."""
         return self.outline.part(self.running_names)
+
+    @property
+    def gap_surface(self) -> Contour:
+        """The same, for gaps: `fine` if there is one."""
+        return self.fine or self.running_surface
 
 
 def _advice(kind: str, name: str, known: tuple[str, ...]) -> str:
@@ -241,7 +253,7 @@ def wheel(
 
 
 def _s1002(cut_height: float) -> WheelProfile:
-    return _wheel_below(
+    found = _wheel_below(
         s1002_contour(),
         cut_height,
         title="S1002",
@@ -251,6 +263,7 @@ def _s1002(cut_height: float) -> WheelProfile:
         ),
         source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
     )
+    return replace(found, fine=s1002_contour(FINE_TOLERANCE_MM))
 
 
 def _heavy_haul(cut_height: float) -> WheelProfile:

@@ -154,7 +154,7 @@ class SupportedRail:
             raise InputError(
                 f"{n} sleepers, the last with {(carried[[0, -1]] / carried.max(axis=0)).max():.2g} of the largest load",
                 f"as many as the load reaches, with less than {FAR:g} there",
-                "raise n_sleepers, or the stiffness",
+                "raise the stiffness of the seats or n_sleepers, or take a continuous support",
             )
         return found.reshape(n, 3, n, 3)
 

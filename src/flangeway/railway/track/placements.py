@@ -7,6 +7,7 @@ Profiles are those of the right side, their track side at negative x; the left s
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -247,6 +248,7 @@ FLANGE_MM = 10.0
 """Depth below tread and rail's top at which flange and gauge face are compared (EN 15313 measures flanges there)."""
 
 
+@lru_cache(maxsize=16)
 def refuse_misfit(track: Track, wheelset: Wheelset) -> None:
     """Refuse wheels that stand beside their rails, and flanges that do not go between them, in the middle of the track.
 

@@ -2,20 +2,21 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 
 from flangeway.railway.track.placements import WheelsetPosition
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
+from flangeway.railway.wheelset.plane_contact import PlaneContact
 from flangeway.railway.wheelset.residual import (
     MAX_STEP,
     TOLERANCE,
     RelativeResiduals,
     is_stable,
-    jacobian_of,
-    residuals_of,
 )
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
-from flangeway.solve import BodyResponse, ContactState, Status, StepSettings, follow, solve_contact
+from flangeway.solve import BodyResponse, ContactState, Status
 from flangeway.types import Floats
 
 FIRST_PENETRATION_MM = 0.1
@@ -30,17 +31,55 @@ LOWERED = 0.05  # vertical residual below which the wheelset is free to move lat
 DOWN = np.array([False, True, False])
 WORSE = 4.0  # growth of the residual above which a step is taken back and tried at a quarter of its length
 
-NEXT_STEP = StepSettings(smallest=0.125)
-"""Steps of contact on the way to the next position: where they fail, a shorter way is tried before shorter steps."""
-
 MAX_WAY = np.array([30.0, 30.0, 0.05])
 """Displacement in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""
 
 SAME = 1e-3  # distance of two equilibria, in mm and rad, below which they are one
 
 
+class AxleState(Protocol):
+    """Contact of the wheelset at one position, plane or in three dimensions."""
+
+    @property
+    def status(self) -> Status:
+        """Whether the contact forces were found."""
+
+    @property
+    def forces(self) -> Floats:
+        """Contact forces, zero where there is no contact."""
+
+
+State = TypeVar("State", bound=AxleState)
+
+
+class AxleContact(Protocol[State]):
+    """What the search of an equilibrium needs of the bodies."""
+
+    @property
+    def problem(self) -> WheelsetProblem:
+        """Loads, and what is prescribed."""
+
+    @property
+    def rigid_position(self) -> WheelsetPosition:
+        """Position in which the rigid wheelset touches."""
+
+    def contact_at(
+        self,
+        position: WheelsetPosition,
+        before: tuple[WheelsetPosition, State] | None = None,
+        start: WheelsetPosition | None = None,
+    ) -> State:
+        """Contact forces at a position, from one before or from where the wheels only just touch."""
+
+    def residuals_of(self, position: WheelsetPosition, state: State) -> tuple[Floats, RelativeResiduals]:
+        """Residual of the equilibrium, and its relative values; see `with_loads`."""
+
+    def jacobian_of(self, position: WheelsetPosition, state: State) -> Floats:
+        """Derivatives of the residual by lateral and vertical displacement and roll, shape (3, 3)."""
+
+
 @dataclass(frozen=True, eq=False)
-class Equilibrium:
+class Equilibrium(Generic[State]):
     """A position of the wheelset and its contact forces.
 
     - `status`: how the search ended.
@@ -55,7 +94,7 @@ class Equilibrium:
     status: Status
     position: WheelsetPosition
     residuals: RelativeResiduals
-    state: ContactState
+    state: State
     residual: Floats
     stable: bool | None = None
     history: tuple[RelativeResiduals, ...] = ()
@@ -63,11 +102,11 @@ class Equilibrium:
 
 def find_equilibria(
     model: WheelsetModel, response: BodyResponse, progress: Callable[[str], None], starts: tuple[WheelsetPosition, ...]
-) -> list[Equilibrium]:
+) -> list[Equilibrium[ContactState]]:
     """Equilibria from some starts, the stable ones first; one is enough unless the problem asks for all."""
-    found: list[Equilibrium] = []
+    found: list[Equilibrium[ContactState]] = []
     for start in starts:
-        new = find_equilibrium(model, response, progress, start)
+        new = search_equilibrium(PlaneContact(model, response), progress, start)
         if not any(_are_same(new, other) for other in found):
             found.append(new)
         if new.status.converged and new.stable is not False and not model.problem.all_equilibria:
@@ -76,21 +115,27 @@ def find_equilibria(
     return [found[0], *(each for each in found[1:] if each.status.converged)]
 
 
-def find_equilibrium(
-    model: WheelsetModel,
-    response: BodyResponse,
+def search_equilibrium(
+    contact: AxleContact[State],
     progress: Callable[[str], None] = lambda _: None,
     start: WheelsetPosition | None = None,
-) -> Equilibrium:
+    *,
+    near: tuple[WheelsetPosition, State] | None = None,
+    tolerance: float = TOLERANCE,
+    enough: float = ROUND_OFF,
+) -> Equilibrium[State]:
     """Find what is not prescribed of the position by Newton's method with the exact Jacobian.
 
     The search starts a little below a rigid equilibrium, where the forces have derivatives. Steps are limited; the
     limit grows while they lead on and shrinks when one makes the residual much worse.
 
     - `progress`: called with a sentence after each step.
-    - `start`: a rigid equilibrium; the model's own by default.
+    - `start`: a rigid equilibrium; that of the bodies by default.
+    - `near`: a position close to the equilibrium, with its contact, to start from instead.
+    - `tolerance`: equilibrium residual up to which a position is in equilibrium.
+    - `enough`: equilibrium residual at which the search ends at once; else it goes on until no step is better.
     """
-    search = _Search(model, response, model.rigid_position if start is None else start)
+    search = _Search(contact, contact.rigid_position if start is None else start, near)
     iteration = 0
     for iteration in range(MAX_ITERATIONS):
         error = search.norm()
@@ -110,10 +155,10 @@ def find_equilibrium(
             break
         if search.best is not None and error >= search.best.residuals.equilibrium_residual:
             return search.best  # round-off: the last step was no better
-        if error <= TOLERANCE and search.now is search.free:
+        if error <= tolerance and search.now is search.free:
             message = f"contact forces and load are in equilibrium to {error:.1e}"
             search.best = search.found(Status(True, message, iteration))
-            if error <= ROUND_OFF:
+            if error <= enough:
                 return search.best
         search.last_error, search.safe = error, (search.position, search.state)
         search.step(may_grow=True)
@@ -124,28 +169,32 @@ def find_equilibrium(
     return search.best or search.found(Status(False, failure, iteration + 1))
 
 
-class _Search:
+class _Search(Generic[State]):
     """The state of a search."""
 
-    def __init__(self, model: WheelsetModel, response: BodyResponse, start: WheelsetPosition) -> None:
-        self.model, self.response, self.start = model, response, start
-        prescribed = model.problem.prescribed.components
+    def __init__(
+        self, contact: AxleContact[State], start: WheelsetPosition, near: tuple[WheelsetPosition, State] | None
+    ) -> None:
+        self.contact, self.start = contact, start
+        prescribed = contact.problem.prescribed.components
         self.free = np.array([value is None for value in prescribed])
         # down first: a wheelset that hangs on its flanges slips sideways before they have pushed the rails apart
         self.now = self.free & DOWN if (self.free & DOWN).any() else self.free
-        pressed = start.moved(WheelsetPosition(vertical_mm=-FIRST_PENETRATION_MM)).components
-        position = WheelsetPosition(*(a if b is None else b for a, b in zip(pressed, prescribed, strict=True)))
-        self.evaluate(position, contact_at(model, response, position, start=start))
+        pressed = near[0] if near is not None else start.moved(WheelsetPosition(vertical_mm=-FIRST_PENETRATION_MM))
+        position = WheelsetPosition(
+            *(a if b is None else b for a, b in zip(pressed.components, prescribed, strict=True))
+        )
+        self.evaluate(position, contact.contact_at(position, near, start))
         self.growth, self.last_error = 1.0, np.inf
         self.safe = (self.position, self.state)
         self.least = (np.inf, 0)
-        self.best: Equilibrium | None = None
+        self.best: Equilibrium[State] | None = None
         self.history: list[RelativeResiduals] = []
 
-    def evaluate(self, position: WheelsetPosition, state: ContactState) -> None:
+    def evaluate(self, position: WheelsetPosition, state: State) -> None:
         """Be at a position."""
         self.position, self.state = position, state
-        self.residual, self.residuals = residuals_of(self.model, self.response, position, state)
+        self.residual, self.residuals = self.contact.residuals_of(position, state)
 
     def norm(self) -> float:
         """Residual of what is free now; once the weight is carried, of all that is not prescribed."""
@@ -173,16 +222,16 @@ class _Search:
         prescribed = "" if self.free.all() else "what is prescribed, "
         return f"the wheels left the rails; check {prescribed}the load and the profiles"
 
-    def found(self, status: Status) -> Equilibrium:
+    def found(self, status: Status) -> Equilibrium[State]:
         stable = None
         if status.converged and self.free.all():
-            stable = is_stable(self.model, jacobian_of(self.model, self.response, self.position, self.state))
+            stable = is_stable(self.contact.problem, self.contact.jacobian_of(self.position, self.state))
         history = tuple(self.history)
         return Equilibrium(status, self.position, self.residuals, self.state, self.residual, stable, history)
 
     def step(self, *, may_grow: bool) -> None:
         """Newton's step of the free components within the step limits."""
-        jacobian = jacobian_of(self.model, self.response, self.position, self.state)
+        jacobian = self.contact.jacobian_of(self.position, self.state)
         limit, free = self.growth * MAX_STEP, self.now
         step = np.zeros(3)
         system = jacobian[np.ix_(free, free)]
@@ -195,33 +244,10 @@ class _Search:
         if excess > 1.0 and may_grow:
             self.growth = min(2.0 * self.growth, MAX_GROWTH)
         target = self.position.moved(WheelsetPosition(*(step / max(1.0, excess))))
-        self.evaluate(target, contact_at(self.model, self.response, target, self.safe))
+        self.evaluate(target, self.contact.contact_at(target, self.safe))
 
 
-def contact_at(
-    model: WheelsetModel,
-    response: BodyResponse,
-    position: WheelsetPosition,
-    before: tuple[WheelsetPosition, ContactState] | None = None,
-    *,
-    start: WheelsetPosition | None = None,
-) -> ContactState:
-    """Contact forces at a position of the wheelset, by adaptive steps from one before.
-
-    - `before`: a position and its contact forces.
-    - `start`: without one before: where the wheels only just touch; the model's rigid equilibrium by default.
-    """
-    origin, state = before if before is not None else (model.rigid_position if start is None else start, None)
-    change = position.moved(origin, -1.0)
-
-    def solve_at(part: float, from_state: ContactState | None) -> ContactState:
-        placements = model.placements(origin.moved(change, part))
-        return solve_contact(response, model.system, placements, start=from_state)
-
-    return follow(solve_at, state, None if before is None else NEXT_STEP)
-
-
-def _are_same(one: Equilibrium, other: Equilibrium) -> bool:
+def _are_same(one: Equilibrium[ContactState], other: Equilibrium[ContactState]) -> bool:
     if not (one.status.converged and other.status.converged):
         return False
     return bool(np.allclose(one.position.components, other.position.components, rtol=0.0, atol=SAME))

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.wheelset.equilibrium import Equilibrium
-from flangeway.railway.wheelset.residual import TOLERANCE, residuals_of
+from flangeway.railway.wheelset.plane_contact import PlaneContact
+from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, ContactState, Status, solve_contact
 from flangeway.solve.condensed import body_key
@@ -58,7 +59,7 @@ class EquilibriumCache:
             self.starts,
         )
 
-    def load(self) -> list[Equilibrium] | None:
+    def load(self) -> list[Equilibrium[ContactState]] | None:
         """Stored equilibria, if all of them still are."""
         arrays = None if self.cache is None or self._key is None else self.cache.load(self._key)
         if arrays is None:
@@ -66,7 +67,7 @@ class EquilibriumCache:
         found = [self._restored(arrays, number) for number in range(len(arrays["positions"]))]
         return None if any(each is None for each in found) else [each for each in found if each is not None]
 
-    def store(self, found: Sequence[Equilibrium]) -> None:
+    def store(self, found: Sequence[Equilibrium[ContactState]]) -> None:
         """Keep equilibria that converged."""
         if self.cache is not None and self._key is not None and all(each.status.converged for each in found):
             self.cache.store(self._key, _packed(found))
@@ -88,7 +89,7 @@ class EquilibriumCache:
             self.cache.store(key, {"forces": state.nodal_forces} | {str(i): each for i, each in enumerate(found)})
         return found
 
-    def _restored(self, arrays: Arrays, number: int) -> Equilibrium | None:
+    def _restored(self, arrays: Arrays, number: int) -> Equilibrium[ContactState] | None:
         """One of them, solved once more from where it was; None if that is no equilibrium."""
         if f"history_{number}" not in arrays:
             return None
@@ -108,7 +109,7 @@ class EquilibriumCache:
             Status(True, "", 0), placements, displacements, reference + displacements, lin, forces, nodal
         )
         state = solve_contact(response, model.system, placements, start=before)
-        residual, residuals = residuals_of(model, response, position, state)
+        residual, residuals = PlaneContact(model, response).residuals_of(position, state)
         if not state.status.converged or residuals.equilibrium_residual > TOLERANCE:
             return None
         stable = int(arrays["stable"][number])
@@ -120,7 +121,7 @@ class EquilibriumCache:
         return Equilibrium(status, position, residuals, state, residual, None if stable < 0 else bool(stable), history)
 
 
-def _packed(found: Sequence[Equilibrium]) -> Arrays:
+def _packed(found: Sequence[Equilibrium[ContactState]]) -> Arrays:
     arrays: dict[str, NDArray[Any]] = {
         "positions": np.array([each.position.components for each in found]),
         "stable": np.array([-1 if each.stable is None else int(each.stable) for each in found]),

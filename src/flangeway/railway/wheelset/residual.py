@@ -7,9 +7,6 @@ from numpy.typing import ArrayLike
 
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.wheelset_model import WheelsetModel
-from flangeway.solve import BodyResponse, ContactState
-from flangeway.solve.sensitivity import motion_derivatives
 from flangeway.types import Bools, Floats, Ints
 
 LATERAL_REFERENCE_N = 28.4e3
@@ -102,53 +99,29 @@ class RelativeResiduals:
         return float(residual_norm(relative, free))
 
 
-def residuals_of(
-    model: WheelsetModel, response: BodyResponse, position: WheelsetPosition, state: ContactState
+def with_loads(
+    problem: WheelsetProblem, position: WheelsetPosition, on_axle: Floats
 ) -> tuple[Floats, RelativeResiduals]:
-    """Residual of the wheelset's equilibrium and its relative values, in the current configuration.
-
-    Returned: lateral force, vertical force and moment about the axle's middle in the track's axes (N, N, N mm), and the
-    relative residuals.
-    """
-    problem = model.problem
-    forces = np.where(model.moving[response.body_of_node][:, None], state.nodal_forces, 0.0)
-    arms = state.positions - position.axle(problem.wheelset)
-    moment = float(arms[:, 0] @ forces[:, 1] - arms[:, 1] @ forces[:, 0])
-    loads = _loads(problem)
-    residual = np.array([*forces.sum(axis=0), moment]) + loads.on_axle(position.roll_rad)
+    """Residual and relative residuals by the contact's force on the wheels and moment about the axle's middle (3,)."""
+    loads = loads_of(problem)
+    residual: Floats = on_axle + loads.on_axle(position.roll_rad)
     lateral, vertical, moment = loads.relative(residual).tolist()
     free = tuple(value is None for value in problem.prescribed.components)
     return residual, RelativeResiduals(vertical, lateral, moment, (free[0], free[1], free[2]))
 
 
-def jacobian_of(
-    model: WheelsetModel, response: BodyResponse, position: WheelsetPosition, state: ContactState
-) -> Floats:
-    """Exact derivatives of the residual by lateral and vertical displacement and roll, shape (3, 3)."""
-    axle = np.array(position.axle(model.problem.wheelset))
-    derivatives = motion_derivatives(response, state, model.moving, axle)
-    nodes = state.linearisation.nodes
-    on_wheel = model.moving[response.body_of_node[nodes]]
-    force, arm = state.nodal_forces[nodes[on_wheel]], state.positions[nodes[on_wheel]] - axle
-    arm_change = derivatives.positions[on_wheel] - np.eye(2, 3)
-    force_change = derivatives.nodal_forces[on_wheel]
-    moment = force[:, 1] @ arm_change[:, 0] - force[:, 0] @ arm_change[:, 1]
-    moment += arm[:, 0] @ force_change[:, 1] - arm[:, 1] @ force_change[:, 0]
-    moment[2] += _loads(model.problem).moment_by_roll(position.roll_rad)
-    return np.vstack((force_change.sum(axis=0), moment))
-
-
-def is_stable(model: WheelsetModel, jacobian: Floats) -> bool:
+def is_stable(problem: WheelsetProblem, jacobian: Floats) -> bool:
     """Whether a wheelset in equilibrium comes back after a small push: contact and load have a potential.
 
-    - `model`: the wheelset, nothing prescribed.
+    - `problem`: the wheelset, nothing prescribed.
     - `jacobian`: derivatives of the residual at the equilibrium.
     """
     # in units of one length, so that the roll has the weight of the translations
-    scale = np.diag([1.0, 1.0, 1.0 / model.problem.wheelset.back_to_back_mm])
+    scale = np.diag([1.0, 1.0, 1.0 / problem.wheelset.back_to_back_mm])
     stiffness = -scale @ jacobian @ scale
     return bool(np.linalg.eigvalsh(0.5 * (stiffness + stiffness.T)).min() > 0.0)
 
 
-def _loads(problem: WheelsetProblem) -> AxleLoads:
+def loads_of(problem: WheelsetProblem) -> AxleLoads:
+    """Load of a problem."""
     return AxleLoads.of(problem, *problem.load.in_track, problem.load.vertical_N)

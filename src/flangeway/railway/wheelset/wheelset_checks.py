@@ -11,7 +11,7 @@ from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel
-from flangeway.solve import Status
+from flangeway.solve import ContactState, Status
 from flangeway.types import Bools, Floats
 
 MAX_RESIDUAL = 1e-6  # difference of contact forces and load over the vertical load; the search stops below 1e-10
@@ -39,7 +39,7 @@ SLICE = (
 
 def checked(
     model: WheelsetModel,
-    equilibrium: Equilibrium,
+    equilibrium: Equilibrium[ContactState],
     patches: Sequence[WheelRailPatch],
     overlaps: Sequence[BodyOverlap],
     displacements: Mapping[str, Floats],

@@ -73,7 +73,7 @@ def meshed_body(
     try:
         refinement = Refinement(zone.points(outline.part(names)), size, settings.growth)
         polygons = settings.method_of(role) == "vem"
-        mesh = _meshed(outline, body_size, refinement, polygons=polygons, cache=cache)
+        mesh = mesh_outline(outline, body_size, refinement, polygons=polygons, cache=cache)
     except InputError as error:
         raise InputError(
             f"{role}: size_scale={settings.size_scale:g} makes contact_size_mm {size:g} and body_size_mm {body_size:g},"
@@ -91,7 +91,9 @@ def meshed_body(
     return body, edges, outline.part(names)
 
 
-def _meshed(outline: Outline, size: float, refinement: Refinement, *, polygons: bool, cache: Cache | None) -> PolyMesh:
+def mesh_outline(
+    outline: Outline, size: float, refinement: Refinement, *, polygons: bool, cache: Cache | None
+) -> PolyMesh:
     """Mesh an outline by triangles or the polygons dual to them, or take the mesh stored for the same input."""
 
     def make() -> Arrays:

@@ -16,7 +16,7 @@ from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibria
 from flangeway.railway.wheelset.equilibrium_cache import EquilibriumCache
 from flangeway.railway.wheelset.wheelset_checks import checked
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel, build_model, wheel_rail_patch
-from flangeway.solve import CondensedBodies, Status
+from flangeway.solve import CondensedBodies, ContactState, Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
 
@@ -37,13 +37,13 @@ class WheelsetResult:
 
     status: Status
     model: WheelsetModel
-    equilibrium: Equilibrium
+    equilibrium: Equilibrium[ContactState]
     patches: tuple[WheelRailPatch, ...]
     placements: dict[str, Placement]
     displacements: dict[str, Floats]
     timings_s: dict[str, float]
     warnings: tuple[str, ...]
-    others: tuple[Equilibrium, ...] = ()
+    others: tuple[Equilibrium[ContactState], ...] = ()
 
     @property
     def approach_mm(self) -> float:

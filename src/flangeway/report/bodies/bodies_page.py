@@ -1,7 +1,6 @@
 """Report, files and terminal summary of a case of bodies that are pressed, pulled and held."""
 
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
 from rich.console import Console
@@ -21,7 +20,6 @@ from flangeway.report.page.tables import (
     Column,
     SummaryTable,
     marked,
-    print_files,
     print_notices,
     print_rows,
     print_status,
@@ -311,13 +309,8 @@ def _pictures(run: BodiesRun) -> dict[str, Picture]:
     return pictures
 
 
-def print_bodies(console: Console, run: BodiesRun, files: list[Path]) -> None:
-    """Print status, results, notices and the files."""
+def print_bodies(console: Console, run: BodiesRun) -> None:
+    """Print status, results and notices."""
     print_status(console, run.case.name, run.status)
     print_rows(console, case_rows(run.summary))
     print_notices(console, run.summary.notices)
-    folder = files[-1].parent
-    print_files(console, [file for file in files if file.parent == folder], run.summary.timings_s["total"])
-    n_earlier = sum(file.parent != folder for file in files)
-    if n_earlier:
-        console.print(f"  {folder / STEPS}: {n_earlier} files of earlier load steps", markup=False, soft_wrap=True)

@@ -15,7 +15,7 @@ from flangeway.formats import write_vtu
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, inputs_tables, section_command
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
-from flangeway.report.page.tables import SummaryTable, print_files, print_notices, print_rows, timings_table
+from flangeway.report.page.tables import SummaryTable, print_notices, print_rows, timings_table
 from flangeway.report.scenes import section_arrays, section_scene
 from flangeway.report.section.section_figures import mesh_figure, prandtl_figure, shear_figure, warping_figure
 from flangeway.system.output_folder import Writer, bytes_writer, text_writer, write_together
@@ -208,8 +208,8 @@ def _write_fields(run: SectionRun, path: Path) -> None:
     write_vtu(path, mesh, points, {**means, "part": part})
 
 
-def print_section(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print the constants with their units, notices and uncertainty, and the files."""
+def print_section(console: Console, summary: dict[str, Any]) -> None:
+    """Print the constants with their units, notices and uncertainty."""
     console.print(summary["title"], style="bold", markup=False)
     print_rows(console, section_rows(summary))
     print_notices(console, summary["notices"])
@@ -217,4 +217,3 @@ def print_section(console: Console, summary: dict[str, Any], files: list[Path]) 
         console.print(f"Outline: {summary['certainty']}", markup=False, soft_wrap=True)
     for sentence in weights_sentences(summary):
         console.print(sentence, markup=False, soft_wrap=True)
-    print_files(console, files, summary["timings_s"]["total"])

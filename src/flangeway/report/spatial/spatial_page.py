@@ -21,7 +21,6 @@ from flangeway.report.page.html_page import Again, Page, Picture, report_page
 from flangeway.report.page.tables import (
     Column,
     SummaryTable,
-    print_files,
     print_notices,
     print_rows,
     print_status,
@@ -29,6 +28,7 @@ from flangeway.report.page.tables import (
     table_across,
     timings_table,
 )
+from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.system.output_folder import Writer, bytes_writer, text_writer
@@ -68,14 +68,9 @@ def spatial_writers(run: SpatialRun, progress: Callable[[str], None]) -> dict[st
 def _write_surface(run: SpatialRun, path: Path) -> None:
     """Write pressure and gap of the cells on the first body's surface."""
     contact = run.contact
-    grid, (n, m) = contact.pair.grid, contact.pressures.shape
-    ends, _ = points_along(contact.pair.first.chain, grid.bounds)
-    z = grid.along[0] + grid.strip * (np.arange(m + 1) - 0.5)
-    plane = np.stack(np.meshgrid(grid.bounds, z, indexing="ij"), axis=-1).reshape(-1, 2)
-    space = np.column_stack((np.repeat(ends, m + 1, axis=0), np.tile(z, n + 1)))
-    corner = (np.arange(n)[:, None] * (m + 1) + np.arange(m)).ravel()
-    quads = np.stack((corner, corner + m + 1, corner + m + 2, corner + 1), axis=1)
-    mesh = PolyMesh(plane, 4 * np.arange(n * m + 1, dtype=np.int32), quads.ravel().astype(np.int32))
+    nodes, z, mesh = surface_mesh(contact.cells)
+    ends, _ = points_along(contact.pair.first.chain, nodes)
+    space = np.column_stack((np.repeat(ends, len(z), axis=0), np.tile(z, len(nodes))))
     values = {"pressure_MPa": contact.pressures.ravel(), "gap_mm": contact.contact.gaps.ravel()}
     write_vtu(path, mesh, cell_data=values, positions=space)
 
@@ -182,12 +177,11 @@ def _bodies_table(summary: SpatialSummary) -> SummaryTable:
     return table_across("Bodies", [body.name for body in summary.bodies], summary.bodies, quantities)
 
 
-def print_spatial(console: Console, run: SpatialRun, files: list[Path]) -> None:
-    """Print status, patches, maximum stresses, notices and the files."""
+def print_spatial(console: Console, run: SpatialRun) -> None:
+    """Print status, patches, maximum stresses and notices."""
     summary = run.summary
     print_status(console, run.case.name, run.status)
     print_rows(console, _patches_table(summary).rows)
     print_rows(console, [("approach from first touch, mm", f"{summary.approach_mm:.5g}")])
     print_table(console, _bodies_table(summary))
     print_notices(console, summary.notices)
-    print_files(console, files, summary.timings_s["total"])

@@ -13,6 +13,7 @@ async function unpacked(header, text) {
       start += 4 * count;
     }
     for (const name of ["corners", "places", "cells"]) if (part[name]) undoDifferences(part[name]);
+    if (part.places && part.heights) part.heights = spread(part, part.heights, 1);
     if (part.places) part.points = spread(part, part.points, 2);
     return part;
   });

@@ -52,6 +52,7 @@ def field_viewer(scene: Scene, instead: str = "") -> str:
         "fields": [asdict(field) for field in scene.fields],
         "views": [asdict(view) for view in scene.views],
         "unit": scene.unit,
+        "axes": list(scene.axes),
         "steps": list(scene.steps),
     }
     program = "\n".join(_text(name) for name in PROGRAM)

@@ -137,6 +137,10 @@ function drawn(part, point, axis, factor) {
   return part.motion[4 * point + axis] + factor * part.motion[4 * point + 2 + axis];
 }
 
+function heightOf(part, point) {
+  return part.heights ? part.heights[point] : 0;
+}
+
 // Box of the parts as they are drawn, in mm: least x, least y, greatest x, greatest y.
 function boxOf(parts, factor) {
   const box = [Infinity, Infinity, -Infinity, -Infinity];

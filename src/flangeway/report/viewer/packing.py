@@ -39,9 +39,9 @@ def packed_parts(parts: Sequence[ShownPart]) -> tuple[list[dict[str, Any]], str]
         array in the order of the bytes, and of those with values where they are (``points``, ``places`` or ``cells``)
         and the numbers of their components, which follow each other, and of their steps, which do so too.
     text
-        The base64 text. Other arrays of a part: ``points`` (n, 2) of the points, or of their places; ``sizes`` of the
-        cells; and as differences from the number before, ``corners``: the points of the cells, ``places`` of the
-        points, and ``cells``: the cell that each drawn cell is a piece of.
+        The base64 text. Other arrays of a part: ``points`` (n, 2) of the points, or of their places, and their
+        ``heights``; ``sizes`` of the cells; and as differences from the number before, ``corners``: the points of the
+        cells, ``places`` of the points, and ``cells``: the cell that each drawn cell is a piece of.
 
     """
     headers, chunks = [], []
@@ -63,6 +63,8 @@ def _packed(part: ShownPart) -> tuple[dict[str, Any], list[NDArray[Any]]]:
         (["sizes"], mesh.cell_sizes.astype("<u4")),
         (["corners"], _differences(mesh.cell_points)),
     ]
+    if part.heights is not None:
+        arrays.append((["heights"], (part.heights if first is None else part.heights[first]).astype("<f4")))
     for name, numbers in (("places", part.places), ("cells", part.cells)):
         if numbers is not None:
             arrays.append(([name], _differences(numbers)))

@@ -13,6 +13,37 @@ function cellAt(parts, x, y, factor) {
   return null;
 }
 
+// The cell in front at a pixel of a picture with heights; `pixelOf` gives pixel and depth of a place.
+function cellInFront(parts, pixel, pixelOf, factor) {
+  let best = null;
+  for (const part of parts.filter((each) => !each.hidden)) {
+    const n = part.points.length / 2;
+    const seen = Array.from({ length: n }, (_, point) => pixelOf(placeOf(part, point, factor)));
+    for (let cell = 0; cell < part.sizes.length; cell++) {
+      for (let t = part.firstTriangle[cell]; t < part.firstTriangle[cell + 1]; t++) {
+        const points = [0, 1, 2].map((i) => part.corners[part.triangles[3 * t + i]]);
+        const [a, b, c] = points.map((point) => seen[point]);
+        if (pixel.some((at, i) => at < Math.min(a[i], b[i], c[i]) || at > Math.max(a[i], b[i], c[i]))) continue;
+        const shares = sharesOf([a, b, c], ...pixel);
+        if (shares.some((share) => !(share >= -1e-9))) continue;
+        const mean = (of) => points.reduce((sum, point, i) => sum + shares[i] * of(point), 0);
+        const depth = mean((point) => seen[point][2]);
+        if (best && depth >= best.depth) continue;
+        const at = [0, 1].map((axis) => part.origin[axis] + mean((point) => part.points[2 * point + axis]));
+        const point = points[shares.indexOf(Math.max(...shares))];
+        best = { part, cell, point, depth, at: [...at, mean((each) => heightOf(part, each))] };
+      }
+    }
+  }
+  return best;
+}
+
+// Where a point is drawn, in mm, and its height.
+function placeOf(part, point, factor) {
+  const [x, y] = [0, 1].map((axis) => part.origin[axis] + drawn(part, point, axis, factor));
+  return [x + part.shift, y, heightOf(part, point)];
+}
+
 // Boxes of the cells as they are drawn; made again when the deformation is drawn otherwise.
 function boxesOf(part, factor) {
   if (part.boxes?.factor === factor) return part.boxes.index;
@@ -50,10 +81,8 @@ function inCell(part, cell, x, y, factor) {
 
 // Corners of a cell as they are drawn, in mm.
 function outlineOf(part, cell, factor) {
-  return Array.from(part.corners.subarray(part.offsets[cell], part.offsets[cell + 1]), (point) => [
-    part.origin[0] + part.shift + drawn(part, point, 0, factor),
-    part.origin[1] + drawn(part, point, 1, factor),
-  ]);
+  const corners = part.corners.subarray(part.offsets[cell], part.offsets[cell + 1]);
+  return Array.from(corners, (point) => placeOf(part, point, factor));
 }
 
 function sharesOf([a, b, c], x, y) {

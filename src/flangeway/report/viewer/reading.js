@@ -3,7 +3,8 @@
 const REST_MS = 500;
 
 class Reading {
-  constructor(root, { unit, deforms }) {
+  constructor(root, { unit, axes, deforms }) {
+    this.axes = axes;
     this.end = deforms ? ` ${unit}, undeformed` : ` ${unit}`;
     this.unit = unit;
     this.output = root.querySelector(".viewer-reading");
@@ -28,10 +29,10 @@ class Reading {
     what.append(perCell ? ", cell " : ", point ");
     if (perCell) this.add("data", "reading-cell", String(number), number, what);
     else this.add("data", "reading-point", String(point), point, what);
-    what.append(" at x ");
-    this.add("data", "reading-x", fixed(at[0]), at[0], what);
-    what.append(` ${this.unit}, y `);
-    this.add("data", "reading-y", fixed(at[1]), at[1], what);
+    at.forEach((value, i) => {
+      what.append(i ? ` ${this.unit}, ${this.axes[i]} ` : ` at ${this.axes[i]} `);
+      this.add("data", `reading-${this.axes[i]}`, fixed(value), value, what);
+    });
     what.append(this.end);
     if (!perCell) this.add("data", "reading-cell", ` (cell ${number})`, number, what);
     this.tell();

@@ -73,6 +73,8 @@ class ShownPart:
         The places below this number lie on the rims of the problem's cells, the others inside; all if left out.
     cells
         Number of the problem's cell that each cell is a piece of, shape (n_cells,), if they are pieces.
+    heights
+        Heights of the points over the plane of the picture, shape (n_points,); with any the picture can be turned.
 
     """
 
@@ -85,6 +87,7 @@ class ShownPart:
     places: Ints | None = None
     n_rim_places: int | None = None
     cells: Ints | None = None
+    heights: Floats | None = None
 
 
 @dataclass(frozen=True)
@@ -127,6 +130,8 @@ class Scene:
         Names of the steps to choose from, such as ``1 of 4: 25 %``, the last shown first; empty where there is one.
     steps_note
         Sentence on steps that are left out.
+    axes
+        Names of the axes of the picture, to the right and up, and of the heights.
 
     """
 
@@ -137,3 +142,4 @@ class Scene:
     notes: Sequence[str] = ()
     steps: Sequence[str] = ()
     steps_note: str = ""
+    axes: Sequence[str] = ("x", "y")

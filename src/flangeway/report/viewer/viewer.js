@@ -9,11 +9,12 @@ const LONGEST_BAR = 160;
 const SIDES_APART = 0.2;
 
 class Viewer {
-  constructor(root, parts, { fields, views, unit, steps }) {
+  constructor(root, parts, { fields, views, unit, axes, steps }) {
     this.root = root;
     this.parts = parts;
     this.fields = fields;
     this.unit = unit;
+    this.axes = axes;
     this.deforms = parts.some((part) => part.arrays.displacement);
     this.canvas = this.find("#viewer-canvas");
     this.cross = this.find(".viewer-cross");
@@ -28,6 +29,8 @@ class Viewer {
     this.steps = new Steps(root, steps, (words) => this.chooseStep(words));
     const given = views.map((view) => givenView(view, parts));
     this.views = [{ name: "whole", box: () => this.wholeBox() }, ...sidesOf(parts, this), ...given];
+    this.find("#viewer-smooth").checked = this.picture.solid;
+    if (this.picture.solid) this.scale.mode.value = "full";
     this.moveSides();
     this.fillControls();
     this.listen();
@@ -35,6 +38,7 @@ class Viewer {
     this.chooseField(this.field.key);
     this.applyInks();
     this.lookAtWhole();
+    if (this.picture.solid) this.tilt();
     this.picture.render();
   }
 
@@ -103,6 +107,7 @@ class Viewer {
     }
     this.find(".viewer-parts").hidden = this.parts.length < 2;
     for (const name of [".viewer-slide", "#viewer-true"]) this.find(name).hidden = !this.deforms;
+    for (const name of ["#viewer-tilt", ".viewer-tilt-keys"]) this.find(name).hidden = !this.picture.solid;
     this.find("#viewer-slider").value = sliderOf(this.factor);
   }
 
@@ -125,6 +130,7 @@ class Viewer {
       this.lookAtWhole();
       this.read();
     });
+    on("#viewer-tilt", "click", () => this.tilt());
     on("#viewer-in", "click", () => this.navigation.zoomBy(ZOOM_STEP));
     on("#viewer-out", "click", () => this.navigation.zoomBy(1 / ZOOM_STEP));
     this.canvas.addEventListener("pointermove", (event) => this.pointed(event));
@@ -159,6 +165,7 @@ class Viewer {
       m: () => this.find("#viewer-lines").click(),
       s: () => this.steps.next(1),
       S: () => this.steps.next(-1),
+      t: () => this.tilt(),
     };
     const view = /^\d$/.test(event.key) ? this.views[Number(event.key)] : undefined;
     const action = view ? () => this.fly(view) : (actions[event.key] ?? actions[event.key.toLowerCase()]);
@@ -247,6 +254,16 @@ class Viewer {
     this.read();
   }
 
+  // Look at a picture with heights from above, or tilted again.
+  tilt() {
+    if (!this.picture.solid) return;
+    this.tilted = !this.tilted;
+    this.picture.shared.shade.value = this.tilted ? SHADE : 0;
+    this.navigation.turn(this.tilted ? TILTED : ABOVE);
+    this.find("#viewer-tilt").textContent = this.tilted ? "from above" : "tilted";
+    this.read();
+  }
+
   showLines() {
     for (const item of this.picture.items) item.mesh.visible = this.find("#viewer-lines").checked;
     this.picture.renderSoon();
@@ -295,8 +312,9 @@ class Viewer {
       return;
     }
     const pixel = this.pointer ?? [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2];
-    const place = this.navigation.placeAt(...pixel);
-    this.found = cellAt(this.parts, ...place, this.factor);
+    this.found = this.picture.solid
+      ? cellInFront(this.parts, pixel, (place) => this.navigation.pixelOf(place), this.factor)
+      : cellAt(this.parts, ...this.navigation.placeAt(...pixel), this.factor);
     this.reading.show(this.found, this.field);
     this.mark();
   }
@@ -304,7 +322,7 @@ class Viewer {
   // Outline the cell that is read.
   mark() {
     const corners = this.found && this.pointer !== undefined ? outlineOf(this.found.part, this.found.cell, this.factor) : [];
-    const pixels = corners.map((corner) => this.navigation.pixelOf(corner).map((at) => at.toFixed(1)).join());
+    const pixels = corners.map((corner) => this.navigation.pixelOf(corner).slice(0, 2).map((at) => at.toFixed(1)).join());
     this.find(".viewer-mark polygon").setAttribute("points", pixels.join(" "));
   }
 

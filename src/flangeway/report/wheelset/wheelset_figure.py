@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.cases import CaseRun
 from flangeway.railway.track.placements import SIDES, WheelsetPosition
-from flangeway.railway.wheelset.wheelset_result import WheelsetResult
+from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.report.figures.drawing import (
     GREY,
     INK,
@@ -40,7 +40,7 @@ def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
         draw_title(axes, f"{side} wheel and rail".capitalize())
     right.yaxis.set_label_position("right")
     right.yaxis.tick_right()
-    draw_sketch(middle, run.result)
+    draw_sketch(middle, run.result.model.problem, run.result.equilibrium.position)
     draw_title(middle, _title(run), 11.0)
     below = figure.add_axes((0.12, 0.063, 0.76, 0.027))
     bar = figure.colorbar(colours.mappable(), cax=below, orientation="horizontal")
@@ -98,11 +98,9 @@ AXLE_RADIUS_MM = 85.0
 STEEL = "#c9ced6"
 
 
-def draw_sketch(axes: Axes, result: WheelsetResult) -> None:
+def draw_sketch(axes: Axes, problem: WheelsetProblem, motion: WheelsetPosition) -> None:
     """Draw wheels, axle, rails, load and dimensions; what is not modelled is only outlined."""
-    problem = result.model.problem
     wheelset, track = problem.wheelset, problem.track
-    motion = result.equilibrium.position
     axle = wheelset.tape_radius_mm
     inner, half_gauge = wheelset.back_to_back_mm / 2.0, track.gauge_mm / 2.0
     for side, sign in zip(SIDES, (-1.0, 1.0), strict=True):
@@ -120,7 +118,7 @@ def draw_sketch(axes: Axes, result: WheelsetResult) -> None:
         )
     )  # fmt: skip
     axes.plot([-inner - 200, inner + 200], [axle, axle], color=GREY, lw=0.6, ls="-.")
-    _draw_load(axes, result, axle)
+    _draw_load(axes, problem, axle)
     for x in (-half_gauge, half_gauge):
         axes.plot([x, x], [-300, -10], color=INK, lw=0.5)
     _dimension(axes, (-half_gauge, -275), (half_gauge, -275), f"gauge {track.gauge_mm:g}")
@@ -145,8 +143,7 @@ def _draw_wheel(axes: Axes, sign: float, inner: float, axle: float, radius: floa
     )  # fmt: skip
 
 
-def _draw_load(axes: Axes, result: WheelsetResult, axle: float) -> None:
-    problem = result.model.problem
+def _draw_load(axes: Axes, problem: WheelsetProblem, axle: float) -> None:
     wheelset, load = problem.wheelset, problem.load
     x, y = WheelsetPosition().centre_of_gravity(wheelset)
     axes.plot([x], [y], marker="o", color=INK, ms=4)

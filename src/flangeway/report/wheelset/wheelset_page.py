@@ -22,7 +22,6 @@ from flangeway.report.page.tables import (
     SummaryTable,
     marked,
     number,
-    print_files,
     print_notices,
     print_status,
     print_table,
@@ -120,8 +119,8 @@ def _facts(summary: WheelsetSummary) -> list[tuple[str, str]]:
     return facts
 
 
-def print_summary(console: Console, run: CaseRun, files: list[Path]) -> None:
-    """Print status, position, contacts, stresses, warnings, assumptions in short, and the files."""
+def print_summary(console: Console, run: CaseRun) -> None:
+    """Print status, position, contacts, stresses, warnings, and assumptions in short."""
     summary = run.summary
     print_status(console, run.case.name, run.status)
     contacts = (contacts_table,) if summary.contacts else ()
@@ -133,7 +132,6 @@ def print_summary(console: Console, run: CaseRun, files: list[Path]) -> None:
     print_notices(console, summary.warnings, "Warning")
     short = [re.split(r"[:;.](?: |$)", sentence)[0] for sentence in summary.assumptions]
     console.print(f"Assumptions: {'; '.join(short)}.", markup=False)
-    print_files(console, files, summary.timings_s["total"])
 
 
 def print_convergence(console: Console, convergence: Convergence, file: Path) -> None:

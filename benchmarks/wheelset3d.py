@@ -1,0 +1,119 @@
+"""The wheelset in three dimensions beside the plane one: first runs, further positions, and CONTACT's published times.
+
+Each first run is a process of its own, without anything in the cache (cold) or with what the cold one left (warm): "to
+the numbers" is from its start, imports included, to the equilibrium and its patches, "to all files" until report,
+pictures and tables are written. Further positions are the same wheelset moved sideways, lateral position given, on one
+core. Accuracy is the error of the equilibrium over the load. CONTACT's time is that which its performance test of 2016
+publishes for the normal contact of 3148 cells (perfc_test/get_times.ref_out, norm_problm_1p, on vortech32.vortech.nl,
+Linux, processor not named): not this machine.
+"""
+
+import json
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from benchmarks.measurement import NO_PEER, Measurement, timed
+from benchmarks.samples import resident_mb, sample
+from benchmarks.spatial import contact_of
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.report.case_outputs import write_case
+from flangeway.system.disk_cache import Cache
+
+ASKED_COLD_S, ASKED_WARM_S, ASKED_POSITION_S, ASKED_MB = 25.0, 3.0, 0.2, 2048.0
+REACH_MM = 6.0
+"""Lateral motion: the flange touches beyond."""
+POSITIONS, QUICK_POSITIONS = 50, 3
+CONTACT_CELLS, CONTACT_S = 3148, 0.1
+GRID = (89, 89)
+"""Cells of a window whose patch has about as many cells under pressure."""
+
+
+def measurements() -> Iterator[Measurement]:
+    """First runs of both models, further positions, and normal contact of the size that CONTACT publishes."""
+    for model in ("spatial", "plane"):
+        yield from _first_runs(model)
+    yield _positions(POSITIONS)
+    yield _normal_contact()
+
+
+def quick() -> Iterator[Measurement]:
+    """A few further positions."""
+    yield _positions(QUICK_POSITIONS)
+
+
+def _first_runs(model: str) -> Iterator[Measurement]:
+    with TemporaryDirectory() as folder:
+        for name in ("cold", "warm"):
+            # the cache is in the folder: the first run finds none
+            start, out = repr(time.time()), str(Path(folder) / name)
+            found = sample("benchmarks.wheelset3d", model, start, out, FLANGEWAY_CACHE=str(Path(folder) / "cache"))
+            asked_s = ASKED_COLD_S if name == "cold" else ASKED_WARM_S
+            asked = {"asked_s": asked_s, "asked_mb": ASKED_MB} if model == "spatial" else {}
+            seconds = found["files_s"] if name == "cold" else found["numbers_s"]
+            yield Measurement(
+                f"run wheelset, {model} model, {name}", NO_PEER, seconds, None, found["error"], None,
+                "to all files" if name == "cold" else "to the numbers",
+                more={name: found[name] for name in ("numbers_s", "files_s", "peak_mb")} | asked,
+            )  # fmt: skip
+
+
+def _run(model: str, start: float, folder: Path) -> dict[str, Any]:
+    """Run the case in this process, which began at a time."""
+    done = SpatialWheelsetCase.from_values({"model": model}).run()
+    numbers = time.time() - start
+    write_case(done, folder)
+    return {
+        "numbers_s": numbers,
+        "files_s": time.time() - start,
+        "error": done.result.equilibrium.residuals.equilibrium_residual,
+        "peak_mb": round(resident_mb()),
+    }
+
+
+def _positions(count: int) -> Measurement:
+    """Further positions of a wheelset whose running surfaces are ready, each from its rigid position."""
+    case = SpatialWheelsetCase.from_values({})
+    model = case.spatial_model()
+    with TemporaryDirectory() as folder:
+        surfaces = running_surfaces(case.problem(), model, cache=Cache(Path(folder), 10**9))
+    times, errors, missing = [], [], 0
+    processor = time.process_time()
+    for lateral in np.linspace(-REACH_MM, REACH_MM, count):
+        moved = SpatialWheelsetCase.from_values({"lateral_mm": float(lateral)}).problem()
+        seconds, found = timed(SpatialWheelset(moved, surfaces, model).solve)
+        times.append(seconds)
+        missing += not found.status.converged
+        if found.status.converged:
+            errors.append(found.residuals.equilibrium_residual)
+    return Measurement(
+        f"further position of the spatial wheelset, mean of {count} from {-REACH_MM:g} to {REACH_MM:g} mm", NO_PEER,
+        float(np.mean(times)), None, max(errors), None, "one process; each from its rigid position",
+        more={
+            "processor_s": (time.process_time() - processor) / count, "slowest_s": max(times),
+            "thousand_on_two_cores_s": 500.0 * float(np.mean(times)),
+            "not_found": missing, "asked_s": ASKED_POSITION_S,
+        },
+    )  # fmt: skip
+
+
+def _normal_contact() -> Measurement:
+    """Normal contact of a patch with as many cells under pressure as CONTACT's performance test has."""
+    size, error = contact_of(*GRID)
+    return Measurement(
+        f"normal contact of half-spaces, {size['loaded']} cells under pressure", NO_PEER, size["cold"], None, error,
+        None,
+        f"CONTACT (revision 1274) on another machine: {CONTACT_CELLS} cells, printed to 0.1 s",
+        more={"iterations": size["iterations"], "contact_published_s": CONTACT_S},
+    )  # fmt: skip
+
+
+if __name__ == "__main__":
+    print(json.dumps(_run(sys.argv[1], float(sys.argv[2]), Path(sys.argv[3]))))

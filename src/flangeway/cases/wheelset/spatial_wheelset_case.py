@@ -1,0 +1,259 @@
+"""The case of a wheelset on two rails in three dimensions."""
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass
+from typing import ClassVar, Literal
+
+from pydantic import Field
+
+from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, summarise_spatial_wheelset
+from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetTangentCase
+from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
+from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
+from flangeway.contact.patch.contact_ellipse import PARABOLIC
+from flangeway.errors import InputError
+from flangeway.materials import Elastic
+from flangeway.railway.spatial.axle import Axle
+from flangeway.railway.spatial.rail_supports import RailSupport
+from flangeway.railway.spatial.running_surfaces import SpatialModel
+from flangeway.railway.spatial.spatial_result import SpatialResult, solve_spatial
+from flangeway.railway.spatial.whole_wheel import WheelDisc
+from flangeway.railway.track.discretisation import Discretisation, Method
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.solve import Status
+
+# ruff: noqa: N815 (units in names)
+
+HERTZ = (
+    "Hertz's theory is left out where the curvatures vary within a patch: where the gap is off a paraboloid by more "
+    f"than {100.0 * PARABOLIC:g} % of its height."
+)
+RAIL_HEAD_MM = 65.0
+"""Distance of the running circles over the gauge: 1500 mm on standard gauge (EN 13803: base of the cant)."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialWheelsetRun:
+    """A wheelset in three dimensions and what came out of it.
+
+    Parameters
+    ----------
+    case
+        The inputs.
+    result
+        The solution.
+    summary
+        What ``summary.json`` holds.
+
+    """
+
+    case: "SpatialWheelsetCase"
+    result: SpatialResult
+    summary: SpatialWheelsetSummary
+
+    @property
+    def status(self) -> Status:
+        """How it ended."""
+        return self.result.status
+
+
+class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
+    """A wheelset on two rails, by default in three dimensions on standard gauge."""
+
+    name: ClassVar[str] = "wheelset"
+    title: ClassVar[str] = "A wheelset on two rails in three dimensions"
+    essential: ClassVar[tuple[str, ...]] = (
+        *("rail", "wheel", "gauge_mm", "rail_inclination", "wheel_radius_mm", "axle_load_kN"),
+        *("superelevation_mm", "yaw_mrad"),
+    )
+
+    model: Literal["spatial", "plane"] = Field(
+        "spatial", description="spatial: three dimensions; plane: a slice of thickness_mm in plane strain"
+    )
+    rail: str = Field("60E1", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
+    wheel: str = Field("S1002", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
+    gauge_mm: float = Field(1435.0, gt=0.0, description="distance between the rails' heads")
+    wheel_radius_mm: float = Field(
+        460.0, ge=150.0, description="distance from the axle to the position wheel_radius_at"
+    )
+    wheel_radius_at: Literal["flange-tip", "tape-line"] = Field(
+        "tape-line", description="where wheel_radius_mm is measured"
+    )
+    axle_load_kN: float = Field(200.0, gt=0.0, le=1e5, description="weight on the wheelset, pressing on the rails")
+    superelevation_base_mm: float | None = Field(
+        None, gt=0.0, description="width over which superelevation is measured (default: gauge_mm + 65)"
+    )
+    yaw_mrad: float = Field(
+        0.0, ge=-200.0, le=200.0, description="yaw of the axle, positive where the right wheel is ahead"
+    )
+    lateral_mm: float | None = Field(
+        None, description="prescribed lateral position of the axle's middle in the track's axes (default: computed)"
+    )
+    vertical_mm: float | None = Field(None, description="prescribed vertical position (default: computed)")
+    roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise (default: computed)")
+    rail_support: Literal["sleepers", "continuous", "fixed"] = Field(
+        "sleepers", description="what the rails stand on: sleepers, a continuous foundation, or fixed bases"
+    )
+    sleeper_spacing_mm: float = Field(
+        RailSupport.spacing_mm, ge=RailSupport.pad_length_mm, description="distance of the sleepers"
+    )
+    sleeper_position: float = Field(
+        RailSupport.position,
+        ge=0.0,
+        lt=1.0,
+        description="distance of the wheelset from the last sleeper over the spacing: 0 over it, 0.5 between two",
+    )
+    seat_vertical_kN_per_mm: float = Field(
+        RailSupport.vertical_kN_per_mm, gt=0.0, description="vertical stiffness of rail seat, sleeper and ballast"
+    )
+    seat_lateral_kN_per_mm: float = Field(RailSupport.lateral_kN_per_mm, gt=0.0, description="their lateral stiffness")
+    seat_longitudinal_kN_per_mm: float = Field(
+        RailSupport.longitudinal_kN_per_mm, gt=0.0, description="their longitudinal stiffness"
+    )
+    seat_roll_kNm_per_rad: float = Field(
+        RailSupport.roll_kNm_per_rad, gt=0.0, description="their stiffness against roll of the rail"
+    )
+    wheel_section: Literal["rim", "whole"] = Field(
+        "rim", description="rim held at its cut, or whole wheel with an assumed web and hub, held at the bore"
+    )
+    axle: Literal["elastic", "rigid"] = Field(
+        "elastic", description="elastic: bends as one of class F of the AAR between the journals"
+    )
+    method: Method = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
+    order: int = Field(2, ge=1, le=2, description="order of the elements")
+    size_scale: float = Field(1.0, ge=0.05, le=10.0, description="factor on all element sizes")
+
+    def check(self) -> None:
+        """See `RunnableCase.check`."""
+        if self.model == "plane":
+            self.plane().check()
+        else:
+            self.problem()
+            self.spatial_model()
+
+    def run(self, progress: Progress = lambda _: None, *, cold: bool = False) -> SpatialWheelsetRun | CaseRun:
+        """See `RunnableCase.run`; `cold` computes everything without the user's cache."""
+        if self.model == "plane":
+            return self.plane().run(progress, cold=cold)
+        start = time.perf_counter()
+        result = solve_spatial(self.problem(), self.spatial_model(), cold=cold, progress=progress)
+        case = {"name": self.name, **self.model_dump()}
+        summary = summarise_spatial_wheelset(case, result, self._assumptions(result), time.perf_counter() - start)
+        return SpatialWheelsetRun(self, result, summary)
+
+    def plane(self) -> WheelsetTangentCase:
+        """Return the plane wheelset of the same inputs; an `InputError` if it does not have one that was given."""
+        plane = WheelsetTangentCase.model_fields
+        self._refuse(
+            (key for key in type(self).model_fields if key not in plane and key != "model"), "model", "spatial"
+        )
+        shared = WheelsetTangentCase.model_fields.keys() & self.model_fields_set
+        own = {"rail", "wheel", "gauge_mm", "wheel_radius_mm", "wheel_radius_at", "axle_load_kN", "order"}
+        if self.car_mass_t is not None:
+            own -= {"axle_load_kN"}
+        values = {key: getattr(self, key) for key in shared | own}
+        return WheelsetTangentCase.from_values(values | {"superelevation_base_mm": self._superelevation_base})
+
+    def problem(self) -> WheelsetProblem:
+        """Return the problem to solve.
+
+        It is an `InputError` if a profile is unknown, a number is not allowed, or inputs contradict each other.
+        """
+        self._refuse(["thickness_mm"], "model", "plane")
+        load = self.model_fields_set & {"axle_load_kN", "car_mass_t"}
+        if self.vertical_mm is not None and load:
+            raise InputError(
+                f"vertical_mm with {' and '.join(load)}",
+                "the load, or the vertical position, from which the force follows",
+                "leave one of them out",
+            )
+        return WheelsetProblem(
+            self.track(),
+            self.wheelset(),
+            self.load(),
+            Elastic(self.young_MPa, self.poisson),
+            self.thickness_mm,
+            Discretisation(method=self.method, order=self.order, size_scale=self.size_scale),
+            prescribed=Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad),
+        )
+
+    def spatial_model(self) -> SpatialModel:
+        """Return supports, wheels, axle and yaw; an `InputError` if what was given does not belong together."""
+        support = None
+        if self.rail_support != "sleepers":
+            self._refuse(["sleeper_position"], "rail_support", "sleepers")
+        if self.rail_support == "fixed":
+            seats = (key for key in type(self).model_fields if key.startswith(("seat_", "sleeper_")))
+            self._refuse(seats, "rail_support", "sleepers or continuous")
+        else:
+            support = RailSupport(
+                self.rail_support,
+                self.sleeper_spacing_mm,
+                self.seat_vertical_kN_per_mm,
+                self.seat_lateral_kN_per_mm,
+                self.seat_longitudinal_kN_per_mm,
+                self.seat_roll_kNm_per_rad,
+                self.sleeper_position if self.rail_support == "sleepers" else 0.0,
+            )
+        disc = WheelDisc() if self.wheel_section == "whole" else None
+        axle = Axle(young=self.young_MPa) if self.axle == "elastic" else None
+        return SpatialModel(support, disc, axle, 1e-3 * self.yaw_mrad)
+
+    def _refuse(self, keys: Iterable[str], key: str, wanted: str) -> None:
+        """Refuse inputs that another one leaves without effect, if they are not those by default."""
+        for name in keys:
+            if getattr(self, name) != type(self).model_fields[name].default:
+                raise InputError(
+                    f"{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
+                    f"{name} with {key} = {wanted}",
+                    f"leave {name} out, or give {key} = {wanted}",
+                )
+
+    @property
+    def _base_words(self) -> str:
+        return f"the gauge and {RAIL_HEAD_MM:g} mm, the distance of the running circles"
+
+    @property
+    def _superelevation_base(self) -> float:
+        return self.gauge_mm + RAIL_HEAD_MM if self.superelevation_base_mm is None else self.superelevation_base_mm
+
+    def _supports(self) -> list[str]:
+        """Sentences on track, wheels and axle."""
+        seat = (
+            f"{self.seat_vertical_kN_per_mm:g} kN/mm vertical, {self.seat_lateral_kN_per_mm:g} kN/mm lateral and "
+            f"{self.seat_roll_kNm_per_rad:g} kN m/rad in roll every {self.sleeper_spacing_mm:g} mm"
+        )
+        place = f"{self.sleeper_position:g} of the spacing from" if self.sleeper_position else "over"
+        where = f"the wheelset is {place} a sleeper"
+        track = {
+            "sleepers": f"Each rail on sleepers, {seat}; {where}.",
+            "continuous": f"Each rail on a continuous foundation, {seat}.",
+            "fixed": "The rails are fixed along their whole base.",
+        }[self.rail_support]
+        wheel = {
+            "rim": "The wheels are rims, held at their cuts.",
+            "whole": "The wheels have an assumed web and hub, and are held at the bore.",
+        }[self.wheel_section]
+        axle = {
+            "elastic": "The axle bends as one of class F of the AAR, loaded at its journals.",
+            "rigid": "The axle is rigid.",
+        }[self.axle]
+        return [track, wheel, axle]
+
+    def _assumptions(self, result: SpatialResult) -> list[str]:
+        problem = result.problem
+        return [
+            "Three dimensions: each rail is a prism, each wheel a body of revolution in the gap.",
+            *self.derived(),
+            *profile_notes(problem.track, problem.wheelset),
+            f"Linear elastic, isotropic steel: Young's modulus {self.young_MPa:g} MPa, Poisson's ratio "
+            f"{self.poisson:g}; no yielding, however high the stress.",
+            "Contact without friction: L/V leaves out creep forces.",
+            "Stresses below a patch are those of a half-space under its pressures.",
+            *([HERTZ] if any(patch.hertz is None for patch in result.patches) else []),
+            *self._supports(),
+            "The load acts at the car's centre of gravity and stays vertical.",
+            *worn_field_sides(problem.track),
+        ]

@@ -1,0 +1,147 @@
+"""Separate patches of a contact: resultants, equivalent ellipses, and Hertz's contact beside them."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.ndimage
+
+from flangeway.exact import PointContact
+from flangeway.types import Bools, Floats
+
+ROUND_OFF = 1e-6
+"""Cosine of an axis that is zero but for round-off."""
+PARABOLIC = 0.05
+"""Distance of gaps from a paraboloid over the approach, above which Hertz's contact has no meaning."""
+
+
+@dataclass(frozen=True, eq=False)
+class ContactEllipse:
+    """One patch: its resultant, and the ellipse with the same second moments of pressure as Hertz's.
+
+    Parameters
+    ----------
+    force
+        Resultant on the second body, shape (2,).
+    centre
+        Centre of pressure (x, y, z), shape (3,).
+    semi_axes
+        Longer and shorter semi-axis of the ellipse under a Hertzian pressure with the patch's second moments.
+    angle_rad
+        From z to the longer semi-axis, towards the first body's tangent (counter-clockwise seen from above for a flat
+        body: z up, x to the left), within pi / 2.
+    max_pressure
+        Maximum mean pressure of a cell.
+    area
+        Of the cells under pressure.
+    cells
+        Maximum numbers of them across and along z.
+    inside
+        Which cells they are, shape (n_cells, n_strips).
+
+    """
+
+    force: Floats
+    centre: Floats
+    semi_axes: tuple[float, float]
+    angle_rad: float
+    max_pressure: float
+    area: float
+    cells: tuple[int, int]
+    inside: Bools
+
+
+@dataclass(frozen=True, eq=False)
+class CellForces:
+    """Normal forces on cells of a surface.
+
+    Parameters
+    ----------
+    forces
+        Shape (n_cells, n_strips).
+    cells
+        Ends of the cells as lengths along the surface, shape (n_cells, 2).
+    points, normals
+        Middles of the cells and outward normals, each (n_cells, 2).
+    z
+        Middles of the strips, shape (n_strips,).
+    strip
+        Width of the strips.
+
+    """
+
+    forces: Floats
+    cells: Floats
+    points: Floats
+    normals: Floats
+    z: Floats
+    strip: float
+
+    @property
+    def across(self) -> Floats:
+        """Middles of the cells along the surface, shape (n_cells,)."""
+        middles: Floats = self.cells.mean(axis=1)
+        return middles
+
+    @property
+    def pressures(self) -> Floats:
+        """Mean pressures of the cells, shape (n_cells, n_strips)."""
+        return self.forces / (np.diff(self.cells, axis=1) * self.strip)
+
+    def patches(self) -> list[ContactEllipse]:
+        """Separate patches, by falling force."""
+        labels, count = scipy.ndimage.label(self.forces > 0.0, structure=np.ones((3, 3)))
+        found = [self._ellipse(labels == number) for number in range(1, count + 1)]
+        return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
+
+    def _ellipse(self, inside: Bools) -> ContactEllipse:
+        forces = np.where(inside, self.forces, 0.0)
+        widths = np.diff(self.cells, axis=1)[:, 0]
+        total = float(forces.sum())
+        by_cell, by_strip = forces.sum(axis=1) / total, forces.sum(axis=0) / total
+        s, z = self.across - by_cell @ self.across, self.z - by_strip @ self.z
+        # a cell's own second moments are those of its area
+        mixed = float(s @ forces @ z) / total
+        moments = np.array(
+            [[by_strip @ z**2 + self.strip**2 / 12.0, mixed], [mixed, by_cell @ (s**2 + widths**2 / 12.0)]]
+        )
+        values, vectors = np.linalg.eigh(moments)
+        # the cosine is not negative; where it is round-off, the sine is positive
+        direction = vectors[:, 1]
+        across = abs(direction[0]) < ROUND_OFF
+        direction = direction * (1.0 if direction[int(across)] >= 0.0 else -1.0)
+        return ContactEllipse(
+            forces.sum(axis=1) @ self.normals,
+            np.append(by_cell @ self.points, by_strip @ self.z),
+            (float(np.sqrt(5.0 * values[1])), float(np.sqrt(5.0 * values[0]))),
+            float(np.arctan2(direction[1], direction[0])),
+            float(self.pressures[inside].max()),
+            float((inside * widths[:, None]).sum() * self.strip),
+            (int(inside.sum(axis=0).max()), int(inside.sum(axis=1).max())),
+            inside,
+        )
+
+    def hertz(self, patch: ContactEllipse, gaps: Floats, approach: float, modulus: float) -> PointContact | None:
+        """Hertz's contact for the force of a patch and the curvatures of its gap; None where these vary too much.
+
+        The curvatures are those of the paraboloid that fits the gaps of the cells under pressure best.
+
+        Parameters
+        ----------
+        patch
+            The patch.
+        gaps
+            Of the undeformed surfaces, shape as the forces.
+        approach
+            The gaps may be a share of it, `PARABOLIC`, off the paraboloid.
+        modulus
+            Contact modulus.
+
+        """
+        z, s = (each[patch.inside] for each in np.meshgrid(self.z - patch.centre[2], self.across - self.across.mean()))
+        values = gaps[patch.inside]
+        terms = np.stack((np.ones(len(s)), s, z, s**2, s * z, z**2), axis=1)
+        fit, *_ = np.linalg.lstsq(terms, values)
+        least, most = np.linalg.eigvalsh([[2.0 * fit[3], fit[4]], [fit[4], 2.0 * fit[5]]])
+        if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * approach:
+            return None
+        return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, modulus)

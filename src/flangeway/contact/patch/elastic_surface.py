@@ -1,0 +1,202 @@
+"""Compliance of a running surface on any grid: that of a half-space, and what the body adds to it.
+
+Near a load every body moves as a half-space, in closed form. What it moves more, by its curvature, its width and its
+supports, is smooth. It is tabulated once on cells of some millimetres over the whole surface, and interpolated to the
+fine grid of a contact patch wherever that is.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from flangeway.errors import InputError
+from flangeway.exact import half_space_influence
+from flangeway.materials import Elastic
+from flangeway.solve import SurfaceCells, compliance_table
+from flangeway.solve.surface_compliance import half_angles, turned
+from flangeway.system.disk_cache import Arrays, Cache
+from flangeway.types import Floats, Ints
+
+LEAST_WAVENUMBER = 2e-5
+"""Per mm: a wave of 300 m, beyond which bodies that are held or on a foundation no longer change, along z either."""
+CORRECTED = 1.0
+"""Distance up to which the table's own nearest cells are corrected, over a cell."""
+N_DISTANCES = 40
+"""Distances along z at which the remainder is tabulated, the last of them `REACH` away."""
+SAME = 1e-6
+"""Distance of two ends of cells over the width of the strips that are one."""
+REACH = 160.0
+"""Longest distance along z over a cell; beyond, the remainder hardly changes within a patch."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticSurface:
+    """A surface of a prism, and what it moves more than a half-space does.
+
+    Parameters
+    ----------
+    material
+        Isotropic material.
+    stations
+        Lengths along the surface, rising, body on the left, shape (n,).
+    points, frames
+        Points of the surface there, shape (n, 2), and its axes tangent, outward normal and z, rows of (n, 3, 3).
+    distances
+        Distances along z, from 0, shape (n_z,).
+    remainder
+        Displacements less those of a half-space, by unit forces, in the axes x, y, z of the section, by distance,
+        displacement and force: shape (n_z, n, 3, n, 3). The displaced point is ahead of the force along z.
+
+    """
+
+    material: Elastic
+    stations: Floats
+    points: Floats
+    frames: Floats
+    distances: Floats
+    remainder: Floats
+
+    def plus(self, added: Floats) -> "ElasticSurface":
+        """The same with a compliance added that hardly changes along z, in the frames of the stations, (n, 3, n, 3)."""
+        turned_back = np.einsum("iax,iajb,jby->ixjy", self.frames, added, self.frames, optimize=True)
+        return replace(self, remainder=self.remainder + turned_back)
+
+    def interpolation(self, at: Floats, derivative: int = 0) -> Floats:
+        """Weights of the tabulated stations at other ones, or of their derivatives, shape (m, n)."""
+        inside = np.clip(at, self.stations[0], self.stations[-1])
+        return np.asarray(self._across(inside, derivative), dtype=np.float64)
+
+    @cached_property
+    def _across(self) -> CubicSpline:
+        return CubicSpline(self.stations, np.eye(len(self.stations)), bc_type="natural")
+
+    @cached_property
+    def _along(self) -> CubicSpline:
+        # even in z: no slope at 0
+        return CubicSpline(
+            self.distances,
+            np.eye(len(self.distances)),
+            bc_type=((1, np.zeros(len(self.distances))), (2, np.zeros(len(self.distances)))),
+        )
+
+    def along(self, distances: Floats) -> Floats:
+        """Weights of the tabulated distances along z at other ones, shape (m, n_z)."""
+        return np.asarray(self._along(np.minimum(distances, self.distances[-1])), dtype=np.float64)
+
+
+def elastic_surface(
+    cells: SurfaceCells,
+    *,
+    tolerance: float = 1e-3,
+    cache: Cache | None = None,
+    progress: Callable[[str], None] = lambda _: None,
+) -> ElasticSurface:
+    """Tabulate what a prism's surface moves more than a half-space.
+
+    Parameters
+    ----------
+    cells
+        Even cells on the surface of a prism, isotropic below it.
+    tolerance
+        See `flangeway.solve.compliance_table`.
+    cache
+        Where the compliances are kept from one process to the next.
+    progress
+        Called with a sentence at each stage.
+
+    """
+    body = cells.problem.elasticity.name
+    if cells.material is None:
+        raise InputError(
+            f"a running surface of {body!r} of several or anisotropic materials",
+            "one isotropic material",
+            "give one material",
+        )
+    strip = float(np.ptp(cells.limits)) / cells.n_cells
+    numbers = np.unique(
+        np.concatenate((np.arange(16), np.round(np.geomspace(16, REACH, N_DISTANCES - 16)))).astype(int)
+    )
+
+    def make() -> Arrays:
+        progress(f"compliance of the {body}")
+        return {"remainder": _remainder(cells, strip, numbers, tolerance)}
+
+    key = cells.key("remainder", numbers, tolerance, CORRECTED, LEAST_WAVENUMBER)
+    found = make() if cache is None or key is None else cache.get(key, make)
+    stations = (cells.limits[1:] + cells.limits[:-1]) / 2.0
+    return ElasticSurface(
+        cells.material, stations, cells.middles, cells.frames, strip * numbers.astype(np.float64), found["remainder"]
+    )
+
+
+def _remainder(cells: SurfaceCells, strip: float, numbers: Ints, tolerance: float) -> Floats:
+    """Compliance less that of a half-space at multiples of a strip, in the axes x, y, z."""
+    assert cells.material is not None
+    n, n_strips = cells.n_cells, int(numbers[-1]) + 1
+    table = compliance_table(cells, LEAST_WAVENUMBER, 2.0 * np.pi / strip, tolerance)
+    own = table.influence(strip, n_strips, nearest=CORRECTED).reshape(n_strips, n, 3, n, 3)[numbers]
+    ends = np.stack((cells.limits[:-1], cells.limits[1:]), axis=1)
+    own -= half_space_on(cells.material, ends, cells.frames, strip, n_strips)[numbers]
+    remainder: Floats = np.einsum("iax,ziajb,jby->zixjy", cells.frames, own, cells.frames, optimize=True)
+    return remainder
+
+
+def half_space_on(material: Elastic, cells: Floats, frames: Floats, strip: float, n_strips: int) -> Floats:
+    """Influence among cells of a curved surface, as if it were a half-space between each two of them.
+
+    Parameters
+    ----------
+    material
+        Of the half-space.
+    cells
+        Ends of the cells as lengths along the surface, rising, with gaps between them or without, shape (n, 2).
+    frames
+        Axes tangent, body on the left, outward normal and z of the cells, rows of (n, 3, 3).
+    strip, n_strips
+        Width and number of the strips along z.
+
+    Returns
+    -------
+    Floats
+        By displacement and force in the frames of the cells, shape (n_strips, n, 3, n, 3).
+
+    """
+    flat = _among(material, cells, strip, n_strips, (0, 1, 2))
+    result: Floats = turned(flat.transpose(0, 1, 3, 2, 4), frames).transpose(0, 1, 3, 2, 4)
+    return result
+
+
+def half_spaces_on(
+    materials: tuple[Elastic, Elastic], cells: Floats, frames: Floats, strip: float, n_strips: int
+) -> Floats:
+    """Normal displacements of two bodies in contact together by normal forces, shape (n_strips, n, n).
+
+    As `half_space_on` for the first body, with the cells of which the second one's coincide.
+    """
+    half = half_angles(frames)
+    cosine, sine = half.real, half.imag
+    found = {each: _among(each, cells, strip, n_strips, (0, 1)) for each in dict.fromkeys(materials)}
+    total = np.zeros((n_strips, *half.shape))
+    # the rows n of T E T with T = (c, s; -s, c), and s of the other sign on the second body, whose surface runs back
+    for material, sign in zip(materials, (1.0, -1.0), strict=True):
+        flat = found[material]
+        total += cosine**2 * flat[:, :, 1, :, 1] - sine**2 * flat[:, :, 0, :, 0]
+        if materials[0] != materials[1]:
+            total -= sign * 2.0 * sine * cosine * flat[:, :, 0, :, 1]
+    return total
+
+
+def _among(material: Elastic, cells: Floats, strip: float, n_strips: int, axes: Sequence[int]) -> Floats:
+    """Influence among some cells of a plane, shape (n_strips, n, m, n, m)."""
+    limits = cells.ravel()
+    limits = limits[np.append(np.diff(limits) > SAME * strip, True)]  # cells that touch share an end
+    m, count = len(axes), len(limits) - 1
+    found = half_space_influence(material.young, material.poisson, limits, strip, n_strips, axes)
+    found = found.reshape(n_strips, count, m, count, m)
+    if count == len(cells):
+        return found
+    numbers = np.searchsorted(limits, cells[:, 0] - SAME * strip)
+    return found[:, numbers][:, :, :, numbers]

@@ -1,0 +1,174 @@
+"""Contact forces of a wheel on its rail as both bend: semismooth Newton steps.
+
+Within the set C of cells in contact ``f = -(A + D)_CC^-1 (h + B dq)`` with the influence A, the right-hand side h of
+the geometry as it is deformed now, and its derivatives B by the position and D by the forces: the rail moves across
+the track and rolls, and the patch with it. D has a low rank. The set changes with the signs of forces and gaps.
+"""
+
+import numpy as np
+import scipy.linalg
+
+from flangeway.contact.patch.normal_contact import solve_normal
+from flangeway.errors import InputError
+from flangeway.railway.spatial.side_contact import GriddedSide, SideState, WheelPose
+from flangeway.railway.spatial.wheel_gap import FAR_MM
+from flangeway.solve import Status
+from flangeway.types import Bools, Floats
+
+MOST_CELLS = 6000
+"""Cells in contact up to which their matrix is factorised."""
+SAME = 1e-6
+"""Force over the mean force of the cells in contact that is round-off."""
+FIRST = 1e-2
+"""Tolerance of the forces on undeformed bodies, from which the steps start."""
+MOST_STEPS = 30
+MAX_MOVED_MM = 0.5
+"""Displacement of a cell across the normal by which the geometry changes in one step, at most."""
+
+
+class SideNewton:
+    """One side while its forces are sought."""
+
+    def __init__(self, grid: GriddedSide, pose: WheelPose, forces: Floats | None) -> None:
+        self.grid, self.pose = grid, pose
+        if forces is None or not forces.any():
+            values = grid.deformed(pose, None)[3]
+            forces = solve_normal(grid.influence, values, approach=0.0, tolerance=FIRST).forces
+        self.forces = forces
+        self.touching: Bools = forces > 0.0
+        self._factor: tuple[Floats, bool] | None = None
+        self._last: Floats | None = None
+        self.changed = True
+
+    def linearise(self, pose: WheelPose) -> None:
+        """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
+        grid = self.grid
+        self.pose = pose
+        self.points, self.normals, self.gap, self.values = grid.deformed(pose, self.forces, self._last)
+        self._last = self.gap.gaps
+        self.total = self.values + grid.influence(self.forces)
+        # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
+        least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
+        width = least * float(grid.coefficients[0].diagonal().max())
+        touching = np.where(self.touching, self.forces > -least, self.total < -width) & (self.values < FAR_MM)
+        self.changed = bool((touching != self.touching).any())
+        if self.changed or self._factor is None:
+            self.touching = touching
+            self._factor = self._factorised()
+
+    def _factorised(self) -> tuple[Floats, bool] | None:
+        rows, strips = np.nonzero(self.touching)
+        if len(rows) == 0:
+            return None
+        if len(rows) > MOST_CELLS:
+            raise InputError(
+                f"contact patches of {len(rows)} cells on one side",
+                f"up to {MOST_CELLS} cells",
+                "check the load, and whether these profiles conform over their whole width",
+            )
+        matrix = self.grid.coefficients[np.abs(strips[:, None] - strips), rows[:, None], rows]
+        try:
+            factor, lower = scipy.linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
+        except scipy.linalg.LinAlgError as error:
+            raise InputError(
+                "bodies that move so easily that the contact's own compliance is lost in round-off",
+                "supports of about the stiffness of a track",
+                "raise the stiffnesses of the rail seats",
+            ) from error
+        return factor, bool(lower)
+
+    def solve(self) -> tuple[Floats, Floats]:
+        """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4)."""
+        if self._factor is None:
+            return np.zeros(0), np.zeros((0, 4))
+        rows, strips = np.nonzero(self.touching)
+        by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
+        # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
+        from_seat = arms[:, :2] - self.pose.seat
+        slopes = np.stack(
+            (
+                by[:, 0],
+                by[:, 1],
+                by[:, 1] * arms[:, 0] - by[:, 0] * arms[:, 1],
+                by[:, 1] * from_seat[:, 0] - by[:, 0] * from_seat[:, 1],
+            ),
+            axis=1,
+        )
+        # D = left right: by_motion . n = 1, so that n - by_motion lies across
+        modes, loads = self.grid.bending_modes
+        left = np.einsum("mx,mxk->mk", self.normals[rows] - by, modes[rows])
+        right = loads[:, rows]
+        # h is that of the forces so far: their part in D is taken off
+        values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
+        found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
+        solved, inner = found[:, :5], found[:, 5:]
+        small = np.eye(len(right)) + right @ inner
+        solved = solved - inner @ np.linalg.solve(small, right @ solved)
+        return -solved[:, 0], -solved[:, 1:]
+
+    def resultants(self, forces: Floats) -> Floats:
+        """Force on the wheel (x, y) and moment about the axle's middle of forces on cells in contact (m, k): (3, k)."""
+        rows, strips = np.nonzero(self.touching)
+        normals, arms = self.normals[rows], self.gap.arms[rows, strips]
+        moment = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
+        result: Floats = np.column_stack((normals, moment)).T @ forces
+        return result
+
+    def stiffness(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
+        """Resultant of forces of `solve`, (3,), and its derivatives by the axle's x, y, roll and the tilt, (3, 4)."""
+        found = self.resultants(np.column_stack((forces, by_motion)))
+        # the moment changes too as the axle's middle moves away from where the forces act
+        found[2, 1:4] += (-found[1, 0], found[0, 0], 0.0)
+        return found[:, 0], found[:, 1:]
+
+    def take(self, forces: Floats) -> float:
+        """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum."""
+        new = np.zeros(self.forces.shape)
+        new[self.touching] = forces
+        change = new - self.forces
+        moved = np.abs(
+            np.einsum("ixk,k->ix", self.grid.bending_modes[0], self.grid.bending_modes[1] @ change.sum(axis=1))
+        )
+        share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
+        self.forces = self.forces + share * change if share < 1.0 else new
+        total = float(np.abs(new).sum())
+        return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
+
+    def state(self, status: Status, stiffness: Floats) -> SideState:
+        """Contact as it is now."""
+        forces = np.maximum(self.forces, 0.0)
+        return SideState(
+            self.grid, self.pose, status, forces, self.points, self.normals, self.gap, self.total, stiffness
+        )
+
+
+def transferred(state: SideState, grid: GriddedSide) -> Floats:
+    """Forces of a contact on the cells of another grid: each has the pressure of the cell in which its middle lies."""
+    old, new = state.grid.grid, grid.grid
+    row = np.clip(np.searchsorted(old.cells[:, 0], new.stations) - 1, 0, len(old.cells) - 1)
+    column = np.clip(np.round(new.z / old.strip).astype(int) - old.planes[0], 0, len(old.planes) - 1)
+    inside = (new.stations <= old.cells[row, 1])[:, None] & (np.abs(new.z - old.z[column]) <= old.strip)
+    pressures = state.forces / (old.widths[:, None] * old.strip)
+    found: Floats = np.where(inside, pressures[row[:, None], column], 0.0) * new.widths[:, None] * new.strip
+    total = float(found.sum())
+    return found * (float(state.forces.sum()) / total) if total > 0.0 else found
+
+
+def solve_side(grid: GriddedSide, pose: WheelPose, start: Floats | None = None, tolerance: float = 1e-9) -> SideState:
+    """Contact at a pose of the wheel.
+
+    - `start`: forces to start from.
+    - `tolerance`: change of the forces in a step, over their sum, at which they are found.
+    """
+    newton = SideNewton(grid, pose, start)
+    change, steps = np.inf, 0
+    while steps < MOST_STEPS:
+        steps += 1
+        newton.linearise(pose)
+        forces, by_motion = newton.solve()
+        _, stiffness = newton.stiffness(forces, by_motion)
+        change = newton.take(forces)
+        if change < tolerance and not newton.changed:
+            break
+    status = Status(change < tolerance, f"forces change by {change:.1e} after {steps} steps", steps)
+    return newton.state(status, stiffness)

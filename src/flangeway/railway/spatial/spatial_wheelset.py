@@ -1,0 +1,459 @@
+"""A wheelset on two rails in three dimensions: its contact at a position, and its equilibrium."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+import scipy.ndimage
+
+from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
+from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.spatial.running_surfaces import SpatialModel
+from flangeway.railway.spatial.side_contact import (
+    GriddedSide,
+    SideGrid,
+    SideState,
+    SideSurfaces,
+    WheelPose,
+)
+from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred
+from flangeway.railway.spatial.wheel_gap import wheel_gap
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
+from flangeway.railway.wheelset.equilibrium import LOWERED, Equilibrium, search_equilibrium
+from flangeway.railway.wheelset.residual import MAX_STEP, RelativeResiduals, is_stable, loads_of, with_loads
+from flangeway.solve import Status
+from flangeway.types import Floats
+
+COARSE_MM = 2.0
+"""Cells while the position is sought on the whole running surfaces."""
+COARSE_STRIP_MM = 3.0
+CLOSED_MM = 1.0
+"""Gap of the rigid wheel within which strips may come into contact."""
+EVERY = 3
+"""Strips from one to the next at which these gaps are looked at."""
+NEAR_MM = 12.0
+"""Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
+COARSE_RESIDUAL = 1e-3
+COARSE_FORCES = 1e-4
+PRESSED_MM = 0.3
+"""Depth below the rigid position at which the search begins."""
+LOWERING = np.array([False, True, False, True, True])
+FINE_RESIDUAL = 1e-8
+FINE_TILT_RAD = 1e-9
+FINE_FORCES = 1e-7
+"""Change of the forces of a step over their sum."""
+MOST_STEPS = 25
+MAX_STEPS = 10.0
+"""Step over the step limits above which the position is not close by."""
+ACROSS = 26
+"""Cells across a patch, and along it."""
+LEAST_ACROSS = 20
+MARGIN = 0.2
+"""Width of the window beyond a patch on each side over the patch."""
+LENGTHENED = 6.0
+"""Longer side over shorter side of a cell, at most."""
+MOST_GRIDS = 4
+SEARCHED_MM = 90.0
+"""Distance along the track from the wheel's middle up to which it may touch without yaw."""
+FLANGE_SLOPE = 3.0
+"""Slope of the flange, by which yaw moves its contact along the track."""
+LONGEST = 48
+"""Strips along the longest patch, at most."""
+MOST_ON_A_SIDE = 5000
+"""Cells in the windows of a side, at most."""
+MAIN = 0.05
+"""Share of a side's force above which a patch has its cells counted."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialState:
+    """Contact of both sides at one position."""
+
+    sides: Mapping[Side, SideState]
+
+    @property
+    def status(self) -> Status:
+        """Whether the contact forces were found."""
+        each = [state.status for state in self.sides.values()]
+        return Status(
+            all(one.converged for one in each),
+            "; ".join(one.message for one in each),
+            sum(one.iterations for one in each),
+        )
+
+    @property
+    def forces(self) -> Floats:
+        """All contact forces in N."""
+        return np.concatenate([state.forces.ravel() for state in self.sides.values()])
+
+
+def _sign(side: Side) -> float:
+    return 1.0 if side == "right" else -1.0
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialContact:
+    """Contact of a wheelset on given grids; see `flangeway.railway.wheelset.equilibrium.AxleContact`."""
+
+    problem: WheelsetProblem
+    start: RigidStart
+    grids: Mapping[Side, GriddedSide]
+    yaw_rad: float = 0.0
+    tilts: Floats = field(default_factory=lambda: np.zeros(2))
+    tolerance: float = 1e-9
+
+    @property
+    def rigid_position(self) -> WheelsetPosition:
+        """Position in which the rigid wheelset touches."""
+        return self.start.motion
+
+    def contact_at(
+        self,
+        position: WheelsetPosition,
+        before: tuple[WheelsetPosition, SpatialState] | None = None,
+        start: WheelsetPosition | None = None,
+    ) -> SpatialState:
+        """Contact at a position; the forces of one before on the same grids are the start."""
+        del start
+        found = {}
+        for side in SIDES:
+            grid = self.grids[side]
+            last = None if before is None else before[1].sides[side]
+            forces = last.forces if last is not None and last.grid is grid and last.forces.any() else None
+            pose = pose_of(self.problem, position, side, self.yaw_rad, self.tilts[SIDES.index(side)])
+            found[side] = solve_side(grid, pose, forces, self.tolerance)
+        return SpatialState(found)
+
+    def residuals_of(self, position: WheelsetPosition, state: SpatialState) -> tuple[Floats, RelativeResiduals]:
+        """See `flangeway.railway.wheelset.residual.with_loads`."""
+        total = np.zeros(3)
+        for side, found in state.sides.items():
+            total += np.array([_sign(side), 1.0, _sign(side)]) * found.resultant
+        return with_loads(self.problem, position, total)
+
+    def jacobian_of(self, position: WheelsetPosition, state: SpatialState) -> Floats:
+        """Derivatives of the residual by lateral and vertical displacement and roll, shape (3, 3)."""
+        total = np.zeros((3, 3))
+        for side, found in state.sides.items():
+            signs = np.array([_sign(side), 1.0, _sign(side)])
+            total += signs[:, None] * found.stiffness[:, :3] * signs
+        total[2, 2] += loads_of(self.problem).moment_by_roll(position.roll_rad)
+        return total
+
+
+def pose_of(
+    problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, tilt_rad: float = 0.0
+) -> WheelPose:
+    """Pose of a wheel in the right-hand form of its side."""
+    sign = _sign(side)
+    x, y = position.axle(problem.wheelset)
+    seat = abs(problem.wheelset.placement(side).translation[0])
+    return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialWheelset:
+    """A wheelset whose running surfaces are ready: each further position needs only its contact.
+
+    - `surfaces`: of each side.
+    - `model`: supports, axle and yaw.
+    """
+
+    problem: WheelsetProblem
+    surfaces: Mapping[Side, SideSurfaces]
+    model: SpatialModel
+    _geometries: dict[float, RigidGeometry] = field(default_factory=dict, repr=False)
+
+    def at(self, load: WheelsetLoad, prescribed: Prescribed, yaw_rad: float) -> "SpatialWheelset":
+        """The same bodies under another load, elsewhere; rigid geometries are shared."""
+        problem = replace(self.problem, load=load, prescribed=prescribed)
+        return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad))
+
+    @property
+    def geometry(self) -> RigidGeometry:
+        """Rigid geometry of the wheelset on its track."""
+        yaw = self.model.yaw_rad
+        if yaw not in self._geometries:
+            self._geometries[yaw] = RigidGeometry.of(self.problem.track, self.problem.wheelset, yaw)
+        return self._geometries[yaw]
+
+    @cached_property
+    def start(self) -> RigidStart:
+        """Rigid equilibrium."""
+        return rigid_start(self.problem, self.geometry)
+
+    def solve(self, progress: Callable[[str], None] = lambda _: None) -> Equilibrium[SpatialState]:
+        """Find the equilibrium, first on coarse cells over the whole running surfaces, then on fine ones."""
+        found = None
+        half = self.problem.load.in_track[1] / 2.0
+        tilts = self._tilts({side: half * np.array([0.0, 1.0, self._seat(side)]) for side in SIDES})
+        for start in self.start.starts:
+            grids = {side: self._coarse(side, start) for side in SIDES}
+            contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts, COARSE_FORCES)
+            found = self._pressed(contact, start, progress)
+            if found is None or found.stable is False:
+                found = search_equilibrium(contact, progress, start, tolerance=COARSE_RESIDUAL, enough=COARSE_RESIDUAL)
+                if found.status.converged:
+                    found = self._refined(contact, found.position, found.state, progress, COARSE_RESIDUAL) or found
+            if found.status.converged and found.stable is not False:
+                break
+        assert found is not None
+        found = self._fine(found, progress)
+        beyond = self._beyond(grids, found) if found.status.converged else None
+        return found if beyond is None else self._fine(replace(found, state=beyond), progress)
+
+    def _fine(self, found: Equilibrium[SpatialState], progress: Callable[[str], None]) -> Equilibrium[SpatialState]:
+        """Equilibrium on cells that are fine enough for the patches, from a coarser one."""
+        for _ in range(MOST_GRIDS):
+            if not found.status.converged:
+                break
+            grids = {side: finer(found.state.sides[side]) for side in SIDES}
+            if all(new is found.state.sides[side].grid for side, new in grids.items()):
+                break
+            tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
+            contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
+            found = self._refined(contact, found.position, found.state, progress) or search_equilibrium(
+                contact, progress, near=(found.position, found.state), tolerance=FINE_RESIDUAL, enough=FINE_RESIDUAL
+            )
+        return found
+
+    def _beyond(self, grids: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState]) -> SpatialState | None:
+        """Contact on coarse cells, if wheel and rail overlap outside of the fine grids; else None."""
+        overlap = False
+        for side, fine in found.state.sides.items():
+            if fine.grid is grids[side]:
+                continue
+            coarse, inner = grids[side].grid, fine.grid.grid
+            newton = SideNewton(grids[side], fine.pose, transferred(fine, grids[side]))
+            newton.linearise(fine.pose)
+            across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
+            along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
+            inside = np.outer(across.any(axis=1), along)
+            overlap |= bool((newton.total[~inside] < 0.0).any())
+        if not overlap:
+            return None
+        poses = {side: state.pose for side, state in found.state.sides.items()}
+        return SpatialState({side: solve_side(grids[side], poses[side]) for side in SIDES})
+
+    def _seat(self, side: Side) -> float:
+        """Distance of a wheel's seat from the middle of the axle."""
+        return abs(self.problem.wheelset.placement(side).translation[0])
+
+    @cached_property
+    def _tilts_by_forces(self) -> Floats:
+        """Tilts of both wheels by force (x, y) and moment about the axle's middle on each, shape (2, 2, 3).
+
+        By side, tilt and resultant, in the track's axes.
+        """
+        found = np.zeros((2, 2, 3))
+        if self.model.axle is None:
+            return found
+        places = np.array([self.problem.wheelset.placement(side).translation[0] for side in SIDES])
+        for number, place in enumerate(places.tolist()):
+            for axis, unit in ((1, (1.0, -place)), (2, (0.0, 1.0))):
+                forces = np.zeros((2, 2))
+                forces[number] = unit
+                found[number, :, axis] = self.model.axle.tilts(places, forces)
+        return found
+
+    def _tilts(self, resultants: Mapping[Side, Floats]) -> Floats:
+        """Tilts of the left and the right wheel under forces in the right-hand form of each, (2,)."""
+        signs = {side: np.array([_sign(side), 1.0, _sign(side)]) for side in SIDES}
+        total = np.zeros(2)
+        for number, side in enumerate(SIDES):
+            total += self._tilts_by_forces[number] @ (signs[side] * resultants[side])
+        return total
+
+    def _pressed(
+        self, contact: SpatialContact, start: WheelsetPosition, progress: Callable[[str], None]
+    ) -> Equilibrium[SpatialState] | None:
+        """Equilibrium by `_refined` from a rigid start, the wheels pressed on the rails a little."""
+        pressed = start.moved(WheelsetPosition(vertical_mm=-PRESSED_MM))
+        kept = self.problem.prescribed.components
+        position = WheelsetPosition(*(a if b is None else b for a, b in zip(pressed.components, kept, strict=True)))
+        return self._refined(
+            contact, position, None, progress, COARSE_RESIDUAL, lower=self.problem.prescribed == Prescribed()
+        )
+
+    def _refined(
+        self,
+        contact: SpatialContact,
+        position: WheelsetPosition,
+        near: SpatialState | None,
+        progress: Callable[[str], None],
+        tolerance: float = FINE_RESIDUAL,
+        *,
+        lower: bool = False,
+    ) -> Equilibrium[SpatialState] | None:
+        """Equilibrium from a position with its contact, if that is known, by `SideNewton` of both sides.
+
+        None where it is not found, or not both wheels touch.
+
+        - `tolerance`: equilibrium residual; forces and tilts are found to the same share of theirs.
+        - `lower`: whether the weight is carried first, before the wheelset may move sideways.
+        """
+        problem, share = self.problem, tolerance / FINE_RESIDUAL
+        free = np.array([*(value is None for value in problem.prescribed.components), True, True])
+        sides, tilts = {}, contact.tilts
+        for number, (side, grid) in enumerate(contact.grids.items()):
+            pose = pose_of(problem, position, side, self.model.yaw_rad, tilts[number])
+            sides[side] = SideNewton(grid, pose, None if near is None else transferred(near.sides[side], grid))
+        if near is None and not all(each.touching.any() for each in sides.values()):
+            return None
+        history = []
+        by_forces = self._tilts_by_forces
+        for iteration in range(MOST_STEPS):
+            total, jacobian, resultants = np.zeros(3), np.zeros((5, 5)), {}
+            changes = {}
+            for number, (side, newton) in enumerate(sides.items()):
+                newton.linearise(pose_of(problem, position, side, self.model.yaw_rad, tilts[number]))
+                forces, by = newton.solve()
+                resultants[side], slopes = newton.stiffness(forces, by)
+                signs = np.array([_sign(side), 1.0, _sign(side)])
+                columns = [0, 1, 2, 3 + number]  # of the axle's x, y and roll and this side's tilt
+                changes[side] = forces, by * [*signs, signs[0]], columns
+                resultants[side] = signs * resultants[side]
+                slopes = signs[:, None] * slopes * [*signs, signs[0]]
+                total += resultants[side]
+                jacobian[:3, columns] += slopes
+                jacobian[3:, columns] -= by_forces[number] @ slopes
+            jacobian[2, 2] += loads_of(problem).moment_by_roll(position.roll_rad)
+            jacobian[3:, 3:] += np.eye(2)
+            residual, relative = with_loads(problem, position, total)
+            history.append(relative)
+            error = relative.equilibrium_residual
+            lower = lower and abs(relative.vertical_residual) > LOWERED
+            now = free & LOWERING if lower else free
+            bent = sum(by_forces[number] @ resultants[side] for number, side in enumerate(SIDES))
+            missed = np.append(residual, tilts - bent)
+            step = np.zeros(5)
+            step[now] = np.linalg.solve(jacobian[np.ix_(now, now)], -missed[now])
+            excess = float((np.abs(step[:3]) / MAX_STEP).max())
+            if excess > MAX_STEPS:
+                return None
+            step /= max(1.0, excess)
+            change = max(
+                sides[side].take(forces + by @ step[columns]) for side, (forces, by, columns) in changes.items()
+            )
+            progress(f"equilibrium residual {error:.1e} after {iteration} steps on fine cells")
+            settled = change <= min(share * FINE_FORCES, COARSE_FORCES) and not any(
+                each.changed for each in sides.values()
+            )
+            if error <= tolerance and float(np.abs(tilts - bent).max()) <= share * FINE_TILT_RAD and settled:
+                message = f"contact forces and load are in equilibrium to {error:.1e}"
+                status = Status(True, message, iteration)
+                state = SpatialState({side: each.state(status, jacobian[:3]) for side, each in sides.items()})
+                # the tilts follow the position
+                whole = jacobian[:3, :3] - jacobian[:3, 3:] @ np.linalg.solve(jacobian[3:, 3:], jacobian[3:, :3])
+                stable = is_stable(problem, whole) if free.all() else None
+                return Equilibrium(status, position, relative, state, residual, stable, tuple(history))
+            position = position.moved(WheelsetPosition(*step[:3].tolist()))
+            tilts = tilts + step[3:]
+        return None
+
+    def _coarse(self, side: Side, start: WheelsetPosition) -> GriddedSide:
+        surfaces, pose = self.surfaces[side], pose_of(self.problem, start, side, self.model.yaw_rad)
+        low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
+        ends = COARSE_MM * np.arange(int(np.ceil(low / COARSE_MM)), int(np.floor(high / COARSE_MM)) + 1)
+        cells = np.stack((ends[:-1], ends[1:]), axis=1)
+        # yaw moves the wheel along the track, and contact on the flange further
+        lead = float(pose.axis[2]) * pose.seat_mm
+        reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheelset.radius_mm
+        searched = np.arange(int((lead - reach) / COARSE_STRIP_MM), int((lead + reach) / COARSE_STRIP_MM) + 1)
+        searched = searched[::EVERY]
+        z = COARSE_STRIP_MM * searched.astype(np.float64)
+        points, normals = surfaces.rail_points(cells.mean(axis=1))
+        gaps = wheel_gap(surfaces.wheel, pose.middle, pose.axis, points, normals, z).gaps
+        near = np.flatnonzero(gaps.min(axis=1) < NEAR_MM)
+        if len(near):
+            cells = cells[near[0] : near[-1] + 1]
+        planes = searched[gaps.min(axis=0) < CLOSED_MM]
+        if len(planes) == 0:
+            planes = int(lead / COARSE_STRIP_MM) + np.arange(-5, 6)
+        grid = SideGrid(cells, COARSE_STRIP_MM, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
+        return GriddedSide(surfaces, grid, pose)
+
+
+@dataclass(frozen=True)
+class _Window:
+    """Ends of a patch along the rail's surface and along z, its cells across and along, and its share of the force."""
+
+    ends: tuple[float, float]
+    planes: tuple[float, float]
+    across: int
+    along: int
+    share: float
+    cell: float
+
+
+def _windows(state: SideState) -> list[_Window]:
+    """One for each patch; those that overlap across are one."""
+    grid, loaded = state.grid.grid, state.forces > 0.0
+    labels, count = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
+    found: list[_Window] = []
+    for number in range(1, count + 1):
+        inside = labels == number
+        rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
+        new = _Window(
+            (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
+            (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
+            int(inside.sum(axis=0).max()),
+            int(inside.sum(axis=1).max()),
+            float(state.forces[inside].sum() / state.forces.sum()),
+            float(grid.widths[rows].max()),
+        )
+        found.append(new)
+    return found
+
+
+def finer(state: SideState) -> GriddedSide:
+    """Grid with enough cells across each patch and room around it; the same grid if it is one already."""
+    old, grid = state.grid, state.grid.grid
+    loaded = state.forces > 0.0
+    if not loaded.any():
+        return old
+    windows = _windows(state)
+    main = [each for each in windows if each.share > MAIN]
+    longest = max(each.along for each in main)
+    strip = grid.strip * min(1.0, max(min(each.along for each in main) / ACROSS, longest / LONGEST))
+    enough = all(
+        (each.along >= LEAST_ACROSS or longest >= 0.9 * LONGEST)
+        and (each.across >= LEAST_ACROSS or each.cell <= 1.01 * grid.strip / LENGTHENED)
+        for each in main
+    )
+    if enough and not (loaded & grid.at_edge).any():
+        return old
+    spans = []
+    for each in windows:
+        width, more = each.ends[1] - each.ends[0], max(MARGIN * (each.ends[1] - each.ends[0]), 0.6 * each.cell)
+        cell = min(each.cell, max(width / ACROSS, strip / LENGTHENED), LENGTHENED * strip)
+        spans.append([each.ends[0] - more, each.ends[1] + more, cell])
+    # as many cells as a factorisation takes
+    strips = sum(each.planes[1] - each.planes[0] for each in windows) / max(len(windows), 1) / strip
+    many = np.sqrt(max(sum((high - low) / cell for low, high, cell in spans) * strips / MOST_ON_A_SIDE, 1.0))
+    strip *= many
+    spans = [[low, high, cell * many] for low, high, cell in spans]
+    limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
+    cells, taken = [], limits[0]
+    for low, high, cell in _merged(spans):
+        ends = np.linspace(max(low, taken), min(high, limits[1]), int(np.ceil((high - low) / cell)) + 1)
+        cells.append(np.stack((ends[:-1], ends[1:]), axis=1))
+        taken = ends[-1]
+    first, last = min(each.planes[0] for each in windows), max(each.planes[1] for each in windows)
+    more = max(MARGIN * (last - first), 0.6 * grid.strip)
+    planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
+    return GriddedSide(old.surfaces, SideGrid(np.concatenate(cells), strip, planes), state.pose)
+
+
+def _merged(spans: list[list[float]]) -> list[list[float]]:
+    """Spans (start, end, cell) by rising start, those that overlap joined with the smaller cell."""
+    found: list[list[float]] = []
+    for low, high, cell in sorted(spans):
+        if found and low <= found[-1][1]:
+            found[-1] = [found[-1][0], max(found[-1][1], high), min(found[-1][2], cell)]
+        else:
+            found.append([low, high, cell])
+    return found

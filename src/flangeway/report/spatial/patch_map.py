@@ -1,0 +1,156 @@
+"""Patches on the cells of a surface: pressures from above, along both axes, stresses below; the surface as a mesh."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.cm import ScalarMappable
+from matplotlib.colors import Normalize
+from matplotlib.patches import Ellipse
+
+from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
+from flangeway.exact import PointContact
+from flangeway.mesh import PolyMesh
+from flangeway.post.patch_stresses import DepthProfile
+from flangeway.report.figures.drawing import GREY, INK
+from flangeway.report.figures.plots import COLOURS
+from flangeway.types import Floats, Ints
+
+CURVES = (
+    ("across, x", "#0b5394", "-"), ("normal, y", INK, "-"), ("along, z", "#9a6a00", "-"),
+    ("von Mises", "#8b1a8b", "--"), ("Tresca", "#2e7d32", "-."),
+)  # fmt: skip
+N_PROFILE = 241
+MARGIN = 0.08
+"""About what is under pressure, over its longer side."""
+
+
+@dataclass(frozen=True, eq=False)
+class PatchMap:
+    """Pressures on cells, to be drawn with lengths along the surface to the right and z up.
+
+    - `cells`: forces on the cells.
+    - `patches`: each with Hertz's contact, None where it has no meaning.
+    - `origin`: length along the surface that is drawn at zero.
+    - `sign`: 1 where rising lengths along the surface run to the left, else -1.
+    """
+
+    cells: CellForces
+    patches: Sequence[tuple[ContactEllipse, PointContact | None]]
+    origin: float
+    sign: float = 1.0
+
+    def across(self, stations: Floats) -> Floats:
+        """Places to the right of lengths along the surface."""
+        return self.sign * (self.origin - stations)
+
+    def centre(self, patch: ContactEllipse) -> Floats:
+        """Centre of pressure of a patch as it is drawn, shape (2,)."""
+        forces = np.where(patch.inside, self.cells.forces, 0.0).sum(axis=1)
+        station: Floats = forces @ self.cells.across / forces.sum()
+        return np.array([self.across(station), patch.centre[2]])
+
+    def tilt(self, patch: ContactEllipse) -> float:
+        """Angle in radians from the right to the longer semi-axis as it is drawn."""
+        # in a patch from z towards rising lengths, which run to the left
+        return np.pi / 2.0 + self.sign * patch.angle_rad
+
+    @property
+    def box(self) -> Floats:
+        """Corners (2, 2) of what is under pressure, with a margin; of all cells without pressure."""
+        cells, loaded = self.cells, self.cells.forces > 0.0
+        rows, strips = (np.flatnonzero(loaded.any(axis=1 - axis)) if loaded.any() else [0, -1] for axis in (0, 1))
+        ends = np.sort(self.across(cells.cells[[rows[0], rows[-1]], [0, 1]]))
+        corners = np.column_stack((ends, cells.z[[strips[0], strips[-1]]]))
+        return corners + np.array([[-1.0], [1.0]]) * MARGIN * np.ptp(corners, axis=0).max()
+
+    @property
+    def runs(self) -> list[slice]:
+        """Rows of cells without gaps."""
+        ends = self.cells.cells
+        breaks = np.flatnonzero(ends[1:, 0] - ends[:-1, 1] > 1e-6 * np.ptp(ends)) + 1
+        bounds = [0, *breaks.tolist(), len(ends)]
+        return [slice(*pair) for pair in pairwise(bounds)]
+
+
+def draw_pressures(axes: Axes, shown: PatchMap, highest: float) -> ScalarMappable:
+    """Draw pressures from above, outlines of the patches, and Hertz's ellipses; return the colours, from 0 MPa."""
+    cells, scale = shown.cells, Normalize(0.0, highest)
+    z = np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+    for run in shown.runs:
+        ends, pressures = cells.cells[run], cells.pressures[run]
+        places = shown.across(np.append(ends[:, 0], ends[-1, 1]))
+        drawn = np.where(pressures > 0.0, pressures, np.nan)
+        axes.pcolormesh(places, z, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
+        if min(pressures.shape) > 1 and (pressures > 0.0).any():
+            middles = shown.across(cells.across[run])
+            axes.contour(middles, cells.z, pressures.T > 0.0, levels=[0.5], colors=[INK], linewidths=1.0)
+    for patch, hertz in shown.patches:
+        if hertz is not None:
+            first = not axes.get_legend_handles_labels()[0]
+            axes.add_patch(
+                Ellipse(
+                    tuple(shown.centre(patch).tolist()), 2.0 * hertz.semi_axes[0], 2.0 * hertz.semi_axes[1],
+                    angle=float(np.rad2deg(shown.tilt(patch))), fill=False, ec=GREY, ls="--", lw=1.2,
+                    label="Hertz" if first else "",
+                )
+            )  # fmt: skip
+    axes.set_aspect("equal", adjustable="box")
+    return ScalarMappable(scale, COLOURS)
+
+
+def draw_sections(across: Axes, along: Axes, shown: PatchMap, number: int) -> None:
+    """Draw the pressure across and along z through the cell of a patch's maximum pressure, beside Hertz's."""
+    patch, hertz = shown.patches[number]
+    cells, pressures = shown.cells, np.where(patch.inside, shown.cells.pressures, 0.0)
+    row, strip = np.unravel_index(int(pressures.argmax()), pressures.shape)
+    places, centre = shown.across(cells.across), shown.centre(patch)
+    cosine, sine = np.cos(shown.tilt(patch)), np.sin(shown.tilt(patch))
+    near = patch.inside[:, strip], patch.inside[row]
+    lines = ((across, places, pressures[:, strip]), (along, cells.z, pressures[row]))
+    for axis, (axes, line, on_line) in enumerate(lines):
+        first, last = np.flatnonzero(near[axis])[[0, -1]]
+        part = slice(max(first - 2, 0), last + 3)
+        middles, values = line[part], on_line[part]
+        axes.plot(middles, values, color=INK, lw=1.0, marker="o", ms=2.5, mfc="white", label="computed")
+        if hertz is not None:
+            fine: Floats = np.linspace(middles.min(), middles.max(), N_PROFILE)
+            offset = np.tile(np.array([places[row], cells.z[strip]]) - centre, (N_PROFILE, 1))
+            offset[:, axis] = fine - centre[axis]
+            long, short = offset @ (cosine, sine), offset @ (-sine, cosine)
+            inside = 1.0 - (long / hertz.semi_axes[0]) ** 2 - (short / hertz.semi_axes[1]) ** 2
+            axes.plot(
+                fine, hertz.max_pressure * np.sqrt(np.maximum(inside, 0.0)), color=GREY, lw=1.6, ls="--", zorder=1,
+                label=f"Hertz: maximum {hertz.max_pressure:.4g} MPa",
+            )  # fmt: skip
+        axes.set_ylim(bottom=0.0)
+        axes.grid(color="#dddddd", linewidth=0.6)
+
+
+def draw_depths(axes: Axes, profile: DepthProfile) -> None:
+    """Draw the stresses below a patch over the depth."""
+    stresses = profile.stresses
+    xx, yy, zz = stresses.components[:, :3].T
+    curves = (xx, yy, zz, stresses.von_mises, stresses.tresca)
+    for (label, colour, style), values in zip(CURVES, curves, strict=True):
+        axes.plot(values, profile.depths, color=colour, ls=style, lw=1.3, label=label)
+    axes.axvline(0.0, color=GREY, lw=0.8)
+    axes.set_ylim(float(profile.depths[-1]), 0.0)
+    axes.grid(color="#dddddd", linewidth=0.6)
+
+
+def surface_mesh(cells: CellForces) -> tuple[Floats, Floats, PolyMesh]:
+    """Ends of cells along the surface (k,) and of strips (m,), and a mesh of k times m points (length, z)."""
+    nodes, numbers = np.unique(cells.cells, return_inverse=True)
+    z = np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
+    return nodes, z, strip_mesh(nodes, z, numbers.reshape(-1, 2).astype(np.int64))
+
+
+def strip_mesh(nodes: Floats, z: Floats, rows: Ints) -> PolyMesh:
+    """Mesh of k times m points (length, z), with cells between pairs of nodes (n, 2) and neighbours along z."""
+    points = np.stack(np.meshgrid(nodes, z, indexing="ij"), axis=-1).reshape(-1, 2)
+    first, last = (rows[:, end, None] * len(z) + np.arange(len(z) - 1) for end in (0, 1))
+    quads = np.stack((first, last, last + 1, first + 1), axis=-1).astype(np.int32)
+    return PolyMesh(points, 4 * np.arange(first.size + 1, dtype=np.int32), quads.ravel())

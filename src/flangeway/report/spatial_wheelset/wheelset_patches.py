@@ -1,0 +1,216 @@
+"""Pictures of a wheelset in three dimensions: its section with the pressures, its patches, the stresses below them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from matplotlib.patches import Polygon
+
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
+from flangeway.contact.patch.contact_ellipse import CellForces
+from flangeway.geometry import Placement
+from flangeway.railway.spatial.side_contact import SideState
+from flangeway.railway.spatial.spatial_result import SpatialPatch, SpatialResult
+from flangeway.railway.track.discretisation import ROLES, Role
+from flangeway.railway.track.placements import SIDES, Side
+from flangeway.report.figures.drawing import (
+    GREY,
+    HALO,
+    INK,
+    Room,
+    draw_title,
+    equal_axes,
+    figure_with_room,
+    new_figure,
+)
+from flangeway.report.spatial.patch_map import PatchMap, draw_depths, draw_pressures, draw_sections
+from flangeway.report.wheelset.wheelset_figure import STEEL, draw_sketch
+
+ROOM = Room(left=0.72, right=0.75, bottom=0.62, top=0.68, across=0.15)
+ROOM_OF_LINES = Room(left=0.8, bottom=0.6, top=0.35, across=0.75, between=0.75)
+HALF_VIEW_MM = 50.0
+"""Half the width and height of what is shown of each side in section."""
+GAUGE_SIDE_MM = 10.0
+"""By which its middle lies beside that of the rail's head."""
+ORDINATE_MM = 14.0
+"""Of the maximum pressure in the section."""
+ARROW_MM = 24.0
+PRESSURE = "#8b1a8b"
+NARROWEST_MM = 12.0
+"""Least width of what is shown of a rail from above."""
+WIDEST_IN, HIGHEST_IN = 9.0, 8.0
+"""Size of the picture of the patches without labels."""
+
+
+def patch_name(patch: SpatialPatch, patches: Sequence[SpatialPatch]) -> str:
+    """Side of a patch, with its region where the side has several."""
+    alone = sum(other.side == patch.side for other in patches) == 1
+    return patch.side if alone else f"{patch.side}, {patch.region}"
+
+
+def side_sign(side: Side) -> float:
+    """Sign of x from the right-hand form of a side to the track's axes."""
+    return 1.0 if side == "right" else -1.0
+
+
+def side_cells(state: SideState) -> CellForces:
+    """Forces on the cells of a side, in its right-hand form."""
+    grid = state.grid.grid
+    return CellForces(state.forces, grid.cells, state.points, state.normals, grid.z, grid.strip)
+
+
+def patch_map(result: SpatialResult, side: Side) -> PatchMap:
+    """Patches of a side from above, right of the track to the right; lengths from the middle of the rail's profile."""
+    state = result.equilibrium.state.sides[side]
+    surfaces = state.grid.surfaces
+    arcs, stations = surfaces.rail_stations.T
+    at = surfaces.rail.at(arcs)
+    middle = surfaces.rail_frame.inverse().points(np.stack((at.x, at.y), axis=1))[:, 0]
+    patches = [(patch.ellipse, patch.hertz) for patch in result.patches if patch.side == side]
+    return PatchMap(side_cells(state), patches, float(np.interp(0.0, middle, stations)), side_sign(side))
+
+
+def section_figure(run: SpatialWheelsetRun) -> Figure:
+    """Draw both sides in section with their pressures, and the sketch of the whole between them."""
+    result = run.result
+    problem, motion = result.problem, result.equilibrium.position
+    figure, ((left, middle, right),) = figure_with_room(13.0, 5.6, ROOM, n_columns=3, width_ratios=(1.0, 1.0, 1.0))
+    highest = max((patch.ellipse.max_pressure for patch in result.patches), default=1.0)
+    for axes, side in ((left, SIDES[0]), (right, SIDES[1])):
+        _draw_side(axes, run, side, highest)
+        draw_title(axes, f"{side} wheel and rail".capitalize())
+    right.yaxis.set_label_position("right")
+    right.yaxis.tick_right()
+    draw_sketch(middle, problem, motion)
+    track = problem.track
+    inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
+    draw_title(middle, f"{problem.wheelset.wheel.title}\non {track.rail.title}, {inclination}\nlengths in mm", 10.0)
+    return figure
+
+
+def _draw_side(axes: Axes, run: SpatialWheelsetRun, side: Side, highest: float) -> None:
+    result, problem, motion = run.result, run.result.problem, run.result.equilibrium.position
+    wheelset, track = problem.wheelset, problem.track
+    placed = (
+        (track.rail_of(side).outline, track.placement(side)),
+        (wheelset.wheel_of(side).outline, motion.placement(wheelset, side)),
+    )
+    rail, wheel = (placement.points(outline.sampled(max_deviation=0.01)) for outline, placement in placed)
+    head = next(each for each in run.summary.rails if each.side == side)
+    rail = Placement.about(tuple(rail[rail[:, 1].argmax()].tolist()), head.roll_rad).points(rail)
+    for points in (rail + np.array([head.lateral_mm, head.vertical_mm]), wheel):
+        axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
+    state, mirror = result.equilibrium.state.sides[side], np.array([side_sign(side), 1.0])
+    points, normals, shown = state.points * mirror, state.normals * mirror, patch_map(result, side)
+    for rows in shown.runs:
+        values = shown.cells.pressures[rows].max(axis=1)
+        loaded = np.flatnonzero(values > 0.0)
+        if len(loaded):
+            part = slice(max(loaded[0] - 1, 0), loaded[-1] + 2)
+            on, height = points[rows][part], ORDINATE_MM / highest * values[part]
+            ordinates = on - height[:, None] * normals[rows][part]
+            axes.fill(*np.vstack((on, ordinates[::-1])).T, color=PRESSURE, alpha=0.55, lw=0.0)
+            axes.plot(*ordinates.T, color=PRESSURE, lw=0.9)
+    patches = [patch for patch in result.patches if patch.side == side]
+    for patch in patches:
+        force, centre = patch.force_on_wheel_N, patch.centre_mm[:2]
+        size = float(np.linalg.norm(force))
+        end = centre + ARROW_MM * force / size
+        axes.annotate(
+            "", (end[0], end[1]), (centre[0], centre[1]), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.3}
+        )
+        text = f"{1e-3 * size:.4g} kN\n{patch.ellipse.max_pressure:.0f} MPa"
+        # towards the outside of the other patches
+        outer = 1.0 if centre[0] >= np.mean([each.centre_mm[0] for each in patches]) else -1.0
+        axes.text(
+            end[0] + 1.5 * outer, end[1] + 1.0, text, fontsize=8.5, path_effects=[HALO],
+            ha="left" if outer > 0.0 else "right",
+        )  # fmt: skip
+    top = rail[rail[:, 1] > -15.0, 0]
+    middle = np.array([(top.min() + top.max()) / 2.0 - GAUGE_SIDE_MM * side_sign(side), -5.0])
+    equal_axes(axes, np.stack((middle - HALF_VIEW_MM, middle + HALF_VIEW_MM)))
+
+
+def patches_figure(run: SpatialWheelsetRun) -> Figure:
+    """Draw the pressures of both sides from above, z ahead, with outlines and Hertz's ellipses, in one scale."""
+    result = run.result
+    maps = [patch_map(result, side) for side in SIDES]
+    boxes = [shown.box for shown in maps]
+    for box in boxes:
+        box[:, 0] += np.array([-0.5, 0.5]) * max(NARROWEST_MM - float(np.ptp(box[:, 0])), 0.0)
+    ahead = np.array([box[:, 1] for box in boxes])
+    ends, widths = (ahead[:, 0].min(), ahead[:, 1].max()), [float(np.ptp(box[:, 0])) for box in boxes]
+    scale = min(WIDEST_IN / sum(widths), HIGHEST_IN / (ends[1] - ends[0]))
+    figure = new_figure(scale * sum(widths) + 1.0, scale * (ends[1] - ends[0]) + 1.9)
+    panels = figure.subplots(1, 2, sharey=True, width_ratios=widths)
+    highest = max(float(shown.cells.pressures.max()) for shown in maps)
+    for axes, side, shown, box in zip(panels, SIDES, maps, boxes, strict=True):
+        drawn = draw_pressures(axes, shown, max(highest, 1.0))
+        axes.set(xlim=box[:, 0], ylim=ends)
+        axes.locator_params(axis="x", nbins=5)
+        axes.axhline(0.0, color=GREY, lw=0.6, ls="-.", zorder=0)
+        gauge, field = ("gauge side →", "← field side") if side == "left" else ("← gauge side", "field side →")
+        axes.set_title(f"{side} rail".capitalize(), fontsize=10)
+        words = (field, gauge) if side == "left" else (gauge, field)
+        for place, word in zip((0.01, 0.99), words, strict=True):
+            axes.text(
+                place, 0.99, word, transform=axes.transAxes, fontsize=7.5, va="top", color=GREY,
+                ha="left" if place < 0.5 else "right",
+            )  # fmt: skip
+        if not shown.patches:
+            axes.text(0.5, 0.5, "no contact", transform=axes.transAxes, ha="center", fontsize=9)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(loc="lower right", fontsize=8)
+    panels[0].set_ylabel("z ahead of the axle in mm")
+    figure.supxlabel("length along the rail's surface from the middle of its profile, in mm", fontsize=10)
+    figure.colorbar(drawn, ax=panels, label="contact pressure in MPa", location="top", aspect=45, shrink=0.9)
+    return figure
+
+
+def pressures_figure(run: SpatialWheelsetRun) -> Figure:
+    """Draw the pressure across and along the track through the maximum of each patch, beside Hertz's."""
+    result = run.result
+    patches = result.patches
+    count = max(len(patches), 1)
+    figure, rows = figure_with_room(10.0, 0.5 + 2.8 * count, ROOM_OF_LINES, count, 2)
+    maps = {side: patch_map(result, side) for side in SIDES}
+    for (across, along), patch in zip(rows, patches, strict=False):
+        shown = maps[patch.side]
+        number = next(i for i, (ellipse, _) in enumerate(shown.patches) if ellipse is patch.ellipse)
+        draw_sections(across, along, shown, number)
+        along.sharey(across)
+        across.set_title(f"{patch_name(patch, patches)}: across".capitalize(), fontsize=10)
+        along.set_title(f"{patch_name(patch, patches)}: along the track".capitalize(), fontsize=10)
+        across.set_ylabel("pressure in MPa")
+        across.legend(loc="lower center", fontsize=8)
+    rows[-1, 0].set_xlabel("length along the rail's surface in mm")
+    rows[-1, 1].set_xlabel("z ahead of the axle in mm")
+    return figure
+
+
+def lines_below(result: SpatialResult) -> list[tuple[SpatialPatch, Role]]:
+    """Patches and the bodies below them whose stresses differ: rail and wheel have the same in one material."""
+    ratios = {role: result.problem.material_of(role).poisson for role in ROLES}
+    roles: tuple[Role, ...] = ("rail",) if len(set(ratios.values())) == 1 else ROLES[::-1]
+    return [(patch, role) for patch in result.patches for role in roles]
+
+
+def depths_figure(run: SpatialWheelsetRun) -> Figure:
+    """Draw the stresses below each patch over the depth."""
+    lines = lines_below(run.result)
+    columns = min(max(len(lines), 1), 3)
+    count = -(-max(len(lines), 1) // columns)
+    figure, rows = figure_with_room(4.2 * columns + 0.6, 4.4 * count, ROOM_OF_LINES, count, columns)
+    panels = rows.ravel()
+    several = len({role for _, role in lines}) > 1
+    for axes, (patch, role) in zip(panels, lines, strict=False):
+        draw_depths(axes, patch.below(role))
+        where = patch_name(patch, run.result.patches)
+        axes.set_title((f"{role}: {where}" if several else where).capitalize(), fontsize=10)
+        axes.set(xlabel="stress in MPa", ylabel="depth in mm")
+    for axes in panels[len(lines) :]:
+        axes.set_visible(False)
+    if lines:
+        panels[0].legend(loc="lower left", fontsize=8)
+    return figure

@@ -1,0 +1,110 @@
+"""Campaigns of wheelsets in three dimensions: rows, columns, and that a row does not depend on the others."""
+
+import numpy as np
+import pytest
+
+from flangeway.campaign import Campaign, chunk, results
+from flangeway.campaign.chunk import Chunk, compute
+from flangeway.campaign.columns import patch_columns, wheelset_columns
+from flangeway.campaign.database import CampaignDatabase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.errors import InputError
+
+FILE = """
+case = "wheelset"
+[inputs]
+size_scale = 8.0
+order = 1
+rail_support = "fixed"
+[vary]
+lateral_mm = [-1.0, 1.0, 2.0]
+yaw_mrad = [0.0, 5.0]
+"""
+
+
+def read(folder, text):
+    (folder / "c.toml").write_text(text, encoding="utf-8")
+    return Campaign.from_file(folder / "c.toml")
+
+
+@pytest.fixture(scope="module")
+def sweep(tmp_path_factory):
+    """Six positions, computed in this process."""
+    folder = tmp_path_factory.mktemp("spatial")
+    campaign = read(folder, FILE)
+    with CampaignDatabase(folder / "c.sqlite") as store:
+        store.begin(campaign)
+        for first, rows in campaign.chunks:
+            store.store(rows, compute(Chunk(rows, first)).results)
+    return campaign, results(folder / "c.sqlite")
+
+
+def test_rows_carry_the_load_and_have_the_columns_of_both_models(sweep):
+    """Both wheels carry the load; the columns that plane wheelsets have too mean the same; mirrored rows agree."""
+    campaign, found = sweep
+    assert set(found.rows["status"]) == {"converged"}, found.rows["message"]
+    assert set(wheelset_columns(("spatial",))) <= set(found.rows)
+    assert list(found.patches) == list(patch_columns(("spatial",)))
+    left, right = (found.numbers(f"{side}_vertical_force_N") for side in ("left", "right"))
+    assert np.allclose(left + right, 1e3 * campaign.rows[0].case.axle_load_kN, rtol=1e-7)
+    for side in ("left", "right"):
+        mine = np.array(found.patches["side"]) == side
+        forces = np.array(found.patches["normal_force_N"])[mine]
+        assert np.bincount(np.array(found.patches["row"])[mine], forces)[1:] == pytest.approx(
+            found.numbers(f"{side}_normal_force_N")
+        )
+    # rows 1 and 3: at -1 and +1 mm without yaw
+    for name in ("max_pressure_MPa", "long_semi_axis_mm", "contact_angle_deg", "rolling_radius_mm", "head_vertical_mm"):
+        one, other = found.numbers(f"left_{name}")[0], found.numbers(f"right_{name}")[2]
+        assert one == pytest.approx(other, rel=1e-6)
+    assert found.numbers("left_head_lateral_mm")[0] == pytest.approx(-found.numbers("right_head_lateral_mm")[2])
+    # with yaw the right wheel is ahead
+    assert (found.numbers("right_ahead_mm")[1::2] > 1.0).all()
+
+
+def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(sweep, monkeypatch):
+    """A row computed alone in a worker that prepared nothing has the same bytes; `flangeway run` has its numbers."""
+    campaign, found = sweep
+    first, rows = campaign.chunks[0]
+    monkeypatch.setattr(chunk, "_prepared", type(chunk._prepared)())
+    (alone,) = compute(Chunk(rows[4:5], first)).results
+    for name, value in alone.values.items():
+        if name not in ("lateral_mm", "yaw_mrad"):
+            assert found.rows[name][4] == value
+    summary = rows[4].case.run().summary
+    assert summary.position.vertical_mm == pytest.approx(alone.values["vertical_mm"], rel=1e-12)
+    assert summary.patches[0].max_pressure_MPa == pytest.approx(alone.values["left_max_pressure_MPa"], rel=1e-9)
+    assert summary.rails[1].lateral_mm == pytest.approx(alone.values["right_head_lateral_mm"], rel=1e-9)
+
+
+def test_positions_share_their_bodies_and_plane_rows_are_those_of_plane_wheelsets(tmp_path):
+    """Position, yaw and load leave the bodies; sleepers and profiles do not; plane rows are plane wheelsets."""
+    text = 'case = "wheelset"\n[vary]\n{} = {}\n'
+    for key, values in (("lateral_mm", "[0, 1]"), ("yaw_mrad", "[0, 1]"), ("axle_load_kN", "[100, 200]")):
+        assert len(read(tmp_path, text.format(key, values)).chunks) == 1
+    for key, values in (
+        ("wheel_section", '["rim", "whole"]'),
+        ("sleeper_position", "[0, 0.5]"),
+        ("rail", '["60E1", "136RE"]'),
+    ):
+        assert len(read(tmp_path, text.format(key, values)).chunks) == 2
+    both = read(tmp_path, text.format("model", '["plane", "spatial"]'))
+    assert [row.model for row in both.rows] == ["plane", "spatial"]
+    assert both.rows[0].computed.name == "wheelset-tangent"
+    assert isinstance(both.rows[1].computed, SpatialWheelsetCase)
+    assert {"left_half_width_mm", "left_long_semi_axis_mm"} <= set(wheelset_columns(both.models))
+
+
+def test_a_position_that_cannot_be_reached_fails_alone(tmp_path):
+    """A row beyond the rails reports the reason, in its own row."""
+    campaign = read(tmp_path, FILE.replace("[-1.0, 1.0, 2.0]", "[0.0, 90.0]").replace("[0.0, 5.0]", "[0.0]"))
+    ((first, rows),) = campaign.chunks
+    good, bad = compute(Chunk(rows, first)).results
+    assert (good.status, bad.status) == ("converged", "failed")
+    assert "lateral_mm" in bad.message or "lateral" in bad.message
+
+
+def test_shear_stresses_of_campaigns_are_those_of_plane_wheelsets(tmp_path):
+    """They are refused for three dimensions."""
+    with pytest.raises(InputError, match="plane wheelset"):
+        read(tmp_path, FILE + "[results]\nsubsurface_shear = true\n")

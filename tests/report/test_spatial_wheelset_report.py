@@ -1,0 +1,135 @@
+"""Files, report and terminal summary of a wheelset in three dimensions."""
+
+import csv
+import io
+
+import meshio
+import numpy as np
+import pytest
+from rich.console import Console
+from typer.testing import CliRunner
+
+from flangeway.cases import CASES
+from flangeway.cli.app import app
+from flangeway.report import case_outputs
+from flangeway.report.case_outputs import case_files, print_case, print_case_files, write_case
+from flangeway.report.spatial_wheelset.wheelset_patches import patch_map, side_sign
+
+INPUTS = {"lateral_force_kN": 60.0, "rail": "136RE", "wheel": "AAR-1B", "yaw_mrad": 5.0, "size_scale": 1.5}
+
+
+@pytest.fixture(scope="module")
+def run():
+    """A flange that is pressed to its rail: one patch on the left, two on the right, ahead of the axle by the yaw."""
+    return CASES["wheelset"].from_values(INPUTS).run()
+
+
+@pytest.fixture(scope="module")
+def folder(run, tmp_path_factory):
+    """All its files."""
+    out = tmp_path_factory.mktemp("wheelset")
+    files = write_case(run, out)
+    assert {file.name for file in files} == set(case_files(run.case))
+    return out
+
+
+def quads(path):
+    """Corners (n, 4, 3) of the cells of a surface, and their arrays."""
+    found = meshio.read(path)
+    return found.points[found.cells[0].data], {name: values[0] for name, values in found.cell_data.items()}
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_surfaces_carry_the_force_where_wheel_and_rail_meet(run, folder, side):
+    """Pressure times area of the rail's cells is the force on the wheel; the wheel's cells lie on those of the rail."""
+    corners, arrays = quads(folder / f"rail-{side}.vtu")
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
+    normals *= np.sign(normals[:, 1:2])
+    force = arrays["pressure_MPa"] @ normals
+    wanted = run.result.force_on_wheel_N(side)
+    np.testing.assert_allclose(force[:2], wanted, atol=5e-3 * np.linalg.norm(wanted))
+    loaded = arrays["pressure_MPa"] > 0.0
+    assert np.abs(arrays["gap_mm"][loaded]).max() < 1e-5
+    assert arrays["gap_mm"][~loaded].min() > -1e-5
+    on_wheel, of_wheel = quads(folder / f"wheel-{side}.vtu")
+    assert of_wheel["pressure_MPa"].max() == arrays["pressure_MPa"].max()
+    touching = on_wheel[of_wheel["pressure_MPa"] > 0.0]
+    # without indentation they overlap by the approach, much less than the size of a patch
+    assert np.linalg.norm(touching - corners[loaded], axis=-1).max() < 0.3
+    middle = run.result.equilibrium.state.sides[side].pose
+    axis, along = middle.axis * (side_sign(side), 1.0, 1.0), middle.middle * (side_sign(side), 1.0)
+    arms = touching.reshape(-1, 3) - np.append(along, 0.0)
+    radii = np.linalg.norm(arms - (arms @ axis)[:, None] * axis, axis=1)
+    inside = [patch.rolling_radius_mm for patch in run.result.patches if patch.side == side]
+    assert radii.min() < min(inside) <= max(inside) < radii.max()
+    # yaw: the right wheel is ahead and its flange root touches ahead of the axle, the left patch behind
+    assert (touching[..., 2].mean() > 1.0) == (side == "right")
+
+
+def test_collection_opens_all_surfaces(folder):
+    """The PVD names the four files."""
+    text = (folder / "wheelset.pvd").read_text(encoding="utf-8")
+    assert all(f'file="{role}-{side}.vtu"' in text for role in ("wheel", "rail") for side in ("left", "right"))
+
+
+def test_tables_hold_the_patches_and_the_stresses_below_them(run, folder):
+    """A row a patch with the summary's numbers, empty where there is none; the maxima below are the summary's."""
+    with (folder / "patches.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert [(row["side"], row["region"]) for row in rows] == [(p.side, p.region) for p in run.summary.patches]
+    assert sum(float(row["vertical_force_kN"]) for row in rows) == pytest.approx(200.0, rel=1e-5)
+    for row, patch in zip(rows, run.summary.patches, strict=True):
+        assert float(row["semi_axes_longer_mm"]) == pytest.approx(patch.semi_axes_mm[0], rel=1e-5)
+        assert float(row["wheel_position_x_mm"]) == pytest.approx(patch.wheel_position_mm[0], rel=1e-5)
+        assert float(row["in_rail_max_shear_MPa"]) == pytest.approx(patch.in_rail.max_shear_MPa, rel=1e-5)
+        assert bool(row["hertz_pressure_MPa"]) == (patch.hertz_pressure_MPa is not None)
+    with (folder / "subsurface.csv").open(encoding="utf-8") as file:
+        below = list(csv.DictReader(file))
+    for patch in run.summary.patches:
+        mises = [
+            float(row["von_mises_MPa"]) for row in below if (row["side"], row["region"]) == (patch.side, patch.region)
+        ]
+        assert max(mises) == pytest.approx(patch.in_rail.max_von_mises_MPa, rel=1e-5)
+
+
+def test_pictures_from_above_have_the_sides_of_the_track(run):
+    """Lengths grow to the right of the track from the middle of the profile; patches and ellipses stand in them."""
+    for patch in run.result.patches:
+        shown = patch_map(run.result, patch.side)
+        x, z = shown.centre(patch.ellipse)
+        # the profile's x is that of the right rail, away from the middle of the track
+        assert x == pytest.approx(side_sign(patch.side) * patch.rail_point_mm[0], rel=0.1, abs=0.1)
+        assert z == patch.centre_mm[2]
+        (left, low), (right, high) = shown.box
+        assert left < x < right
+        assert low < z < high
+
+
+def test_the_terminal_has_room_for_it(run, folder):
+    """Status first, then the patches and the position, in 80 columns and few lines; at last the files."""
+    console = Console(file=io.StringIO(), width=80)
+    print_case(console, run)
+    lines = console.file.getvalue().splitlines()
+    assert lines[0].startswith("wheelset: Converged")
+    assert len(lines) <= 25
+    assert max(map(len, lines)) <= 80
+    text = "\n".join(lines)
+    for patch in run.summary.patches:
+        assert f"{patch.max_pressure_MPa:.1f}" in text
+        assert f"{patch.normal_force_kN:.2f}" in text
+    print_case_files(console, run, [folder / name for name in case_files(run.case)])
+    assert "patches.csv" in console.file.getvalue()
+
+
+def test_numbers_are_printed_before_the_pictures_are_drawn(run, monkeypatch, tmp_path):
+    """A failure to draw comes after the numbers."""
+
+    def failing(*_):
+        raise MemoryError("pictures")
+
+    monkeypatch.setattr(type(run.case), "run", lambda *_, **__: run)
+    monkeypatch.setattr(case_outputs, "write_case", failing)
+    done = CliRunner().invoke(app, ["run", "wheelset", "--out", str(tmp_path / "out")])
+    assert done.exit_code != 0
+    assert f"{run.summary.patches[0].max_pressure_MPa:.1f}" in done.stdout
+    assert "Files" not in done.stdout
