@@ -12,6 +12,7 @@ from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import SummaryTable
 from flangeway.validation.published_numbers import digits, percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
+from flangeway.validation.spatial.profile_blocks import LIMIT
 from flangeway.validation.wheelset3d.element_methods import DIRECT_LIMIT, FORCE_LIMIT, METHODS
 from flangeway.validation.wheelset3d.element_methods import PRESSURE_LIMIT as METHODS_LIMIT
 from flangeway.validation.wheelset3d.manchester import FORCE_LIMIT as BENCHMARK_FORCE_LIMIT
@@ -109,7 +110,8 @@ WHEELSET3D = Reproduction(
         each side. Tangent and curve (500 m, 80 km/h, 60 mm of superelevation) at standard gauge by finite and virtual
         elements of both orders: forces to {percent(FORCE_LIMIT)}, pressures to {percent(METHODS_LIMIT)} beside those of
         {METHODS[0][0]} {METHODS[0][1]}. Patches of a tabulated compliance beside those of a mesh that is fine in the
-        patch, which is pressed directly: {percent(DIRECT_LIMIT)}.""",
+        patch, which is pressed directly: {percent(DIRECT_LIMIT)}. One position with true profiles, cut to blocks of
+        60 mm, beside C3D20 of CalculiX: {percent(LIMIT)}.""",
         (
             PagePicture(
                 "wheelset3d-manchester",

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.validation.published_numbers import Reproduced, Row
+from flangeway.validation.spatial.profile_blocks import pressed_profiles, profile_numbers
 from flangeway.validation.wheelset3d.element_methods import (
     DIRECT,
     MethodRun,
@@ -55,6 +56,8 @@ def reproduce_wheelset3d(
     for name in DIRECT:
         progress(name)
         numbers += direct_numbers(name)
+    progress("one position beside CalculiX")
+    numbers += profile_numbers(pressed_profiles())
     return Wheelset3dReproduction(
         positions=positions, runs=runs, numbers=tuple(numbers), seconds=time.perf_counter() - start
     )
