@@ -11,9 +11,10 @@ from typer.testing import CliRunner
 
 from flangeway.cases import CASES
 from flangeway.cli.app import app
+from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.report import case_outputs
 from flangeway.report.case_outputs import case_files, print_case, print_case_files, write_case
-from flangeway.report.spatial_wheelset.wheelset_patches import patch_map, side_sign
+from flangeway.report.spatial_wheelset.wheelset_patches import patch_map
 
 INPUTS = {"lateral_force_kN": 60.0, "rail": "136RE", "wheel": "AAR-1B", "yaw_mrad": 5.0, "size_scale": 1.5}
 
@@ -57,7 +58,7 @@ def test_surfaces_carry_the_force_where_wheel_and_rail_meet(run, folder, side):
     # without indentation they overlap by the approach, much less than the size of a patch
     assert np.linalg.norm(touching - corners[loaded], axis=-1).max() < 0.3
     middle = run.result.equilibrium.state.sides[side].pose
-    axis, along = middle.axis * (side_sign(side), 1.0, 1.0), middle.middle * (side_sign(side), 1.0)
+    axis, along = middle.axis * (SIDE_SIGN[side], 1.0, 1.0), middle.middle * (SIDE_SIGN[side], 1.0)
     arms = touching.reshape(-1, 3) - np.append(along, 0.0)
     radii = np.linalg.norm(arms - (arms @ axis)[:, None] * axis, axis=1)
     inside = [patch.rolling_radius_mm for patch in run.result.patches if patch.side == side]
@@ -98,7 +99,7 @@ def test_pictures_from_above_have_the_sides_of_the_track(run):
         shown = patch_map(run.result, patch.side)
         x, z = shown.centre(patch.ellipse)
         # the profile's x is that of the right rail, away from the middle of the track
-        assert x == pytest.approx(side_sign(patch.side) * patch.rail_point_mm[0], rel=0.1, abs=0.1)
+        assert x == pytest.approx(SIDE_SIGN[patch.side] * patch.rail_point_mm[0], rel=0.1, abs=0.1)
         assert z == patch.centre_mm[2]
         (left, low), (right, high) = shown.box
         assert left < x < right

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.contact.patch.contact_ellipse import CellForces
 from flangeway.contact.patch.elastic_surface import ElasticSurface, half_spaces_on
 from flangeway.contact.patch.normal_contact import Convolution
 from flangeway.geometry import Placement
@@ -159,23 +160,17 @@ class SideState:
     stiffness: Floats
 
     @property
-    def at_end(self) -> Bools:
-        """Cells at the ends of the window, shape (n, n_z)."""
-        return self.grid.grid.at_edge
+    def cells(self) -> CellForces:
+        """Forces on the cells, in the right-hand form of the side."""
+        grid = self.grid.grid
+        return CellForces(self.forces, grid.cells, self.points, self.normals, grid.z, grid.strip)
 
     @property
     def resultant(self) -> Floats:
         """Force on the wheel (x, y) and moment about the middle of the axle, counter-clockwise, shape (3,)."""
-        return self._sums(self.forces[..., None])[:, 0]
-
-    def _sums(self, forces: Floats) -> Floats:
-        """Resultants of normal forces (n, n_z, m), shape (3, m)."""
-        on_wheel = np.einsum("izm,ix->izxm", forces, self.normals)
-        arms = self.gap.arms
-        moment = np.einsum("iz,izm->m", arms[..., 0], on_wheel[:, :, 1]) - np.einsum(
-            "iz,izm->m", arms[..., 1], on_wheel[:, :, 0]
-        )
-        return np.vstack((on_wheel.sum(axis=(0, 1)), moment))
+        on_wheel, arms = self.forces[..., None] * self.normals[:, None], self.gap.arms
+        moment = (arms[..., 0] * on_wheel[..., 1] - arms[..., 1] * on_wheel[..., 0]).sum()
+        return np.append(on_wheel.sum(axis=(0, 1)), moment)
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
+from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
 from flangeway.exact.half_space_stresses import pressure_stresses
@@ -19,7 +19,7 @@ from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.spatial_wheelset import SpatialState, SpatialWheelset
 from flangeway.railway.spatial.supported_rail import supported_rail
 from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_model import region_of
@@ -51,18 +51,14 @@ class SpatialPatch:
     materials: Mapping[Role, tuple[float, float]]
 
     @property
-    def _sign(self) -> float:
-        return 1.0 if self.side == "right" else -1.0
-
-    @property
     def force_on_wheel_N(self) -> Floats:  # noqa: N802
         """Force on the wheel in the track's axes, shape (2,)."""
-        return self.ellipse.force * (self._sign, 1.0)
+        return self.ellipse.force * (SIDE_SIGN[self.side], 1.0)
 
     @property
     def centre_mm(self) -> Floats:
         """Centre of pressure in the track's axes: x to the right, y up, z ahead of the axle, shape (3,)."""
-        return self.ellipse.centre * (self._sign, 1.0, 1.0)
+        return self.ellipse.centre * (SIDE_SIGN[self.side], 1.0, 1.0)
 
     @property
     def contact_angle_rad(self) -> float:
@@ -109,12 +105,6 @@ class SpatialPatch:
         normals = self.state.normals[self.ellipse.inside.any(axis=1)]
         return float(np.rad2deg(np.ptp(np.arctan2(normals[:, 0], normals[:, 1]))))
 
-    @property
-    def cells(self) -> CellForces:
-        """Forces on the cells of the side."""
-        grid = self.state.grid.grid
-        return CellForces(self.state.forces, grid.cells, self.state.points, self.state.normals, grid.z, grid.strip)
-
     @cached_property
     def hertz(self) -> PointContact | None:
         """Hertz's contact for its force and the curvatures of its gap, None where these vary too much."""
@@ -124,7 +114,7 @@ class SpatialPatch:
         if min(self.ellipse.cells) < 3 or not approach > 0.0:
             return None
         modulus = contact_modulus(*(young / (1.0 - poisson**2) for young, poisson in self.materials.values()))
-        return self.cells.hertz(self.ellipse, gaps, approach, modulus)
+        return self.state.cells.hertz(self.ellipse, gaps, approach, modulus)
 
     @property
     def remark(self) -> str:
@@ -138,7 +128,7 @@ class SpatialPatch:
         Axes: x along the surface, y along its outward normal, z along the track.
         """
         grid, ellipse = self.state.grid.grid, self.ellipse
-        pressures = np.where(ellipse.inside, self.cells.pressures, 0.0)
+        pressures = np.where(ellipse.inside, self.state.cells.pressures, 0.0)
         rows, strips = ellipse.inside.any(axis=1), ellipse.inside.any(axis=0)
         depths: Floats = np.geomspace(DEPTHS[0] * ellipse.semi_axes[1], DEPTHS[1] * ellipse.semi_axes[0], N_DEPTHS)
         places = np.stack(
@@ -203,14 +193,14 @@ class SpatialResult:
 
     def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
         """Contact force on the wheel of a side, axes of the track, shape (2,)."""
-        return self.equilibrium.state.sides[side].resultant[:2] * (1.0 if side == "right" else -1.0, 1.0)
+        return self.equilibrium.state.sides[side].resultant[:2] * (SIDE_SIGN[side], 1.0)
 
     def head_motion(self, side: Side) -> tuple[float, float, float, float]:
         """Motion of a rail's head in the track's axes, lateral, vertical and roll, and that of its gauge face outwards.
 
         See `flangeway.railway.spatial.side_contact.GriddedSide.rail_motion`.
         """
-        state, sign = self.equilibrium.state.sides[side], 1.0 if side == "right" else -1.0
+        state, sign = self.equilibrium.state.sides[side], SIDE_SIGN[side]
         (lateral, vertical, roll), outward = state.grid.rail_motion(state.forces)
         return sign * float(lateral), float(vertical), sign * float(roll), float(outward)
 
@@ -219,7 +209,7 @@ class SpatialResult:
         lateral, vertical = self.force_on_wheel_N(side)
         if not vertical > 0.0:
             return float("nan")
-        return float(lateral / vertical) * (-1.0 if side == "right" else 1.0)
+        return float(lateral / vertical) * -SIDE_SIGN[side]
 
 
 def solve_spatial(
@@ -258,9 +248,7 @@ def solve_position(
     patches: list[SpatialPatch] = []
     for side in SIDES if equilibrium.status.converged else ():
         state = equilibrium.state.sides[side]
-        grid = state.grid.grid
-        cells = CellForces(state.forces, grid.cells, state.points, state.normals, grid.z, grid.strip)
-        patches += [SpatialPatch(side, state, each, materials) for each in cells.patches()]
+        patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches()]
     timings["contact"] = time.perf_counter() - begun
     status, warnings = equilibrium.status, []
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
@@ -292,9 +280,8 @@ def solve_position(
         for patch in patches
         if patch.ellipse.area < NO_ELLIPSE * np.pi * np.prod(patch.ellipse.semi_axes)
     ]
-    if status.converged and equilibrium.stable is False:
-        warnings.append("the position is not stable: the wheelset moves away from it after a small push")
-    cut = [side for side, state in equilibrium.state.sides.items() if (state.forces > 0.0)[state.at_end].any()]
+    sides = equilibrium.state.sides.items()
+    cut = [side for side, state in sides if (state.forces > 0.0)[state.grid.grid.at_edge].any()]
     if cut and status.converged:
         status = Status(
             False,

@@ -5,7 +5,6 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-import scipy.ndimage
 
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
@@ -19,7 +18,7 @@ from flangeway.railway.spatial.side_contact import (
 )
 from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred
 from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import LOWERED, Equilibrium, search_equilibrium
@@ -90,10 +89,6 @@ class SpatialState:
         return np.concatenate([state.forces.ravel() for state in self.sides.values()])
 
 
-def _sign(side: Side) -> float:
-    return 1.0 if side == "right" else -1.0
-
-
 @dataclass(frozen=True, eq=False)
 class SpatialContact:
     """Contact of a wheelset on given grids; see `flangeway.railway.wheelset.equilibrium.AxleContact`."""
@@ -131,24 +126,29 @@ class SpatialContact:
         """See `flangeway.railway.wheelset.residual.with_loads`."""
         total = np.zeros(3)
         for side, found in state.sides.items():
-            total += np.array([_sign(side), 1.0, _sign(side)]) * found.resultant
+            total += _signs(side) * found.resultant
         return with_loads(self.problem, position, total)
 
     def jacobian_of(self, position: WheelsetPosition, state: SpatialState) -> Floats:
         """Derivatives of the residual by lateral and vertical displacement and roll, shape (3, 3)."""
         total = np.zeros((3, 3))
         for side, found in state.sides.items():
-            signs = np.array([_sign(side), 1.0, _sign(side)])
+            signs = _signs(side)
             total += signs[:, None] * found.stiffness[:, :3] * signs
         total[2, 2] += loads_of(self.problem).moment_by_roll(position.roll_rad)
         return total
+
+
+def _signs(side: Side) -> Floats:
+    """Signs of a force (x, y) and a moment, from the right-hand form of a side to the track's axes."""
+    return np.array([SIDE_SIGN[side], 1.0, SIDE_SIGN[side]])
 
 
 def pose_of(
     problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, tilt_rad: float = 0.0
 ) -> WheelPose:
     """Pose of a wheel in the right-hand form of its side."""
-    sign = _sign(side)
+    sign = SIDE_SIGN[side]
     x, y = position.axle(problem.wheelset)
     seat = abs(problem.wheelset.placement(side).translation[0])
     return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
@@ -261,10 +261,9 @@ class SpatialWheelset:
 
     def _tilts(self, resultants: Mapping[Side, Floats]) -> Floats:
         """Tilts of the left and the right wheel under forces in the right-hand form of each, (2,)."""
-        signs = {side: np.array([_sign(side), 1.0, _sign(side)]) for side in SIDES}
         total = np.zeros(2)
         for number, side in enumerate(SIDES):
-            total += self._tilts_by_forces[number] @ (signs[side] * resultants[side])
+            total += self._tilts_by_forces[number] @ (_signs(side) * resultants[side])
         return total
 
     def _pressed(
@@ -306,17 +305,17 @@ class SpatialWheelset:
         history = []
         by_forces = self._tilts_by_forces
         for iteration in range(MOST_STEPS):
-            total, jacobian, resultants = np.zeros(3), np.zeros((5, 5)), {}
-            changes = {}
+            total, jacobian = np.zeros(3), np.zeros((5, 5))
+            resultants, own, changes = {}, {}, {}
             for number, (side, newton) in enumerate(sides.items()):
                 newton.linearise(pose_of(problem, position, side, self.model.yaw_rad, tilts[number]))
                 forces, by = newton.solve()
-                resultants[side], slopes = newton.stiffness(forces, by)
-                signs = np.array([_sign(side), 1.0, _sign(side)])
+                resultants[side], own[side] = newton.stiffness(forces, by)
+                signs = _signs(side)
                 columns = [0, 1, 2, 3 + number]  # of the axle's x, y and roll and this side's tilt
                 changes[side] = forces, by * [*signs, signs[0]], columns
                 resultants[side] = signs * resultants[side]
-                slopes = signs[:, None] * slopes * [*signs, signs[0]]
+                slopes = signs[:, None] * own[side] * [*signs, signs[0]]
                 total += resultants[side]
                 jacobian[:3, columns] += slopes
                 jacobian[3:, columns] -= by_forces[number] @ slopes
@@ -345,7 +344,7 @@ class SpatialWheelset:
             if error <= tolerance and float(np.abs(tilts - bent).max()) <= share * FINE_TILT_RAD and settled:
                 message = f"contact forces and load are in equilibrium to {error:.1e}"
                 status = Status(True, message, iteration)
-                state = SpatialState({side: each.state(status, jacobian[:3]) for side, each in sides.items()})
+                state = SpatialState({side: each.state(status, own[side]) for side, each in sides.items()})
                 # the tilts follow the position
                 whole = jacobian[:3, :3] - jacobian[:3, 3:] @ np.linalg.solve(jacobian[3:, 3:], jacobian[3:, :3])
                 stable = is_stable(problem, whole) if free.all() else None
@@ -390,19 +389,16 @@ class _Window:
 
 
 def _windows(state: SideState) -> list[_Window]:
-    """One for each patch; those that overlap across are one."""
-    grid, loaded = state.grid.grid, state.forces > 0.0
-    labels, count = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
+    """One for each patch."""
+    grid = state.grid.grid
     found: list[_Window] = []
-    for number in range(1, count + 1):
-        inside = labels == number
-        rows, columns = np.flatnonzero(inside.any(axis=1)), np.flatnonzero(inside.any(axis=0))
+    for patch in state.cells.patches():
+        rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
         new = _Window(
             (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
             (float(grid.z[columns[0]]) - grid.strip / 2.0, float(grid.z[columns[-1]]) + grid.strip / 2.0),
-            int(inside.sum(axis=0).max()),
-            int(inside.sum(axis=1).max()),
-            float(state.forces[inside].sum() / state.forces.sum()),
+            *patch.cells,
+            float(state.forces[patch.inside].sum() / state.forces.sum()),
             float(grid.widths[rows].max()),
         )
         found.append(new)

@@ -19,6 +19,8 @@ from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
+SIDE_SIGN: dict[Side, float] = {"left": -1.0, "right": 1.0}
+"""Sign of x from the right-hand form of a side to the track's axes."""
 
 
 @dataclass(frozen=True)

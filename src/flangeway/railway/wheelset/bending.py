@@ -12,7 +12,7 @@ from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post import force_through_cut
 from flangeway.problems import ElasticField
 from flangeway.railway.profiles.bundled import RailProfile
-from flangeway.railway.track.placements import Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, Side, WheelsetPosition
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
 
@@ -99,7 +99,7 @@ def rail_bending(result: WheelsetResult, side: Side) -> RailBending:
 
     top, gauge = top_and_gauge(profile, placement.matrix, track.gauge_depth_mm or GAUGE_DEPTH_MM)
     lateral, vertical = moved(top)
-    outward = float(moved(gauge)[0]) * (1.0 if side == "right" else -1.0)
+    outward = float(moved(gauge)[0]) * SIDE_SIGN[side]
     height, left, right = narrowest_web(profile.outline)
     cut = force_through_cut(ElasticField(body.elasticity, displacement), (right + 1.0, height), (left - 1.0, height))
     middle = np.array([(left + right) / 2.0, height])

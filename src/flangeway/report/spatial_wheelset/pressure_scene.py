@@ -5,9 +5,9 @@ import numpy as np
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.mesh import PolyMesh
 from flangeway.railway.spatial.spatial_result import SpatialResult
-from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.report.spatial.patch_map import strip_mesh
-from flangeway.report.spatial_wheelset.wheelset_patches import patch_name, side_cells, side_sign
+from flangeway.report.spatial_wheelset.wheelset_patches import patch_name
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.types import Floats, Ints
 
@@ -46,7 +46,7 @@ def pressure_scene(run: SpatialWheelsetRun) -> Scene:
 
 def _part(result: SpatialResult, side: Side, ends: tuple[float, float]) -> ShownPart:
     state = result.equilibrium.state.sides[side]
-    surfaces, cells = state.grid.surfaces, side_cells(state)
+    surfaces, cells = state.grid.surfaces, state.cells
     depths = surfaces.rail_points(surfaces.rail_stations[:, 1])[0][:, 1]
     lowest = min(-DEEP_MM, float(cells.points[:, 1].min()) - BELOW_MM)
     stations = surfaces.rail_stations[depths > lowest, 1]
@@ -63,7 +63,7 @@ def _part(result: SpatialResult, side: Side, ends: tuple[float, float]) -> Shown
     heights = np.repeat(points[:, 1], len(z)) + RAISED_MM_PER_MPA * at_nodes.ravel()
     # lengths along the surface run to the gauge side: the cells of the right rail are turned over
     rows: Ints = np.stack((np.arange(len(nodes) - 1), np.arange(1, len(nodes))), axis=1)
-    mesh = strip_mesh(side_sign(side) * points[:, 0], z, rows if side == "left" else rows[:, ::-1])
+    mesh = strip_mesh(SIDE_SIGN[side] * points[:, 0], z, rows if side == "left" else rows[:, ::-1])
     # first the cells of the contact, with the numbers of the VTU file
     order = np.argsort(later.ravel(), kind="stable")
     mesh = PolyMesh(mesh.points, mesh.cell_offsets, mesh.cell_points.reshape(-1, 4)[order].ravel())

@@ -17,9 +17,9 @@ from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_gap import FAR_MM, wheel_gap
 from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.track.placements import Side
+from flangeway.railway.track.placements import SIDE_SIGN, Side
 from flangeway.report.spatial.patch_map import surface_mesh
-from flangeway.report.spatial_wheelset.wheelset_patches import lines_below, side_cells, side_sign
+from flangeway.report.spatial_wheelset.wheelset_patches import lines_below
 from flangeway.types import Bools, Floats
 
 PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
@@ -37,10 +37,10 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     without the indentation at the contact. The gap is nan where no wheel is opposite.
     """
     state = result.equilibrium.state.sides[side]
-    nodes, z, mesh = surface_mesh(side_cells(state))
+    nodes, z, mesh = surface_mesh(state.cells)
     on_rail, on_wheel, met = _corners(state, nodes, z)
     places = on_wheel if role == "wheel" else on_rail
-    places[..., 0] *= side_sign(side)
+    places[..., 0] *= SIDE_SIGN[side]
     corners = mesh.cell_points.reshape(-1, 4)
     opposite = met.ravel()[corners].all(axis=1)
     chosen = opposite if role == "wheel" else np.ones_like(opposite)
@@ -48,7 +48,7 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     offsets = 4 * np.arange(chosen.sum() + 1, dtype=np.int32)
     mesh = PolyMesh(mesh.points[used], offsets, numbers.ravel().astype(np.int32))
     gaps = np.where(opposite, state.gaps.ravel(), np.nan)
-    values = {"pressure_MPa": side_cells(state).pressures.ravel()[chosen], "gap_mm": gaps[chosen]}
+    values = {"pressure_MPa": state.cells.pressures.ravel()[chosen], "gap_mm": gaps[chosen]}
     write_vtu(path, mesh, cell_data=values, positions=places.reshape(-1, 3)[used])
 
 

@@ -8,12 +8,10 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Polygon
 
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
-from flangeway.contact.patch.contact_ellipse import CellForces
 from flangeway.geometry import Placement
-from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.spatial_result import SpatialPatch, SpatialResult
 from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.report.figures.drawing import (
     GREY,
     HALO,
@@ -49,17 +47,6 @@ def patch_name(patch: SpatialPatch, patches: Sequence[SpatialPatch]) -> str:
     return patch.side if alone else f"{patch.side}, {patch.region}"
 
 
-def side_sign(side: Side) -> float:
-    """Sign of x from the right-hand form of a side to the track's axes."""
-    return 1.0 if side == "right" else -1.0
-
-
-def side_cells(state: SideState) -> CellForces:
-    """Forces on the cells of a side, in its right-hand form."""
-    grid = state.grid.grid
-    return CellForces(state.forces, grid.cells, state.points, state.normals, grid.z, grid.strip)
-
-
 def patch_map(result: SpatialResult, side: Side) -> PatchMap:
     """Patches of a side from above, right of the track to the right; lengths from the middle of the rail's profile."""
     state = result.equilibrium.state.sides[side]
@@ -68,7 +55,7 @@ def patch_map(result: SpatialResult, side: Side) -> PatchMap:
     at = surfaces.rail.at(arcs)
     middle = surfaces.rail_frame.inverse().points(np.stack((at.x, at.y), axis=1))[:, 0]
     patches = [(patch.ellipse, patch.hertz) for patch in result.patches if patch.side == side]
-    return PatchMap(side_cells(state), patches, float(np.interp(0.0, middle, stations)), side_sign(side))
+    return PatchMap(state.cells, patches, float(np.interp(0.0, middle, stations)), SIDE_SIGN[side])
 
 
 def section_figure(run: SpatialWheelsetRun) -> Figure:
@@ -101,7 +88,7 @@ def _draw_side(axes: Axes, run: SpatialWheelsetRun, side: Side, highest: float) 
     rail = Placement.about(tuple(rail[rail[:, 1].argmax()].tolist()), head.roll_rad).points(rail)
     for points in (rail + np.array([head.lateral_mm, head.vertical_mm]), wheel):
         axes.add_patch(Polygon(points, closed=True, facecolor=STEEL, edgecolor=INK, lw=0.8, alpha=0.85))
-    state, mirror = result.equilibrium.state.sides[side], np.array([side_sign(side), 1.0])
+    state, mirror = result.equilibrium.state.sides[side], np.array([SIDE_SIGN[side], 1.0])
     points, normals, shown = state.points * mirror, state.normals * mirror, patch_map(result, side)
     for rows in shown.runs:
         values = shown.cells.pressures[rows].max(axis=1)
@@ -128,7 +115,7 @@ def _draw_side(axes: Axes, run: SpatialWheelsetRun, side: Side, highest: float) 
             ha="left" if outer > 0.0 else "right",
         )  # fmt: skip
     top = rail[rail[:, 1] > -15.0, 0]
-    middle = np.array([(top.min() + top.max()) / 2.0 - GAUGE_SIDE_MM * side_sign(side), -5.0])
+    middle = np.array([(top.min() + top.max()) / 2.0 - GAUGE_SIDE_MM * SIDE_SIGN[side], -5.0])
     equal_axes(axes, np.stack((middle - HALF_VIEW_MM, middle + HALF_VIEW_MM)))
 
 

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.contact.patch.contact_ellipse import CellForces, ContactEllipse
+from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.elastic_surface import ElasticSurface
 from flangeway.errors import InputError
 from flangeway.railway.spatial.running_surfaces import SpatialModel
@@ -13,7 +13,7 @@ from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideSt
 from flangeway.railway.spatial.side_newton import solve_side
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset, finer, pose_of
 from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.track.placements import Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, Side, WheelsetPosition
 from flangeway.types import Floats
 
 FORCE_TOLERANCE = 1e-8
@@ -46,8 +46,7 @@ class PressedWheel:
     @cached_property
     def patches(self) -> list[ContactEllipse]:
         """Separate patches, by falling force."""
-        state, grid = self.state, self.state.grid.grid
-        return CellForces(state.forces, grid.cells, state.points, state.normals, grid.z, grid.strip).patches()
+        return self.state.cells.patches()
 
     @property
     def normal_force(self) -> float:
@@ -93,7 +92,7 @@ def pressed_wheel(
 
     An `InputError` if there is no such position.
     """
-    sign = 1.0 if side == "right" else -1.0
+    sign = SIDE_SIGN[side]
     touch = wheelset.geometry.side(side).touches(np.array([sign * lateral_mm]), np.array([sign * roll_rad]))
     surfaces, first = wheelset.surfaces[side], touch.lift[0, 0] - wheelset.problem.wheelset.tape_radius_mm
     position = WheelsetPosition(lateral_mm, first - FIRST_MM, roll_rad)

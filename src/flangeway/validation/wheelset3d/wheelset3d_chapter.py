@@ -63,7 +63,7 @@ def curve_figure(found: Wheelset3dReproduction) -> Figure:
     for axes, run in zip(every, runs, strict=True):
         patches = [each for each in run.result.patches if each.side == "right"]
         grid = patches[0].state.grid.grid
-        pressures = patches[0].cells.pressures
+        pressures = patches[0].state.cells.pressures
         along = grid.strip * np.append(grid.planes - 0.5, grid.planes[-1] + 0.5)
         for first in range(len(grid.cells)):
             row = pressures[first : first + 1]
