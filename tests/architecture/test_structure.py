@@ -13,7 +13,7 @@ MAX_FILES = 20
 MAX_LINES = {
     "": 410,
     "system": 720,
-    "exact": 1010,
+    "exact": 1110,
     "geometry": 1260,
     "mesh": 2480,
     "formats": 1790,
@@ -23,13 +23,13 @@ MAX_LINES = {
     "problems": 2215,
     "solve": 3090,
     "contact": 6220,
-    "post": 1830,
+    "post": 1845,
     "railway.profiles": 3300,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1765,
     "railway.positions": 2500,
-    "railway.spatial": 2615,
+    "railway.spatial": 2590,
     "cases": 6570,
     "campaign": 1880,
     "report": 6830,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 58_845
-MAX_FILES_OF_ALL = 317
+MAX_LINES_OF_ALL = 58_935
+MAX_FILES_OF_ALL = 318
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -3,14 +3,15 @@
 import numpy as np
 import pytest
 
-from flangeway.exact.half_space_stresses import pressure_stresses
+from flangeway.exact import LineContact
+from flangeway.exact.half_space_stresses import half_space_stresses
 
 
 def test_a_square_under_pressure_has_the_stresses_of_love() -> None:
     """On the vertical through the middle of a unit square, nu = 0.28, they are those that CONTACT prints."""
     side = np.array([[-0.5, 0.5]])
     places = np.array([[1e-5, depth, 1e-5] for depth in (1e-9, 0.5, 1.0, 2.5)])
-    found = pressure_stresses(side, side, np.ones((1, 1)), places, 0.28)
+    found = half_space_stresses(side, side, np.ones((1, 1)), places, 0.28)
     expected = [(-0.779977, -1.0), (-0.076223, -0.700842), (0.0039711, -0.336086), (0.0044575, -0.071611)]
     assert found[:, [2, 1]] == pytest.approx(np.array(expected), abs=5e-5)
     # CONTACT's example has a shear traction along x too, which changes nothing along z but a little at its points
@@ -24,7 +25,7 @@ def test_below_a_circular_patch_stresses_are_those_of_hertz() -> None:
     pressures = np.sqrt(np.maximum(1.0 - middles[:, None] ** 2 - middles**2, 0.0))
     cells = np.stack((ends[:-1], ends[1:]), axis=1)
     depth = np.array([0.2, 0.48, 1.0, 2.0])
-    found = pressure_stresses(cells, cells, pressures, np.stack((0 * depth, depth, 0 * depth), axis=1), 0.3)
+    found = half_space_stresses(cells, cells, pressures, np.stack((0 * depth, depth, 0 * depth), axis=1), 0.3)
     across = -1.3 * (1.0 - depth * np.arctan(1.0 / depth)) + 0.5 / (1.0 + depth**2)
     assert found[:, 1] == pytest.approx(-1.0 / (1.0 + depth**2), abs=2e-4)
     assert found[:, 0] == pytest.approx(across, abs=2e-4)
@@ -34,6 +35,105 @@ def test_stresses_are_in_equilibrium_with_the_load() -> None:
     """Over a plane at any depth s_dd sums to the load, and s_xx + s_dd + s_zz follows from the displacements' trace."""
     side, grid = np.array([[-1.0, 1.0]]), np.linspace(-60.0, 60.0, 241)
     x, z = (each.ravel() for each in np.meshgrid(grid, grid))
-    found = pressure_stresses(side, side, np.ones((1, 1)), np.stack((x, np.full(len(x), 1.5), z), axis=1), 0.3)
+    found = half_space_stresses(side, side, np.ones((1, 1)), np.stack((x, np.full(len(x), 1.5), z), axis=1), 0.3)
     assert found[:, 1].sum() * 0.25 == pytest.approx(-4.0, rel=1e-3)
     assert abs(found[:, 3].sum()) < 1e-9
+
+
+CONTACT_POINTS = np.array(
+    [
+        [0.3, -0.4, 0.1, -0.864101, 0.296902, -0.566810, -0.403571, 0.183308, -0.935386],
+        [0.3, -0.2, 0.1, -1.05978, 0.103830, -0.670981, -0.569934, 0.037374, -1.02690],
+        [0.8, -0.2, 0.1, -0.631649, 0.061648, -0.141964, -0.130795, 0.017619, -0.030653],
+        [-1.0, -0.2, 0.5, 0.107307, 0.019454, -0.045738, -0.025230, -0.0069089, 0.024520],
+        [0.3, -0.2, 0.5, -0.184195, 0.053426, -0.273123, -0.071829, 0.110174, -0.689986],
+        [0.8, 2.0, 0.5, -0.018456, -0.018452, -0.0053410, -0.028997, -0.012451, -0.0033882],
+        [-1.0, 2.0, 1.667, -0.0004734, -0.0005499, 0.0030386, -0.0068664, -0.0068915, -0.0060704],
+    ]
+)
+"""x, y, depth, then xx, xy, xz, yy, yz, zz as CONTACT prints them (examples/subsurf), p = 1 and q_x = 0.999."""
+
+
+def test_a_square_under_pressure_and_shear_has_the_stresses_of_contact() -> None:
+    """All six stresses at seven points, along x and, turned by a right angle, along z, to the printed digits."""
+    square = np.array([[-0.5, 0.5]])
+    # CONTACT's square is a little beside the origin, to break the symmetry
+    shift = (1e-4, 2e-4)
+    x, y, depth = CONTACT_POINTS[:, :3].T
+    shears = np.array([[[0.999, 0.0]]])
+    found = half_space_stresses(
+        square + shift[0], square + shift[1], np.ones((1, 1)), np.stack((x, depth, y), axis=1), 0.28, shears
+    )
+    assert found[:, [0, 5, 3, 2, 4, 1]] == pytest.approx(CONTACT_POINTS[:, 3:], abs=2e-6, rel=2e-5)
+    turned = half_space_stresses(
+        square + shift[1],
+        square + shift[0],
+        np.ones((1, 1)),
+        np.stack((y, depth, x), axis=1),
+        0.28,
+        shears[:, :, ::-1],
+    )
+    assert turned[:, [2, 1, 0, 4, 3, 5]] == pytest.approx(found, abs=1e-14)
+
+
+def test_under_sliding_cylinders_stresses_are_those_of_mcewen() -> None:
+    """Under a long strip with p = sqrt(1 - x^2) and q = 0.4 p they are those of plane strain, to 1e-4 of p0."""
+    ends = -np.cos(np.linspace(0.0, np.pi, 201))
+    cells = np.stack((ends[:-1], ends[1:]), axis=1)
+    forces = np.diff((ends * np.sqrt(1.0 - ends**2) + np.arcsin(ends)) / 2.0)
+    pressures = (forces / np.diff(ends))[:, None]
+    shears = np.concatenate((0.4 * pressures, 0.0 * pressures), axis=1)[:, None]
+    x, depth = np.array([-1.2, -0.8, 0.05, 0.3, 0.95]), np.array([0.1, 0.2, 0.8, 0.5, 0.3])
+    places = np.stack((x, depth, 0.0 * x), axis=1)
+    found = half_space_stresses(cells, np.array([[-4e3, 4e3]]), pressures, places, 0.3, shears)
+    exact = LineContact.of_max_pressure(1.0, 1.0, 1.0)
+    assert exact.half_width == pytest.approx(2.0)  # lengths are halved below
+    plane = exact.stresses(2.0 * x, 2.0 * depth)
+    plane = plane + 0.4 * np.stack((mcewen_shear(x, depth), plane[:, 2], plane[:, 0]), axis=1)
+    assert found[:, [0, 1, 3]] == pytest.approx(plane, abs=1e-4)
+    assert found[:, 2] == pytest.approx(0.3 * (plane[:, 0] + plane[:, 1]), abs=1e-4)
+
+
+def mcewen_shear(x: np.ndarray, depth: np.ndarray) -> np.ndarray:
+    """s_xx under q = sqrt(1 - x^2) (McEwen, 1949; Johnson, 1985, eq. 7.8), by the root of a complex number."""
+    root = np.sqrt(1.0 - (x + 1j * depth) ** 2)
+    m, n = np.abs(root.real), np.sign(x) * np.abs(root.imag)
+    return n * (2.0 - (depth**2 - m**2) / (m**2 + n**2)) - 2.0 * x
+
+
+def test_stresses_by_shear_are_in_equilibrium_and_their_strains_compatible() -> None:
+    """Differences of the stresses under random loads: div s = 0, and Beltrami's equations, to their own error."""
+    random = np.random.default_rng(3)
+    x, z = np.array([[-0.5, 0.3], [0.3, 1.0]]), np.array([[-0.2, 0.5], [0.5, 0.9]])
+    loads, shears = random.random((2, 2)), random.random((2, 2, 2)) - 0.5
+    places, h = np.array([[0.2, 0.4, 0.1], [-0.7, 0.3, 1.0], [0.5, 1.0, -2.0]]), 1e-3
+    steps = h * np.eye(3)
+
+    def at(points: np.ndarray) -> np.ndarray:
+        return half_space_stresses(x, z, loads, points, 0.3, shears)
+
+    def tensors(components: np.ndarray) -> np.ndarray:
+        return components[:, [[0, 3, 5], [3, 1, 4], [5, 4, 2]]]
+
+    here = at(places)
+    ahead, behind = ([at(places + sign * step) for step in steps] for sign in (1.0, -1.0))
+    divergence = sum(tensors(a - b)[:, axis] for axis, (a, b) in enumerate(zip(ahead, behind, strict=True))) / (2.0 * h)
+    assert np.abs(divergence).max() < 1e-4
+    laplacian = tensors(sum(a + b - 2.0 * here for a, b in zip(ahead, behind, strict=True)) / h**2)
+    mixed = np.empty_like(laplacian)
+    for i, j in np.ndindex(3, 3):
+        traces = [
+            first * second * at(places + first * steps[i] + second * steps[j])[:, :3].sum(axis=1)
+            for first in (1.0, -1.0)
+            for second in (1.0, -1.0)
+        ]
+        mixed[:, i, j] = sum(traces) / (4.0 * h**2)
+    assert np.abs(laplacian + mixed / 1.3).max() < 1e-4
+
+
+def test_at_the_surface_stresses_are_the_tractions() -> None:
+    """Just below a point of a loaded rectangle they are its pressure and shears, beside it zero."""
+    x, z = np.array([[-1.0, 1.0]]), np.array([[-0.5, 0.5], [0.5, 2.0]])
+    loads, shears = np.array([[2.0, 1.0]]), np.array([[[0.3, -0.6], [0.2, 0.1]]])
+    found = half_space_stresses(x, z, loads, np.array([[0.3, 1e-7, 0.2], [0.3, 1e-7, 2.4]]), 0.3, shears)
+    assert found[:, [1, 3, 4]] == pytest.approx(np.array([[-2.0, -0.3, 0.6], [0.0, 0.0, 0.0]]), abs=1e-5)

@@ -1,11 +1,18 @@
-"""Stresses inside a half-space under uniform pressures on rectangles (Love, 1929, Phil. Trans. R. Soc. A 228).
+"""Stresses inside a half-space under uniform tractions on rectangles.
 
-With the distance r from a point of the loaded surface, ``V = int p / r`` and ``X = int p log(d + r)`` at the depth d,
+With the distance r from a point of the loaded surface, ``V = int p / r``, ``X = int p log(d + r)`` and
+``W = int p (d log(d + r) - r)`` at the depth d, a pressure p gives (Love, 1929, Phil. Trans. R. Soc. A 228)
 
     s_dd = (V_d - d V_dd) / (2 pi),       s_xd = -d V_xd / (2 pi),
     s_xx = (2 nu V_d - d V_xx - (1 - 2 nu) X_xx) / (2 pi),   s_xz = -(d V_xz + (1 - 2 nu) X_xz) / (2 pi)
 
-and alike along z. Second derivatives are sums over the corners of a rectangle.
+and alike along z, and a shear traction p along x (Cerruti; Johnson, 1985, "Contact Mechanics", 3.7)
+
+    s_xx = (2 (1 + nu) V_x + 2 nu W_xxx - d X_xxx) / (2 pi),      s_dd = -d V_xd / (2 pi),
+    s_zz = (2 nu V_x + 2 nu W_xzz - d X_xzz) / (2 pi),            s_xd = (V_d - d V_xx) / (2 pi),
+    s_xz = (V_z + 2 nu W_xxz - d X_xxz) / (2 pi),                 s_dz = -d V_xz / (2 pi).
+
+Derivatives of the integrals are sums over the corners of a rectangle.
 """
 
 import numpy as np
@@ -13,8 +20,10 @@ import numpy as np
 from flangeway.types import Floats
 
 
-def pressure_stresses(x: Floats, z: Floats, pressures: Floats, places: Floats, poisson: float) -> Floats:
-    """Stresses at points of a half-space, summed over rectangles under uniform pressure.
+def half_space_stresses(
+    x: Floats, z: Floats, pressures: Floats, places: Floats, poisson: float, shears: Floats | None = None
+) -> Floats:
+    """Stresses at points of a half-space, summed over rectangles under uniform tractions.
 
     Parameters
     ----------
@@ -26,6 +35,8 @@ def pressure_stresses(x: Floats, z: Floats, pressures: Floats, places: Floats, p
         Points: x, depth > 0, z, shape (k, 3).
     poisson
         Poisson's ratio.
+    shears
+        Shear tractions on the half-space along x and z, shape (n, m, 2); none if left out.
 
     Returns
     -------
@@ -33,19 +44,24 @@ def pressure_stresses(x: Floats, z: Floats, pressures: Floats, places: Floats, p
         xx, dd, zz, xd, dz, xz with d along the depth, tension positive, shape (k, 6).
 
     """
-    rows, columns = np.nonzero(pressures)
-    loads = pressures[rows, columns]
+    loads = pressures[:, :, None] if shears is None else np.concatenate((pressures[:, :, None], shears), axis=2)
+    rows, columns = np.nonzero(loads.any(axis=2))
+    loads = loads[rows, columns]
     total = np.zeros((len(places), 6))
     depth = places[:, 1, None]
     for end, sign_x in ((0, 1.0), (1, -1.0)):
         for other, sign_z in ((0, 1.0), (1, -1.0)):
             a, b = places[:, 0, None] - x[rows, end], places[:, 2, None] - z[columns, other]
-            total += sign_x * sign_z * np.einsum("skc,c->ks", _at_corner(a, b, depth, poisson), loads)
+            found = _by_pressure(a, b, depth, poisson) @ loads[:, 0]
+            if shears is not None:
+                found += _by_shear(a, b, depth, poisson) @ loads[:, 1]
+                found += _by_shear(b, a, depth, poisson)[[2, 1, 0, 4, 3, 5]] @ loads[:, 2]
+            total += sign_x * sign_z * found.T
     result: Floats = total / (2.0 * np.pi)
     return result
 
 
-def _at_corner(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
+def _by_pressure(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
     """The six sums at one corner of each rectangle, without ``1 / 2 pi``, shape (6, k, n)."""
     r = np.sqrt(a**2 + b**2 + d**2)
     share = 1.0 - 2.0 * poisson
@@ -64,5 +80,23 @@ def _at_corner(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
             -(d**2) * by_a,
             -(d**2) * by_b,
             -(d / r + share * np.log(d + r)),
+        )
+    )
+
+
+def _by_shear(a: Floats, b: Floats, d: Floats, poisson: float) -> Floats:
+    """The same by a shear traction along x; what depends on one of a and b alone cancels between corners."""
+    r = np.sqrt(a**2 + b**2 + d**2)
+    by_a = (r - b) / (r * (a**2 + d**2))  # V_xx / a
+    logs = [np.log(np.where(c > 0.0, c + r, (r**2 - c**2) / (r - np.minimum(c, 0.0)))) for c in (b, a)]  # V_x, V_z
+    rest = (2.0 * poisson + d / r) / (d + r)
+    return np.stack(
+        (
+            2.0 * logs[0] + b * rest + d**2 * by_a,
+            -(d**2) * by_a,
+            2.0 * poisson * logs[0] - b * rest,
+            -np.arctan2(a * b, d * r) - d * a * by_a,
+            -d / r,
+            logs[1] - a * rest,
         )
     )

@@ -10,6 +10,7 @@ from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
 from flangeway.elements import Reconstruction, monomials
+from flangeway.exact.half_space_stresses import half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.wave_sums import wave_sums
@@ -187,3 +188,21 @@ def depth_profile(section: SectionStresses, patch: ContactEllipse, depths: Float
     stresses = section.at(feet[nearest] + depths[:, None] * inward)
     turn = np.array([[inward[1], -inward[0]], [inward[0], inward[1]]])
     return DepthProfile(depths, stresses.turned(turn))
+
+
+def half_space_profile(
+    rectangles: tuple[Floats, Floats],
+    pressures: Floats,
+    place: tuple[float, float],
+    depths: Floats,
+    poisson: float,
+    shears: Floats | None = None,
+) -> DepthProfile:
+    """Stresses below a place (x, z) of a half-space under pressures and shear tractions on rectangles.
+
+    See `flangeway.exact.half_space_stresses.half_space_stresses`; the rectangles are its x and z.
+    """
+    places = np.stack((np.full(len(depths), place[0]), depths, np.full(len(depths), place[1])), axis=1)
+    found = half_space_stresses(*rectangles, pressures, places, poisson, shears)
+    # the depth is -y
+    return DepthProfile(depths, SpatialStresses(found * (1.0, 1.0, 1.0, -1.0, -1.0, 1.0)))

@@ -123,3 +123,18 @@ def test_on_fixed_rails_and_a_rigid_axle_it_is_the_contact_of_one_wheel():
     assert found.equilibrium.position.lateral_mm == pytest.approx(0.0, abs=1e-6)
     pressed = spatial_patch(build_model(problem), "right", 100e3)
     assert right.ellipse.max_pressure == pytest.approx(pressed.pressures.max(), rel=0.02)
+
+
+def test_tractions_on_the_wheel_act_below_a_patch_in_both_bodies(wheelset):
+    """A traction of 0.3 p ahead on the wheel is its shear stress at the surface, and the opposite one of the rail's."""
+    patch = solved(wheelset, lateral_mm=0.0).patches[0]
+    pressures = patch.state.cells.pressures
+    tractions = np.stack((np.zeros_like(pressures), 0.3 * pressures), axis=2)
+    for role, sign in (("wheel", 1.0), ("rail", -1.0)):
+        without, found = patch.below(role), patch.below(role, tractions)
+        change = found.stresses.components - without.stresses.components
+        # the line begins at a twentieth of the shorter semi-axis, where it is 0.84 of it
+        assert change[0, 4] == pytest.approx(sign * 0.3 * patch.ellipse.max_pressure, rel=0.2)
+        # what changes at the place itself is odd along z: normal stresses do not change below the middle
+        assert np.abs(change[:, :3]).max() < 0.02 * patch.ellipse.max_pressure
+        assert found.stresses.von_mises.max() > 1.005 * without.stresses.von_mises.max()

@@ -10,8 +10,7 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.errors import InputError
 from flangeway.exact import PointContact, contact_modulus
-from flangeway.exact.half_space_stresses import pressure_stresses
-from flangeway.post.patch_stresses import DepthProfile, SpatialStresses
+from flangeway.post.patch_stresses import DepthProfile, half_space_profile
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
 from flangeway.railway.spatial.rail_along_track import RailAlongTrack, rail_along_track
 from flangeway.railway.spatial.running_surfaces import SpatialModel, running_surfaces
@@ -122,22 +121,24 @@ class SpatialPatch:
         across, along = self.ellipse.cells
         return f"{across} by {along} cells" if min(across, along) < NARROW else ""
 
-    def below(self, role: Role) -> DepthProfile:
-        """Stresses on the normal below the centre of pressure, of a half-space under the pressures of the side's patch.
+    def below(self, role: Role, tractions: Floats | None = None) -> DepthProfile:
+        """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the patch.
 
-        Axes: x along the surface, y along its outward normal, z along the track.
+        Axes: x along the surface, y along its outward normal, z along the track. The tractions by friction on the
+        wheel's cells, along x and z, have the shape (n_cells, n_strips, 2).
         """
         grid, ellipse = self.state.grid.grid, self.ellipse
-        pressures = np.where(ellipse.inside, self.state.cells.pressures, 0.0)
-        rows, strips = ellipse.inside.any(axis=1), ellipse.inside.any(axis=0)
+        window = np.ix_(ellipse.inside.any(axis=1), ellipse.inside.any(axis=0))
         depths: Floats = np.geomspace(DEPTHS[0] * ellipse.semi_axes[1], DEPTHS[1] * ellipse.semi_axes[0], N_DEPTHS)
-        places = np.stack(
-            (np.full(N_DEPTHS, self._row @ grid.stations), depths, np.full(N_DEPTHS, ellipse.centre[2])), axis=1
+        z = np.stack((grid.z - grid.strip / 2.0, grid.z + grid.strip / 2.0), axis=1)
+        return half_space_profile(
+            (grid.cells[window[0][:, 0]], z[window[1][0]]),
+            np.where(ellipse.inside, self.state.cells.pressures, 0.0)[window],
+            (float(self._row @ grid.stations), float(ellipse.centre[2])),
+            depths,
+            self.materials[role][1],
+            None if tractions is None else tractions[window] * (1.0 if role == "wheel" else -1.0),
         )
-        z = np.stack((grid.z - grid.strip / 2.0, grid.z + grid.strip / 2.0), axis=1)[strips]
-        found = pressure_stresses(grid.cells[rows], z, pressures[np.ix_(rows, strips)], places, self.materials[role][1])
-        # the depth is -y
-        return DepthProfile(depths, SpatialStresses(found * (1.0, 1.0, 1.0, -1.0, -1.0, 1.0)))
 
 
 @dataclass(frozen=True, eq=False)
