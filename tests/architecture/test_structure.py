@@ -24,22 +24,22 @@ MAX_LINES = {
     "solve": 3090,
     "contact": 6220,
     "post": 1845,
-    "railway.profiles": 3300,
+    "railway.profiles": 3375,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1765,
     "railway.positions": 2500,
     "railway.spatial": 2590,
-    "cases": 6570,
+    "cases": 6600,
     "campaign": 1880,
     "report": 6830,
-    "validation": 6400,
+    "validation": 6690,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 58_935
-MAX_FILES_OF_ALL = 318
+MAX_LINES_OF_ALL = 59_330
+MAX_FILES_OF_ALL = 320
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -13,7 +13,8 @@ ReproductionName = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="torsion, elasticity, hertz, contact-patch, wheel-rail, spatial or rolling; all: every one, summarised.",
+        help="torsion, elasticity, hertz, contact-patch, wheel-rail, spatial, rolling, wheelset3d or "
+        "conicity; all: every one, summarised.",
     ),
 ]
 Quick = Annotated[

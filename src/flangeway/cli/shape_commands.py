@@ -23,8 +23,8 @@ GeometryName = Annotated[
     str,
     typer.Argument(
         metavar="[CASE_OR_FILE]",
-        help="wheelset-tangent, wheelset-curve, or s1002-60e1; a case file of a wheelset (.toml); or a file of two "
-        "columns, lateral displacement and rolling radius difference, for its conicity.",
+        help="wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or a file of "
+        "two columns, lateral displacement and rolling radius difference, for its conicity.",
     ),
 ]
 GeometrySet = Annotated[
@@ -141,8 +141,8 @@ ProfileName = Annotated[
     str,
     typer.Argument(
         metavar="NAME_OR_FILE",
-        help="136RE, 136RE-8, 136RE-14, 60E1, AAR-1B, S1002, heavy-haul, or a .ban, .whl, .prr, .prw, .csv, .txt, .dat "
-        "or .dxf file.",
+        help="136RE, 136RE-8, 136RE-14, 60E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a .ban, .whl, .prr, "
+        ".prw, .csv, .txt, .dat or .dxf file.",
     ),
 ]
 ProfileKind = Annotated[

@@ -2,6 +2,7 @@
 
 from flangeway.validation.contact_patch.contact_patch_page import CONTACT_PATCH
 from flangeway.validation.elasticity.elasticity_page import ELASTICITY
+from flangeway.validation.en15302.en15302_chapter import CONICITY
 from flangeway.validation.hertz.hertz_page import HERTZ
 from flangeway.validation.reproduction import Reproduction
 from flangeway.validation.rolling.rolling_chapter import ROLLING
@@ -19,4 +20,5 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "spatial": SPATIAL,
     "rolling": ROLLING,
     "wheelset3d": WHEELSET3D,
+    "conicity": CONICITY,
 }

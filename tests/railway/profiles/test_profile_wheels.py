@@ -9,9 +9,10 @@ import pytest
 from flangeway.errors import InputError
 from flangeway.geometry import Arc
 from flangeway.mesh import check, triangulate
-from flangeway.railway.profiles.bundled import RAILS, WHEELS, rail, wheel
+from flangeway.railway.profiles.bundled import RAILS, REFERENCE_RAIL, REFERENCE_WHEELS, WHEELS, rail, wheel
 from flangeway.railway.profiles.measures import measures
 from flangeway.railway.profiles.wheel_contours import POLYNOMIAL_TOLERANCE_MM, heavy_haul_contour, s1002_contour
+from flangeway.railway.track.placements import Track
 
 # EN 13715: z over y, the tread's polynomial as in public programs
 TREAD = [0.0, -3.358537058e-2, 1.565681624e-3, -2.810427944e-5, 5.844240864e-8, -1.562379023e-8, 5.309217349e-15,
@@ -65,7 +66,7 @@ def test_heavy_haul_wheel_is_nine_smooth_arcs():
     assert wheel("heavy-haul").flange_height_mm == pytest.approx(26.0, abs=0.05)
 
 
-@pytest.mark.parametrize("name", WHEELS)
+@pytest.mark.parametrize("name", [*WHEELS, "R-519-A", "R-519-C"])
 @pytest.mark.parametrize("cut", [30.0, 50.0, 100.0])
 def test_wheels_are_regions_with_a_straight_cut(name, cut):
     """Every bundled wheel is one region below its cut, says where it comes from, and is meshed soundly."""
@@ -87,6 +88,36 @@ def test_wrong_wheels_are_refused():
         wheel("S1002", flange_root_radius_mm=13.0)
     with pytest.raises(InputError, match="cut_height_mm"):
         wheel("heavy-haul", cut_height_mm=22.0)
+
+
+TABLES = {
+    "R-519-A": (9.51926, 26.90936, 26.90936, 16.29140, 3.78159, 0.68040, 0.0, -0.38924, -0.49194, -1.15860),
+    "R-519-B": (9.51930, 26.90871, 26.90871, 16.29074, 3.92061, 0.62946, 0.0, -0.25, -0.5, -1.25),
+    "R-519-C": (17.14158, 29.98756, 26.65196, 9.90216, 3.20913, 0.72929, 0.0, -0.42467, -0.54742, -1.64742),
+    "R-519-H": (9.51930, 26.90871, 26.90871, 16.29074, 3.80980, 0.25, 0.0, -0.25, -0.5, -1.41700),
+    "R-519-I": (9.51929, 26.90925, 26.90925, 16.29128, 4.52248, 0.83698, 0.0, -0.10421, -0.10421, -0.77121),
+}
+"""Depths in mm of EN 15302:2021, tables I.1 to I.5, at -70, -60, -50, -40, -28, -10, 0, 10, 20 and 40 mm."""
+
+
+@pytest.mark.parametrize("name", REFERENCE_WHEELS)
+def test_reference_wheels_have_the_heights_of_the_standard(name):
+    """The running surface passes the points of the table, to their last digit and the rounding of the formulas."""
+    at = (-70.0, -60.0, -50.0, -40.0, -28.0, -10.0, 0.0, 10.0, 20.0, 40.0)
+    points = [(x, -z) for x, z in zip(at, TABLES[name], strict=True)]
+    assert wheel(name).running_surface.closest(points)[2].max() < 1e-3
+
+
+def test_the_reference_rail_is_that_of_the_standard_when_it_is_inclined():
+    """At 1:20 its head passes points of table I.6; upright it has the foot and the height of a 60E1."""
+    profile = rail(REFERENCE_RAIL)
+    track = Track(profile, 1435.1654, 0.05, None, 14.0)
+    head = profile.running_surface.transformed(track.placement("right"))
+    top = 0.49178
+    table = ((-32.0, 11.87191), (-20.0, 2.54678), (0.0, 0.0), (10.0, -0.42031), (24.0, 0.09867), (39.0, 10.66466))
+    points = [(750.0 + y, -z - top) for y, z in table]
+    assert head.closest(points)[2].max() < 3e-3
+    assert profile.outline.bounds()[:, 1] == pytest.approx([0.0, 172.0], abs=1e-4)
 
 
 @pytest.mark.parametrize("name", RAILS)

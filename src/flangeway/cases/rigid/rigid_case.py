@@ -69,6 +69,24 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
             "maximum_lateral_mm": 7.0,
         },
     ),
+    "en15302": (
+        "benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge 1435.16 mm, diameter 920 mm",
+        {
+            "rail": "S-519-A",
+            "wheel": "R-519-A",
+            "gauge_mm": 1435.1654,  # tape lines and the origins of the rails' formulas are then at the same positions
+            "gauge_depth_mm": 14.0,
+            "rail_inclination": 0.05,
+            "back_to_back_mm": 1360.0,
+            "wheel_radius_mm": 460.0,
+            "wheel_radius_at": "tape-line",
+            "centre_of_gravity_height_mm": 1000.0,
+            "axle_load_kN": 225.0,
+            "roll": "none",
+            "maximum_lateral_mm": 7.0,
+            "maximum_amplitude_mm": 7.4,
+        },
+    ),
 }
 """Title and inputs that differ from the defaults, by name."""
 

@@ -73,7 +73,9 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         "spatial", description="spatial: three dimensions; plane: a slice of thickness_mm in plane strain"
     )
     rail: str = Field("60E1", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
-    wheel: str = Field("S1002", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
+    wheel: str = Field(
+        "S1002", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"
+    )
     gauge_mm: float = Field(1435.0, gt=0.0, description="distance between the rails' heads")
     wheel_radius_mm: float = Field(
         460.0, ge=150.0, description="distance from the axle to the position wheel_radius_at"

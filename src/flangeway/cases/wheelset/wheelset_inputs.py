@@ -33,11 +33,14 @@ N_AXLES = 4  # wheelsets of a usual wagon
 class WheelsetInputs(Case):
     """Profiles, measures, load and material of a wheelset on two rails."""
 
-    rail: str = Field("136RE", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
+    rail: str = Field("136RE", description="rail: 136RE, 60E1, S-519-A, or a file that `flangeway profile` reads")
     crown_radius_in: float | None = Field(
         None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"
     )
-    wheel: str = Field("AAR-1B", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, or a file")
+    wheel: str = Field(
+        "AAR-1B",
+        description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file",
+    )
     flange_root_radius_mm: float | None = Field(
         None, gt=0.0, description="radius of the AAR-1B's flange root beside the flange (default: the bundled one)"
     )

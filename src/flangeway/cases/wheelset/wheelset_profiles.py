@@ -7,7 +7,16 @@ from pathlib import Path
 
 from flangeway.errors import InputError
 from flangeway.geometry import Outline
-from flangeway.railway.profiles.bundled import RAILS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.profiles.bundled import (
+    RAILS,
+    REFERENCE_RAIL,
+    REFERENCE_WHEELS,
+    WHEELS,
+    RailProfile,
+    WheelProfile,
+    rail,
+    wheel,
+)
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import end_gap_mm, joined, nominal_profile, on_plain_body
@@ -164,11 +173,12 @@ def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:
-    if name in (WHEELS if kind == "rail" else RAILS):
-        other = "wheel" if kind == "rail" else "rail"
+    names = {"rail": (*RAILS, REFERENCE_RAIL), "wheel": (*WHEELS, *REFERENCE_WHEELS)}
+    other: Kind = "wheel" if kind == "rail" else "rail"
+    if name in names[other]:
         raise InputError(
             f"{kind} = {name}, which is a {other}",
-            ", ".join(RAILS if kind == "rail" else WHEELS),
+            ", ".join(names[kind]),
             "exchange the keys rail and wheel",
         )
 

@@ -17,6 +17,7 @@ from flangeway.railway.profiles.wheel_contours import (
     FINE_TOLERANCE_MM,
     HEAVY_HAUL_TAPE_MM,
     heavy_haul_contour,
+    reference_contour,
     s1002_contour,
 )
 
@@ -29,6 +30,10 @@ _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
 _WHEEL_FILES = {"AAR-1B": "AAR1B_wide_flange_DERIVED_arcs.csv"}
 WHEELS = ("AAR-1B", "S1002", "heavy-haul")  # names of the bundled wheels
 RAILS = tuple(_RAIL_FILES)  # names of the bundled rails
+REFERENCE_WHEELS = ("R-519-A", "R-519-B", "R-519-C", "R-519-H", "R-519-I")
+REFERENCE_RAIL = "S-519-A"
+"""REFERENCE_WHEELS, REFERENCE_RAIL: names of the reference profiles of EN 15302, which give no bodies to files."""
+_REFERENCE_SLOPE = 0.05
 
 SECTIONS = {
     "136RE": ("136RE", None),
@@ -134,7 +139,7 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     Parameters
     ----------
     name
-        ``"136RE"`` or ``"60E1"``.
+        ``"136RE"``, ``"60E1"``, or `REFERENCE_RAIL`.
     crown_radius_in
         Radius of the crown of a 136RE in inches: 8, 10 (the default) or 14. A 60E1 has one crown.
 
@@ -143,11 +148,14 @@ def rail(name: str = "136RE", *, crown_radius_in: float | None = None) -> RailPr
     InputError
         If the name or the radius is unknown; the message lists those there are.
     """
+    if name == REFERENCE_RAIL and crown_radius_in is None:
+        return _reference_rail()
     if name not in _RAIL_FILES:
-        advice = _advice("rail", name, RAILS)
+        advice = _advice("rail", name, (*RAILS, REFERENCE_RAIL))
         if name.upper() in SECTIONS and name.upper().startswith("136RE-"):
             advice = f"give 136RE, and crown_radius_in = {name[6:]}"
-        raise InputError(f"rail '{name}'", f"one of {', '.join(RAILS)}, or a file of a profile", advice)
+        known = ", ".join((*RAILS, REFERENCE_RAIL))
+        raise InputError(f"rail '{name}'", f"one of {known}, or a file of a profile", advice)
     radii = _RAIL_FILES[name]
     radius = next(iter(radii)) if crown_radius_in is None else float(crown_radius_in)
     if radius not in radii:
@@ -202,7 +210,7 @@ def wheel(
     Parameters
     ----------
     name
-        ``"AAR-1B"``, ``"S1002"`` or ``"heavy-haul"``.
+        ``"AAR-1B"``, ``"S1002"``, ``"heavy-haul"``, or one of `REFERENCE_WHEELS`.
     cut_height_mm
         Height above the tape line of the straight cut that closes the region, 20 to 100 mm
         (30 to 100 mm for the heavy-haul wheel, whose rim's edge is higher).
@@ -215,13 +223,19 @@ def wheel(
     InputError
         If the name is unknown or a length is out of range.
     """
-    if name not in WHEELS:
-        advice = _advice("wheel", name, WHEELS)
-        raise InputError(f"wheel '{name}'", f"one of {', '.join(WHEELS)}, or a file of a profile", advice)
+    if name not in (*WHEELS, *REFERENCE_WHEELS):
+        advice = _advice("wheel", name, (*WHEELS, *REFERENCE_WHEELS))
+        known = ", ".join((*WHEELS, *REFERENCE_WHEELS))
+        raise InputError(f"wheel '{name}'", f"one of {known}, or a file of a profile", advice)
     _refuse_outside("cut_height_mm", cut_height_mm, _CUT_HEIGHTS_MM, "50 mm is usual")
     if name not in _WHEEL_FILES:
         if flange_root_radius_mm is not None:
             raise InputError(f"flange_root_radius_mm = {flange_root_radius_mm:g} for {name}", "AAR-1B", "leave it out")
+        if name in REFERENCE_WHEELS:
+            return _wheel_below(
+                reference_contour(name), cut_height_mm, title=name, certainty=_REFERENCE_CERTAINTY,
+                source=_REFERENCE_SOURCE,
+            )  # fmt: skip
         return _s1002(cut_height_mm) if name == "S1002" else _heavy_haul(cut_height_mm)
     # the file's axes point towards the flange and away from the axle: half a turn, without rounding
     contour = _read_segments(_WHEEL_FILES[name], "y{}", "z{}", sign=-1.0)
@@ -249,6 +263,36 @@ def wheel(
         source=(
             "AAR-1B wide flange: figures of the standard as quoted in public texts; no public source gives the drawing."
         ),
+    )
+
+
+_REFERENCE_CERTAINTY = (
+    "Exact: the running surface is that of the standard, to its rounding of a micrometre; it is made for the benchmark "
+    "of the equivalent conicity, not for vehicles."
+)
+_REFERENCE_SOURCE = "EN 15302:2021, annex I (UIC 519), as transcribed in the public package EN15302 of A. Rohrbeck."
+
+
+def _reference_rail() -> RailProfile:
+    """Put the reference head, upright, on the body of a 60E1; the lines at its sides reach to its ends."""
+    nominal = rail("60E1")
+    head = reference_contour(REFERENCE_RAIL).transformed(Placement(-math.atan(_REFERENCE_SLOPE))).reversed()
+    pieces = dict(zip(nominal.outline.names, nominal.outline.segments, strict=True))
+    crown, old = dict(zip(head.names, head.segments, strict=True))["crown"], pieces["crown"]
+    if not (isinstance(crown, Arc) and isinstance(old, Arc)):
+        raise TypeError("crowns are arcs")
+    head = head.transformed(Placement(0.0, (-crown.centre[0], old.centre[1] - crown.centre[1])))
+    pieces |= dict(zip(head.names, head.segments, strict=True))
+    first, last = nominal.head_names[-1], nominal.head_names[0]
+    pieces[first] = Line(pieces[first].start, head.segments[0].start)
+    pieces[last] = Line(head.segments[-1].end, pieces[last].end)
+    return replace(
+        nominal,
+        title=REFERENCE_RAIL,
+        outline=Outline.from_segments(pieces.values(), pieces.keys()),
+        certainty=f"{_REFERENCE_CERTAINTY} With rail_inclination = {_REFERENCE_SLOPE:g} the head is inclined as there; "
+        "the body is that of a 60E1.",
+        source=_REFERENCE_SOURCE,
     )
 
 

@@ -17,7 +17,17 @@ import numpy as np
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, FloatArray, Line, Outline, Placement, Point, Segment
-from flangeway.railway.profiles.bundled import RAILS, SECTIONS, WHEELS, RailProfile, WheelProfile, rail, wheel
+from flangeway.railway.profiles.bundled import (
+    RAILS,
+    REFERENCE_RAIL,
+    REFERENCE_WHEELS,
+    SECTIONS,
+    WHEELS,
+    RailProfile,
+    WheelProfile,
+    rail,
+    wheel,
+)
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
 from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
@@ -179,17 +189,19 @@ def nominal_profile(name: str) -> RailProfile | WheelProfile:
 
     An `InputError` if there is none of that name.
     """
-    known = {each.upper(): each for each in (*SECTIONS, *WHEELS)}
+    known = {each.upper(): each for each in (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)}
     found = known.get(name.upper())
     if found is None:
         raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
-    if found in WHEELS:
+    if found in (*WHEELS, *REFERENCE_WHEELS):
         return wheel(found)
+    if found == REFERENCE_RAIL:
+        return rail(found)
     rail_name, radius = SECTIONS[found]
     return rail(rail_name, crown_radius_in=radius)
 
 
-BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], *WHEELS))
+BUNDLED_NAMES = ", ".join(("136RE", "136RE-8", "136RE-14", *RAILS[1:], REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS))
 
 
 def _rail_shift(measured: MeasuredProfile, nominal: RailProfile) -> tuple[float, float]:

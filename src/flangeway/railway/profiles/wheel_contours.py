@@ -1,6 +1,6 @@
-"""Running surfaces of two wheels: S1002 from its formulas, and a heavy-haul wheel of nine arcs.
+"""Running surfaces from formulas and arcs: S1002, a heavy-haul wheel of nine arcs, the reference profiles of EN 15302.
 
-Both go from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
+They go from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
 """
 
 import csv
@@ -10,7 +10,9 @@ from typing import TypeAlias
 
 import numpy as np
 
+from flangeway.formats.drawn_section import DrawnSegment
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Point, Segment
+from flangeway.railway.profiles.formats.segment_files import GAP_MM, closed_gaps
 from flangeway.railway.profiles.smoothing import biarcs
 
 Named: TypeAlias = tuple[str, Segment]
@@ -96,8 +98,7 @@ _NAMES = (
 
 def heavy_haul_contour() -> Contour:
     """Return the nine arcs of the heavy-haul wheel from the flange's back over the rim's edge."""
-    text = (files("flangeway.railway.profiles") / "data" / "heavy_haul_wheel_arcs.csv").read_text(encoding="utf-8")
-    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    rows = _rows("heavy_haul_wheel_arcs.csv")
     back = float(rows[0]["yc"]) - float(rows[0]["R"])
     tape = back + HEAVY_HAUL_TAPE_MM
     tread = rows[6]
@@ -113,3 +114,27 @@ def heavy_haul_contour() -> Contour:
             ends = [point(row, "0"), point(row, "1")]
         arcs.append(Arc(ends[0], ends[1], point(row, "c"), row["curvature"] == "convex"))
     return Contour.from_segments(arcs, _NAMES)
+
+
+def reference_contour(name: str) -> Contour:
+    """Return a reference profile of EN 15302, a wheel's running surface, or the rail's head as it is inclined by 1:20.
+
+    The rounding of its formulas leaves gaps of micrometres between the pieces; they are closed in their middle.
+    """
+    drawn = []
+    for row in (row for row in _rows("EN15302_profiles.csv") if row["profile"] == name):
+        height, ends = float(row["z_mm"]), (float(row["y0_mm"]), float(row["y1_mm"]))
+        if row["slope"]:
+            start, end = ((y, -(height + float(row["slope"]) * y)) for y in ends)
+            drawn.append(DrawnSegment(start, end, name=row["name"]))
+            continue
+        middle, radius, root = (float(row[column]) for column in ("y_mm", "radius_mm", "root"))
+        start, end = ((y, -(height + root * math.sqrt(max(radius**2 - (y - middle) ** 2, 0.0)))) for y in ends)
+        drawn.append(DrawnSegment(start, end, (middle, -height), root > 0.0, name=row["name"]))
+    closed = closed_gaps(drawn, GAP_MM)[0]
+    return Contour.from_segments([each.checked() for each in closed], [each.name for each in closed])
+
+
+def _rows(file: str) -> list[dict[str, str]]:
+    text = (files("flangeway.railway.profiles") / "data" / file).read_text(encoding="utf-8")
+    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))

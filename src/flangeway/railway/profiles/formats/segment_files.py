@@ -70,7 +70,7 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile
     numbers = [c for s in drawn for p in (s.start, s.end, s.centre) if p is not None for c in p]
     if not all(abs(number) <= _MAX_COORDINATE for number in numbers):
         raise InputError("a coordinate that is not finite or very large", f"up to {_MAX_COORDINATE:g}", "repair it")
-    drawn, notices = _closed_gaps(drawn, GAP_MM / UNITS_MM.get(unit or "mm", 1.0))
+    drawn, notices = closed_gaps(drawn, GAP_MM / UNITS_MM.get(unit or "mm", 1.0))
     segments = [segment.checked() for segment in drawn]
     names = [segment.name for segment in drawn]
     size = max(abs(c) for s in drawn for p in (s.start, s.end) for c in p)
@@ -96,7 +96,7 @@ def _profile(drawn: Sequence[DrawnSegment], unit: str | None, stated: RawProfile
     )
 
 
-def _closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
+def closed_gaps(drawn: Sequence[DrawnSegment], maximum: float) -> tuple[list[DrawnSegment], tuple[str, ...]]:
     """Close gaps up to `maximum` between neighbours, as of rounded tables, and report where.
 
     Both ends move to the middle of the gap, and centres across the chord to where they are equally far from both ends.
