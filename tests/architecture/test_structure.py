@@ -22,24 +22,24 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2215,
     "solve": 3090,
-    "contact": 6220,
+    "contact": 6240,
     "post": 1845,
     "railway.profiles": 3375,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1765,
     "railway.positions": 2500,
-    "railway.spatial": 2590,
+    "railway.spatial": 2810,
     "cases": 6600,
     "campaign": 1880,
     "report": 6830,
-    "validation": 6690,
+    "validation": 6795,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 59_330
-MAX_FILES_OF_ALL = 320
+MAX_LINES_OF_ALL = 59_675
+MAX_FILES_OF_ALL = 323
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

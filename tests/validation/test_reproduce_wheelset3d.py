@@ -9,6 +9,8 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.validation.published_numbers import published_rows
+from flangeway.validation.rolling.manchester_rolling import creep_numbers
+from flangeway.validation.rolling.rolling_cases import Energy
 from flangeway.validation.wheelset3d.manchester import CASE, BenchmarkPosition, benchmark_numbers
 from flangeway.validation.wheelset3d.one_wheel import FIXED, PressedWheel, as_half_spaces, pressed_wheel
 
@@ -53,3 +55,17 @@ def test_steep_contact_has_no_limits(position) -> None:
     """Where half-spaces are no measure the difference is shown only."""
     steep = BenchmarkPosition(position.published | {"angle": 0.5}, position.real, position.half_spaces)
     assert not any(number.required for number in benchmark_numbers(steep))
+
+
+def test_creep_forces_are_those_of_contact(position) -> None:
+    """Forces on bodies and half-spaces to 0.5 %; with CONTACT's cells and differences the spin moment to 3 % too."""
+    energy = Energy()
+    numbers = {number.quantity: number for number in creep_numbers(position, energy)}
+    for words in ("", " of half-spaces", " of half-spaces, CONTACT's cells and scheme"):
+        for name in ("longitudinal creep force", "lateral creep force"):
+            number = numbers[name + words]
+            assert number.required
+            assert abs(number.relative_difference) < (5e-3 if words else 0.01)
+    assert abs(numbers["spin moment of half-spaces, CONTACT's cells and scheme"].relative_difference) < 0.03
+    assert energy.failures == []
+    assert energy.number().within

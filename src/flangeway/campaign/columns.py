@@ -9,7 +9,8 @@ from typing import Any, Literal
 from flangeway.cases.summary import Summary
 from flangeway.exact import LineContact
 from flangeway.railway.positions.positions_patches import PositionPatch
-from flangeway.railway.spatial.spatial_result import SpatialPatch, SpatialResult
+from flangeway.railway.spatial.spatial_result import SpatialResult
+from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.subsurface import maximum_shear

@@ -13,7 +13,8 @@ from flangeway.cases.wheelset.wheelset_summary import (
     ResidualSummary,
     SideSummary,
 )
-from flangeway.railway.spatial.spatial_result import SpatialPatch, SpatialResult
+from flangeway.railway.spatial.spatial_result import SpatialResult
+from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.types import Floats

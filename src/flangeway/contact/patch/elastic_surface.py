@@ -8,6 +8,7 @@ fine grid of a contact patch wherever that is.
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -170,22 +171,37 @@ def half_space_on(material: Elastic, cells: Floats, frames: Floats, strip: float
 
 
 def half_spaces_on(
-    materials: tuple[Elastic, Elastic], cells: Floats, frames: Floats, strip: float, n_strips: int
+    materials: tuple[Elastic, Elastic],
+    cells: Floats,
+    frames: Floats,
+    strip: float,
+    n_strips: int,
+    axes: Sequence[int] = (0, 1, 2),
 ) -> Floats:
-    """Normal displacements of two bodies in contact together by normal forces, shape (n_strips, n, n).
+    """Displacements of two bodies in contact together, the second's less the first's, by forces on the second one.
 
-    As `half_space_on` for the first body, with the cells of which the second one's coincide.
+    As `half_space_on` for the first body, with the cells and the frames of which the second one's coincide.
+
+    - `axes`: components of displacements and forces: 0 tangent, 1 normal, 2 z.
+
+    Returned: shape (n_strips, n, m, n, m) for m axes.
     """
+    used = (0, 1, 2) if 2 in axes else (0, 1)
+    flat = {each: _among(each, cells, strip, n_strips, used) for each in dict.fromkeys(materials)}
     half = half_angles(frames)
-    cosine, sine = half.real, half.imag
-    found = {each: _among(each, cells, strip, n_strips, (0, 1)) for each in dict.fromkeys(materials)}
-    total = np.zeros((n_strips, *half.shape))
-    # the rows n of T E T with T = (c, s; -s, c), and s of the other sign on the second body, whose surface runs back
-    for material, sign in zip(materials, (1.0, -1.0), strict=True):
-        flat = found[material]
-        total += cosine**2 * flat[:, :, 1, :, 1] - sine**2 * flat[:, :, 0, :, 0]
-        if materials[0] != materials[1]:
-            total -= sign * 2.0 * sine * cosine * flat[:, :, 0, :, 1]
+    # T E T for the first body; for the second one, the other side of the surface, n and the angles change their signs
+    turn = {(0, 0): half.real, (1, 1): half.real, (0, 1): half.imag, (1, 0): -half.imag, (2, 2): np.ones(half.shape)}
+    mirrored = np.array([1.0, -1.0, 1.0])
+    total = np.zeros((n_strips, len(half), len(axes), len(half), len(axes)))
+    for row, column in product(used, repeat=2):
+        if materials[0] == materials[1] and mirrored[row] != mirrored[column]:
+            continue
+        both = flat[materials[0]][:, :, row, :, column]
+        both = both + mirrored[row] * mirrored[column] * flat[materials[1]][:, :, row, :, column]
+        for i, j in product(range(len(axes)), repeat=2):
+            factors = turn.get((axes[i], row)), turn.get((column, axes[j]))
+            if factors[0] is not None and factors[1] is not None:
+                total[:, :, i, :, j] += factors[0] * factors[1] * both
     return total
 
 

@@ -38,6 +38,7 @@ def roll(
     before: Rolling | None = None,
     start: Rolling | None = None,
     tolerance: float = 1e-4,
+    differences: tuple[float, ...] = STEADY,
 ) -> Rolling:
     """Find tangential tractions, stick and slip by the exact theory (Kalker, 1990).
 
@@ -61,6 +62,9 @@ def roll(
         A neighbouring result to start from.
     tolerance
         Error of the law of friction over its limits, at small creepages over what single cells would carry.
+    differences
+        Weights of the displacements on a strip and those ahead of it in steady rolling; `FIRST` has the errors of
+        first order of Kalker's and CONTACT's scheme.
 
     Raises
     ------
@@ -76,7 +80,7 @@ def roll(
                 "leave it out, or compute it on this grid",
             )
     wanted = (force_along, force_across)
-    step = _Step(contact, motion, before, contact)
+    step = _Step(contact, motion, before, contact, differences)
     result = step.found(None if start is None else _forces(start), motion, wanted, tolerance)
     if contact.pressed is None or not contact.coupled:
         return result
@@ -132,6 +136,7 @@ class _Step:
     motion: Creepages
     before: Rolling | None
     pressed: RollingContact
+    differences: tuple[float, ...] = STEADY
 
     @property
     def steady(self) -> bool:
@@ -150,7 +155,7 @@ class _Step:
         onwards = self.before is None or (
             self.before.motion.speed * self.motion.speed > 0.0 and len(self.before.displacements) > 1
         )
-        return STEADY if onwards else FIRST
+        return self.differences if onwards else FIRST
 
     def turned(self, values: Floats) -> Floats:
         """Components (t, ..., z) in the direction of rolling, on the cells (n_cells, m, n_strips); its own inverse."""

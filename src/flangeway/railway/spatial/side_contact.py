@@ -3,6 +3,7 @@
 All is in the right-hand form of a side: x to the field side, y up, z ahead, origin in the middle of the track.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -217,12 +218,16 @@ class GriddedSide:
     @cached_property
     def _loads(self) -> tuple[Floats, Floats]:
         """Unit normal forces on the cells in the axes of rail and wheel at the tabulated stations, (3 N, n)."""
+        return self._unit_forces((1,), slice(None))
+
+    def _unit_forces(self, axes: Sequence[int], rows: slice) -> tuple[Floats, Floats]:
+        """Unit forces along axes of the frames of some cells, as `_loads`: (3 N, n m) for m axes."""
         loads = []
         for weights, turn in zip(self._weights, self._turns, strict=True):
-            directions = self._at[1] @ turn
-            full = np.zeros((weights.shape[1], 3, len(directions)))
-            full[:, :2] = np.einsum("ia,ix->axi", weights, directions)
-            loads.append(full.reshape(-1, len(directions)))
+            directions = self.frames[rows][:, axes]
+            directions = np.concatenate((directions[..., :2] @ turn, directions[..., 2:]), axis=2)
+            full = np.einsum("ia,imx->axim", weights[rows], directions)
+            loads.append(full.reshape(3 * weights.shape[1], -1))
         return loads[0], loads[1]
 
     @cached_property
@@ -233,16 +238,28 @@ class GriddedSide:
     @cached_property
     def coefficients(self) -> Floats:
         """Normal displacements by unit normal forces at the distances of the strips, shape (n_z, n, n)."""
-        grid, n_strips = self.grid, len(self.grid.planes)
+        return self.coefficients_of((1,), slice(None), len(self.grid.planes))
+
+    def coefficients_of(self, axes: Sequence[int], rows: slice, n_distances: int) -> Floats:
+        """Displacements of the wheel less those of the rail by unit forces on the wheel's cells, opposite on the rail.
+
+        - `axes`: components along `frames`: 0 tangent, 1 normal, 2 z.
+        - `rows`: cells across.
+        - `n_distances`: number of distances along z, multiples of the strip from 0.
+
+        Returned: shape (n_distances, n m, n m) for n cells and m axes.
+        """
+        grid = self.grid
         materials = self.surfaces.rail_elastic.material, self.surfaces.wheel_elastic.material
-        total = half_spaces_on(materials, grid.cells, self.frames, grid.strip, n_strips)
-        for elastic, loads in zip(self._elastic, self._loads, strict=True):
-            used = int(np.searchsorted(elastic.distances, grid.strip * n_strips)) + 3
-            size = loads.shape[0]
-            table = elastic.remainder[:used].reshape(-1, size, size)
-            normal = np.matmul(loads.T, np.matmul(table, loads))
-            weights = elastic.along(grid.strip * np.arange(n_strips, dtype=np.float64))[:, : len(table)]
-            total += (weights @ normal.reshape(len(table), -1)).reshape(total.shape)
+        total = half_spaces_on(materials, grid.cells[rows], self.frames[rows], grid.strip, n_distances, axes)
+        size = total.shape[1] * len(axes)
+        total = total.reshape(n_distances, size, size)
+        for elastic, loads in zip(self._elastic, self._unit_forces(axes, rows), strict=True):
+            used = int(np.searchsorted(elastic.distances, grid.strip * max(n_distances, len(grid.planes)))) + 3
+            table = elastic.remainder[:used].reshape(-1, len(loads), len(loads))
+            found = np.matmul(loads.T, np.matmul(table, loads))
+            weights = elastic.along(grid.strip * np.arange(n_distances, dtype=np.float64))[:, : len(table)]
+            total += (weights @ found.reshape(len(table), -1)).reshape(total.shape)
         return total
 
     @cached_property

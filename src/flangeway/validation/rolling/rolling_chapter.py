@@ -11,6 +11,7 @@ from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import SummaryTable
 from flangeway.validation.published_numbers import digits, percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
+from flangeway.validation.rolling.manchester_rolling import CREEP_LIMIT
 from flangeway.validation.rolling.rolling_cases import (
     COARSE_LIMIT,
     COEFFICIENT_LIMITS,
@@ -104,7 +105,11 @@ ROLLING = Reproduction(
         ({percent(COEFFICIENT_LIMITS["c11"])}, C33 {percent(COEFFICIENT_LIMITS["c33"])}, published with three digits);
         free rolling of different materials beside Bentall and Johnson (1967) and Bufler ({percent(FREE_LIMIT)});
         saturation under large creepage and pure spin; examples of CONTACT ({percent(COARSE_LIMIT)}, the error of its
-        grids), and of FASTSIM, extrapolated ({percent(FASTSIM_LIMIT)}). Two bodies that are meshed beside half-spaces
+        grids), and of FASTSIM, extrapolated ({percent(FASTSIM_LIMIT)}). Creep forces and spin moments of the Manchester
+        contact benchmark, case A-2.2, left wheel, at CONTACT's creepages and about its contact point, the centre of the
+        overlap of undeformed surfaces ({percent(CREEP_LIMIT)}): on the real bodies, on half-spaces, and on half-spaces
+        with CONTACT's cells and differences of first order, which give its spin moments too. Two bodies that
+        are meshed beside half-spaces
         under the same pressures. In every state of steady rolling the power of friction is that of forces and
         creepages.""",
         (

@@ -13,6 +13,7 @@ from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.types import Floats
 from flangeway.validation.published_numbers import Reproduced, Row
+from flangeway.validation.rolling.manchester_rolling import creep_numbers
 from flangeway.validation.rolling.rolling_cases import (
     PUBLISHED_CELLS,
     Energy,
@@ -25,6 +26,7 @@ from flangeway.validation.rolling.rolling_cases import (
     plane_numbers,
     sphere_numbers,
 )
+from flangeway.validation.wheelset3d.manchester import benchmark_positions
 
 CURVE = tuple(np.linspace(0.0, 0.004, 17).tolist())
 SPIN = 3e-4
@@ -87,6 +89,8 @@ def reproduce_rolling(*, quick: bool = False, progress: Callable[[str], None] = 
     if not quick:
         progress("real bodies")
         numbers += body_numbers(energy)
+    for position in benchmark_positions(quick=quick, progress=progress):
+        numbers += creep_numbers(position, energy)
     progress("creep curves")
     contact = elliptic(8.0, 4.0, 82000.0, (PUBLISHED_CELLS, PUBLISHED_CELLS))
     limit = float(contact.friction.limits[0][0]) * contact.force

@@ -65,15 +65,25 @@ class PressedWheel:
         forces = self.state.forces
         return float((forces * self.state.gap.along).sum() / forces.sum()) - self.tape_mm
 
-    @property
-    def interpenetration_mm(self) -> float:
-        """Centre of the squared overlap of the undeformed surfaces, from the wheel's tape line to the field side."""
+    @cached_property
+    def overlap(self) -> tuple[float, float, float]:
+        """Centre of the squared overlap of the undeformed surfaces.
+
+        Position along the axle, length along the rail's surface, and z.
+        """
         surfaces, grid, pose = self.state.grid.surfaces, self.state.grid.grid, self.state.pose
         stations: Floats = np.arange(grid.cells[0, 0] - REACH_MM[0], grid.cells[-1, 1] + REACH_MM[0], SPACING_MM)
         z: Floats = np.arange(grid.z[0] - REACH_MM[1], grid.z[-1] + REACH_MM[1], SPACING_MM)
         gap = wheel_gap(surfaces.wheel, pose.middle, pose.axis, *surfaces.rail_points(stations), z)
         weights = np.maximum(-gap.gaps, 0.0) ** 2
-        return float((weights * gap.along).sum() / weights.sum()) - self.tape_mm
+        weights /= weights.sum()
+        rows, strips = weights.sum(axis=1), weights.sum(axis=0)
+        return float((weights * gap.along).sum()), float(rows @ stations), float(strips @ z)
+
+    @property
+    def interpenetration_mm(self) -> float:
+        """Centre of `overlap`, from the wheel's tape line to the field side."""
+        return self.overlap[0] - self.tape_mm
 
 
 def as_half_spaces(surfaces: SideSurfaces) -> SideSurfaces:
@@ -112,6 +122,20 @@ def pressed_wheel(
         if new is grid:
             return PressedWheel(wheelset, side, position, state)
         grid = new
+
+
+def on_square_cells(found: PressedWheel, cell_mm: float) -> PressedWheel:
+    """Press the same wheel on even square cells."""
+    old, grid = found.state.grid, found.state.grid.grid
+    first, last = np.floor(grid.cells[0, 0] / cell_mm), np.ceil(grid.cells[-1, 1] / cell_mm)
+    ends: Floats = cell_mm * np.arange(first, last + 1.0)
+    planes = np.arange(int(np.floor(grid.z[0] / cell_mm)), int(np.ceil(grid.z[-1] / cell_mm)) + 1)
+    cells = SideGrid(np.stack((ends[:-1], ends[1:]), axis=1), cell_mm, planes)
+    force = float(found.state.resultant[1])
+    position, state = _pressed(
+        found.wheelset, found.side, GriddedSide(old.surfaces, cells, old.pose), found.position, force
+    )
+    return PressedWheel(found.wheelset, found.side, position, state)
 
 
 def _pressed(

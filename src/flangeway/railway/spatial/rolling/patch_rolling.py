@@ -1,0 +1,186 @@
+"""Rolling of a wheel's patch with friction: its cells with influence coefficients in three axes, and its creep forces.
+
+Axes of a patch are those of `flangeway.contact.rolling.creepages.Creepages` with the rail as the first body, in the
+right-hand form of the side: t along the rail's surface towards the gauge side, n out of the rail, z ahead.
+"""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
+from flangeway.contact.patch.patch_contact import CHANGE
+from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.railway.spatial.side_contact import SideState
+from flangeway.railway.spatial.wheel_gap import FAR_MM
+from flangeway.railway.spatial.wheel_patch import SpatialPatch
+from flangeway.railway.track.placements import SIDE_SIGN
+from flangeway.types import Bools, Floats
+
+MARGIN = 2
+"""Cells and strips about a patch whose pressures are found anew with friction, if the materials differ."""
+SAME = 1e-6
+"""Gap between two cells over the strip that is none."""
+
+
+def rolling_contact_of(
+    patch: SpatialPatch, friction: Friction, origin: tuple[float, float] | None = None
+) -> RollingContact:
+    """Cells of a patch, to roll on the real bodies.
+
+    Parameters
+    ----------
+    patch
+        Patch of a wheelset in equilibrium.
+    friction
+        Coefficients of friction; several are those of the cells of the whole side, one for each row.
+    origin
+        Place that creepages and moments are of: length along the rail's elastic surface, and z; left out: the centre
+        of pressure.
+
+    Returns
+    -------
+    RollingContact
+        The smallest box of rows and strips about the patch, with the pressures of this patch only. Bodies of different
+        materials find their pressures anew with friction, at the same resultant.
+
+    """
+    return contact_in(patch.state, patch.ellipse.inside, friction, origin)
+
+
+def contact_in(
+    state: SideState, inside: Bools, friction: Friction, origin: tuple[float, float] | None = None
+) -> RollingContact:
+    """As `rolling_contact_of` for the cells of a patch on its side, shape (n, n_z)."""
+    side, grid = state.grid, state.grid.grid
+    materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
+    rows, strips = box_of(inside)
+    if materials[0] != materials[1]:
+        apart = np.flatnonzero(np.diff(grid.cells.ravel())[1::2] > SAME * grid.strip) + 1
+        first, last = max(apart[apart <= rows.start], default=0), min(apart[apart >= rows.stop], default=len(inside))
+        rows = slice(max(rows.start - MARGIN, first), min(rows.stop + MARGIN, last))
+        strips = slice(max(strips.start - MARGIN, 0), min(strips.stop + MARGIN, inside.shape[1]))
+    z = grid.z[strips]
+    cells = PatchGrid(np.append(grid.cells[rows, 0], grid.cells[rows.stop - 1, 1]), grid.strip, len(z), float(z.mean()))
+    forces = np.where(inside, state.forces, 0.0)[rows, strips]
+    areas = cells.widths[:, None] * grid.strip
+    coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
+    own = friction
+    if max(map(len, friction.limits)) > 1:
+        static, kinetic = (np.broadcast_to(each, len(inside))[rows] for each in friction.limits)
+        own = Friction(static, kinetic, friction.decay)
+    pressed = None
+    if materials[0] != materials[1]:
+        influence = Convolution(np.ascontiguousarray(coefficients[: len(z), 1::3, 1::3]))
+        others = (state.forces > 0.0)[rows, strips] & ~inside[rows, strips]
+        gaps = np.where(others, FAR_MM, state.gaps[rows, strips] - influence(forces))
+        force = forces.sum(axis=1) @ state.normals[rows]
+        total = float(np.linalg.norm(force))
+        share = (state.normals[rows] @ force / total)[:, None]
+
+        def pressed(change: Floats, start: Floats) -> NormalContact:
+            return solve_normal(influence, gaps + change, force=total, share=share, start=start, tolerance=CHANGE)
+
+    return RollingContact(cells, forces / areas, own, materials, coefficients, pressed, origin)
+
+
+def box_of(inside: Bools) -> tuple[slice, slice]:
+    """Rows and strips of the smallest box about cells."""
+    rows, strips = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
+
+
+@dataclass(frozen=True, eq=False)
+class RollingPatch:
+    """A patch that rolls with friction: creep forces beside its normal forces.
+
+    - `patch`: the patch.
+    - `forces`: creep forces in the patch's axes, of any theory; `Rolling` and `SimplifiedRolling` have tractions, slip
+      and states on the cells of the patch.
+    - `contact`: cells and coefficients.
+    - `speed_m_s`: speed of rolling.
+    """
+
+    patch: SpatialPatch
+    forces: Rolling | SimplifiedRolling | CreepForces
+    contact: RollingContact
+    speed_m_s: float = 1.0
+
+    @property
+    def rows(self) -> slice:
+        """Rows of cells of the side that `contact` has."""
+        first = int(np.argmin(np.abs(self.patch.state.grid.grid.cells[:, 0] - self.contact.grid.bounds[0])))
+        return slice(first, first + len(self.contact.grid.widths))
+
+    @cached_property
+    def _side_force(self) -> Floats:
+        """Creep force on the wheel in the right-hand form of the side."""
+        found, state = self.forces, self.patch.state
+        normals = state.normals[self.rows]
+        if isinstance(found, Rolling | SimplifiedRolling):
+            across, along = (found.tractions * self.contact.areas[..., None]).sum(axis=1).T
+            if isinstance(found, SimplifiedRolling):  # its forces are those of an ellipse
+                across, along = self._scaled(across, found.across), self._scaled(along, found.along)
+        else:
+            share = self.contact.normal_forces.sum(axis=1) / self.contact.force
+            across, along = found.across * share, found.along * share
+        tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+        return np.append(across @ tangents, along.sum())
+
+    def _scaled(self, values: Floats, total: float) -> Floats:
+        rest = total - float(values.sum())
+        return values + rest * self.contact.normal_forces.sum(axis=1) / self.contact.force
+
+    @property
+    def creep_force_on_wheel_N(self) -> Floats:  # noqa: N802
+        """Creep force on the wheel, N, in the track's axes: x to the right, y up, z ahead, shape (3,)."""
+        return self._side_force * (SIDE_SIGN[self.patch.side], 1.0, 1.0)
+
+    @property
+    def force_on_wheel_N(self) -> Floats:  # noqa: N802
+        """Normal and creep force on the wheel together, N, in the track's axes, shape (3,)."""
+        return np.append(self.patch.force_on_wheel_N, 0.0) + self.creep_force_on_wheel_N
+
+    @property
+    def longitudinal_creepage(self) -> float:
+        """Slip of the wheel ahead over the speed, at the origin of `contact`; the mean of the rows by normal force."""
+        return self._mean(self.forces.motion.along)
+
+    @property
+    def lateral_creepage(self) -> float:
+        """Slip of the wheel along the rail's surface to the right over the speed."""
+        return -SIDE_SIGN[self.patch.side] * self._mean(self.forces.motion.across)
+
+    @property
+    def spin_creepage_per_m(self) -> float:
+        """Rotation of the wheel on the rail about its normal over the speed, 1/m, counter-clockwise from above."""
+        return -1e3 * SIDE_SIGN[self.patch.side] * self.forces.motion.spin
+
+    @property
+    def spin_moment_Nm(self) -> float:  # noqa: N802
+        """Moment on the wheel about the normal at the origin of `contact`, N m, counter-clockwise from above."""
+        return -1e-3 * SIDE_SIGN[self.patch.side] * self.forces.moment
+
+    @property
+    def used_friction(self) -> float:
+        """Creep force over normal force."""
+        return float(np.hypot(self.forces.along, self.forces.across)) / self.contact.force
+
+    @property
+    def t_gamma_N(self) -> float:  # noqa: N802
+        """Energy that friction dissipates over the distance rolled, N = J/m."""
+        return self.forces.t_gamma
+
+    @property
+    def power_W(self) -> float:  # noqa: N802
+        """Power that friction dissipates, W."""
+        return self.speed_m_s * self.forces.t_gamma
+
+    def _mean(self, creepages: float | Floats) -> float:
+        share = self.contact.normal_forces.sum(axis=1) / self.contact.force
+        return float(np.broadcast_to(creepages, share.shape) @ share)

@@ -1,0 +1,128 @@
+"""Contact patch of a wheel in equilibrium on its rail, and the stresses below it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from flangeway.contact.patch.contact_ellipse import ContactEllipse
+from flangeway.exact import PointContact, contact_modulus
+from flangeway.post.patch_stresses import DepthProfile, half_space_profile
+from flangeway.railway.spatial.side_contact import SideState
+from flangeway.railway.track.discretisation import Role
+from flangeway.railway.track.placements import SIDE_SIGN, Side
+from flangeway.railway.wheelset.wheelset_model import region_of
+from flangeway.types import Floats
+
+DEPTHS = (0.05, 3.0)
+"""Least depth over the shorter semi-axis, and greatest one over the longer one, of the lines below patches."""
+N_DEPTHS = 60
+NARROW = 10
+"""Cells across or along a patch below which its maximum pressure is uncertain by more than 2 %."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpatialPatch:
+    """One patch between a wheel and its rail.
+
+    - `side`: of the track.
+    - `state`: contact of the side, in its right-hand form.
+    - `ellipse`: resultant, axes and cells in this form.
+    """
+
+    side: Side
+    state: SideState
+    ellipse: ContactEllipse
+    materials: Mapping[Role, tuple[float, float]]
+
+    @property
+    def force_on_wheel_N(self) -> Floats:  # noqa: N802
+        """Force on the wheel in the track's axes, shape (2,)."""
+        return self.ellipse.force * (SIDE_SIGN[self.side], 1.0)
+
+    @property
+    def centre_mm(self) -> Floats:
+        """Centre of pressure in the track's axes: x to the right, y up, z ahead of the axle, shape (3,)."""
+        return self.ellipse.centre * (SIDE_SIGN[self.side], 1.0, 1.0)
+
+    @property
+    def contact_angle_rad(self) -> float:
+        """Angle of the plane normal to the resultant from the track's plane, positive towards the flange."""
+        return float(np.arctan2(-self.ellipse.force[0], self.ellipse.force[1]))
+
+    @property
+    def region(self) -> str:
+        """Part of the rail in contact; see `flangeway.railway.wheelset.wheelset_model.region_of`."""
+        lateral, vertical = self.force_on_wheel_N.tolist()
+        return region_of(self.side, lateral, vertical)
+
+    @cached_property
+    def _row(self) -> Floats:
+        """Shares of the cells across in the force."""
+        forces = np.where(self.ellipse.inside, self.state.forces, 0.0).sum(axis=1)
+        return forces / forces.sum()
+
+    @property
+    def rail_point_mm(self) -> Floats:
+        """Centre of pressure on the undeformed rail, in the frame of its profile, shape (2,)."""
+        surfaces, station = self.state.grid.surfaces, np.array([self._row @ self.state.grid.grid.stations])
+        return surfaces.rail_frame.inverse().points(surfaces.rail_points(station)[0])[0]
+
+    @property
+    def wheel_point_mm(self) -> Floats:
+        """Centre of pressure on the undeformed wheel, in the frame of its profile, shape (2,)."""
+        surfaces = self.state.grid.surfaces
+        inside = np.where(self.ellipse.inside, self.state.forces, 0.0)
+        along = np.array([(inside * self.state.gap.along).sum() / inside.sum()])
+        point = np.stack((along, surfaces.wheel.over(along).y), axis=1)
+        return surfaces.wheel_frame.inverse().points(point)[0]
+
+    @property
+    def rolling_radius_mm(self) -> float:
+        """Distance of the centre of pressure from the axle."""
+        inside = np.where(self.ellipse.inside, self.state.forces, 0.0)
+        radii = -self.state.grid.surfaces.wheel.over(self.state.gap.along).y
+        return float((inside * radii).sum() / inside.sum())
+
+    @property
+    def conformity_deg(self) -> float:
+        """Angle by which the rail's normal turns across the patch, in degrees."""
+        normals = self.state.normals[self.ellipse.inside.any(axis=1)]
+        return float(np.rad2deg(np.ptp(np.arctan2(normals[:, 0], normals[:, 1]))))
+
+    @cached_property
+    def hertz(self) -> PointContact | None:
+        """Hertz's contact for its force and the curvatures of its gap, None where these vary too much."""
+        gaps = self.state.gap.gaps
+        inside = self.ellipse.inside
+        approach = float(np.ptp(gaps[inside]))
+        if min(self.ellipse.cells) < 3 or not approach > 0.0:
+            return None
+        modulus = contact_modulus(*(young / (1.0 - poisson**2) for young, poisson in self.materials.values()))
+        return self.state.cells.hertz(self.ellipse, gaps, approach, modulus)
+
+    @property
+    def remark(self) -> str:
+        """What limits the maximum pressure, empty if nothing does."""
+        across, along = self.ellipse.cells
+        return f"{across} by {along} cells" if min(across, along) < NARROW else ""
+
+    def below(self, role: Role, tractions: Floats | None = None) -> DepthProfile:
+        """Stresses on the normal below the centre of pressure, of a half-space under the tractions of the patch.
+
+        Axes: x along the surface, y along its outward normal, z along the track. The tractions by friction on the
+        wheel's cells, along x and z, have the shape (n_cells, n_strips, 2).
+        """
+        grid, ellipse = self.state.grid.grid, self.ellipse
+        window = np.ix_(ellipse.inside.any(axis=1), ellipse.inside.any(axis=0))
+        depths: Floats = np.geomspace(DEPTHS[0] * ellipse.semi_axes[1], DEPTHS[1] * ellipse.semi_axes[0], N_DEPTHS)
+        z = np.stack((grid.z - grid.strip / 2.0, grid.z + grid.strip / 2.0), axis=1)
+        return half_space_profile(
+            (grid.cells[window[0][:, 0]], z[window[1][0]]),
+            np.where(ellipse.inside, self.state.cells.pressures, 0.0)[window],
+            (float(self._row @ grid.stations), float(ellipse.centre[2])),
+            depths,
+            self.materials[role][1],
+            None if tractions is None else tractions[window] * (1.0 if role == "wheel" else -1.0),
+        )
