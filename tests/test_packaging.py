@@ -94,7 +94,7 @@ def test_optional_groups_are_few():
 @pytest.mark.parametrize("requirement", REQUIREMENTS)
 def test_every_dependency_has_a_lower_bound_and_a_licence(requirement):
     """A direct dependency says from which version it works, and the page of licences has it with that version."""
-    found = re.fullmatch(r"([\w.-]+)(?:\[[\w,-]+\])?>=([\d.]+)(?:,.*)?", requirement)
+    found = re.fullmatch(r"([\w.-]+)(?:\[[\w,-]+\])?>=([\d.]+)(?:[,;].*)?", requirement)
     assert found, f"{requirement} has no lower bound"
     page = (ROOT / "docs" / "licences.md").read_text(encoding="utf-8")
     rows = re.findall(rf"^\| {re.escape(found[1])} \| {re.escape(found[2])} \| (.+?) \|", page, flags=re.MULTILINE)

@@ -12,10 +12,10 @@ MAX_FILES = 20
 
 MAX_LINES = {
     "": 410,
-    "system": 720,
+    "system": 780,
     "exact": 1110,
     "geometry": 1260,
-    "mesh": 2480,
+    "mesh": 2485,
     "formats": 1790,
     "elements": 1380,
     "space": 710,
@@ -38,8 +38,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 59_675
-MAX_FILES_OF_ALL = 323
+MAX_LINES_OF_ALL = 59_740
+MAX_FILES_OF_ALL = 324
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

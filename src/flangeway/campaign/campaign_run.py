@@ -1,6 +1,5 @@
 """Run a campaign: distribute the rows that are not done, and store their results."""
 
-import os
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Sequence
@@ -14,6 +13,7 @@ from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import WAITING, CampaignDatabase
 from flangeway.campaign.workers import ClusterWorkers, LocalWorkers
 from flangeway.errors import InputError
+from flangeway.system.operating_system import number_of_cores
 from flangeway.system.versions import versions
 
 MOST_LOSSES = 3  # number of workers that may end during a row before its status is failed
@@ -97,8 +97,7 @@ def run_campaign(
         store.begin(campaign)
         run = _Run(campaign, store, progress)
         if run.chunks:
-            cores = len(os.sched_getaffinity(0))
-            n_workers = min(workers if workers is not None else cores, len(run.chunks))
+            n_workers = min(workers if workers is not None else number_of_cores(), len(run.chunks))
             with closing(_Stopped(ClusterWorkers(scheduler) if scheduler else LocalWorkers(n_workers))) as held:
                 run.go(held.workers)
         return run.report()

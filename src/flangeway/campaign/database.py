@@ -1,7 +1,6 @@
 """The SQLite file of a campaign: its rows, their results and its progress; and both as tables, for other programs."""
 
 import csv
-import fcntl
 import importlib
 import json
 import sqlite3
@@ -24,6 +23,7 @@ from flangeway.campaign.columns import (
     wheelset_columns,
 )
 from flangeway.errors import InputError, MissingLibraryError
+from flangeway.system.operating_system import lock_file
 from flangeway.system.versions import versions
 from flangeway.types import Floats
 
@@ -239,7 +239,7 @@ def _locked(path: Path) -> IO[bytes]:
     except OSError as reason:
         raise unusable(path, reason) from reason
     try:
-        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        lock_file(file)
     except OSError as reason:
         file.close()
         raise InputError(

@@ -15,6 +15,7 @@ from typing import Any
 
 from flangeway.campaign.chunk import Chunk, Lost, Outcome, compute
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError
+from flangeway.system.operating_system import interrupts_blocked, worker_start_method
 
 READY = "ready"
 # read when NumPy and the core are imported: one thread each, or processes wait for each other's
@@ -47,11 +48,12 @@ class LocalWorkers:
     def __init__(self, n_workers: int) -> None:
         # forks of a fresh process that has imported what is needed: nothing of this one comes along, and a new worker
         # is there at once
-        self._context = multiprocessing.get_context("forkserver")
-        self._context.set_forkserver_preload([compute.__module__])
+        self._context: Any = multiprocessing.get_context(worker_start_method())
         self._workers: list[_Worker] = []
         self._failed_starts = 0
-        resource_tracker.ensure_running()  # it would unblock SIGINT while it starts
+        if worker_start_method() == "forkserver":
+            self._context.set_forkserver_preload([compute.__module__])
+            resource_tracker.ensure_running()  # it would unblock SIGINT while it starts
         try:
             for _ in range(n_workers):
                 self._workers.append(self._new())
@@ -136,11 +138,10 @@ def _environment() -> Iterator[None]:
     """Set the variables of a new process that the user has not set, and block Ctrl-C in it, also while it imports."""
     missing = [name for name in ONE_THREAD if name not in os.environ]
     os.environ.update({name: ONE_THREAD[name] for name in missing})
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        yield
+        with interrupts_blocked():
+            yield
     finally:
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
         for name in missing:
             os.environ.pop(name, None)
 

@@ -61,9 +61,15 @@ _LOCK = threading.RLock()
 
 
 def load_gmsh() -> Any:
-    """Return the module gmsh; a `MissingLibraryError` names the packages of a shared library that is missing."""
+    """Return the module gmsh; a `MissingLibraryError` names the packages of it or of a shared library it lacks."""
     try:
         return importlib.import_module("gmsh")
+    except ImportError as reason:
+        raise MissingLibraryError(
+            "meshes need Gmsh's module for Python, which is not installed\n"
+            "  what to do: pip install gmsh; where there is none (Linux on arm64), on Debian or Ubuntu\n"
+            "    apt-get install python3-gmsh, and make the environment with: python3 -m venv --system-site-packages"
+        ) from reason
     except OSError as reason:
         library = re.search(r"(lib[A-Za-z0-9_+-]+)\.so", str(reason))
         missing = library.group(1) if library else "a shared library"

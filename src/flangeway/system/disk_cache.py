@@ -1,9 +1,9 @@
 """Arrays kept on disk by the content that they were computed from.
 
-``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in ``$XDG_CACHE_HOME`` or in
-``~/.cache``. ``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file
-holds a checksum, is written under another name and then renamed, so that no process sees half of it; a damaged one
-is noticed, removed and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
+``FLANGEWAY_CACHE`` names the folder, or is ``off``; left out it is ``flangeway`` in `cache_parent`.
+``FLANGEWAY_CACHE_MB`` limits its size (2000 by default): what was used longest ago is removed. A file holds a checksum,
+is written under another name and then renamed, so that no process sees half of it; a damaged one is noticed, removed
+and made anew. Nothing is ever wrong for lack of a cache: where the disk refuses, all is computed.
 """
 
 import contextlib
@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flangeway.errors import InputError
+from flangeway.system.operating_system import cache_parent
 
 Arrays = Mapping[str, NDArray[Any]]
 
@@ -61,11 +62,7 @@ class Cache:
             raise InputError(
                 f"FLANGEWAY_CACHE_MB={limit}", "a positive number of megabytes", "correct it, or FLANGEWAY_CACHE=off"
             )
-        if where:
-            folder = Path(where).expanduser()
-        else:
-            base = os.environ.get("XDG_CACHE_HOME", "")
-            folder = (Path(base) if base else Path("~/.cache").expanduser()) / "flangeway"
+        folder = Path(where).expanduser() if where else cache_parent() / "flangeway"
         return cls(folder, int(1e6 * megabytes))
 
     def get(self, key: str, make: Callable[[], Arrays]) -> Arrays:

@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from flangeway.errors import InputError, OutOfMemoryError
+from flangeway.system.operating_system import system_module
 
 LIMIT = "FLANGEWAY_MEMORY_GB"
 GB = 1e9
@@ -55,12 +56,9 @@ def peak_memory_bytes() -> int:
     resident = _status("VmHWM")
     if resident is not None:
         return resident
-    try:
-        import resource  # noqa: PLC0415 (not on every system)
-    except ImportError:
-        return 0
+    resource = system_module("resource")
     unit = 1 if sys.platform == "darwin" else 1024
-    return int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * unit
+    return 0 if resource is None else int(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss) * unit
 
 
 def _bounds() -> Iterator[tuple[int, str]]:
@@ -115,12 +113,8 @@ def _control_groups(root: Path) -> Iterator[int]:
 
 
 def _address_space() -> int | None:
-    try:
-        import resource  # noqa: PLC0415 (not on every system)
-    except ImportError:
-        return None
-    limit, _ = resource.getrlimit(resource.RLIMIT_AS)
-    if limit == resource.RLIM_INFINITY:
+    resource = system_module("resource")
+    if resource is None or (limit := resource.getrlimit(resource.RLIMIT_AS)[0]) == resource.RLIM_INFINITY:
         return None
     return int(limit) - (_status("VmSize") or 0)
 

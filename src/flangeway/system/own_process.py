@@ -16,6 +16,7 @@ from multiprocessing.spawn import get_executable
 from typing import Any, NoReturn, TypeVar
 
 from flangeway.errors import FlangewayError, InputError, OutOfMemoryError, UnforeseenError, unforeseen
+from flangeway.system.operating_system import INPUT_CAN_BE_WATCHED
 
 Result = TypeVar("Result")
 
@@ -67,7 +68,8 @@ def serve() -> NoReturn:
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     work, arguments = pickle.load(sys.stdin.buffer)
-    threading.Thread(target=_end_with_parent, daemon=True).start()
+    if INPUT_CAN_BE_WATCHED:
+        threading.Thread(target=_end_with_parent, daemon=True).start()
     try:
         answer: tuple[str, Any] = ("result", work(*arguments))
     except (FlangewayError, MemoryError) as error:
