@@ -32,14 +32,14 @@ MAX_LINES = {
     "railway.spatial": 2810,
     "cases": 6600,
     "campaign": 1880,
-    "report": 6830,
-    "validation": 6795,
+    "report": 7125,
+    "validation": 6780,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 59_740
-MAX_FILES_OF_ALL = 324
+MAX_LINES_OF_ALL = 60_020
+MAX_FILES_OF_ALL = 327
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

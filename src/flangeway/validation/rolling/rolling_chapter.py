@@ -2,13 +2,11 @@
 
 from collections.abc import Sequence
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.contact.rolling.rolling_result import SLIPS, STICKS
 from flangeway.report.figures.drawing import GREY, INK, new_figure
-from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import SummaryTable
+from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.validation.published_numbers import digits, percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 from flangeway.validation.rolling.manchester_rolling import CREEP_LIMIT
@@ -60,27 +58,8 @@ def curves_figure(found: RollingReproduction) -> Figure:
 
 
 def tractions_figure(found: RollingReproduction) -> Figure:
-    """Draw tractions, stick and slip, and frictional power of a patch under lateral creepage and spin."""
-    state, figure = found.shown, new_figure(10.5, 3.6)
-    grid = state.contact.grid
-    edges = grid.middle + grid.strip * (np.arange(grid.n_strips + 1) - grid.n_strips / 2.0)
-    across = (grid.bounds[1:] + grid.bounds[:-1]) / 2.0
-    size = np.linalg.norm(state.tractions, axis=2)
-    power = np.where(state.states == SLIPS, state.power_density, np.nan)
-    fields = (np.where(size > 0.0, size, np.nan), power / np.nanmax(power))
-    for axes, values, label in zip(
-        figure.subplots(1, 2), fields, ("traction, MPa", "power over its maximum"), strict=True
-    ):
-        mesh = axes.pcolormesh(edges, grid.bounds, values, cmap=COLOURS)
-        figure.colorbar(mesh, ax=axes, label=label, shrink=0.8)
-        axes.contour(grid.along, across, (state.states == STICKS) * 1.0, levels=[0.5], colors=INK, linewidths=1.0)
-        axes.set_aspect("equal")
-        axes.set_xlabel("z in mm, rolling to the right")
-    every = slice(1, None, 3)
-    arrows = (state.tractions[every, every, 1], state.tractions[every, every, 0])
-    figure.axes[0].quiver(grid.along[every], across[every], *arrows, color=INK, width=0.003)
-    figure.axes[0].set_ylabel("across in mm")
-    return figure
+    """Draw stick, slip and tractions, slip velocity and frictional power under lateral creepage and spin."""
+    return rolling_figure([ShownRolling("CONTACT's ellipse", found.shown, 1.0, 0.0)])
 
 
 def _tables(found: RollingReproduction) -> Sequence[SummaryTable]:
@@ -121,8 +100,8 @@ ROLLING = Reproduction(
             ),
             PagePicture(
                 "rolling-tractions",
-                "Tractions with arrows, and frictional power density, of an ellipse under lateral creepage and spin; "
-                "the line is around the area of stick at the leading edge",
+                "Areas of stick and slip with arrows of the tractions, slip velocity at 1 m/s, and frictional power of "
+                "an ellipse under lateral creepage and spin, seen from the second body; the leading edge (top) sticks",
                 tractions_figure,
             ),
         ),

@@ -1,0 +1,103 @@
+"""Creep-force curves of patches about their working points, by the exact theory and by fast ones."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+from scipy.interpolate import PchipInterpolator
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.fast_theories import polach
+from flangeway.contact.rolling.fastsim import fastsim
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.report.figures.drawing import GREY, INK, Room, draw_title, figure_with_room
+from flangeway.report.rolling.rolling_maps import ShownRolling
+from flangeway.types import Floats
+
+Theory = Callable[[RollingContact, Creepages], CreepForces]
+
+THEORIES: dict[str, tuple[Theory, str, Any]] = {
+    "FASTSIM": (fastsim, "#2166ac", (0, (5, 2))),
+    "Polach": (polach, "#b35806", "dashdot"),
+}
+EXACT = (0.0, 0.15, 0.35, 0.65, 1.0)
+"""Creepages of the exact theory over the greatest one, beside that of the working point."""
+N_FAST, TOLERANCE = 41, 1e-3
+"""Creepages of the fast theories, and the tolerance of the exact one: forces within 1e-4 of the limit."""
+BEYOND = 1.6
+"""Greatest creepage over that of the working point, at least."""
+SATURATED = 3.0
+"""And over that at which linear theory reaches the limit of friction."""
+UNLOADED = 1e-3
+"""Greatest creepage where there is no friction and no creepage."""
+ROOM = Room(left=0.8, right=0.2, bottom=0.95, top=0.35, across=0.8, between=0.75)
+
+
+def curves_figure(patches: Sequence[ShownRolling]) -> Figure:
+    """Draw for each patch the force ahead over its creepage and that across over its own, the others fixed."""
+    count = max(len(patches), 1)
+    figure, panels = figure_with_room(9.0, 2.6 * count + 1.0, ROOM, count, 2)
+    for row, shown in zip(panels, patches, strict=False):
+        _draw_curve(row[0], shown, "along", 1.0)
+        _draw_curve(row[1], shown, "across", -shown.sign)
+        draw_title(row[0], f"{shown.name}: ahead", 9.5)
+        draw_title(row[1], f"{shown.name}: to the right", 9.5)
+        row[0].set_ylabel("creep force in kN")
+    panels[-1, 0].set_xlabel("longitudinal creepage in %")
+    panels[-1, 1].set_xlabel("lateral creepage in %")
+    handles, labels = panels[0, 0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="lower center", ncols=5, frameon=False, fontsize=9)
+    return figure
+
+
+def _draw_curve(axes: Axes, shown: ShownRolling, name: str, sign: float) -> None:
+    """Draw one force over its creepage, from zero to beyond the working point, in a direction that is drawn."""
+    found, contact = shown.found, shown.contact
+    ellipse = EllipticContact.of(contact, found.motion)
+    c = ellipse.coefficients
+    stiffness = ellipse.unit * (c.c11 if name == "along" else c.c22)
+    limit = ellipse.friction * ellipse.force
+    share = contact.normal_forces.sum(axis=1) / contact.force
+    working = float(np.broadcast_to(getattr(found.motion, name), share.shape) @ share)
+    end = (max(BEYOND * abs(working), SATURATED * limit / stiffness) or UNLOADED) * (1.0 if working >= 0.0 else -1.0)
+
+    def motion(value: float) -> Creepages:
+        return replace(found.motion, **{name: getattr(found.motion, name) + (value - working)})
+
+    fast: Floats = np.linspace(0.0, end, N_FAST)
+    for label, (theory, colour, style) in THEORIES.items():
+        forces = [getattr(theory(contact, motion(each)), name) for each in fast]
+        axes.plot(100.0 * sign * fast, 1e-3 * sign * np.array(forces), color=colour, ls=style, lw=1.2, label=label)
+    if isinstance(found, Rolling):
+        points = np.array(_exact(found, name, working, end, motion))
+        fine: Floats = np.linspace(points[0, 0], points[-1, 0], N_FAST)
+        axes.plot(100.0 * sign * fine, 1e-3 * sign * PchipInterpolator(*points.T)(fine), color=INK, lw=1.0)
+        axes.plot(*(sign * points * (100.0, 1e-3)).T, "o", color=INK, ms=3.5, mfc="white", label="exact theory")
+    axes.plot(
+        100.0 * sign * working, 1e-3 * sign * getattr(found, name), "D", color="#8b1a8b", ms=6.5, label="working point",
+        zorder=5,
+    )  # fmt: skip
+    at_limit = -np.sign(sign * end) * 1e-3 * limit
+    axes.axhline(at_limit, color=GREY, lw=0.8, ls="dotted", label="limit of friction")
+    axes.axhline(0.0, color=GREY, lw=0.6)
+    axes.grid(color="#e4e4e4", linewidth=0.5)
+
+
+def _exact(
+    found: Rolling, name: str, working: float, end: float, motion: Callable[[float], Creepages]
+) -> list[tuple[float, float]]:
+    """Creepages and forces by the exact theory, each started from its neighbour, from the working point both ways."""
+    points = {working: float(getattr(found, name))}
+    for outwards in (1.0, -1.0):
+        state = found
+        values = [share * end for share in EXACT if outwards * (abs(share * end) - abs(working)) > 0.0]
+        for value in sorted(values, key=lambda each: outwards * abs(each)):
+            state = roll(found.contact, motion(value), start=state, tolerance=TOLERANCE)
+            points[value] = float(getattr(state, name))
+    return sorted(points.items())

@@ -1,0 +1,140 @@
+"""Patches that roll with friction from above: stick and slip with tractions, slip velocity, frictional power."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, Normalize
+from matplotlib.figure import Figure
+from matplotlib.patches import Patch
+
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
+from flangeway.report.figures.drawing import INK, draw_title, new_figure
+from flangeway.report.figures.plots import COLOURS
+from flangeway.types import Floats
+
+STICK, SLIP = "#d3e3f3", "#f2b482"
+ARROWS = 14
+"""Arrows along the longer side of a patch, about."""
+PANEL_IN, HIGHEST_IN = 2.6, 3.6
+"""Width of a panel, and the most of its height."""
+MARGIN = 0.06
+LENGTH = 1.7
+"""Longest arrow over the distance of arrows."""
+
+
+@dataclass(frozen=True, eq=False)
+class ShownRolling:
+    """One patch that rolls, drawn with a direction across to the right and z up.
+
+    - `name`: of the patch.
+    - `found`: tractions, slip and states, of unit speed.
+    - `speed_m_s`: speed of rolling.
+    - `origin`: length along the first body's surface that is drawn at zero.
+    - `sign`: 1 where rising lengths run to the left, else -1, as `flangeway.report.spatial.patch_map.PatchMap`.
+    """
+
+    name: str
+    found: Rolling | SimplifiedRolling
+    speed_m_s: float
+    origin: float
+    sign: float = 1.0
+
+    @property
+    def contact(self) -> RollingContact:
+        """Cells, pressures and coefficients."""
+        return self.found.contact
+
+    @property
+    def edges(self) -> tuple[Floats, Floats]:
+        """Ends of the cells, to the right and up."""
+        grid = self.contact.grid
+        z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
+        return self.sign * (self.origin - grid.bounds), z
+
+    @property
+    def box(self) -> Floats:
+        """Corners (2, 2) of the cells under pressure, with a margin."""
+        both = zip(self.edges, self.contact.box, strict=True)
+        found = np.stack([np.sort(edges[[cells.start, cells.stop]]) for edges, cells in both], axis=1)
+        return found + np.array([[-1.0], [1.0]]) * MARGIN * np.ptp(found, axis=0).max()
+
+    @property
+    def tractions(self) -> Floats:
+        """Tractions on the second body to the right and up, shape (n_cells, n_strips, 2)."""
+        return self.found.tractions * (-self.sign, 1.0)
+
+    @property
+    def slip_m_s(self) -> Floats:
+        """Slip velocity, shape (n_cells, n_strips)."""
+        return np.linalg.norm(self.found.slip_velocities, axis=2) * self._scale
+
+    @property
+    def power_W_mm2(self) -> Floats:  # noqa: N802
+        """Frictional power over area, MPa m/s = W/mm^2, shape (n_cells, n_strips)."""
+        return self.found.power_density * self._scale
+
+    @property
+    def _scale(self) -> float:
+        return self.speed_m_s / abs(self.found.motion.speed)
+
+
+def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
+    """Draw a row for each patch: where it sticks and slips with its tractions, slip velocity, frictional power."""
+    boxes, count = [each.box for each in patches], max(len(patches), 1)
+    width, heights = (np.array([np.ptp(box, axis=0)[axis] for box in boxes] or [1.0]) for axis in (0, 1))
+    scale = min(PANEL_IN / float(width.max()), HIGHEST_IN / float(heights.max()))
+    figure = new_figure(3.0 * (scale * float(width.max()) + 1.0), scale * float(heights.sum()) + 0.55 * count + 0.7)
+    panels = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
+    for row, shown, box in zip(panels, patches, boxes, strict=False):
+        _draw_states(row[0], shown)
+        _draw_values(row[1], shown, shown.slip_m_s, "slip velocity, m/s")
+        _draw_values(row[2], shown, shown.power_W_mm2, "frictional power, W/mm²")
+        ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
+        for axes in row:
+            axes.set(xlim=ends, ylim=box[:, 1])
+            axes.set_aspect("equal", adjustable="box")
+            axes.locator_params(nbins=5)
+        row[0].set_ylabel("z ahead in mm")
+    for axes in panels[-1]:
+        axes.set_xlabel("across in mm")
+    figure.legend(
+        handles=[Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in (("sticks", STICK), ("slips", SLIP))],
+        loc="outside lower left", ncols=2, frameon=False, fontsize=9,
+    )  # fmt: skip
+    return figure
+
+
+def _draw_states(axes: Axes, shown: ShownRolling) -> None:
+    """Areas of stick and slip, with arrows of the tractions on the second body."""
+    states, edges = shown.found.states, shown.edges
+    drawn = np.ma.masked_equal(states, NO_CONTACT).T
+    colours = ListedColormap([STICK, SLIP])
+    axes.pcolormesh(*edges, drawn, cmap=colours, norm=Normalize(STICKS - 0.5, SLIPS + 0.5), rasterized=True)
+    spacing = max(np.ptp(shown.box, axis=0)) / ARROWS
+    chosen = []
+    for ends, cells in zip(edges, shown.contact.box, strict=True):
+        step = max(round(spacing / abs(float(np.diff(ends).mean()))), 1)
+        chosen.append(np.arange(cells.start, cells.stop)[(cells.stop - cells.start - 1) % step // 2 :: step])
+    rows, strips = (each.ravel() for each in np.meshgrid(*chosen, indexing="ij"))
+    rows, strips = rows[states[rows, strips] != NO_CONTACT], strips[states[rows, strips] != NO_CONTACT]
+    x, z = ((ends[1:] + ends[:-1])[which] / 2.0 for ends, which in zip(edges, (rows, strips), strict=True))
+    arrows, longest = shown.tractions[rows, strips], float(np.linalg.norm(shown.tractions, axis=2).max())
+    if longest > 0.0:
+        axes.quiver(
+            x, z, *arrows.T, angles="xy", scale_units="xy", pivot="mid", scale=longest / (LENGTH * spacing),
+            color=INK, width=0.007,
+        )  # fmt: skip
+    slips = (states == SLIPS).sum() / max((states != NO_CONTACT).sum(), 1)
+    draw_title(axes, f"{shown.name}: {100.0 * slips:.0f} % slips,\ntractions up to {longest:.0f} MPa", 9.0)
+
+
+def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, label: str) -> None:
+    drawn = np.where(shown.found.states != NO_CONTACT, values, np.nan)
+    scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
+    mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
+    axes.figure.colorbar(mesh, ax=axes, shrink=0.9, aspect=18, pad=0.02)
+    draw_title(axes, label, 9.0)
