@@ -18,3 +18,8 @@ def test_the_script_prints_what_the_page_shows(capsys):
 def test_positions_of_a_wheelset_share_their_surfaces(follow):
     """The script of the page on the wheelset runs as it stands, and prints the page's numbers, to 1 %."""
     assert follow("theory/spatial-wheelset.md", tolerance=0.01) == {"python": 1, "text": 1}
+
+
+def test_the_page_on_rolling_prints_what_it_shows(follow):
+    """One patch by the exact theory and by fast ones, as it stands on the page, to 1 %."""
+    assert follow("theory/rolling.md", tolerance=0.01) == {"python": 1, "text": 1}
