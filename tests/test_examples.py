@@ -9,6 +9,7 @@ EXAMPLES = Path(__file__).parents[1] / "examples"
 ARGUMENTS = {"wheelset_tangent": {"size_scale": 2.0}}
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("path", sorted(EXAMPLES.glob("*.py")), ids=lambda path: path.stem)
 def test_example_runs_and_its_checks_hold(path, capsys):
     """The script's `main` ends without an error on a coarse mesh and says what it found."""

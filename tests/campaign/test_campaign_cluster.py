@@ -14,7 +14,7 @@ from flangeway.campaign import Campaign, results, run_campaign, workers
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.errors import InputError, MissingLibraryError
 
-pytestmark = pytest.mark.filterwarnings("ignore")  # of the libraries of the cluster
+pytestmark = [pytest.mark.ci, pytest.mark.filterwarnings("ignore")]  # warnings: of the libraries of the cluster
 
 CAMPAIGN = """
 case = "wheelset-tangent"

@@ -8,8 +8,6 @@ import pytest
 from flangeway.cases import WheelsetCurveCase
 from flangeway.railway.track.wheelset_load import curve_force_N
 
-pytestmark = pytest.mark.ci  # costs a minute or more
-
 DOCS = Path(__file__).parents[2] / "docs"
 
 
