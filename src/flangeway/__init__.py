@@ -4,8 +4,9 @@ What most scripts need stands here, in the order in which a script uses it:
 
 - a shape and its mesh: `Outline`, `triangulate`, `dual` (polygons), `read_mesh`, `PolyMesh`, `write_vtu`;
 - elements on it: `Lagrange`, `Virtual`, `Space`;
-- a problem: `Elastic`, `Elasticity` with `Traction` and `fixed`, or `Torsion`;
-- its solution: `solve_elasticity`, `solve_torsion`; `recovered_stresses`, `stresses_at`, `plot_mesh`, `plot_stress`;
+- a problem: `Elastic`, `Elasticity` with `Traction`, `BodyForce`, `fixed` and `PrescribedDisplacement`, or `Torsion`;
+- its solution: `solve_elasticity`, `solve_torsion`; `recovered_stresses`, `stresses_at`, `plot_mesh`; solutions
+  have `plot`, `table`, `to_csv` and `to_dataframe`, and show themselves in notebooks;
 - bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment` or
   `SegmentToSegment`, with `Penalty` or `Multiplier`; `press` brings them together, `pressure_patches` says how hard
   they touch;
@@ -44,8 +45,17 @@ if TYPE_CHECKING:
     from flangeway.materials import Elastic
     from flangeway.mesh import PolyMesh, dual, triangulate
     from flangeway.post import pressure_patches, recovered_stresses, stresses_at
-    from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
-    from flangeway.report import plot_mesh, plot_stress
+    from flangeway.problems import (
+        Body,
+        BodyForce,
+        Elasticity,
+        Part,
+        PrescribedDisplacement,
+        Torsion,
+        Traction,
+        fixed,
+    )
+    from flangeway.report import plot_mesh
     from flangeway.solve import solve_elasticity, solve_torsion
     from flangeway.space import Space
 
@@ -68,8 +78,8 @@ _HOMES = {
     "formats": ("read_mesh", "write_vtu"),
     "mesh": ("PolyMesh", "dual", "triangulate"),
     "post": ("pressure_patches", "recovered_stresses", "stresses_at"),
-    "problems": ("Body", "Elasticity", "Part", "Torsion", "Traction", "fixed"),
-    "report": ("plot_mesh", "plot_stress"),
+    "problems": ("Body", "BodyForce", "Elasticity", "Part", "PrescribedDisplacement", "Torsion", "Traction", "fixed"),
+    "report": ("plot_mesh",),
     "solve": ("solve_elasticity", "solve_torsion"),
     "space": ("Space",),
 }
@@ -77,6 +87,7 @@ _PACKAGE_OF = {name: package for package, names in _HOMES.items() for name in na
 
 __all__ = [
     "Body",
+    "BodyForce",
     "Contact",
     "Elastic",
     "Elasticity",
@@ -90,6 +101,7 @@ __all__ = [
     "Penalty",
     "Placement",
     "PolyMesh",
+    "PrescribedDisplacement",
     "SegmentToSegment",
     "Space",
     "Surface",
@@ -100,7 +112,6 @@ __all__ = [
     "fixed",
     "load_case",
     "plot_mesh",
-    "plot_stress",
     "press",
     "pressure_patches",
     "read_mesh",

@@ -11,35 +11,35 @@ MAX_FILES = 20
 """Modules in one folder, ``__init__.py`` not counted."""
 
 MAX_LINES = {
-    "": 410,
+    "": 600,
     "system": 780,
     "exact": 1110,
     "geometry": 1260,
-    "mesh": 2485,
-    "formats": 1790,
+    "mesh": 2505,
+    "formats": 1850,
     "elements": 1380,
     "space": 710,
     "materials": 400,
-    "problems": 2215,
+    "problems": 2220,
     "solve": 3090,
-    "contact": 6240,
-    "post": 1845,
+    "contact": 6255,
+    "post": 1945,
     "railway.profiles": 3375,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1765,
     "railway.positions": 2500,
     "railway.spatial": 2810,
-    "cases": 6600,
+    "cases": 6690,
     "campaign": 1880,
-    "report": 7125,
+    "report": 7220,
     "validation": 6780,
     "cli": 980,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 60_020
-MAX_FILES_OF_ALL = 327
+MAX_LINES_OF_ALL = 60_595
+MAX_FILES_OF_ALL = 328
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -562,7 +562,7 @@ def test_the_files_show_the_whole_motion(tmp_path):
     run = stack(0.3, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
     files = write_case(run, tmp_path)
     assert [file.name for file in files] == [
-        *("stresses.png", "pressure.png", "convergence.png", "1-upper.vtu", "2-lower.vtu", "bodies.pvd"),
+        *("stresses.png", "pressure.png", "convergence.png", "1-upper.vtu", "2-lower.vtu", "contact.vtu", "bodies.pvd"),
         *("report.html", "summary.json"),
     ]
     assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary.to_dict()
@@ -570,6 +570,7 @@ def test_the_files_show_the_whole_motion(tmp_path):
     motion = read.point_data["displacement_mm"]
     top = read.points[:, 1] > UPPER + 0.3 - 1e-9
     assert motion[top, 1] == pytest.approx(-run.summary.results["pushed_mm"], rel=1e-9)
-    arrays = read.point_data | read.cell_data_dict
-    assert arrays["stress_yy_MPa"] == pytest.approx(-20.0, rel=1e-5)
-    assert arrays["von_mises_MPa"].max() < 20.0
+    assert read.point_data["stress_MPa"][:, 1] == pytest.approx(-20.0, rel=1e-5)
+    assert read.point_data["von_mises_MPa"].max() < 20.0
+    surface = meshio.read(tmp_path / "contact.vtu")
+    assert surface.point_data["pressure_MPa"] == pytest.approx(20.0, rel=1e-5)

@@ -47,7 +47,7 @@ def test_the_main_job_end_to_end(tmp_path, method):
     assert summary["case"]["method"] == method
     assert summary["case"]["size_scale"] == 3.0
     names = {path.name for path in out.iterdir()}
-    vtu = {f"{body}-{side}.vtu" for body in ("wheel", "rail") for side in ("left", "right")}
+    vtu = {"contact.vtu"} | {f"{body}-{side}.vtu" for body in ("wheel", "rail") for side in ("left", "right")}
     pictures = {"wheelset", "rigid-and-elastic", "stresses-left", "stresses-right"}
     pictures |= {"pressure", "convergence", "subsurface", "bending"}
     others = {"summary.json", "report.html", "wheelset.pvd", "subsurface.csv"}

@@ -105,7 +105,7 @@ def test_recovered_stresses_converge_faster(name: str) -> None:
         recovery = recovered(make(size), element)
         mesh = recovery.solution.problem.space.mesh
         used = np.unique(mesh.cell_points)
-        misfit = recovery.nodal().components[used, :3] - stress(mesh.points[used])
+        misfit = recovery.nodal.components[used, :3] - stress(mesh.points[used])
         results.append((np.sqrt(np.mean(misfit**2)), recovery.error))
     gain, own = np.log(np.divide(*results)) / np.log(3.0)
     assert gain > own + 0.5
@@ -125,6 +125,6 @@ def test_two_materials_are_recovered_apart() -> None:
     solution = solve_elasticity(Elasticity(Space(mesh, Lagrange(2)), materials, supports=supports))
     recovery = recovered_stresses(solution)
     assert recovery.relative_error < 1e-8
-    corners = recovery.corners().components[:, 0].reshape(-1, 3)
+    corners = recovery.corners.components[:, 0].reshape(-1, 3)
     assert corners[upper] == pytest.approx(1.5)
     assert corners[~upper] == pytest.approx(0.5)

@@ -43,7 +43,7 @@ def test_stress_concentration(method: str, n: int) -> None:
     problem = Elasticity(Space(mesh, element), material, loads=[Traction("right", traction)], supports=supports)
     solution = solve_elasticity(problem)
     top = problem.node_at((0.0, 1.0))
-    assert recovered_stresses(solution).nodal().components[top, 0] == pytest.approx(15.0, rel=5e-3)
+    assert recovered_stresses(solution).nodal.components[top, 0] == pytest.approx(15.0, rel=5e-3)
     line = stresses_along(solution, (1e-6, 1.1), (1e-6, SIDE), 30)
     assert line.stresses.components[:, 0] == pytest.approx(EXACT.stresses(line.points)[:, 0], rel=5e-3)
     exact = EXACT.displacements(problem.space.nodes, material.shear_modulus, 3.0 - 4.0 * 0.3)

@@ -49,7 +49,7 @@ def test_lame(make, n: int, method: str) -> None:
     computed = [solution.displacement_at_node((r, 0.0))[0] for r in radii]
     assert computed == pytest.approx(EXACT.radial_displacement(radii, YOUNG, POISSON), rel=1e-3)
     hoop = 3 if solution.problem.axisymmetric else 1
-    recovered = recovered_stresses(solution).nodal().components
+    recovered = recovered_stresses(solution).nodal.components
     inside = recovered[solution.problem.node_at((1.0, 0.0))]
     assert inside[hoop] == pytest.approx(EXACT.hoop_stress(1.0), rel=1e-3)
     middle = stresses_at(solution, [(1.5, 0.01)]).components[0]

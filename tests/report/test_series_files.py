@@ -40,7 +40,7 @@ def test_order_1_is_written_as_polygons_with_stresses_that_jump(tmp_path):
     assert {block.type for block in read.cells} == {"polygon"}
     assert len(read.points) == len(MESH.cell_points)
     own = corner_stresses(solution.problem, solution.displacements)
-    np.testing.assert_array_equal(read.point_data["stress_xx"], own.components[:, 0])
+    np.testing.assert_array_equal(read.point_data["stress"], own.tensors)
     np.testing.assert_array_equal(read.point_data["von_mises"], own.von_mises)
     moved = solution.displacements[MESH.cell_points]
     np.testing.assert_array_equal(read.point_data["displacement"][:, :2], moved)
@@ -57,10 +57,10 @@ def test_higher_orders_are_cut_into_triangles(tmp_path, order, pieces):
     assert block.type == "triangle"
     assert len(block.data) == len(MESH.cell_points) * (pieces or order) ** 2
     corners = read.points[block.data][:, :, :2]
-    cells = read.cell_data["cell"][0]
+    cells = read.cell_data["cell_number"][0]
     areas = frame.mesh.cell_areas
     np.testing.assert_allclose(np.bincount(cells, areas), MESH.cell_areas, rtol=1e-12)
-    middle = read.point_data["stress_xx"][block.data].mean(axis=1)
+    middle = read.point_data["stress"][:, 0][block.data].mean(axis=1)
     wanted = stresses_at(solution, corners.mean(axis=1)).components[:, 0]
     if order <= 2:  # linear within a cell
         np.testing.assert_allclose(middle, wanted, atol=1e-9 * np.abs(wanted).max())
@@ -75,7 +75,7 @@ def test_averaged_stresses_have_one_value_at_a_place():
         frame = solution_frame(solution, averaged=averaged)
         keys = np.round(frame.mesh.points, 9)
         _, place = np.unique(keys, axis=0, return_inverse=True)
-        values = np.asarray(frame.point_data["stress_xx"])
+        values = np.asarray(frame.point_data["stress"])[:, 0]
         low, high = np.full(place.max() + 1, np.inf), np.full(place.max() + 1, -np.inf)
         np.minimum.at(low, place, values)
         np.maximum.at(high, place, values)
@@ -100,6 +100,10 @@ def test_a_series_opens_all_its_files_in_time(tmp_path):
     assert [row["part"] for row in rows] == ["0", "1"] * 3
     assert rows[0]["name"] == "beam & co"
     maximum = [np.abs(meshio.read(tmp_path / row["file"]).point_data["displacement"]).max() for row in rows[::2]]
+    bodies = [
+        np.unique(np.concatenate(meshio.read(tmp_path / row["file"]).cell_data["body_id"])).tolist() for row in rows
+    ]
+    assert bodies == [[int(row["part"])] for row in rows]
     assert maximum[0] == 0.0
     assert maximum[2] == pytest.approx(2.0 * maximum[1])
     assert sorted(path.name for path in tmp_path.iterdir()) == sorted(["load.pvd", *(p.name for p in written)])

@@ -37,7 +37,9 @@ def folder(run, tmp_path_factory):
 def quads(path):
     """Corners (n, 4, 3) of the cells of a surface, and their arrays."""
     found = meshio.read(path)
-    return found.points[found.cells[0].data], {name: values[0] for name, values in found.cell_data.items()}
+    corners = found.cells[0].data
+    assert not any(np.nan_to_num(np.ptp(values[corners], axis=1)).any() for values in found.point_data.values())
+    return found.points[corners], {name: values[corners[:, 0]] for name, values in found.point_data.items()}
 
 
 @pytest.mark.parametrize("side", ["left", "right"])

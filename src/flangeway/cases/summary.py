@@ -6,10 +6,15 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
+from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
+
+PAIRS = ("longer", "shorter")
+ENDINGS = {"cells": ("across", "along"), "semi_axes_mm": PAIRS, "hertz_semi_axes_mm": PAIRS}
+"""Endings of the columns of lists that are not x, y and z."""
 
 
 @dataclass(frozen=True)
@@ -42,6 +47,28 @@ class Summary(SummaryPart):
     def to_dict(self) -> dict[str, Any]:
         """Return what ``summary.json`` holds: strings, booleans, ints, floats, None, lists and dictionaries."""
         return dataclasses.asdict(self)
+
+
+class RunResult(Result):
+    """What a run of a case returns; its tables are those of its summary."""
+
+    main_table: ClassVar[str]  # name of the table that it is about
+    summary: Any  # a `Summary`; the dataclasses below this class say which
+
+    @property
+    def tables(self) -> dict[str, ResultTable]:
+        """Tables by the names that their rows have in ``summary.json``."""
+        rows = self.summary.to_dict().items()
+        return {
+            name: ResultTable.of_rows(each, ENDINGS)
+            for name, each in rows
+            if isinstance(each, list) and each and isinstance(each[0], dict)
+        }
+
+    @property
+    def table(self) -> ResultTable:
+        """The table that it is about."""
+        return self.tables.get(self.main_table, ResultTable({}))
 
 
 def write_summary(path: Path, summary: Summary | Mapping[str, Any]) -> None:

@@ -14,6 +14,7 @@ from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.problems import ElasticField, Part
+from flangeway.results import Result, ResultTable
 from flangeway.solve import (
     BodyResponse,
     CondensedBodies,
@@ -48,7 +49,7 @@ class LoadStep:
 
 
 @dataclass(frozen=True, eq=False)
-class ContactSolution:
+class ContactSolution(Result):
     """Solution of `press`.
 
     Parameters
@@ -94,6 +95,19 @@ class ContactSolution:
             return self
         failed = Status(False, "not converged: " + "; ".join(errors), self.status.iterations)
         return replace(self, state=replace(self.state, status=failed), overlapped=True)
+
+    @property
+    def table(self) -> ResultTable:
+        """Parts and forces of the contacts."""
+        (x, y), penetrations = self.forces.T, self.initial_penetration
+        sides = [(each.secondary.part.name, each.primary.part.name) for each in self.system.contacts]
+        secondary, primary = zip(*sides, strict=True)
+        return ResultTable(
+            {
+                "secondary": secondary, "primary": primary, "force_on_secondary_x": x, "force_on_secondary_y": y,
+                "initial_penetration": penetrations,
+            }
+        )  # fmt: skip
 
     @property
     def forces(self) -> Floats:

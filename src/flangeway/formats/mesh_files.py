@@ -206,12 +206,15 @@ def write_vtu(
     cell_data: Mapping[str, ArrayLike] | None = None,
     corner_data: Mapping[str, ArrayLike] | None = None,
     positions: ArrayLike | None = None,
+    *,
+    body_id: int = 0,
 ) -> None:
     """Write a mesh with values at points and cells, binary and compressed.
 
-    Triangles are written as such (VTK type 5), all other cells as polygons (type 7). Cells are
-    grouped by their number of points; the cell array ``cell_number`` is the number in `mesh`.
-    Vectors and displacements of two components get a third one, zero, as ParaView wants.
+    Triangles are written as such (VTK type 5), all other cells as polygons (type 7). Cells are grouped by their number
+    of points; the cell array ``cell_number`` is the number in `mesh`, or that which `cell_data` has under this name,
+    such as the number of the element of which a cell is a piece. Vectors of two components get a third one, zero;
+    symmetric tensors have six: xx, yy, zz, xy, yz, xz, as ParaView names them.
 
     Parameters
     ----------
@@ -228,22 +231,19 @@ def write_vtu(
         each cell gets its own points, in the order of ``mesh.cell_points``.
     positions
         Points in space (n_points, 3) instead of those of the mesh with z = 0.
+    body_id
+        Number of the body, written as the cell array ``body_id``.
 
     Raises
     ------
     InputError
-        If the ending is another one, an array has another length, a name is given twice or is ``cell_number``.
+        If the ending is another one, an array has another length, or a name is given twice.
     """
-    import meshio  # noqa: PLC0415  (slow to import, and few programs write files)
-
-    file = Path(path)
-    if file.suffix != ".vtu":
-        raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
     at_points = _checked(point_data or {}, mesh.n_points, "points")
-    at_cells = _checked(cell_data or {}, mesh.n_cells, "cells")
+    at_cells = _at_cells(cell_data or {}, mesh.n_cells, "cells", body_id)
     at_corners = _checked(corner_data or {}, len(mesh.cell_points), "corners of the cells")
-    flat = np.column_stack([mesh.points, np.zeros(mesh.n_points)])
-    space = _checked({"positions": flat if positions is None else positions}, mesh.n_points, "points")["positions"]
+    places = mesh.points if positions is None else positions
+    space = _checked({"positions": places}, mesh.n_points, "points")["positions"]
     if at_points.keys() & at_corners.keys():
         raise InputError(f"'{min(at_points.keys() & at_corners.keys())}' at points and corners", "one", "rename one")
     if at_corners:
@@ -252,15 +252,65 @@ def write_vtu(
         mesh = PolyMesh(
             mesh.points[mesh.cell_points], mesh.cell_offsets, np.arange(len(mesh.cell_points), dtype=np.int32)
         )
-    if "cell_number" in at_cells:
-        raise InputError("cell data named 'cell_number'", "other names", "rename the array")
     batches = mesh.batches()
     blocks = [("triangle" if n == 3 else "polygon", mesh.batch_points(n, cells)) for n, cells in batches]
-    values: dict[str, list[NDArray[Any]]] = {
-        name: [array[cells] for _, cells in batches] for name, array in at_cells.items()
-    }
-    values["cell_number"] = [cells for _, cells in batches]
-    meshio.Mesh(space, blocks, point_data=at_points, cell_data=values).write(file, file_format="vtu", binary=True)
+    values = {name: [array[cells] for _, cells in batches] for name, array in at_cells.items()}
+    _write_blocks(path, space, blocks, at_points, values)
+
+
+def write_vtu_lines(
+    path: str | Path,
+    points: ArrayLike,
+    lines: ArrayLike,
+    point_data: Mapping[str, ArrayLike],
+    *,
+    body_id: ArrayLike = 0,
+) -> None:
+    """Write straight lines (VTK type 3) between points, such as a contact surface; see `write_vtu`.
+
+    Parameters
+    ----------
+    path
+        File to write; its ending is ``.vtu``.
+    points
+        Shape (n_points, 2) or (n_points, 3).
+    lines
+        Numbers of the two points of each line, shape (n_lines, 2).
+    point_data
+        Arrays with a row for each point, by name.
+    body_id
+        Number of the body of all lines, or of each, shape (n_lines,).
+
+    """
+    ends, space = np.asarray(lines), np.asarray(points)
+    at_cells = _at_cells({}, len(ends), "lines", body_id)
+    _write_blocks(
+        path,
+        _checked({"points": space}, len(space), "points")["points"],
+        [("line", ends)] if len(ends) else [],
+        _checked(point_data, len(space), "points"),
+        {name: [array] for name, array in at_cells.items()} if len(ends) else {},
+    )
+
+
+def _at_cells(data: Mapping[str, ArrayLike], n: int, where: str, body_id: ArrayLike) -> dict[str, NDArray[Any]]:
+    bodies = np.broadcast_to(np.asarray(body_id, dtype=np.int32), n)
+    return _checked({"cell_number": np.arange(n), **data, "body_id": bodies}, n, where)
+
+
+def _write_blocks(
+    path: str | Path,
+    points: NDArray[Any],
+    blocks: list[tuple[str, NDArray[Any]]],
+    point_data: Mapping[str, NDArray[Any]],
+    cell_data: Mapping[str, list[NDArray[Any]]],
+) -> None:
+    import meshio  # noqa: PLC0415  (slow to import, and few programs write files)
+
+    file = Path(path)
+    if file.suffix != ".vtu":
+        raise InputError(f"path {file}", "a name that ends with .vtu", "rename the file")
+    meshio.Mesh(points, blocks, point_data=point_data, cell_data=cell_data).write(file, file_format="vtu", binary=True)
 
 
 def _checked(data: Mapping[str, ArrayLike], n_rows: int, where: str) -> dict[str, NDArray[Any]]:

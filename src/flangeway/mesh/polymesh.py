@@ -1,6 +1,6 @@
 """Mesh of polygons in the plane: points, ragged cells, named sets of cells and boundary edges."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from types import MappingProxyType
@@ -21,7 +21,7 @@ from flangeway.mesh.connectivity import (
     row_numbers,
     rows_reversed,
 )
-from flangeway.types import Floats, Ints
+from flangeway.types import Bools, Floats, Ints
 
 
 def _index_array(values: ArrayLike, name: str, upper: int) -> IntArray:
@@ -134,6 +134,13 @@ class PolyMesh:
             ("edge_sets", MappingProxyType(edge_sets)),
         ):
             object.__setattr__(self, name, value)
+
+    @classmethod
+    def from_cells(cls, points: ArrayLike, cells: Iterable[Sequence[int]]) -> "PolyMesh":
+        """Return the mesh of points (n_points, 2) and of cells, each the numbers of its points counter-clockwise."""
+        rows = [list(cell) for cell in cells]
+        numbers = [number for row in rows for number in row]
+        return cls(np.asarray(points), np.cumsum([0, *map(len, rows)]), np.asarray(numbers))
 
     def __reduce__(self) -> tuple[Any, ...]:
         sets = (dict(self.cell_sets), dict(self.edge_sets))  # read-only views cannot be pickled
@@ -364,7 +371,7 @@ class PolyMesh:
         }
         return PolyMesh(**fields)
 
-    def with_edge_set(self, name: str, pairs: ArrayLike) -> "PolyMesh":
+    def with_edge_set(self, name: str, pairs: ArrayLike | Callable[[Floats], Bools]) -> "PolyMesh":
         """Return the mesh with a further (or replaced) edge set.
 
         Parameters
@@ -373,13 +380,23 @@ class PolyMesh:
             Name of the set.
         pairs
             Ends (m, 2) of boundary edges in either direction; they are turned so that the body is
-            on the left, and ordered.
+            on the left, and ordered. Or a function that says of points (n, 2) which it takes, (n,): the set then has
+            the boundary edges with both ends there, such as ``lambda p: p[:, 0] < 1e-9``.
 
         Raises
         ------
         InputError
-            If a pair is not a boundary edge.
+            If a pair is not a boundary edge, or a function takes none.
         """
+        if callable(pairs):
+            taken = np.asarray(pairs(self.points))
+            if taken.shape != (self.n_points,) or taken.dtype != bool:
+                raise InputError(
+                    f"edge set '{name}': a function with values of shape {taken.shape} and type {taken.dtype}",
+                    f"a truth value for each of {self.n_points} points",
+                    "write it for points of shape (n, 2), such as lambda p: p[:, 0] < 1e-9",
+                )
+            pairs = self.boundary_edges[taken[self.boundary_edges].all(axis=1)]
         numbers = self.edge_numbers(pairs)
         outer = self.edge_numbers(self.boundary_edges)
         order = np.argsort(outer)

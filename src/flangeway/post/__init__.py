@@ -20,7 +20,7 @@ from flangeway.post.lines import (
     stresses_at,
 )
 from flangeway.post.norms import ErrorNorms, error_norms
-from flangeway.post.pressure import PressurePatch, pressure_patches
+from flangeway.post.pressure import ContactLine, PressurePatch, contact_lines, pressure_patches
 from flangeway.post.reactions import Reaction, nodal_residual, reactions, relative_nodal_residual
 from flangeway.post.recovery import RecoveredStresses, recovered_stresses
 from flangeway.post.section_constants import SectionConstants, section_constants
@@ -37,6 +37,7 @@ __all__ = [
     "AdaptiveRun",
     "AdaptiveStep",
     "ContactChecks",
+    "ContactLine",
     "CutForce",
     "ErrorNorms",
     "Overlap",
@@ -50,6 +51,7 @@ __all__ = [
     "adapt",
     "cell_stresses",
     "check_contact",
+    "contact_lines",
     "corner_shear_stresses",
     "corner_stresses",
     "cut_zones",

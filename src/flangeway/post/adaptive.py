@@ -11,6 +11,7 @@ from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, doerfler_marking, refined
 from flangeway.mesh.refine import Curves
 from flangeway.post.recovery import recovered_stresses
+from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution, Status
 from flangeway.types import Floats
 
@@ -39,7 +40,7 @@ class AdaptiveStep(Generic[Solution]):
 
 
 @dataclass(frozen=True, eq=False)
-class AdaptiveRun(Generic[Solution]):
+class AdaptiveRun(Result, Generic[Solution]):
     """Solutions on meshes of which each is refined where the error of the one before was maximum.
 
     - `steps`: first mesh first; at least one.
@@ -48,6 +49,12 @@ class AdaptiveRun(Generic[Solution]):
 
     steps: tuple[AdaptiveStep[Solution], ...]
     status: Status
+
+    @property
+    def table(self) -> ResultTable:
+        """Cells and estimated errors of its meshes."""
+        cells, errors = [each.mesh.n_cells for each in self.steps], [each.error for each in self.steps]
+        return ResultTable({"cells": cells, "estimated_error": errors})
 
     @property
     def last(self) -> AdaptiveStep[Solution]:

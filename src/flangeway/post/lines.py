@@ -15,6 +15,7 @@ from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
 from flangeway.post.stress import Stresses
 from flangeway.problems import ElasticField
+from flangeway.results import Result, ResultTable
 from flangeway.space import CellBatch, Space
 from flangeway.types import Floats, Ints
 
@@ -27,7 +28,7 @@ Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
 
 
 @dataclass(frozen=True, eq=False)
-class StressLine:
+class StressLine(Result):
     """Stresses along a straight line.
 
     - `points`: shape (n, 2).
@@ -38,6 +39,14 @@ class StressLine:
     points: Floats
     distances: Floats
     stresses: Stresses
+
+    @property
+    def table(self) -> ResultTable:
+        """Distances, places and stresses of its points."""
+        x, y = self.points.T
+        components = dict(zip(("xx", "yy", "xy", "zz"), self.stresses.components.T, strict=True))
+        of_points = {"distance": self.distances, "x": x, "y": y, **components, "von_mises": self.stresses.von_mises}
+        return ResultTable(of_points)
 
 
 @dataclass(frozen=True, eq=False)

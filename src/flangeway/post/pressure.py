@@ -7,8 +7,9 @@ from numpy.typing import NDArray
 
 from flangeway.contact import Contact, ContactLinearisation, ContactSystem, SegmentToSegment
 from flangeway.contact.pairs import Pairs
+from flangeway.results import Result, ResultTable
 from flangeway.solve import ContactState
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 CONSTRAINTS_APART = 3  # open ones between two patches; fewer are a gap in one patch
 
@@ -27,13 +28,15 @@ beside a node presses on a sliver, whose pressure has no limit."""
 
 
 @dataclass(frozen=True, eq=False)
-class PressurePatch:
+class PressurePatch(Result):
     """A contiguous region of contact on a secondary surface.
 
     Parameters
     ----------
     contact
         Number of the contact in its system.
+    nodes
+        The loaded nodes by their positions in `Surface.nodes` of the secondary, shape (n,).
     points
         Positions of the loaded nodes along the surface, shape (n, 2).
     along
@@ -57,6 +60,7 @@ class PressurePatch:
     """
 
     contact: int
+    nodes: Ints
     points: Floats
     along: Floats
     forces: Floats
@@ -67,6 +71,12 @@ class PressurePatch:
     primary_point: Floats
     at_edge: bool
     per_segment: int = 1
+
+    @property
+    def table(self) -> ResultTable:
+        """Places, forces and pressures of its nodes."""
+        (x, y), forces = self.points.T, self.normal_forces
+        return ResultTable({"x": x, "y": y, "along": self.along, "force": forces, "pressure": self.pressures})
 
     @property
     def force(self) -> Floats:
@@ -148,6 +158,64 @@ def pressure_patches(system: ContactSystem, state: ContactState) -> list[Pressur
     return patches
 
 
+@dataclass(frozen=True, eq=False)
+class ContactLine:
+    """Pressure and gap at the nodes of the secondary surface of a contact that may have a constraint.
+
+    Parameters
+    ----------
+    contact
+        The contact.
+    nodes
+        Numbers of the nodes in the space of the secondary body, along its surface, shape (n,).
+    lines
+        Nodes that follow each other on the surface, positions in ``nodes``, shape (m, 2).
+    positions
+        Of the nodes in space, shape (n, 2).
+    pressures
+        See `PressurePatch`; 0 where the contact is open, shape (n,).
+    gaps
+        To the primary surface, negative where it is penetrated; not-a-number where nothing is within reach. Shape (n,).
+
+    """
+
+    contact: Contact
+    nodes: Ints
+    lines: Ints
+    positions: Floats
+    pressures: Floats
+    gaps: Floats
+
+
+def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
+    """Pressures and gaps along the secondary surfaces of all contacts."""
+    patches, lin = pressure_patches(system, state), state.linearisation
+    assert isinstance(lin, ContactLinearisation)
+    found = []
+    for number, (contact, pairs) in enumerate(zip(system.contacts, lin.pairs, strict=True)):
+        surface, own = contact.secondary, ~pairs.guarded
+        places = np.unique(contact.pairing.key_nodes(surface)).astype(np.int64)
+        n, pressures = len(surface.nodes), np.zeros(len(surface.nodes))
+        for patch in patches:
+            if patch.contact == number:
+                np.maximum.at(pressures, patch.nodes, patch.pressures)
+        with np.errstate(invalid="ignore"):
+            gaps = np.bincount(pairs.nodes[own], pairs.gaps[own], n) / np.bincount(pairs.nodes[own], minlength=n)
+        lines = np.column_stack((np.arange(len(places)), np.roll(np.arange(len(places)), -1)))
+        closed = surface.edge_places[-1, -1] == 0
+        found.append(
+            ContactLine(
+                contact,
+                surface.nodes[places].astype(np.int64),
+                lines if closed else lines[:-1],
+                state.positions[system.nodes_of(surface)[places]],
+                pressures[places],
+                gaps[places],
+            )
+        )
+    return found
+
+
 def _along(pairs: Pairs, contact: Contact) -> NDArray[np.int64]:
     """Keys of the constraints; guarded nodes have that of the pairing's constraint next to them."""
     nodes = contact.pairing.key_nodes(contact.secondary)
@@ -179,6 +247,7 @@ def _patch(
     first, total = group[starts], np.add.reduceat(force, starts)
     return PressurePatch(
         number,
+        contact.pairing.key_nodes(secondary)[keys[starts]],
         points[nodes[starts]],
         (along - share @ along)[starts],
         np.add.reduceat(force[:, None] * _directions(pairs)[group], starts),

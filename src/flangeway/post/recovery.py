@@ -11,6 +11,7 @@ from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError
 from flangeway.post.stress import Stresses, at_mesh_points
 from flangeway.problems import Elasticity
+from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution
 from flangeway.types import Floats, Ints
 
@@ -19,7 +20,7 @@ SMALLEST_SINGULAR = 1e-11
 
 
 @dataclass(frozen=True, eq=False)
-class RecoveredStresses:
+class RecoveredStresses(Result):
     """Stresses of one order more than the reconstruction's, and the difference between both.
 
     - `coefficients`: polynomials of degree k of each cell in its patch's coordinates, shape (n_cells, 4,
@@ -54,6 +55,14 @@ class RecoveredStresses:
         return errors
 
     @property
+    def table(self) -> ResultTable:
+        """Places of the mesh's points and the recovered stresses there."""
+        x, y = self.solution.problem.space.mesh.points.T
+        return ResultTable(
+            {"x": x, "y": y, **dict(zip(("xx", "yy", "xy", "zz"), self.nodal.components.T, strict=True))}
+        )
+
+    @property
     def error(self) -> float:
         """Estimated error of the stresses in the energy norm, the root of twice an energy."""
         return float(np.linalg.norm(self.cell_errors))
@@ -64,6 +73,7 @@ class RecoveredStresses:
         size = np.sqrt(2.0 * max(self.solution.energy, 0.0) + self.error**2)
         return self.error / float(size) if size > 0.0 else 0.0
 
+    @cached_property
     def corners(self) -> Stresses:
         """Recovered stresses at the cells' corners, in the order of ``mesh.cell_points``."""
         mesh = self.solution.problem.space.mesh
@@ -73,9 +83,10 @@ class RecoveredStresses:
             components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
 
+    @property
     def nodal(self) -> Stresses:
         """Means of the recovered stresses at the mesh's points; of all cells there, whatever their material."""
-        return at_mesh_points(self.solution.problem.space.mesh, self.corners())
+        return at_mesh_points(self.solution.problem.space.mesh, self.corners)
 
     def _at(self, cells: Ints, points: Floats) -> Floats:
         """Values (4, n_points, n_cells) at points (n_points, 2, n_cells) of cells."""

@@ -24,6 +24,12 @@ class Stresses:
     components: Floats
 
     @property
+    def tensors(self) -> Floats:
+        """Stresses xx, yy, zz, xy, yz, xz, the last two zero, shape (n, 6)."""
+        xx, yy, xy, zz = self.components.T
+        return np.stack((xx, yy, zz, xy, np.zeros_like(xx), np.zeros_like(xx)), axis=1)
+
+    @property
     def principal(self) -> Floats:
         """Principal stresses in three dimensions, zz included, descending, shape (n, 3)."""
         xx, yy, xy, zz = self.components.T

@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 
 from flangeway.problems.elasticity_problem import Elasticity
+from flangeway.results import Result, ResultTable
 from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
-class ElasticField:
+class ElasticField(Result):
     """Displacements of an elastic body: what stresses and pictures need.
 
     Parameters
@@ -21,3 +22,10 @@ class ElasticField:
 
     problem: Elasticity
     displacements: Floats
+
+    @property
+    def table(self) -> ResultTable:
+        """Places and displacements of the nodes."""
+        nodes = self.problem.space.nodes
+        (x, y), (u, v) = nodes.T, self.displacements[: len(nodes)].T
+        return ResultTable({"x": x, "y": y, "displacement_x": u, "displacement_y": v})

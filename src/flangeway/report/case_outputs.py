@@ -6,22 +6,33 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from matplotlib.figure import Figure
 from rich.console import Console
 
-from flangeway.cases import write_summary
+from flangeway.cases import BodiesRun, CaseRun, write_summary
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
-from flangeway.cases.section.section_run import TorsionCase, TorsionRun
-from flangeway.cases.spatial.spatial_case import SpatialRunCase
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
+from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
+from flangeway.cases.spatial.spatial_case import SpatialRun, SpatialRunCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.report.bodies import bodies_page
+from flangeway.report.bodies.bodies_figures import stress_figure
+from flangeway.report.figures.fields import part_fields
+from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
 from flangeway.report.page.tables import print_files
+from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
 from flangeway.report.section import section_page
+from flangeway.report.section.section_figures import warping_figure
 from flangeway.report.spatial import spatial_page
+from flangeway.report.spatial.spatial_figures import patch_figure
 from flangeway.report.spatial_wheelset import spatial_wheelset_page
+from flangeway.report.spatial_wheelset.wheelset_patches import section_figure
 from flangeway.report.wheelset import wheelset_page
+from flangeway.report.wheelset.wheelset_figure import wheelset_figure
+from flangeway.results import Result
 from flangeway.system.output_folder import Writer, write_together
 
 SUMMARY = "summary.json"
@@ -59,6 +70,20 @@ OUTPUTS: dict[type[Case], CaseOutputs] = {
     ),
 }
 """Outputs by the kind of case; a new kind adds its line."""
+
+
+PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
+    CaseRun: lambda run: wheelset_figure(run, list(part_fields(run.result))),
+    SpatialWheelsetRun: section_figure,
+    BodiesRun: stress_figure,
+    SpatialRun: patch_figure,
+    SectionRun: warping_figure,
+    TorsionRun: lambda run: warping_figure(run.section),
+    GeometryRun: locus_figure,
+    ConicityRun: conicity_figure,
+}
+for _kind, _draw in PLOTS.items():
+    plot_result.register(_kind, _draw)
 
 
 def _outputs(case: Case) -> CaseOutputs:

@@ -52,8 +52,8 @@ def wheelset_scene(parts: Sequence[PartFields], contacts: Sequence[ContactSummar
         for part in parts
     ]
     notes = (
-        "Stresses are element averages in the axes of the picture, tension positive, as in the cell arrays of the VTU "
-        "files. Displacements are elastic nodal displacements, as in their point arrays. The deformation factor scales "
+        "Stresses are element averages in the axes of the picture, tension positive; the VTU files have them at the "
+        "elements' corners. Displacements are elastic nodal displacements. The deformation factor scales "
         "all displacements since first touch of wheels and rails, rigid and elastic: 0 is first touch, 1 is true. Left "
         "and right brought together changes the picture only, not the coordinates. Stresses in web, fillets and foot "
         "of the rails are those of a slice that carries the load alone: they are not valid for a rail in track.",
@@ -151,7 +151,7 @@ def section_scene(run: SectionRun) -> Scene:
     ]
     notes = (
         "Shear stresses are element averages for a unit torque; warping is about the shear centre, for a unit rate of "
-        "twist; all as in section.vtu.",
+        "twist; section.vtu has the shear stresses at the corners of the elements.",
     )
     return Scene([shown], fields, unit=unit, notes=notes)
 

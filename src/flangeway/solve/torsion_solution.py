@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from flangeway._core import NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems import Torsion
+from flangeway.results import Result, ResultTable
 from flangeway.solve.linear import solve_linear
 from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
@@ -16,7 +17,7 @@ from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
-class TorsionSolution:
+class TorsionSolution(Result):
     """Warping or Prandtl's function of a cross-section for a rate of twist of one.
 
     Parameters
@@ -40,6 +41,12 @@ class TorsionSolution:
     function: Floats
     torsional_rigidity: float
     hole_values: Floats
+
+    @property
+    def table(self) -> ResultTable:
+        """Places of the nodes and the function there."""
+        x, y = self.problem.space.nodes.T
+        return ResultTable({"x": x, "y": y, "function": self.function[: len(x)]})
 
     @property
     def torsion_constant(self) -> float:

@@ -125,7 +125,7 @@ def viewer_pages(runs, tmp_path_factory):
         folder, run = tmp_path_factory.mktemp(method), runs[method]
         parts = list(part_fields(run.result))
         for part in parts:
-            write_part(folder / f"{part.name}.vtu", part)
+            write_part(folder / f"{part.name}.vtu", run.result, part.name)
         return write_page(folder / "page.html", wheelset_scene(parts, run.summary.contacts))
 
     return page_by

@@ -32,6 +32,7 @@ FILES = {
     "two-bodies": {"upper": "1-upper.vtu", "lower": "2-lower.vtu"},
 }
 STRESS = {
+    **{f"stress_{name}_MPa": lambda s, i=i: s.components[:, i] for i, name in enumerate(("xx", "yy", "xy", "zz"))},
     "max_in_plane_shear_MPa": lambda s: s.in_plane_shear,
     **{f"principal_{i}_MPa": lambda s, i=i: s.principal[:, i - 1] for i in (1, 2, 3)},
 }
@@ -59,14 +60,19 @@ def vtu(path):
     read = meshio.read(path)
     cells = [row for block in read.cells for row in block.data]
     data = {name: np.concatenate(values) for name, values in read.cell_data.items()}
-    numbers = data.get("cell", data["cell_number"]).astype(int)
-    return read.points[:, :2], cells, numbers, dict(read.point_data), data
+    numbers = data["cell_number"].astype(int)
+    arrays = dict(read.point_data)
+    for name in [name for name in arrays if name.startswith("shear_stress")]:
+        # the page shows averages: of what is linear in triangles, the means of the corners
+        at_corners = arrays.pop(name)
+        data[name] = np.array([at_corners[cell].mean(axis=0) for cell in cells])
+    return read.points[:, :2], cells, numbers, arrays, data
 
 
 def wanted_values(arrays, key):
     """Values of a field by its key, from the arrays of a file."""
     if key in STRESS:
-        return STRESS[key](Stresses(np.column_stack([arrays[f"stress_{c}_MPa"] for c in ("xx", "yy", "xy", "zz")])))
+        return STRESS[key](Stresses(arrays["stress_MPa"][:, [0, 1, 3, 2]]))
     name, _, component = key.partition(":")
     values = arrays[name]
     if values.ndim == 1:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from flangeway.cases import CASES
-from flangeway.post import Stresses
+from flangeway.post import Stresses, pressure_patches
 from flangeway.report.bodies import body_fields as body_steps
 from flangeway.report.bodies.bodies_page import bodies_page
 from flangeway.report.bodies.body_fields import bodies_fields
@@ -85,11 +85,10 @@ def values_in(path, key):
     if key == "displacement_mm:y":
         values = read.point_data["displacement_mm"][:, 1]
     elif key == "principal_3_MPa":
-        components = np.column_stack([read.point_data[f"stress_{c}_MPa"] for c in ("xx", "yy", "xy", "zz")])
-        values = Stresses(components).principal[:, 2]
+        values = Stresses(read.point_data["stress_MPa"][:, [0, 1, 3, 2]]).principal[:, 2]
     else:
         values = read.point_data[key]
-    numbers = np.concatenate(read.cell_data["cell"]).astype(int)
+    numbers = np.concatenate(read.cell_data["cell_number"]).astype(int)
     cell_of_point = np.empty(len(values), dtype=int)
     for number, cell in zip(numbers, (row for block in read.cells for row in block.data), strict=True):
         cell_of_point[cell] = number
@@ -273,9 +272,15 @@ def test_the_files_have_every_load_step(run, page, tmp_path):
     files = write_case(run, tmp_path)
     collection = ElementTree.parse(tmp_path / "bodies.pvd").getroot().findall("Collection/DataSet")
     found = [(float(entry.get("timestep")), entry.get("name"), entry.get("file")) for entry in collection]
-    assert [entry[:2] for entry in found] == [(n, name) for n in range(1, N_STEPS + 1) for name in run.bodies]
+    names = (*run.bodies, "contact")
+    assert [entry[:2] for entry in found] == [(n, name) for n in range(1, N_STEPS + 1) for name in names]
     assert {tmp_path / entry[2] for entry in found} == {file for file in files if file.suffix == ".vtu"}
     for time, name, file in found:
+        if name == "contact":
+            pressures = meshio.read(tmp_path / file).point_data["pressure_MPa"]
+            wanted = pressure_patches(run.contact.system, run.contact.steps[int(time) - 1].state)
+            assert pressures.max() == max(patch.pressures.max() for patch in wanted)
+            continue
         expected = meshio.read(page.parent / f"{name}-{int(time) - 1}.vtu")
         assert np.array_equal(
             meshio.read(tmp_path / file).point_data["von_mises_MPa"], expected.point_data["von_mises_MPa"]

@@ -5,14 +5,14 @@ from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel
 from flangeway.cases.bodies.bodies_tables import BodiesInputs
 from flangeway.cases.case import Case, Progress, RunnableCase
-from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
+from flangeway.cases.summary import RunResult, StatusSummary, Summary, SummaryPart
 from flangeway.contact import ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
@@ -116,7 +116,7 @@ class BodyResult:
 
 
 @dataclass(frozen=True, eq=False)
-class BodiesRun:
+class BodiesRun(RunResult):
     """A case and what came out of it.
 
     Parameters
@@ -135,6 +135,8 @@ class BodiesRun:
         Hertz's solution, where the case has one.
 
     """
+
+    main_table: ClassVar[str] = "bodies"
 
     case: Case
     status: Status

@@ -35,6 +35,7 @@ from flangeway.railway.rigid.rigid_equilibrium import (
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
 from flangeway.railway.rigid.rigid_locus import ContactJump, ContactLocus
 from flangeway.railway.track.placements import SIDES, Track, Wheelset
+from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 from flangeway.types import Floats
@@ -44,7 +45,7 @@ FIRST_MM = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Conicities:
+class Conicities(Result):
     """Equivalent conicity over the amplitude."""
 
     amplitudes_mm: Floats
@@ -53,6 +54,14 @@ class Conicities:
     """amplitudes_mm, integration, regression: amplitudes, and conicity by integration and by linear regression, (n,);
     empty if the wheelset does not steer."""
     notices: tuple[str, ...]  # sentences on amplitudes without a conicity
+
+    @property
+    def table(self) -> ResultTable:
+        """Conicity over the amplitude."""
+        columns = (self.amplitudes_mm, self.integration, self.regression)
+        return ResultTable(
+            dict(zip(("amplitude_mm", "conicity_integration", "conicity_regression"), columns, strict=True))
+        )
 
     def at_reference(self) -> dict[str, float] | None:
         """Conicity at the reference amplitude; None where it is not computed."""
@@ -94,12 +103,17 @@ def conicities_of(difference: RollingRadiusDifference, maximum_mm: float | None)
 
 
 @dataclass(frozen=True, eq=False)
-class ConicityRun:
+class ConicityRun(Result):
     """Equivalent conicity from a file."""
 
     difference: RollingRadiusDifference  # content of the file
     conicities: Conicities  # conicity over the amplitude
     summary: dict[str, Any]  # content of ``geometry.json``
+
+    @property
+    def table(self) -> ResultTable:
+        """Conicity over the amplitude."""
+        return self.conicities.table
 
 
 class ConicityCase(Case):
@@ -166,7 +180,7 @@ class FlangeRootEffect:
 
 
 @dataclass(frozen=True, eq=False)
-class GeometryRun:
+class GeometryRun(Result):
     """Contact geometry of a case."""
 
     name: str
@@ -180,6 +194,32 @@ class GeometryRun:
     """Effect of the flange root's radii on the equilibrium; None for wheels without that parameter, without lateral
     force or without equilibrium."""
     summary: dict[str, Any]  # content of ``geometry.json``
+
+    @property
+    def table(self) -> ResultTable:
+        """Positions and their points of contact, a row a position."""
+        locus = self.locus
+        columns = {
+            "lateral_mm": locus.lateral_mm,
+            "vertical_mm": locus.vertical_mm,
+            "roll_mrad": 1e3 * locus.roll_rad,
+            "rolling_radius_difference_mm": locus.rolling_radius_difference_mm,
+        }
+        for side in SIDES:
+            at = locus.side(side)
+            columns |= {
+                f"{side}_wheel_x_mm": at.wheel_points_mm[:, 0, 0],
+                f"{side}_wheel_y_mm": at.wheel_points_mm[:, 0, 1],
+                f"{side}_rail_x_mm": at.rail_points_mm[:, 0, 0],
+                f"{side}_rail_y_mm": at.rail_points_mm[:, 0, 1],
+                f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
+                f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
+                f"{side}_ahead_mm": at.ahead_mm[:, 0],
+                f"{side}_relative_curvature_per_m": 1e3 * at.relative_curvatures_per_mm[:, 0],
+                f"{side}_next_gap_mm": at.gaps_mm[:, 1],
+                f"{side}_next_wheel_x_mm": at.wheel_points_mm[:, 1, 0],
+            }
+        return ResultTable(columns)
 
 
 def run_geometry(

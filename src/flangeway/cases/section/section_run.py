@@ -23,6 +23,7 @@ from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_secti
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
+from flangeway.results import Result, ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -74,7 +75,7 @@ class SectionOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class SectionRun:
+class SectionRun(Result):
     """A section and its constants."""
 
     drawn: DrawnSection  # what was read
@@ -83,6 +84,12 @@ class SectionRun:
     constants: SectionConstants
     """The constants; area, centroid and second moments exact for the outline's lines and arcs."""
     summary: dict[str, Any]  # what ``section.json`` holds
+
+    @property
+    def table(self) -> ResultTable:
+        """The constants."""
+        left_out = {"mesh", "timings_s", "versions", "peak_memory_MB"}
+        return ResultTable.of_numbers({key: value for key, value in self.summary.items() if key not in left_out})
 
 
 def find_section(name_or_file: str, *, unit: str | None = None, mirrored: bool = False) -> DrawnSection:
@@ -317,13 +324,18 @@ class TorsionSummary(Summary):
 
 
 @dataclass(frozen=True, eq=False)
-class TorsionRun:
+class TorsionRun(Result):
     """A section under torsion."""
 
     case: "TorsionCase"  # the inputs
     section: SectionRun  # the section and its constants
     status: Status  # how it ended
     summary: TorsionSummary  # what ``summary.json`` holds
+
+    @property
+    def table(self) -> ResultTable:
+        """The constants."""
+        return self.section.table
 
 
 class TorsionCase(RunnableCase):

@@ -13,6 +13,7 @@ from flangeway.cases.bodies.bodies_shape import body_shape
 from flangeway.cases.bodies.bodies_tables import BodyTable, FineTable, elastic
 from flangeway.cases.case import Case, Pair, Progress, RunnableCase
 from flangeway.cases.spatial.spatial_summary import SpatialSummary, summarise_spatial
+from flangeway.cases.summary import RunResult
 from flangeway.contact.patch.patch_body import Axis, PatchBody, cast, points_along
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid, grid_about, grid_of
@@ -62,7 +63,7 @@ class SpatialInputs(Case):
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialRun:
+class SpatialRun(RunResult):
     """Two bodies and the patches between them.
 
     Parameters
@@ -81,6 +82,8 @@ class SpatialRun:
         The same below this centre.
 
     """
+
+    main_table: ClassVar[str] = "patches"
 
     case: Case
     status: Status

@@ -8,6 +8,7 @@ from typing import ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, summarise_spatial_wheelset
 from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
@@ -35,7 +36,7 @@ RAIL_HEAD_MM = 65.0
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialWheelsetRun:
+class SpatialWheelsetRun(RunResult):
     """A wheelset in three dimensions and what came out of it.
 
     Parameters
@@ -48,6 +49,8 @@ class SpatialWheelsetRun:
         What ``summary.json`` holds.
 
     """
+
+    main_table: ClassVar[str] = "patches"
 
     case: "SpatialWheelsetCase"
     result: SpatialResult

@@ -7,6 +7,7 @@ from typing import Any, ClassVar, Literal
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.summary import RunResult
 from flangeway.cases.wheelset.summarise import summarise
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_summary import ContactSummary, PublishedPosition, WheelsetSummary
@@ -36,7 +37,7 @@ PUBLISHED_REASON = (
 
 
 @dataclass(frozen=True, eq=False)
-class CaseRun:
+class CaseRun(RunResult):
     """A case of a wheelset and what came out of it.
 
     Parameters
@@ -49,6 +50,8 @@ class CaseRun:
         What ``summary.json`` holds.
 
     """
+
+    main_table: ClassVar[str] = "contacts"
 
     case: "WheelsetCase"
     result: WheelsetResult

@@ -1,6 +1,7 @@
 """Report, files and terminal summary of a case of bodies that are pressed, pulled and held."""
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 from rich.console import Console
@@ -8,12 +9,13 @@ from rich.console import Console
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodiesSummary, PairSummary
 from flangeway.cases.case import RunnableCase
 from flangeway.elements import Element, Lagrange
+from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
 from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
 from flangeway.report.figures.drawing import png
 from flangeway.report.figures.newton_history import newton_figure, steps_table
-from flangeway.report.figures.series import write_collection
+from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
 from flangeway.report.page.tables import (
@@ -256,9 +258,9 @@ def _of_patches(contact: PairSummary, key: str) -> str:
 
 
 STEPS = "steps"  # folder of the earlier load steps
-REPORT, COLLECTION = "report.html", "bodies.pvd"
+REPORT, COLLECTION, CONTACT = "report.html", "bodies.pvd", "contact.vtu"
 STRESSES, PRESSURE, CONVERGENCE = "stresses.png", "pressure.png", "convergence.png"
-NAMES = (REPORT, COLLECTION, STRESSES, PRESSURE, CONVERGENCE)
+NAMES = (REPORT, COLLECTION, CONTACT, STRESSES, PRESSURE, CONVERGENCE)
 """Names of the files, except the fields, which have the names of the bodies."""
 
 
@@ -275,8 +277,15 @@ def bodies_writers(run: BodiesRun, progress: Callable[[str], None]) -> dict[str,
             plain = "".join(letter if letter.isalnum() or letter in "-_" else "_" for letter in body.name)
             stem = f"{place}-{plain}" if len(fields) > 1 else plain
             file = f"{stem}.vtu" if number == steps.numbers[-1] else f"{STEPS}/{stem}-{number}.vtu"
-            writers[file] = body.write
+            writers[file] = partial(body.write, body_id=place - 1)
             entries.append((float(number), body.name, file))
+        if run.contact is not None:
+            last = number == steps.numbers[-1]
+            file = CONTACT if last else f"{STEPS}/contact-{number}.vtu"
+            starts = {body.name: Placement() for body in fields}
+            state = run.contact.state if last else run.contact.steps[number - 1].state
+            writers[file] = partial(write_contacts, system=run.contact.system, state=state, starts=starts)
+            entries.append((float(number), "contact", file))
     if len(entries) > 1:
         writers[COLLECTION] = lambda path: write_collection(path, entries)
     writers[REPORT] = text_writer(report_page(bodies_page(run, list(pictures.values()), steps)))

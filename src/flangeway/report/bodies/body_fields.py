@@ -12,8 +12,8 @@ from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, corner_stresses
 from flangeway.report.figures.display import Display, display, displayed_stresses
-from flangeway.report.figures.fields import placed_stresses, stress_arrays
 from flangeway.report.figures.newton_history import load_steps
+from flangeway.report.figures.series import field_arrays, placed_stresses
 from flangeway.types import Floats, Ints
 
 
@@ -30,10 +30,10 @@ class BodyFields:
     cells: Ints  # cell of the problem that each cell is a piece of, shape (n_cells,)
     shown: Display | None  # how the cells were cut, None where they are shown as they are
 
-    def write(self, path: Path) -> None:
-        """Write a VTU file, see `write_vtu`: motion and stresses of the points with their units, and ``cell``."""
-        arrays = {"displacement_mm": self.displacement, **stress_arrays(self.stresses)}
-        write_vtu(path, self.mesh, arrays, {"cell": self.cells})
+    def write(self, path: Path, body_id: int = 0) -> None:
+        """Write a VTU file; the arrays are those of `field_arrays`, the displacements are the whole motion."""
+        arrays = field_arrays(self.displacement, self.stresses)
+        write_vtu(path, self.mesh, arrays, {"cell_number": self.cells}, body_id=body_id)
 
     def of(self, body: BodyResult) -> "BodyFields":
         """Fields of the same body with other displacements, at the same points."""

@@ -35,12 +35,19 @@ CONTOUR = "contour"
 LABELS_APART = 0.11  # of the width of the axes
 
 
+class ShownFigure(Figure):
+    """A figure that notebooks show without a global state of matplotlib."""
+
+    def _repr_png_(self) -> bytes:
+        return png(self)
+
+
 def new_figure(width_in: float, height_in: float, *, measured: bool = True) -> Figure:
     """Return an empty figure, apart from any global state of matplotlib.
 
     If it is measured, it makes room for all labels by itself when it is drawn.
     """
-    figure = Figure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
+    figure = ShownFigure(figsize=(width_in, height_in), dpi=DPI, facecolor="white")
     figure.set_layout_engine("constrained" if measured else "none")
     FigureCanvasAgg(figure)
     return figure

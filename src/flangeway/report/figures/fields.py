@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.formats import write_vtu
-from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses, cell_stresses
+from flangeway.problems import ElasticField
 from flangeway.railway.track.placements import Side
 from flangeway.railway.wheelset.wheelset_checks import above_the_web
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
+from flangeway.report.figures.series import placed_stresses, solution_frame, write_frame
 from flangeway.types import Floats
 
 
@@ -86,34 +86,13 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
         )
 
 
-def placed_stresses(stresses: Stresses, placement: Placement) -> Stresses:
-    """Stresses of a body's frame in the axes of space, ``Q s Q^T`` with the placement's Q."""
-    xx, yy, xy, zz = stresses.components.T
-    turn = placement.matrix
-    plane = np.array([[xx, xy], [xy, yy]])
-    moved = np.einsum("ik,kln,jl->ijn", turn, plane, turn)
-    return Stresses(np.stack((moved[0, 0], moved[1, 1], moved[0, 1], zz), axis=1))
+def write_part(path: Path, result: WheelsetResult, name: str) -> None:
+    """Write one part at its final position in space; the arrays are those of `field_arrays`.
 
-
-def write_part(path: Path, fields: PartFields) -> None:
-    """Write one part at its final position in space, with real polygons.
-
-    The points are those of the undeformed part at its final position, mm. Point array ``displacement_mm`` (axes of
-    space, third component 0) is elastic: a wheel's rigid displacement is in its position, so "Warp By Vector" with
-    factor 1 shows the parts as they touch. Cell arrays are means over cells in MPa, tension
-    positive, axes of space: ``stress_xx_MPa``, ``_yy_``, ``_xy_``, ``_zz_``; ``von_mises_MPa``; ``principal_1_MPa`` to
-    ``principal_3_MPa``, descending, zz among them; ``max_in_plane_shear_MPa``.
+    Displacements are elastic: a wheel's rigid displacement is in its position, so "Warp By Vector" with factor 1 shows
+    the parts as they touch.
     """
-    stresses = fields.stresses
-    arrays = stress_arrays(stresses)
-    principal = stresses.principal
-    for i in range(3):
-        arrays[f"principal_{i + 1}_MPa"] = principal[:, i]
-    arrays["max_in_plane_shear_MPa"] = stresses.in_plane_shear
-    write_vtu(path, fields.mesh, {"displacement_mm": fields.displacement}, arrays)
-
-
-def stress_arrays(stresses: Stresses) -> dict[str, Floats]:
-    """Components and von Mises stress by the names that the files of parts and bodies have for them."""
-    arrays = {f"stress_{name}_MPa": stresses.components[:, i] for i, name in enumerate(("xx", "yy", "xy", "zz"))}
-    return {**arrays, "von_mises_MPa": stresses.von_mises}
+    body, displacement = result.model.parts[name].body, result.displacements[name]
+    field = ElasticField(body.elasticity, displacement)
+    frame = solution_frame(field, part=name, unit="MPa", length_unit="mm", placement=result.placements[name])
+    write_frame(path, frame, list(result.model.parts).index(name))

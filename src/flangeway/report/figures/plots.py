@@ -1,6 +1,7 @@
 """Pictures of meshes, fields, deformed shapes and stresses on cells of any shape and order."""
 
-from typing import Literal, TypeAlias, cast, get_args
+from functools import singledispatch
+from typing import Any, Literal, TypeAlias, cast, get_args
 
 import matplotlib as mpl
 import numpy as np
@@ -10,12 +11,15 @@ from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 
+from flangeway.contact import ContactSolution
 from flangeway.errors import InputError, short
 from flangeway.mesh import PolyMesh
-from flangeway.post import Stresses
+from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
 from flangeway.report.figures.drawing import GREY, INK, draw_outline, new_figure
+from flangeway.results import Result
+from flangeway.solve import TorsionSolution
 from flangeway.space import Space
 from flangeway.types import Floats
 
@@ -208,6 +212,75 @@ def plot_deformed(
     _fit(axes, np.vstack([lines.reshape(-1, 2), mesh.points]))
     axes.set_title(_drawn_as(scale), fontsize=10)
     return axes
+
+
+@singledispatch
+def plot_result(result: Result, **options: Any) -> Figure:
+    """Draw what a result is about, and return the figure.
+
+    Elastic fields are drawn by `plot_stress`, functions of torsion by `plot_function`, stresses along lines and
+    pressures over the length, adaptive runs as error over cells, runs of cases as the first picture of their report.
+
+    Parameters
+    ----------
+    result
+        What a computation returned.
+    **options
+        Those of `plot_stress` or `plot_function`; the others have none.
+
+    Raises
+    ------
+    InputError
+        If there is no picture of such a result.
+
+    """
+    words = f" with {', '.join(options)}" if options else ""
+    raise InputError(f"a picture of {type(result).__name__}{words}", "results with a picture", "draw its table")
+
+
+@plot_result.register
+def _(result: ElasticField, **options: Any) -> Figure:
+    return cast(Figure, plot_stress(result, **options).figure)
+
+
+@plot_result.register
+def _(result: TorsionSolution, **options: Any) -> Figure:
+    label = "warping function" if result.problem.formulation == "warping" else "Prandtl's function"
+    return cast(Figure, plot_function(result.problem.space, result.function, **{"label": label} | options).figure)
+
+
+@plot_result.register
+def _(result: ContactSolution, **options: Any) -> Figure:
+    parts = result.system.parts
+    figure = new_figure(8.0, 5.5)
+    axes = figure.subplots(1, len(parts))
+    for each, part in zip(np.atleast_1d(axes), parts, strict=True):
+        plot_stress(result.field(part), axes=each, **options)
+        each.set_title(part.name, fontsize=10)
+    return figure
+
+
+@plot_result.register(StressLine)
+@plot_result.register(PressurePatch)
+@plot_result.register(AdaptiveRun)
+def _(result: Result) -> Figure:
+    """Curves of the last columns of the table over the one of the length, or of the cells."""
+    columns = result.table.columns
+    over = next(name for name in ("distance", "along", "cells") if name in columns)
+    curves = ("xx", "yy", "xy", "zz", "von_mises") if over == "distance" else list(columns)[-1:]
+    figure = new_figure(8.0, 4.5)
+    axes = figure.subplots()
+    for number, name in enumerate(curves):
+        marker = "" if over == "distance" else "o"
+        label, colour = name.replace("_", " "), SET_COLOURS[number]
+        axes.plot(columns[over], columns[name], color=colour, lw=1.4, marker=marker, ms=3.0, label=label)
+    axes.set(xlabel=over, ylabel="stress" if len(curves) > 1 else curves[0].replace("_", " "))
+    if over == "cells":
+        axes.set(xscale="log", yscale="log")
+    if len(curves) > 1:
+        axes.legend(fontsize=8)
+    axes.grid(color="#dddddd", linewidth=0.6)
+    return figure
 
 
 def stress_quantity(stresses: Stresses, quantity: Quantity) -> Floats:

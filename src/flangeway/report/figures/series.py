@@ -8,14 +8,16 @@ from xml.sax.saxutils import quoteattr
 import numpy as np
 from numpy.typing import ArrayLike
 
+from flangeway.contact import ContactSystem
 from flangeway.errors import InputError
-from flangeway.formats import write_vtu
+from flangeway.formats import write_vtu, write_vtu_lines
+from flangeway.geometry import Placement
 from flangeway.mesh import PolyMesh
-from flangeway.post import Stresses, corner_stresses
+from flangeway.post import Stresses, contact_lines, corner_stresses
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import display, displayed_stresses
-
-STRESS_NAMES = ("xx", "yy", "xy", "zz")
+from flangeway.solve import ContactState
+from flangeway.types import Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,8 +34,6 @@ class SeriesFrame:
         Arrays (n_points,) or (n_points, n_components) by name.
     cell_data
         Arrays (n_cells,) or (n_cells, n_components) by name.
-    corner_data
-        Arrays with a row for each entry of ``mesh.cell_points``, for fields that jump between cells.
     part
         Name of the part.
 
@@ -43,18 +43,25 @@ class SeriesFrame:
     mesh: PolyMesh
     point_data: Mapping[str, ArrayLike] = field(default_factory=dict)
     cell_data: Mapping[str, ArrayLike] = field(default_factory=dict)
-    corner_data: Mapping[str, ArrayLike] = field(default_factory=dict)
     part: str = "body"
 
 
 def solution_frame(
-    solution: ElasticField, time: float = 0.0, *, pieces: int | None = None, averaged: bool = False, part: str = "body"
+    solution: ElasticField,
+    time: float = 0.0,
+    *,
+    pieces: int | None = None,
+    averaged: bool = False,
+    part: str = "body",
+    unit: str | None = None,
+    length_unit: str | None = None,
+    placement: Placement | None = None,
 ) -> SeriesFrame:
     """Displacements and stresses of a solution, for `write_frame` and `write_series`.
 
-    Order 1 is shown on the cells themselves. Of higher orders each cell is cut into triangles, its sides into `pieces`,
-    with the elements' own fields at their points. Point arrays: ``displacement``; ``stress_xx``, ``_yy``, ``_xy``,
-    ``_zz``, ``von_mises``, which jump between cells. The cell array ``cell`` has the cell of each triangle.
+    Order 1 is shown on the cells themselves, each with points of its own. Of higher orders each cell is cut into
+    triangles, its sides into `pieces`, with the elements' own fields at their points. Arrays: see `field_arrays`; the
+    stresses jump between cells. The cell array ``cell_number`` has the element of each cell.
 
     Parameters
     ----------
@@ -66,36 +73,84 @@ def solution_frame(
         Whether stresses are averaged over the cells at each place.
     part
         Name of the part.
+    unit, length_unit
+        Units of stresses and lengths, for the names of the arrays.
+    placement
+        Where the body is shown; displacements and stresses are in the axes of that space.
 
     """
-    space = solution.problem.space
+    space, place = solution.problem.space, placement or Placement()
     pieces = space.order if pieces is None else pieces
     mesh = space.mesh
     if pieces == 1 and not averaged:
-        moved = {"displacement": solution.displacements[: mesh.n_points]}
+        offsets, cells = mesh.cell_offsets, np.arange(mesh.n_cells)
+        numbers = np.arange(len(mesh.cell_points), dtype=np.int32)
+        points, moved = mesh.points[mesh.cell_points], solution.displacements[mesh.cell_points]
         stresses = corner_stresses(solution.problem, solution.displacements)
-        return SeriesFrame(time, mesh, moved, {"cell": np.arange(mesh.n_cells)}, _stress_arrays(stresses), part)
-    shown = display(space, pieces)
-    stresses = displayed_stresses(solution, shown)
-    if averaged:
-        stresses = Stresses(shown.averaged(stresses.components))
-    offsets = np.arange(len(shown.triangles) + 1, dtype=np.int32) * 3
-    triangles = PolyMesh(shown.points, offsets, shown.triangles.astype(np.int32).ravel())
-    arrays = {"displacement": shown.function(solution.displacements), **_stress_arrays(stresses)}
-    return SeriesFrame(time, triangles, arrays, {"cell": shown.cells[shown.triangles[:, 0]]}, part=part)
+    else:
+        shown = display(space, pieces)
+        offsets = 3 * np.arange(len(shown.triangles) + 1, dtype=np.int32)
+        numbers = shown.triangles.astype(np.int32).ravel()
+        points, moved = shown.points, shown.function(solution.displacements)
+        cells = shown.cells[shown.triangles[:, 0]]
+        stresses = displayed_stresses(solution, shown)
+        if averaged:
+            stresses = Stresses(shown.averaged(stresses.components))
+    own = PolyMesh(points, offsets, numbers).placed(place)
+    arrays = field_arrays(place.vectors(moved), placed_stresses(stresses, place), unit, length_unit)
+    return SeriesFrame(time, own, arrays, {"cell_number": cells}, part)
 
 
-def _stress_arrays(stresses: Stresses) -> dict[str, ArrayLike]:
-    arrays: dict[str, ArrayLike] = {f"stress_{name}": stresses.components[:, i] for i, name in enumerate(STRESS_NAMES)}
-    return {**arrays, "von_mises": stresses.von_mises}
+def field_arrays(
+    displacement: Floats, stresses: Stresses, unit: str | None = "MPa", length_unit: str | None = "mm"
+) -> dict[str, ArrayLike]:
+    """Arrays at points by their names in all files, each with its unit if there is one.
 
-
-def write_frame(path: str | Path, frame: SeriesFrame) -> None:
-    """Write one frame as a VTU file, with real polygons; see `write_vtu` for what is refused.
-
-    With values at corners the points are written once for each cell, so that the values may jump.
+    ``displacement_mm``; ``stress_MPa``: the tensor's xx, yy, zz, xy, yz, xz, tension positive; ``von_mises_MPa``.
     """
-    write_vtu(path, frame.mesh, frame.point_data, frame.cell_data, frame.corner_data)
+    ending, length = (f"_{each}" if each else "" for each in (unit, length_unit))
+    return {
+        f"displacement{length}": displacement,
+        f"stress{ending}": stresses.tensors,
+        f"von_mises{ending}": stresses.von_mises,
+    }
+
+
+def placed_stresses(stresses: Stresses, placement: Placement) -> Stresses:
+    """Stresses of a body's frame in the axes of space, ``Q s Q^T`` with the placement's Q."""
+    xx, yy, xy, zz = stresses.components.T
+    turn = placement.matrix
+    plane = np.array([[xx, xy], [xy, yy]])
+    moved = np.einsum("ik,kln,jl->ijn", turn, plane, turn)
+    return Stresses(np.stack((moved[0, 0], moved[1, 1], moved[0, 1], zz), axis=1))
+
+
+def write_frame(path: str | Path, frame: SeriesFrame, body_id: int = 0) -> None:
+    """Write one frame as a VTU file, with real polygons; see `write_vtu` for what is refused."""
+    write_vtu(path, frame.mesh, frame.point_data, frame.cell_data, body_id=body_id)
+
+
+def write_contacts(path: Path, system: ContactSystem, state: ContactState, starts: Mapping[str, Placement]) -> None:
+    """Write pressure and gap at the nodes of all secondary surfaces, as lines, with their displacement.
+
+    Point arrays: ``pressure_MPa``, 0 where the contact is open; ``gap_mm``, not-a-number where the primary surface is
+    out of reach; ``displacement_mm`` from where the bodies are drawn. Cell array ``body_id``: number of the body.
+
+    - `starts`: where the bodies are drawn, by their names in the order of their numbers.
+    """
+    found = contact_lines(system, state)
+    parts = [line.contact.secondary.part for line in found]
+    nodes = zip(parts, found, strict=True)
+    points = np.vstack([starts[part.name].points(part.body.space.nodes[line.nodes]) for part, line in nodes])
+    first = np.cumsum([0, *(len(line.nodes) for line in found)])
+    numbers = [list(starts).index(part.name) for part in parts]
+    arrays = {
+        "pressure_MPa": np.concatenate([line.pressures for line in found]),
+        "gap_mm": np.concatenate([line.gaps for line in found]),
+        "displacement_mm": np.vstack([line.positions for line in found]) - points,
+    }
+    lines = np.vstack([line.lines + start for line, start in zip(found, first[:-1], strict=True)])
+    write_vtu_lines(path, points, lines, arrays, body_id=np.repeat(numbers, [len(line.lines) for line in found]))
 
 
 def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path, ...]:
@@ -127,6 +182,7 @@ def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path,
     entries: list[tuple[float, str, str]] = []
     written: list[Path] = []
     seen: set[str] = set()
+    bodies: dict[str, int] = {}
     time = -np.inf
     for frame in frames:
         if not np.isfinite(frame.time) or frame.time < time or (frame.time == time and frame.part in seen):
@@ -138,7 +194,7 @@ def write_series(path: str | Path, frames: Iterable[SeriesFrame]) -> tuple[Path,
         seen = seen | {frame.part} if frame.time == time else {frame.part}
         time = frame.time
         target = file.with_name(f"{file.stem}_{len(written):04d}.vtu")
-        write_frame(target, frame)
+        write_frame(target, frame, bodies.setdefault(frame.part, len(bodies)))
         written.append(target)
         entries.append((time, frame.part, target.name))
         write_collection(file, entries)

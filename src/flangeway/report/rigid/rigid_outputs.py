@@ -1,19 +1,15 @@
 """All files of ``flangeway geometry``, and its summary on the terminal."""
 
-import csv
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 from rich.console import Console
 from rich.table import Table
 
 from flangeway.cases import write_summary
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
-from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import picture_writers
 from flangeway.report.page.tables import plain_table, print_files, print_notices
 from flangeway.report.rigid.rigid_figures import conicity_figure, flange_root_figure, locus_figure, rolling_figure
@@ -40,7 +36,7 @@ def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], Non
     if run.flange_root is not None:
         figures[FLANGE_ROOT] = flange_root_figure(run.flange_root)
     writers = picture_writers(figures)
-    writers[TABLE] = lambda path: _write_rows(path, *locus_table(run))
+    writers[TABLE] = run.table.to_csv
     return write_together(folder, writers | _conicity_writers(run))
 
 
@@ -52,45 +48,10 @@ def write_conicity(run: ConicityRun, folder: Path, progress: Callable[[str], Non
 
 def _conicity_writers(run: GeometryRun | ConicityRun) -> dict[str, Callable[[Path], None]]:
     found = run.conicities
-    rows = np.column_stack((found.amplitudes_mm, found.integration, found.regression)).tolist()
     return {
-        CONICITY: lambda path: _write_rows(path, ["amplitude_mm", "conicity_integration", "conicity_regression"], rows),
+        CONICITY: found.table.to_csv,
         SUMMARY: lambda path: write_summary(path, run.summary),
     }
-
-
-def locus_table(run: GeometryRun) -> tuple[list[str], list[list[float]]]:
-    """Names of the columns and rows of ``table.csv``: one row a position."""
-    locus = run.locus
-    columns = {
-        "lateral_mm": locus.lateral_mm,
-        "vertical_mm": locus.vertical_mm,
-        "roll_mrad": 1e3 * locus.roll_rad,
-        "rolling_radius_difference_mm": locus.rolling_radius_difference_mm,
-    }
-    for side in SIDES:
-        at = locus.side(side)
-        columns |= {
-            f"{side}_wheel_x_mm": at.wheel_points_mm[:, 0, 0],
-            f"{side}_wheel_y_mm": at.wheel_points_mm[:, 0, 1],
-            f"{side}_rail_x_mm": at.rail_points_mm[:, 0, 0],
-            f"{side}_rail_y_mm": at.rail_points_mm[:, 0, 1],
-            f"{side}_contact_angle_deg": np.degrees(at.contact_angles_rad[:, 0]),
-            f"{side}_rolling_radius_mm": at.rolling_radii_mm[:, 0],
-            f"{side}_ahead_mm": at.ahead_mm[:, 0],
-            f"{side}_relative_curvature_per_m": 1e3 * at.relative_curvatures_per_mm[:, 0],
-            f"{side}_next_gap_mm": at.gaps_mm[:, 1],
-            f"{side}_next_wheel_x_mm": at.wheel_points_mm[:, 1, 0],
-        }
-    return list(columns), np.column_stack(list(columns.values())).tolist()
-
-
-def _write_rows(path: Path, names: list[str], rows: list[list[float]]) -> None:
-    """Write a table, with empty cells for missing values."""
-    with path.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file)
-        writer.writerow(names)
-        writer.writerows([f"{value:.10g}" if math.isfinite(value) else "" for value in row] for row in rows)
 
 
 def print_geometry(console: Console, summary: dict[str, Any], files: list[Path]) -> None:

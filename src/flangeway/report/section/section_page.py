@@ -12,6 +12,7 @@ from rich.console import Console
 from flangeway.cases import write_summary
 from flangeway.cases.section.section_run import SectionRun, TorsionCase
 from flangeway.formats import write_vtu
+from flangeway.post import corner_shear_stresses
 from flangeway.report.figures.drawing import png
 from flangeway.report.page.case_text import case_text, inputs_tables, section_command
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
@@ -204,8 +205,10 @@ def _write_fields(run: SectionRun, path: Path) -> None:
     part = np.zeros(mesh.n_cells, dtype=np.int32)
     for number, cells in enumerate(mesh.cell_sets.values()):
         part[cells] = number
-    points, means = section_arrays(run)
-    write_vtu(path, mesh, points, {**means, "part": part})
+    points, (shear,) = section_arrays(run)
+    prandtl = run.constants.prandtl
+    corners = {shear: corner_shear_stresses(prandtl) / prandtl.torsional_rigidity}
+    write_vtu(path, mesh, points, {"part": part}, corners)
 
 
 def print_section(console: Console, summary: dict[str, Any]) -> None:

@@ -16,6 +16,7 @@ from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.report.figures.drawing import png
+from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
 from flangeway.report.page.tables import (
@@ -39,9 +40,9 @@ PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
     "pressure.png": (pressure_figure, "The pressure across and along z through its maximum, beside Hertz's"),
     "depth.png": (depth_figure, "Stresses below the centre of the patch in both bodies"),
 }
-REPORT, SURFACE = "report.html", "surface.vtu"
+REPORT, COLLECTION, SURFACE = "report.html", "bodies.pvd", "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
-NAMES = (*PICTURES, SURFACE, *SECTIONS, REPORT)
+NAMES = (*PICTURES, SURFACE, *SECTIONS, COLLECTION, REPORT)
 NEAR = 6.0
 """Width of the view of a patch over its longer semi-axis."""
 AXES = {
@@ -59,8 +60,10 @@ def spatial_writers(run: SpatialRun, progress: Callable[[str], None]) -> dict[st
     corners = [section.corners() for section in run.sections]
     writers = {name: bytes_writer(each.png) for name, each in zip(PICTURES, pictures, strict=True)}
     writers[SURFACE] = lambda path: _write_surface(run, path)
-    for name, section, stresses in zip(SECTIONS, run.sections, corners, strict=True):
-        writers[name] = partial(_write_section, section, stresses)
+    for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True)):
+        writers[name] = partial(_write_section, section, stresses, number)
+    files = [(0.0, Path(file).stem, file) for file in (*SECTIONS, SURFACE)]
+    writers[COLLECTION] = lambda path: write_collection(path, files)
     writers[REPORT] = text_writer(report_page(_page(run, pictures, corners)))
     return writers
 
@@ -71,15 +74,16 @@ def _write_surface(run: SpatialRun, path: Path) -> None:
     nodes, z, mesh = surface_mesh(contact.cells)
     ends, _ = points_along(contact.pair.first.chain, nodes)
     space = np.column_stack((np.repeat(ends, len(z), axis=0), np.tile(z, len(nodes))))
-    values = {"pressure_MPa": contact.pressures.ravel(), "gap_mm": contact.contact.gaps.ravel()}
-    write_vtu(path, mesh, cell_data=values, positions=space)
+    values = {"pressure_MPa": contact.pressures, "gap_mm": contact.contact.gaps}
+    write_vtu(path, mesh, corner_data={key: np.repeat(each, 4) for key, each in values.items()}, positions=space)
 
 
-def _write_section(section: SectionStresses, stresses: SpatialStresses, path: Path) -> None:
+def _write_section(section: SectionStresses, stresses: SpatialStresses, body_id: int, path: Path) -> None:
     """Write the stresses of a section, each cell with points of its own."""
     mesh = _mesh(section)
     positions = np.column_stack((mesh.points, np.full(mesh.n_points, section.z)))
-    write_vtu(path, mesh, corner_data=stresses.by_name, positions=positions)
+    arrays = {"stress_MPa": stresses.components, "von_mises_MPa": stresses.von_mises}
+    write_vtu(path, mesh, corner_data=arrays, positions=positions, body_id=body_id)
 
 
 def _mesh(section: SectionStresses) -> PolyMesh:

@@ -12,6 +12,7 @@ from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack
 from flangeway.railway.track.placements import Side
 from flangeway.report.figures.drawing import GREY, INK, new_figure
 from flangeway.report.page.tables import SummaryTable
+from flangeway.results import ResultTable
 from flangeway.types import Floats
 
 COLOURS = {"left": "#0b5394", "right": "#8b1a8b"}
@@ -96,8 +97,9 @@ def _peak(region: str, kind: str, rail: RailAlongTrack) -> str:
 
 def rails_csv(run: SpatialWheelsetRun) -> str:
     """Return both rails along the track as a CSV file, a row for each place."""
-    lines = ["side,z_mm,base_x_mm,base_y_mm,base_roll_rad,head_x_mm,head_y_mm,head_roll_rad,gauge_outward_mm,foot_MPa"]
+    names = "side,z_mm,base_x_mm,base_y_mm,base_roll_rad,head_x_mm,head_y_mm,head_roll_rad,gauge_outward_mm,foot_MPa"
+    rows = []
     for side, rail in run.result.rails.items():
         table = np.column_stack((rail.z_mm, rail.base, rail.head, rail.gauge_outward_mm, _foot(rail)))
-        lines += [",".join((side, *(f"{value:.6g}" for value in row))) for row in table.tolist()]
-    return "\n".join(lines) + "\n"
+        rows += [(side, *row) for row in table.tolist()]
+    return ResultTable(dict(zip(names.split(","), zip(*rows, strict=True), strict=True))).csv(6)

@@ -1,14 +1,12 @@
 """Files of a wheelset in three dimensions: surfaces for ParaView, patches and stresses below them as tables."""
 
-import csv
-import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from flangeway.cases.summary import ENDINGS
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import WheelPatchSummary
 from flangeway.formats import write_vtu
@@ -20,14 +18,11 @@ from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, Side
 from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.spatial_wheelset.wheelset_patches import lines_below
+from flangeway.results import ResultTable
 from flangeway.types import Bools, Floats
 
 PARTS: tuple[tuple[Side, Role], ...] = tuple((side, role) for role in ROLES for side in ("left", "right"))
-WORDS = {
-    "rail_position_mm": "xy", "wheel_position_mm": "xy", "track_position_mm": "xyz", "cells": ("across", "along"),
-    "semi_axes_mm": ("longer", "shorter"), "hertz_semi_axes_mm": ("longer", "shorter"),
-}  # fmt: skip
-"""Endings of the columns of a list."""
+DIGITS = 6
 
 
 def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
@@ -48,8 +43,9 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     offsets = 4 * np.arange(chosen.sum() + 1, dtype=np.int32)
     mesh = PolyMesh(mesh.points[used], offsets, numbers.ravel().astype(np.int32))
     gaps = np.where(opposite, state.gaps.ravel(), np.nan)
-    values = {"pressure_MPa": state.cells.pressures.ravel()[chosen], "gap_mm": gaps[chosen]}
-    write_vtu(path, mesh, cell_data=values, positions=places.reshape(-1, 3)[used])
+    values = {"pressure_MPa": state.cells.pressures.ravel(), "gap_mm": gaps}
+    arrays = {key: np.repeat(each[chosen], 4) for key, each in values.items()}
+    write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
 
 
 def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats, Bools]:
@@ -68,38 +64,15 @@ def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats
 
 def patches_table(patches: Sequence[WheelPatchSummary]) -> str:
     """Return the numbers of all patches as CSV, a row each; empty where there is no number."""
-    rows = [dict(_columns(asdict(patch))) for patch in patches]
-    return _csv(rows[0] if rows else (), ([row.values() for row in rows]))
-
-
-def _columns(values: Mapping[str, Any], before: str = "") -> Iterable[tuple[str, Any]]:
-    for key, value in values.items():
-        if isinstance(value, Mapping):
-            yield from _columns(value, f"{key}_")
-        elif key in WORDS:
-            stem = key.removesuffix("_mm")
-            for number, word in enumerate(WORDS[key]):
-                yield f"{stem}_{word}{key[len(stem) :]}", None if value is None else value[number]
-        else:
-            yield before + key, value
+    return ResultTable.of_rows([asdict(patch) for patch in patches], ENDINGS).csv(DIGITS)
 
 
 def below_table(run: SpatialWheelsetRun) -> str:
     """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
-    rows: list[list[object]] = []
-    header: list[str] = []
+    rows: list[dict[str, object]] = []
     for patch, role in lines_below(run.result):
         line = patch.below(role)
-        by_name = line.stresses.by_name
-        header = ["side", "region", "body", "depth_mm", *by_name]
-        table = np.column_stack((line.depths, *by_name.values())).tolist()
-        rows += [[patch.side, patch.region, role, *numbers] for numbers in table]
-    return _csv(header, rows)
-
-
-def _csv(header: Iterable[str], rows: Iterable[Iterable[object]]) -> str:
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows([f"{value:.6g}" if isinstance(value, float) else value for value in row] for row in rows)
-    return text.getvalue()
+        where = {"side": patch.side, "region": patch.region, "body": role}
+        columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
+        rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]
+    return ResultTable.of_rows(rows).csv(DIGITS)

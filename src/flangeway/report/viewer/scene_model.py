@@ -24,7 +24,8 @@ class ShownField:
     Parameters
     ----------
     key
-        Name of its array in the VTU file, for a component with ``:x`` or ``:y`` behind.
+        Name of the field, that of its array in the VTU file where it has one; of a component with ``:x`` or ``:y``
+        behind.
     name
         What readers see.
     unit

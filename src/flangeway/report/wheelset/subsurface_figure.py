@@ -1,7 +1,5 @@
 """Stresses below the contacts over depth: picture and table."""
 
-import csv
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -16,6 +14,7 @@ from flangeway.railway.wheelset.subsurface import SEARCHED, by_normal, hertz_bel
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import INK, Room, draw_title, figure_with_room
+from flangeway.results import ResultTable
 from flangeway.types import Floats
 
 CURVES = (
@@ -104,13 +103,8 @@ def _curves(stresses: Stresses) -> tuple[Floats, ...]:
 
 def subsurface_table(lines: Sequence[SubsurfaceLine]) -> str:
     """Return the stresses below all contacts as CSV, its columns `COLUMNS`; empty where there is no number."""
-    text = io.StringIO()
-    writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for line in lines:
-        names = [line.patch.side, line.patch.region, line.body]
-        writer.writerows([*names, *map(_text, numbers)] for numbers in _rows(line))
-    return text.getvalue()
+    rows = [(line.patch.side, line.patch.region, line.body, *row) for line in lines for row in _rows(line)]
+    return ResultTable(dict(zip(COLUMNS, zip(*rows, strict=True), strict=True))).csv(6)
 
 
 def _rows(line: SubsurfaceLine) -> list[list[float]]:
@@ -122,7 +116,3 @@ def _rows(line: SubsurfaceLine) -> list[list[float]]:
         table += [*hertz.components.T[:2], hertz.von_mises, hertz.in_plane_shear]
     rows: list[list[float]] = np.column_stack(table).tolist()
     return rows
-
-
-def _text(number: float) -> str:
-    return f"{number:.6g}" if np.isfinite(number) else ""

@@ -15,7 +15,7 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.drawing import png
 from flangeway.report.figures.fields import PartFields, part_fields, write_part
 from flangeway.report.figures.newton_history import convergence_figure
-from flangeway.report.figures.series import write_collection
+from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import case_text, command_line, inputs_tables
 from flangeway.report.page.html_page import Again, Page, Picture, report_page
 from flangeway.report.page.tables import (
@@ -176,12 +176,12 @@ def _convergence_table(convergence: Convergence) -> SummaryTable:
 
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-REPORT, COLLECTION, SUBSURFACE = "report.html", "wheelset.pvd", "subsurface.csv"
+REPORT, COLLECTION, CONTACT, SUBSURFACE = "report.html", "wheelset.pvd", "contact.vtu", "subsurface.csv"
 PICTURES = (
     "wheelset.png", "rigid-and-elastic.png", "stresses-left.png", "stresses-right.png", "pressure.png",
     "convergence.png", "subsurface.png", "bending.png",
 )  # fmt: skip
-NAMES = (*(f"{part}.vtu" for part in PARTS), COLLECTION, *PICTURES, SUBSURFACE, REPORT)
+NAMES = (*(f"{part}.vtu" for part in PARTS), CONTACT, COLLECTION, *PICTURES, SUBSURFACE, REPORT)
 
 
 def wheelset_writers(run: CaseRun, progress: Callable[[str], None]) -> dict[str, Writer]:
@@ -191,8 +191,12 @@ def wheelset_writers(run: CaseRun, progress: Callable[[str], None]) -> dict[str,
     below = subsurface_lines(run.result)
     pictures = _pictures(run, fields, below)
     progress("writing the files")
-    writers: dict[str, Writer] = {f"{part.name}.vtu": partial(write_part, fields=part) for part in fields}
-    vtu_files = [(0.0, part, f"{part}.vtu") for part in PARTS]
+    writers: dict[str, Writer] = {f"{name}.vtu": partial(write_part, result=run.result, name=name) for name in PARTS}
+    result = run.result
+    writers[CONTACT] = lambda path: write_contacts(
+        path, result.model.system, result.equilibrium.state, {name: result.placements[name] for name in PARTS}
+    )
+    vtu_files = [(0.0, Path(file).stem, file) for file in writers]
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
     writers |= {name: bytes_writer(picture.png) for name, picture in zip(PICTURES, pictures, strict=True)}
     writers[SUBSURFACE] = text_writer(subsurface_table(below))

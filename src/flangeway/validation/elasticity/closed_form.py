@@ -108,7 +108,7 @@ def _kirsch_numbers(method: str, solution: ElasticitySolution) -> Iterator[Repro
     problem = solution.problem
     code = f"{method}O2"
     top, side = problem.node_at((0.0, 1.0)), problem.node_at((1.0, 0.0))
-    stresses = recovered_stresses(solution).nodal().components
+    stresses = recovered_stresses(solution).nodal.components
     for place, exact, stress in (("xx above", 3.0, stresses[top, 0]), ("yy beside", -1.0, stresses[side, 1])):
         ratio = float(stress) / PLATE.tension
         yield _number("Kirsch", code, f"stress {place} the hole over the tension", "1", exact, ratio)
@@ -125,7 +125,7 @@ def _lame_numbers(code: str, solution: ElasticitySolution, poisson: float) -> It
         computed = float(solution.displacement_at_node((radius, 0.0))[0])
         yield _number("Lamé", code, f"displacement of the {name} wall", "length", wanted, computed)
     hoop = 3 if solution.problem.axisymmetric else 1
-    inside = recovered_stresses(solution).nodal().components[solution.problem.node_at((1.0, 0.0)), hoop]
+    inside = recovered_stresses(solution).nodal.components[solution.problem.node_at((1.0, 0.0)), hoop]
     wanted = float(CYLINDER.hoop_stress(radii[:1])[0])
     yield _number("Lamé", code, "hoop stress at the inner wall", "stress", wanted, float(inside))
 

@@ -1,0 +1,81 @@
+"""The files of all kinds of cases, read by VTK's own reader with pyvista.
+
+pyvista is large, 0.6 GB with VTK: these tests are skipped where it is not installed.
+"""
+
+from functools import cache
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from flangeway.cases import load_case
+from flangeway.report.case_outputs import write_case
+
+pyvista = pytest.importorskip("pyvista", reason="pyvista is not installed")
+
+FIELDS = {"displacement_mm", "stress_MPa", "von_mises_MPa"}
+CONTACT = {"pressure_MPa", "gap_mm"}
+CASES = {
+    "hertz": ({"order": 2, "size_mm": 1.0, "lower_size_mm": 1.5}, "bodies.pvd"),
+    "wheelset-tangent": ({"size_scale": 4.0, "method": "vem"}, "wheelset.pvd"),
+    "crossed-cylinders": ({"order": 1, "upper_radius_mm": 30.0}, "bodies.pvd"),
+    "torsion": ({"size": 12.0}, None),
+}
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """Files of a case and its run by the name of the case."""
+
+    @cache
+    def folder(name):
+        run = load_case(name, **CASES[name][0]).run()
+        out = tmp_path_factory.mktemp(name)
+        write_case(run, out)
+        return out, run
+
+    return folder
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_all_files_have_one_convention(folders, name):
+    """What is measured is at points, one array each; cells have numbers; the collection's parts are the bodies."""
+    folder, _ = folders(name)
+    files = sorted(folder.rglob("*.vtu"))
+    assert files
+    for file in files:
+        grid = pyvista.read(file)
+        cells, points = set(grid.cell_data.keys()), set(grid.point_data.keys())
+        assert cells == {"cell_number", "body_id"} | ({"part"} if name == "torsion" else set())
+        if "displacement_mm" in points and "gap_mm" not in points:
+            assert points == FIELDS
+        elif name != "torsion":
+            assert points - {"displacement_mm"} == CONTACT or points == FIELDS - {"displacement_mm"}
+        assert grid.n_cells
+        if "stress_MPa" in points:
+            xx, yy, zz, xy, yz, xz = np.asarray(grid["stress_MPa"]).T
+            von_mises = ((xx - yy) ** 2 + (yy - zz) ** 2 + (zz - xx) ** 2) / 2.0 + 3.0 * (xy**2 + yz**2 + xz**2)
+            np.testing.assert_allclose(grid["von_mises_MPa"], np.sqrt(von_mises), rtol=1e-6, atol=1e-6)
+    if CASES[name][1] is not None:
+        rows = ElementTree.parse(folder / CASES[name][1]).getroot().findall("Collection/DataSet")
+        assert {row.get("file") for row in rows} == {file.relative_to(folder).as_posix() for file in files}
+        for row in rows:
+            if "contact" not in row.get("name") and "surface" not in row.get("name"):
+                ids = np.unique(pyvista.read(folder / row.get("file")).cell_data["body_id"])
+                assert ids.tolist() == [int(row.get("part"))]
+
+
+def test_vtk_measures_what_was_computed(folders):
+    """Areas of the cells, the maximum pressure, and the pressure times the length are those of the run."""
+    folder, run = folders("wheelset-tangent")
+    for name, part in run.result.model.parts.items():
+        # cut into triangles, as VTK takes polygons for convex
+        area = pyvista.read(folder / f"{name}.vtu").extract_surface(algorithm="dataset_surface").triangulate().area
+        assert area == pytest.approx(part.body.mesh.cell_areas.sum(), rel=1e-9)
+    contact = pyvista.read(folder / "contact.vtu")
+    assert contact["pressure_MPa"].max() == pytest.approx(max(c.max_pressure_MPa for c in run.summary.contacts))
+    means = contact.point_data_to_cell_data().compute_cell_sizes(area=False, volume=False)
+    force = (means["Length"] * means["pressure_MPa"]).sum() * run.result.model.problem.thickness_mm
+    wanted = sum(np.linalg.norm(run.result.force_on_wheel_N(side)) for side in ("left", "right"))
+    assert force == pytest.approx(wanted, rel=0.02)

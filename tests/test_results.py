@@ -1,0 +1,171 @@
+"""What all results share: a short text, a table, a view in notebooks, a picture."""
+
+import csv
+import dataclasses
+import sys
+from functools import cache
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flangeway.cases import load_case
+from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
+from flangeway.cases.section.section_run import SectionRun
+from flangeway.contact import Contact, Multiplier, NodeToSegment, Surface, press
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, dual, rectangle_grid
+from flangeway.post import adapt, pressure_patches, recovered_stresses, stresses_along
+from flangeway.problems import Body, Elasticity, Part, Torsion, Traction, fixed
+from flangeway.results import Result, ResultTable
+from flangeway.solve import solve_elasticity, solve_torsion
+from flangeway.space import Space
+
+PNG = b"\x89PNG"
+
+
+def solve(mesh):
+    """A beam held at the left with a shear load on the right."""
+    space = Space(mesh, Virtual(1))
+    return solve_elasticity(
+        Elasticity(space, Elastic(1e3, 0.3), loads=[Traction("right", (0.0, 1.0))], supports=[fixed("left")])
+    )
+
+
+def touching():
+    """Two blocks pressed together."""
+    blocks = []
+    for name, low in (("upper", 1.0), ("lower", 0.0)):
+        mesh = dual(rectangle_grid(2.0, 1.0, 6, 3)).placed(Placement(0.0, (0.0, low)))
+        held = "top" if name == "upper" else "bottom"
+        blocks.append(Part(name, Body(name, mesh, Virtual(1), Elastic(1e3, 0.3), held)))
+    surfaces = [
+        Surface(part, part.body.mesh.edge_set(edge)) for part, edge in zip(blocks, ("bottom", "top"), strict=True)
+    ]
+    contact = Contact(*surfaces, NodeToSegment(), Multiplier())
+    return press([contact], {blocks[0]: Placement(0.0, (0.0, -0.01))})
+
+
+@cache
+def result(name):
+    mesh = dual(rectangle_grid(3.0, 1.0, 6, 3))
+    made = {
+        "elasticity": lambda: solve(mesh),
+        "torsion": lambda: solve_torsion(Torsion(Space(mesh, Virtual(2)), formulation="prandtl")),
+        "contact": touching,
+        "patch": lambda: pressure_patches(touching().system, touching().state)[0],
+        "line": lambda: stresses_along(solve(mesh), (0.1, 0.5), (2.9, 0.5), 20),
+        "adaptive": lambda: adapt(
+            solve, mesh, lambda s: recovered_stresses(s).cell_errors, tolerance=1e-9, most_steps=3
+        ),
+        "recovered": lambda: recovered_stresses(solve(mesh)),
+        "bodies": lambda: load_case("cook", level=1).run(),
+    }
+    return made[name]()
+
+
+NAMES = ("elasticity", "torsion", "contact", "patch", "line", "adaptive", "recovered", "bodies")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_result_shows_itself(name, tmp_path):
+    """Its text is one short line without arrays; its table is a view and a CSV file with all rows and digits."""
+    found = result(name)
+    text = repr(found)
+    assert text.startswith(type(found).__name__)
+    assert len(text) < 400
+    assert "\n" not in text
+    table = found.table
+    assert len(table) > 0
+    view = found._repr_html_()
+    assert view.count("<th>") == len(table.columns)
+    assert view.count("<tr>") == 1 + min(len(table), 12)
+    found.to_csv(tmp_path / "a.csv")
+    with (tmp_path / "a.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == len(table)
+    for column, values in table.columns.items():
+        if isinstance(values[0], float):
+            read = [float(row[column]) if row[column] else np.nan for row in rows]
+            np.testing.assert_allclose(read, np.asarray(values, dtype=float), rtol=1e-9)
+
+
+@pytest.mark.parametrize("name", [name for name in NAMES if name != "recovered"])
+def test_a_result_draws_itself(name):
+    """Its picture is a figure that notebooks show."""
+    assert result(name).plot()._repr_png_().startswith(PNG)
+
+
+def test_options_reach_the_picture():
+    """Other stresses look otherwise; what has no picture, or no such option, is refused."""
+    beam = result("elasticity")
+    assert beam.plot(quantity="xx")._repr_png_() != beam.plot()._repr_png_()
+    with pytest.raises(InputError, match="a picture of RecoveredStresses with colour"):
+        result("recovered").plot(colour="red")
+    with pytest.raises(TypeError):
+        result("line").plot(colour="red")
+
+
+def test_tables_hold_what_was_computed():
+    """Displacements at the nodes, forces of contacts, and the tables of a run by the names of its summary."""
+    beam = result("elasticity")
+    assert np.array_equal(beam.table.columns["displacement_y"], beam.displacements[: beam.problem.space.n_nodes, 1])
+    pair = result("contact")
+    assert pair.table.columns["force_on_secondary_y"] == pytest.approx(pair.forces[:, 1])
+    run = result("bodies")
+    assert run.table.columns["max_von_mises_MPa"] == [body.max_von_mises_MPa for body in run.summary.bodies]
+    assert set(run.tables) == {"bodies"}
+
+
+def test_every_result_is_a_dataclass_with_a_short_text():
+    """No class of results has the text of a dataclass, which prints all arrays."""
+    kinds = [Result]
+    for kind in kinds:
+        kinds += kind.__subclasses__()
+    assert {GeometryRun, ConicityRun, SectionRun} <= set(kinds)
+    for kind in kinds[1:]:
+        assert kind.__repr__ is Result.__repr__
+        assert dataclasses.is_dataclass(kind) or kind.__subclasses__()
+
+
+def test_tables_from_rows():
+    """Lists become columns before the unit, mappings prefixes; missing values are empty, longer lists left out."""
+    rows = [
+        {"name": "a", "centre_mm": [1.0, 2.0], "in_rail": {"depth_mm": 0.5}, "axes_mm": None, "long": [1, 2, 3, 4]},
+        {"name": "b", "centre_mm": [3.0, float("nan")], "in_rail": {"depth_mm": None}, "axes_mm": [5.0, 4.0]},
+    ]
+    table = ResultTable.of_rows(rows, {"axes_mm": ("longer", "shorter")})
+    assert table.csv() == (
+        "name,centre_x_mm,centre_y_mm,in_rail_depth_mm,axes_longer_mm,axes_shorter_mm\na,1,2,0.5,,\nb,3,,,5,4\n"
+    )
+    assert repr(table).splitlines()[2].split() == ["b", "3", "–", "–", "5", "4"]
+    numbers = ResultTable.of_numbers({"unit": "mm", "area_mm2": 2.0, "centroid_mm": [1.0, 0.0]})
+    assert numbers.rows() == [("area_mm2", 2.0), ("centroid_x_mm", 1.0), ("centroid_y_mm", 0.0)]
+    with pytest.raises(InputError, match="columns of"):
+        ResultTable({"a": [1], "b": [1, 2]})
+
+
+def test_frames_are_optional(monkeypatch):
+    """With pandas the table becomes a frame; without it the error says what to do."""
+    monkeypatch.setitem(sys.modules, "pandas", SimpleNamespace(DataFrame=dict))
+    assert result("contact").to_dataframe()["secondary"] == ["upper"]
+    monkeypatch.delitem(sys.modules, "pandas")
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(InputError, match="to_csv"):
+        result("contact").to_dataframe()
+
+
+def test_a_mesh_of_cells_with_edges_named_by_a_function():
+    """Cells are lists of points; the edges where a function holds get a name; wrong functions are refused."""
+    points = [[0, 0], [1, 0], [1, 1], [0, 1], [2, 0.5]]
+    mesh = PolyMesh.from_cells(points, [[0, 1, 2, 3], [1, 4, 2]])
+    assert mesh.cell_areas == pytest.approx([1.0, 0.5])
+    left = mesh.with_edge_set("left", lambda p: p[:, 0] < 1e-9)
+    assert left.edge_set("left").tolist() == [[3, 0]]
+    with pytest.raises(InputError, match="a truth value for each of 5 points"):
+        mesh.with_edge_set("left", lambda p: p[:, 0])
+    with pytest.raises(InputError, match="one or more"):
+        mesh.with_edge_set("far", lambda p: p[:, 0] > 10.0)
