@@ -176,7 +176,7 @@ def test_a_failure_while_writing_leaves_nothing(runs, tmp_path, monkeypatch):
     """If the second part cannot be written, none of the files is there."""
     written = []
 
-    def broken(path, fields):
+    def broken(path, result, name):
         if written:
             raise RuntimeError("stopped")
         written.append(path)
