@@ -111,6 +111,12 @@ BUNDLED = """## In the report
 
 The interactive report carries three.js (MIT), Flatbush (ISC) and what Flatbush needs, as one file; their texts are in
 `src/flangeway/report/viewer/libraries/LICENCES.txt`, which the wheel carries beside `LICENSE`.
+
+## In the pages of the site
+
+Formulas are shown with a part of the font STIX Math (SIL Open Font License; its text is in
+`docs/stylesheets/formulas-licence.txt`). Search from the disk needs iframe-worker (MIT), in `docs/javascripts/`. Neither
+is in the wheel.
 """.splitlines()
 
 if __name__ == "__main__":
