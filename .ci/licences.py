@@ -115,8 +115,8 @@ The interactive report carries three.js (MIT), Flatbush (ISC) and what Flatbush 
 ## In the pages of the site
 
 Formulas are shown with a part of the font STIX Math (SIL Open Font License; its text is in
-`docs/stylesheets/formulas-licence.txt`). Search from the disk needs iframe-worker (MIT), in `docs/javascripts/`. Neither
-is in the wheel.
+`docs/stylesheets/formulas-licence.txt`). Search from the disk needs iframe-worker (MIT), in `docs/javascripts/`.
+Neither is in the wheel.
 """.splitlines()
 
 if __name__ == "__main__":

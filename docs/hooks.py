@@ -7,6 +7,7 @@ from typing import Any
 
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.pages import Page
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
 
@@ -18,8 +19,10 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     return config
 
 
-def on_page_content(content: str, **_: Any) -> str:
-    """Replace the formulas of a page, which pymdownx.arithmatex has marked."""
+def on_page_content(content: str, page: Page, **_: Any) -> str:
+    """Replace the formulas of a page, which pymdownx.arithmatex has marked; search lists the reference last."""
+    if page.file.src_uri.startswith("reference/"):
+        page.meta.setdefault("search", {"boost": 0.2})
     return FORMULA.sub(_mathematics, content)
 
 

@@ -28,7 +28,7 @@ def background(tmp_path):
     started = []
 
     def run(line):
-        program = shlex.split(line.rstrip("& \n"))
+        program = shlex.split(line.rstrip("& \n").removeprefix(".venv/bin/"))
         assert program[0] == "dask"
         log = (tmp_path / f"{len(started)}.log").open("w")
         with log:

@@ -1,31 +1,94 @@
-"""The page of the command line lists what the program has."""
+"""The page of the command line, and every command line that a page prints: the program takes it as it stands."""
 
-import html
+import importlib.util
 import re
+import shlex
 from pathlib import Path
 
+import pytest
 import typer
 
+from flangeway.cases.case_file import CASES
 from flangeway.cli import app
 
-PAGE = Path(__file__).parents[2] / "docs" / "reference" / "command-line.md"
-REMADE = "remake it as CONTRIBUTING.md says"
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PROGRAM = typer.main.get_command(app)
+PREFIX = ".venv/bin/"
 
 
-def test_the_page_has_every_command_with_its_help_arguments_and_options():
-    """Each command has its section in the order of the help, and in it each parameter with its own words, no other."""
-    text = html.unescape(PAGE.read_text(encoding="utf-8"))
-    sections = dict(re.findall(r"^## `flangeway ([\w-]+)`\n(.*?)(?=^## |\Z)", text, flags=re.MULTILINE | re.DOTALL))
-    commands = typer.main.get_command(app).commands
-    assert list(sections) == list(commands), REMADE
-    for name, command in commands.items():
-        section = sections[name]
-        assert " ".join(command.help.split()) in " ".join(section.split()), f"{name}: {REMADE}"
-        shown = re.findall(r"^\* `(-[^`]*|[^`]*)`: (.*)$", section, flags=re.MULTILINE)
-        options = [item for item, _ in shown if item.startswith("-") and item != "--help"]
-        wanted = [each for each in command.params if each.opts[0].startswith("-")]
-        assert len(options) == len(wanted), f"{name}: {REMADE}"
-        for each in wanted:
-            (said,) = (words for item, words in shown if re.split(r"[ ,]", item)[0] in each.opts)
-            assert said.startswith(each.help), f"{name} {each.opts[0]}: {REMADE}"
-        assert len(shown) == len(command.params) + 1, f"{name}: {REMADE}"
+def name_of(page):
+    return page.relative_to(ROOT).as_posix()
+
+
+def lines_of(page, kinds="sh"):
+    """Lines of the shell on a page, those that are continued joined, without comments."""
+    text = page.read_text(encoding="utf-8")
+    blocks = re.findall(rf"^ *```(?:{kinds})\n(.*?)^ *```$", text, flags=re.DOTALL | re.MULTILINE)
+    joined = "\n".join(blocks).replace("\\\n", " ")
+    return [part.strip() for line in joined.splitlines() for part in line.split(" && ") if part.strip()]
+
+
+def words_of(line):
+    """Words of a line after the variables of the environment that it sets."""
+    words = shlex.split(line, comments=True)
+    while words and re.fullmatch(r"[A-Z_]+=.*", words[0]):
+        words.pop(0)
+    return words
+
+
+def parsed(words):
+    """Have the program parse the arguments of a command line; nothing is computed. Returned: command and values."""
+    words = shlex.split(re.sub(r"--memory(?: |=)\S+|--debug", "", shlex.join(words)))  # allowed anywhere
+    at = next((place for place, word in enumerate(words) if word in PROGRAM.commands), None)
+    assert at is not None, f"no command in {words}"
+    command = PROGRAM.commands[words[at]]
+    return words[at], command.make_context(words[at], list(words[at + 1 :])).params
+
+
+def refuse_unknown_keys(name, values):
+    """Fail if a case of the package is given a key that it does not have."""
+    case = CASES.get(values.get("case") or values.get("case_or_file") or "")
+    if name in {"run", "converge", "check"} and case is not None:
+        keys = {item.partition("=")[0] for item in values.get("settings") or values.get("set") or ()}
+        assert keys <= case.model_fields.keys(), keys - case.model_fields.keys()
+
+
+def test_the_page_of_the_command_line_is_what_the_commands_say():
+    """The page is the one that its script writes from the program: every command, argument and option, in full."""
+    spec = importlib.util.spec_from_file_location("command_page", ROOT / ".ci" / "command_page.py")
+    script = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(script)
+    text = script.PAGE.read_text(encoding="utf-8")
+    assert text == script.page(), "run python .ci/command_page.py"
+    for name, command in PROGRAM.commands.items():
+        assert f"| [`{name}`](#flangeway-{name}) | {' '.join(command.help.split())} |" in text
+        section = text.partition(f"\n## `flangeway {name}`\n")[2].partition("\n## ")[0]
+        for parameter in command.params:
+            assert " ".join((parameter.help or "").split()) in section, f"{name} {parameter.name}"
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_command_line_runs_as_printed(page):
+    """Each line of the shell that calls the program has the folder of the environment, and the program parses it."""
+    for line in lines_of(page):
+        words = words_of(line)
+        if words and words[0].removeprefix(PREFIX) in {"flangeway", "python", "pip", "dask", "mkdocs", "pytest"}:
+            assert words[0].startswith(PREFIX), f"{line}: not found unless an environment is active"
+        if words and words[0] == f"{PREFIX}flangeway":
+            refuse_unknown_keys(*parsed(words[1:]))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=name_of)
+def test_every_command_in_a_sentence_is_one_of_the_program(page):
+    """Each `flangeway ...` within a sentence has a command and options that the program has."""
+    text = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
+    for quoted in re.findall(rf"`(?:{re.escape(PREFIX)})?flangeway (?!=)([^`]+)`", text):
+        words = [word for word in shlex.split(quoted) if word != "..."]
+        if not words or words[0] in {"--version", "COMMAND"} or quoted.endswith("--help"):
+            continue
+        try:
+            refuse_unknown_keys(*parsed(words))
+        except typer.BadParameter as wrong:
+            if type(wrong).__name__ != "MissingParameter":  # a sentence may leave out the file
+                raise AssertionError(quoted) from wrong

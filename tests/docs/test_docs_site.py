@@ -117,7 +117,7 @@ def test_pictures_of_the_gallery_are_small_and_all_shown():
 def test_commands_of_the_gallery_write_the_pictures_it_names(call, tmp_path):
     """Each command of the gallery ends well and writes every picture that is named under it."""
     text = (DOCS / "gallery.md").read_text(encoding="utf-8")
-    parts = re.findall(r"```sh\nflangeway ([^\n]+)\n```\n(.*?)(?=\n## )", text, flags=re.DOTALL)
+    parts = re.findall(r"```sh\n.venv/bin/flangeway ([^\n]+)\n```\n(.*?)(?=\n## )", text, flags=re.DOTALL)
     assert len(parts) == text.count("```sh")
     for line, below in parts:
         arguments = shlex.split(line)

@@ -62,8 +62,10 @@ def followed(tmp_path_factory):
         if kind == "python":
             printed.append((kind, *ran(folder, sys.executable, "-c", block)))
         elif kind == "sh":
-            words = re.sub(r"(?m)^((?:[A-Z_]+=\S+ )*)flangeway ", rf"\1{sys.executable} -m flangeway ", block)
-            words = re.sub(r"(?m) python ", f" {sys.executable} ", words)
+            words = re.sub(
+                r"(?m)^((?:[A-Z_]+=\S+ )*)\.venv/bin/flangeway ", rf"\1{sys.executable} -m flangeway ", block
+            )
+            words = words.replace(" .venv/bin/python ", f" {sys.executable} ")
             last = (folder / "kept").exists() and sorted(path.name for path in (folder / "kept").iterdir())
             printed.append((kind, *ran(folder, "sh", "-ec", words), last))
         else:
