@@ -54,7 +54,7 @@ def test_search_works_from_the_disk(opened):
 
 
 @pytest.mark.parametrize("width", [1400, 390])
-@pytest.mark.parametrize("name", ["theory/contact.html", "theory/spatial-wheelset.html", "theory/elasticity.html"])
+@pytest.mark.parametrize("name", ["theory/contact.html", "theory/rolling.html", "theory/elasticity.html"])
 def test_formulas_are_shown_without_a_script_and_none_is_wider_than_the_page(opened, name, width):
     """Formulas are MathML of some size, no TeX is left in the text, and the page does not scroll sideways."""
     page = opened(name, width)
