@@ -28,7 +28,8 @@ def on_page_content(content: str, page: Page, **_: Any) -> str:
 
 def _mathematics(found: re.Match[str]) -> str:
     kind, formula = found[1], html.unescape(found[2]).strip()
-    made = convert(formula, display="block" if kind == "div" else "inline")
+    fenced = formula.replace("\\lvert", "\\left|").replace("\\rvert", "\\right|")  # else spaced as operators
+    made = convert(fenced, display="block" if kind == "div" else "inline")
     if "\\" in re.sub(r"<[^>]*>", "", html.unescape(made)):
         raise ValueError(f"a formula with an unknown command: {formula}")
     return f'<{kind} class="formula">{made}</{kind}>'
