@@ -11,6 +11,7 @@ from numbers import Number
 from pathlib import Path, PurePath
 
 LONGEST_VALUE = 80
+LONG_LIST = 200
 DEBUG_VARIABLE = "FLANGEWAY_DEBUG"
 """Environment variable that ``--debug`` sets for this process and its workers."""
 
@@ -64,7 +65,10 @@ class InputError(FlangewayError):
     """
 
     def __init__(self, given: str, allowed: str, advice: str) -> None:
-        super().__init__(f"{given}\n  allowed: {allowed}\n  what to do: {advice}")
+        parts = [f"allowed: {allowed}", f"what to do: {advice}"]
+        if len(allowed) > LONG_LIST:  # nobody reads a page of keys before "did you mean"
+            parts.reverse()
+        super().__init__("\n  ".join([given, *parts]))
         self.given = given
         self.allowed = allowed
         self.advice = advice

@@ -30,16 +30,16 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2500,
     "railway.spatial": 2810,
-    "cases": 6690,
+    "cases": 6720,
     "campaign": 1880,
-    "report": 7220,
-    "validation": 6780,
-    "cli": 980,
+    "report": 7410,
+    "validation": 6800,
+    "cli": 1140,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 60_595
-MAX_FILES_OF_ALL = 328
+MAX_LINES_OF_ALL = 60_995
+MAX_FILES_OF_ALL = 330
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -5,7 +5,7 @@ import io
 import json
 import re
 import sqlite3
-from collections import OrderedDict
+from collections import Counter, OrderedDict
 
 import numpy as np
 import pytest
@@ -20,8 +20,10 @@ from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.railway.wheelset import wheelset_mesh
 from flangeway.report.campaign.campaign_figures import campaign_figures
-from flangeway.report.campaign.campaign_outputs import print_campaign, write_campaign, write_export
+from flangeway.report.campaign.campaign_outputs import campaign_record, write_export
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames
+from flangeway.report.page.html_page import write_record
+from flangeway.report.page.record import print_record
 
 SWEEP = """
 case = "wheelset-tangent"
@@ -42,6 +44,13 @@ def computed(folder, text):
         for first, rows in campaign.chunks:
             store.store(rows, compute(Chunk(rows, first)).results)
     return campaign, results(folder / "c.sqlite")
+
+
+def record_of(campaign, found):
+    """What the command shows of a campaign that has ended."""
+    counts = dict(Counter(found.rows["status"]))
+    end = CampaignProgress(len(found.rows["row"]), counts, None)
+    return campaign_record(campaign, end, found, "csv", "flangeway campaign c.toml", 1.0)
 
 
 @pytest.fixture(scope="module")
@@ -151,10 +160,13 @@ def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
 def test_pictures_and_animation_are_chosen_by_what_varies(sweep, tmp_path):
     """One input gives curves, the locus and an animation with a frame for each row, whose contact moves."""
     campaign, found = sweep
-    files = write_campaign(campaign, found, tmp_path)
+    files = write_record(record_of(campaign, found), tmp_path)
     names = {file.name for file in files}
     pictures = {"contact-locus.png", "max-pressure.png", "lateral-over-vertical.png", "forces.png"}
-    assert names == pictures | {"results.csv", "patches.csv", "sweep.gif"}
+    assert names == pictures | {"results.csv", "patches.csv", "sweep.gif", "report.html", "summary.json"}
+    page = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert f"{found.numbers('left_max_pressure_MPa').max():.5g}" in page
+    assert page.count("<img") == len(pictures)
     with Image.open(tmp_path / "sweep.gif") as animation:
         assert animation.n_frames == 12
         shots = []
@@ -185,7 +197,7 @@ def test_two_inputs_give_a_map_with_each_pressure_in_its_place(tmp_path):
 def test_failures_are_grouped_by_reason(tmp_path):
     """A row that fails says why, has no numbers, and is reported at the end with others of the same reason."""
     text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\nvertical_mm = [-0.5, 30.0, 31.0]\n'
-    _, found = computed(tmp_path, text)
+    campaign, found = computed(tmp_path, text)
     assert found.rows["status"][0] == "converged"
     assert "converged" not in found.rows["status"][1:]
     assert found.rows["left_max_pressure_MPa"][1:] == [None, None]
@@ -195,8 +207,9 @@ def test_failures_are_grouped_by_reason(tmp_path):
     from rich.console import Console  # noqa: PLC0415
 
     said = io.StringIO()
-    counts = {"converged": 1, status: 2}
-    print_campaign(Console(file=said, width=200), CampaignProgress(3, counts, None), found, [])
+    record = record_of(campaign, found)
+    print_record(Console(file=said, width=200), record)
+    assert said.getvalue().startswith(f"{found.name}: NOT converged with ")
     assert f"2 {status}: {message}" in said.getvalue()
     assert "rows 2, 3" in said.getvalue()
 

@@ -3,6 +3,7 @@
 import importlib
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -13,7 +14,7 @@ import pytest
 import typer
 
 from flangeway import cli
-from flangeway.cases import WheelsetTangentCase
+from flangeway.cases import CASES, WheelsetTangentCase
 
 MAIN = "from flangeway.cli import main; main()"
 
@@ -39,7 +40,7 @@ def test_the_main_job_end_to_end(tmp_path, method):
     assert "meshing the rail" in done.stderr
     assert "drawing" in done.stderr
     assert "Traceback" not in done.stderr
-    for word in ("Converged", "approach after first touch, mm", "maximum pressure, MPa", "AAR-1B (approximate)"):
+    for word in ("converged", "approach after first touch, mm", "maximum pressure, MPa", "AAR-1B (approximate)"):
         assert word in done.stdout
     out = tmp_path / "out" / "wheelset-tangent"
     summary = json.loads((out / "summary.json").read_text(encoding="utf-8"))
@@ -74,7 +75,7 @@ def test_a_run_that_does_not_converge_has_status_1_and_says_why(call, tmp_path):
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
     assert summary["status"]["converged"] is False
     assert len(summary["status"]["message"]) > 20
-    assert "Not converged:" in (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "NOT converged" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 def test_converge_compares_two_meshes(call, tmp_path):
@@ -127,10 +128,12 @@ def test_a_missing_library_is_told(call, monkeypatch, tmp_path):
 
 
 def test_cases_are_listed_with_their_inputs(call):
-    """The list names the case and every input."""
+    """The list has a line for each case; the name of one gives all its inputs."""
     status, said, _ = call("cases")
     assert status == 0
-    assert "wheelset-tangent" in said
+    assert [line.split()[0] for line in said.splitlines()[:-1]] == [*CASES]
+    status, said, _ = call("cases", "wheelset-tangent")
+    assert status == 0
     assert all(key in said for key in WheelsetTangentCase.model_fields)
 
 
@@ -139,12 +142,52 @@ def test_version_and_help(call):
     status, said, _ = call("--version")
     assert status == 0
     assert said.startswith("flangeway ")
-    status, said, _ = call("--help")
+    helps = [call(*words) for words in (("--help",), ("-h",), ())]
+    assert helps[0] == helps[1] == helps[2]
+    status, said, _ = helps[0]
     assert status == 0
-    assert all(command in said for command in typer.main.get_command(cli.app).commands)
+    commands = typer.main.get_command(cli.app).commands
+    assert all(command in said for command in commands)
+    for command in commands:
+        assert call(command, "-h")[0] == 0
 
 
 def test_the_package_runs_as_a_module():
     """``python -m flangeway`` is the command."""
     done = subprocess.run([sys.executable, "-m", "flangeway", "--version"], capture_output=True, text=True, check=True)
     assert done.stdout.startswith("flangeway ")
+
+
+def test_json_is_alone_on_stdout_and_quiet_is_short(call, tmp_path):
+    """``--json`` prints the summary and nothing else; ``-q`` how it ended and the report; no pictures where asked."""
+    run = ("run", "cook", "--set", "level=1", "--no-pictures")
+    status, said, shown = call(*run, "--json")
+    assert status == 0
+    assert json.loads(said) == json.loads((tmp_path / "out" / "cook" / "summary.json").read_text(encoding="utf-8"))
+    assert shown
+    assert not [*(tmp_path / "out").rglob("*.png")]
+    assert "<img" not in (tmp_path / "out" / "cook" / "report.html").read_text(encoding="utf-8")
+    status, said, shown = call(*run, "-q")
+    assert (status, shown) == (0, "")
+    first, *_, last = said.splitlines()
+    assert first.startswith("cook: ")
+    assert last == "Report: out/cook/report.html"
+    assert len(said.splitlines()) <= 3
+
+
+def test_times_are_those_that_the_user_waits(call):
+    """The last line but one has the whole time and its parts, which add up."""
+    _, said, _ = call("profile", "60E1")
+    whole, *parts = [float(text) for text in re.findall(r"\d+\.\d", said.splitlines()[-2])]
+    assert len(parts) == 3
+    assert sum(parts) == pytest.approx(whole, abs=0.16)
+
+
+def test_names_are_completed():
+    """The shell gets the names of the cases that begin with what is typed."""
+    done = subprocess.run(
+        [sys.executable, "-c", MAIN], capture_output=True, text=True, check=False, timeout=60,
+        env=environment()
+        | {"_FLANGEWAY_COMPLETE": "complete_bash", "COMP_WORDS": "flangeway run wheelset-", "COMP_CWORD": "2"},
+    )  # fmt: skip
+    assert done.stdout.split() == ["wheelset-tangent", "wheelset-curve"]

@@ -59,7 +59,7 @@ def test_a_full_disk_leaves_no_half_file(call, monkeypatch, tmp_path, after):
     assert "results, which cannot be written: No space left on device" in err
     assert "what to do: choose another folder with --out" in err
     assert "Traceback" not in err
-    assert "Files:" not in out
+    assert "Report:" not in out
     assert everything(tmp_path) == []
 
 
@@ -154,7 +154,7 @@ def test_a_real_limit_of_memory_is_told(tmp_path):
     assert process.returncode == 1, err
     assert "flangeway: out of memory" in err
     assert "Traceback" not in err
-    assert "Files:" not in out
+    assert "Report:" not in out
     assert everything(tmp_path) == []
 
 
@@ -170,7 +170,7 @@ def test_interruption_while_files_are_moved(call, monkeypatch, tmp_path, argumen
     assert status == 130
     assert "interrupted; nothing was written" in err
     assert "Traceback" not in err
-    assert "Files:" not in out
+    assert "Report:" not in out
     assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
     assert list(tmp_path.glob(".flangeway-*")) == []
 

@@ -10,7 +10,7 @@ from flangeway.cases.profile.profile_run import run_profile
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.profile_file import read_profile
 
-FILES = {"profile.png", "curvature.png", "profile.json"}
+FILES = {"profile.png", "curvature.png", "report.html", "profile.json"}
 
 
 @pytest.fixture

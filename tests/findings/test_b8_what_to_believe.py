@@ -8,10 +8,9 @@ from flangeway.cases.rigid.rigid_case import GeometryCase
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.railway.profiles.measures import conforming
 from flangeway.report.figures.fields import part_fields
-from flangeway.report.wheelset.subsurface_figure import subsurface_lines
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
-from flangeway.report.wheelset.wheelset_page import _pictures
-from flangeway.report.wheelset.wheelset_tables import bending_table, contacts_table, stresses_table
+from flangeway.report.wheelset.wheelset_page import wheelset_record
+from flangeway.report.wheelset.wheelset_tables import bending_table, results_table, stresses_table
 
 
 @pytest.fixture(scope="module")
@@ -70,21 +69,21 @@ def test_b8_the_first_picture_shows_what_may_be_believed(pushed):
     assert web > shown * 1.05
     assert "hatched: web and foot" in bar.get_xlabel()
     assert sum(patch.get_hatch() is not None for axes in figure.axes for patch in axes.patches) == 2
-    assert "not valid for a rail" in _pictures(pushed, fields, subsurface_lines(pushed.result))[0].caption
+    assert "not valid for a rail" in wheelset_record(pushed).pictures[0].caption
 
 
 def test_b8_the_report_says_what_the_limits_say(usual):
     """Summary and tables mark the stresses of web, fillets and foot as those of a slice."""
     assert any("web, fillets and foot" in each for each in usual.summary.assumptions)
-    assert "of the slice" in bending_table(usual.summary).caption
-    assert "web, fillets and foot of the slice" in stresses_table(usual.summary).caption
+    assert "Of the slice" in bending_table(usual.summary).note
+    assert "web and foot. Of the slice" in stresses_table(usual.summary).note
 
 
 def test_b8_hertz_is_left_out_where_profiles_conform(usual, conformed):
     """Hertz's pressure stands beside a contact of constant curvature, and is marked beside one that conforms."""
     assert all(contact["hertz_pressure_MPa"] for contact in usual.summary.to_dict()["contacts"])
     assert all(contact["hertz_pressure_MPa"] is None for contact in conformed.summary.to_dict()["contacts"])
-    rows = {row[0].strip(): row[1:] for row in contacts_table(conformed.summary).rows}
+    rows = {row[0].strip(): row[1:] for row in results_table(conformed.summary).rows}
     assert set(rows["Hertz, MPa"]) == set(rows["Hertz, mm"]) == {"conforming"}
     assert any("Hertz's theory is left out" in each for each in conformed.summary.assumptions)
     assert not any("Hertz" in each for each in usual.summary.assumptions)

@@ -14,16 +14,16 @@ from flangeway.cases.case_file import read_case
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.post import corner_stresses
 from flangeway.report import scenes
-from flangeway.report.bodies.bodies_page import bodies_page
+from flangeway.report.bodies.bodies_page import bodies_record
 from flangeway.report.bodies.body_fields import bodies_fields, body_fields, body_steps
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
 from flangeway.report.page.case_text import case_text, command_line, section_command
 from flangeway.report.page.html_page import report_page
-from flangeway.report.section.section_page import section_page
+from flangeway.report.section.section_page import section_record
 from flangeway.solve import Status
 
 COARSE = {"size_mm": 1.5, "body_size_mm": 15.0, "indentation_mm": 1.0, "n_steps": 2, "order": 2}
-HEADINGS = ["Summary", "Warnings", "Assumptions", "Fields", "Numbers", "Inputs", "Run it again"]
+HEADINGS = ["Summary", "Fields", "Numbers", "Assumptions", "Inputs", "Run it again"]
 
 
 @pytest.fixture(scope="module")
@@ -38,8 +38,8 @@ def hertz_steps(hertz):
 
 
 @pytest.fixture(scope="module")
-def hertz_text(hertz, hertz_steps):
-    return report_page(bodies_page(hertz, [], hertz_steps))
+def hertz_text(hertz):
+    return report_page(bodies_record(hertz))
 
 
 def headings(text):
@@ -48,8 +48,10 @@ def headings(text):
 
 def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     """Sections come in order, one without contents is left out, and notices, results and versions are shown."""
-    wanted = [each for each in HEADINGS if each != "Warnings" or hertz.summary.notices]
-    assert headings(hertz_text) == wanted
+    assert headings(hertz_text) == HEADINGS
+    contents = re.findall(r'<a href="#(\w+)">(.*?)</a>', hertz_text)
+    assert [heading for _, heading in contents] == HEADINGS
+    assert all(f'<h2 id="{name}">' in hertz_text for name, _ in contents)
     words = unescape(hertz_text)
     for text in (*hertz.summary.notices, "Plane strain", "Frictionless", "upper on lower", "load"):
         assert text in words
@@ -58,11 +60,11 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
     assert "$" not in hertz_text.split("<script")[0]
 
 
-def test_a_failure_and_notices_are_marked(hertz, hertz_steps):
+def test_a_failure_and_notices_are_marked(hertz):
     """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
     status = Status(False, "a <b> & c", 3)
     summary = replace(hertz.summary, notices=["x < y"])
-    page = report_page(bodies_page(replace(hertz, status=status, summary=summary), [], hertz_steps))
+    page = report_page(bodies_record(replace(hertz, status=status, summary=summary)))
     assert 'class="status failed"' in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page
@@ -165,24 +167,28 @@ def test_the_page_tells_what_the_supports_bear():
         "contacts": [],
     })  # fmt: skip
     run = case.run()
-    page = bodies_page(run, [], body_steps(run, list(bodies_fields(run))))
+    page = bodies_record(run)
     (table,) = (table for table in page.tables if table.caption == "Supports")
     assert [row[:2] for row in table.rows] == [("1", "block"), ("2", "block")]
-    forces = [[float(value) for value in row[2].strip("()").split(",")] for row in table.rows]
+    assert table.header[2:] == ("force on it x, N", "force on it y, N")
+    forces = [[float(value) for value in row[2:]] for row in table.rows]
     assert np.sum(forces, axis=0) == pytest.approx([0.0, 60.0], abs=1e-6)
 
 
 def test_a_section_in_another_unit(tmp_path):
-    """The page of a section in inches has inches everywhere, and its outline's notices as warnings."""
+    """The page of a section in inches has inches everywhere, and its outline's notices."""
     (tmp_path / "bar.toml").write_text(
         'title = "Bar"\nunit = "in"\n[outer]\npoints = [[0, 0], [0, 1], [2, 1], [2, 0]]\n', encoding="utf-8"
     )
     run = TorsionCase(section=str(tmp_path / "bar.toml"), size=0.2).run()
-    page = section_page(run.section, run.case, [], command="flangeway x", summary_file="section.json")
-    assert page.scene.unit == "in"
-    assert {field.unit for field in page.scene.fields} == {"in²", "1/in³"}
+    page = section_record(run.section, run.case, command="flangeway x")
+    scene = page.scene()
+    assert scene.unit == "in"
+    assert {field.unit for field in scene.fields} == {"in²", "1/in³"}
     assert page.facts[0] == ("2 in²", "area")
-    assert any("clockwise" in warning for warning in page.warnings)
+    assert any("clockwise" in note for note in page.notes)
+    # 2 in² of steel, 7850 kg/m³
+    assert run.section.summary["mass_per_metre_kg_m"] == pytest.approx(2.0 * 0.0254**2 * 7850.0)
     text = report_page(page)
-    assert headings(text) == HEADINGS
+    assert headings(text) == [each for each in HEADINGS if each != "Numbers" or "Time" in text]
     assert "<code>flangeway x</code>" in text

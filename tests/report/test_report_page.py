@@ -16,7 +16,7 @@ from flangeway.report import command_line, write_case
 from flangeway.report.case_outputs import case_files
 from flangeway.report.page.html_page import report_page
 from flangeway.report.wheelset import wheelset_page as outputs
-from flangeway.report.wheelset.wheelset_page import NAMES, PICTURES, wheelset_page
+from flangeway.report.wheelset.wheelset_page import PICTURES, wheelset_record
 from flangeway.system.output_folder import refuse_unwritable
 
 VOID = {"meta", "img", "br", "link", "input"}
@@ -58,9 +58,9 @@ def text(folder):
     return (folder / "report.html").read_text(encoding="utf-8")
 
 
-def test_a_run_leaves_its_files_and_no_others(folder):
+def test_a_run_leaves_its_files_and_no_others(folder, runs):
     """The folder holds exactly the named files, none of them empty."""
-    assert {path.name for path in folder.iterdir()} == {*NAMES, "summary.json"}
+    assert {path.name for path in folder.iterdir()} == set(case_files(runs["vem"].case))
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
 
 
@@ -79,14 +79,15 @@ def test_the_page_needs_no_network(text):
 
 
 def test_the_page_is_well_formed_and_in_order(text):
-    """All tags are closed, and the summary comes first, the fields before pictures and tables."""
+    """All tags are closed; the summary with the first picture comes first, the fields before the other pictures."""
     page = Page(text)
     assert {"header", "main", "footer", "figure", "figcaption", "table", "caption", "th"} <= set(page.tags)
     places = [
         text.index(f'id="{name}"')
-        for name in ("summary", "assumptions", "fields", "pictures", "numbers", "inputs", "again")
+        for name in ("summary", "fields", "pictures", "numbers", "assumptions", "inputs", "again")
     ]
     assert places == sorted(places)
+    assert places[0] < text.index("<img") < places[1]
     assert "prefers-color-scheme: dark" in text
     assert "@media print" in text
 
@@ -95,7 +96,7 @@ def test_the_page_says_what_was_computed(text, runs):
     """The page has the assumptions, every input, the numbers of the summary and the versions."""
     words = " ".join(Page(text).words)
     summary = runs["vem"].summary.to_dict()
-    for wanted in ("AAR-1B (approximate)", "10 mm", "Plane strain", "Converged:", *summary["case"]):
+    for wanted in ("AAR-1B (approximate)", "10 mm", "Plane strain", "Converged with 1 warning:", *summary["case"]):
         if wanted != "name":
             assert wanted in words
     for contact in summary["contacts"]:
@@ -139,10 +140,10 @@ def test_text_is_escaped_and_warnings_are_shown(runs):
     run = runs["fem"]
     status = replace(run.summary.status, converged=False, message="a <b> & c")
     changed = replace(run, summary=replace(run.summary, status=status, warnings=["x < y"], contacts=[]))
-    page = report_page(wheelset_page(changed, []))
+    page = report_page(wheelset_record(changed))
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page
-    assert "Not converged:" in Page(page).words
+    assert "NOT converged with 1 warning:" in Page(page).words
     assert 'class="status failed"' in page
 
 

@@ -8,7 +8,8 @@ import pytest
 from rich.console import Console
 
 from flangeway.cases import load_case
-from flangeway.report.case_outputs import case_files, print_case, print_case_files, write_case
+from flangeway.report.case_outputs import case_files, case_record, write_case
+from flangeway.report.page.record import print_record
 
 
 @pytest.fixture(scope="module")
@@ -47,8 +48,8 @@ def test_summary_terminal_and_page_name_the_numbers(run, tmp_path):
     assert patch.max_pressure_MPa == pytest.approx(patch.hertz_pressure_MPa, rel=1e-2)
     np.testing.assert_allclose(patch.semi_axes_mm, patch.hertz_semi_axes_mm, rtol=1e-2)
     console = Console(file=io.StringIO(), width=80)
-    print_case(console, run)
-    print_case_files(console, run, write_case(run, tmp_path))
+    print_record(console, case_record(run))
+    write_case(run, tmp_path)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     for text in (console.file.getvalue(), page):
         assert f"{patch.max_pressure_MPa:.1f}" in text

@@ -12,8 +12,9 @@ from typer.testing import CliRunner
 from flangeway.cases import CASES
 from flangeway.cli.app import app
 from flangeway.railway.track.placements import SIDE_SIGN
-from flangeway.report import case_outputs
-from flangeway.report.case_outputs import case_files, print_case, print_case_files, write_case
+from flangeway.report.case_outputs import case_files, case_record, write_case
+from flangeway.report.page import html_page
+from flangeway.report.page.record import print_record
 from flangeway.report.spatial_wheelset.wheelset_patches import patch_map
 
 INPUTS = {"lateral_force_kN": 60.0, "rail": "136RE", "wheel": "AAR-1B", "yaw_mrad": 5.0, "size_scale": 1.5}
@@ -108,20 +109,18 @@ def test_pictures_from_above_have_the_sides_of_the_track(run):
         assert low < z < high
 
 
-def test_the_terminal_has_room_for_it(run, folder):
-    """Status first, then the patches and the position, in 80 columns and few lines; at last the files."""
+def test_the_terminal_has_room_for_it(run):
+    """Status first, then the patches and the position, in 80 columns and few lines."""
     console = Console(file=io.StringIO(), width=80)
-    print_case(console, run)
+    print_record(console, case_record(run))
     lines = console.file.getvalue().splitlines()
-    assert lines[0].startswith("wheelset: Converged")
+    assert lines[0].startswith("wheelset: converged")
     assert len(lines) <= 25
     assert max(map(len, lines)) <= 80
     text = "\n".join(lines)
     for patch in run.summary.patches:
         assert f"{patch.max_pressure_MPa:.1f}" in text
         assert f"{patch.normal_force_kN:.2f}" in text
-    print_case_files(console, run, [folder / name for name in case_files(run.case)])
-    assert "patches.csv" in console.file.getvalue()
 
 
 def test_numbers_are_printed_before_the_pictures_are_drawn(run, monkeypatch, tmp_path):
@@ -131,8 +130,8 @@ def test_numbers_are_printed_before_the_pictures_are_drawn(run, monkeypatch, tmp
         raise MemoryError("pictures")
 
     monkeypatch.setattr(type(run.case), "run", lambda *_, **__: run)
-    monkeypatch.setattr(case_outputs, "write_case", failing)
+    monkeypatch.setattr(html_page, "png", failing)
     done = CliRunner().invoke(app, ["run", "wheelset", "--out", str(tmp_path / "out")])
     assert done.exit_code != 0
     assert f"{run.summary.patches[0].max_pressure_MPa:.1f}" in done.stdout
-    assert "Files" not in done.stdout
+    assert "Report" not in done.stdout

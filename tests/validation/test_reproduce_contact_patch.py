@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from flangeway.report.page.html_page import write_record
+from flangeway.report.page.record import print_record
 from flangeway.validation.contact_patch import contact_patch_reproduced
 from flangeway.validation.contact_patch.contact_patch_reproduced import (
     PASSED,
@@ -92,7 +94,8 @@ def test_forces_of_both_sides_balance(found: ContactPatchReproduction) -> None:
 def test_files_and_summary(found: ContactPatchReproduction, tmp_path: Path) -> None:
     """All files are written; the table has three rows a configuration, and the summary says what failed and passed."""
     entry = REPRODUCTIONS["contact-patch"]
-    files = entry.write(found, tmp_path / "contact-patch", lambda _: None)
+    record = entry.record("x", found, "flangeway reproduce x")
+    files = write_record(record, tmp_path / "contact-patch")
     assert sorted(file.name for file in files) == sorted(entry.files)
     assert all(file.read_bytes().startswith(b"\x89PNG") for file in files if file.suffix == ".png")
     with (tmp_path / "contact-patch" / "table.csv").open(encoding="utf-8") as stream:
@@ -105,9 +108,9 @@ def test_files_and_summary(found: ContactPatchReproduction, tmp_path: Path) -> N
     assert len(verdicts) == 120
     assert all((verdict == "True") == pairing.startswith("segment") for pairing, verdict in verdicts)
     text = io.StringIO()
-    entry.print_summary(Console(file=text, width=120), found, files)
-    assert "Contact patch test: 36 of 36 numbers with a limit are within. Passed." in text.getvalue()
-    assert "VEM2 on VEM2" in text.getvalue()
+    print_record(Console(file=text, width=120), record)
+    assert text.getvalue().startswith("x: passed, 36 of 36 numbers with a limit are within.")
+    assert "VEM2 on VEM2" in (tmp_path / "contact-patch" / "report.html").read_text(encoding="utf-8")
 
 
 def test_quick_leaves_out_the_finest_meshes(found: ContactPatchReproduction, monkeypatch: pytest.MonkeyPatch) -> None:

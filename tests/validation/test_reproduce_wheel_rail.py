@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from rich.console import Console
 
+from flangeway.report.page.html_page import write_record
+from flangeway.report.page.record import print_record
 from flangeway.validation.registry import REPRODUCTIONS
 from flangeway.validation.wheel_rail.variations import contact_name, extrapolated_differences_mm
 from flangeway.validation.wheel_rail.wheel_rail_reproduced import WheelRailReproduction, reproduce_wheel_rail
@@ -104,7 +106,8 @@ def test_one_arc_on_one_arc_is_hertz(found: WheelRailReproduction) -> None:
 def test_files_and_summary(found: WheelRailReproduction, tmp_path: Path) -> None:
     """All files are written; the table has a row for each number, and the summary names rows and verdict."""
     reproduction = REPRODUCTIONS["wheel-rail"]
-    files = reproduction.write(found, tmp_path / "out", lambda _: None)
+    record = reproduction.record("x", found, "flangeway reproduce x")
+    files = write_record(record, tmp_path / "out")
     assert {file.name for file in files} == set(reproduction.files)
     with (tmp_path / "out" / "table.csv").open(encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
@@ -112,8 +115,8 @@ def test_files_and_summary(found: WheelRailReproduction, tmp_path: Path) -> None
     with (tmp_path / "out" / "patches.csv").open(encoding="utf-8") as stream:
         assert len(list(csv.DictReader(stream))) == sum(len(row.result.patches) for row in found.rows)
     text = io.StringIO()
-    reproduction.print_summary(Console(file=text, width=120), found, files)
-    assert "curve FO2" in text.getvalue()
+    print_record(Console(file=text, width=120), record)
+    assert "curve FO2" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     assert "numbers with a limit are within" in text.getvalue()
 
 

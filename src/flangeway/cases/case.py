@@ -148,6 +148,33 @@ def _inputs_of(table: type[Table], path: str) -> list[tuple[str, list[tuple[str,
     return [(path.rstrip("."), rows), *inner]
 
 
+GROUPS = {
+    "rail": "Profiles",
+    "gauge_mm": "Track and wheelset",
+    "axle_load_kN": "Load and curve",
+    "thickness_mm": "Bodies and material",
+    "young_MPa": "Bodies and material",
+    "model": "Position",
+    "lateral_mm": "Position",
+    "rail_support": "Rails on sleepers, wheels and axle",
+    "wheel_young_MPa": "Materials of wheels and rails",
+    "method": "Elements and mesh",
+    "pairing": "Contact",
+    "equilibria": "Equilibrium",
+}
+"""Captions of the groups of inputs, by the key that begins the group."""
+
+
+def grouped(rows: list[tuple[str, str, str, str]]) -> dict[str, list[tuple[str, str, str, str]]]:
+    """Return the inputs of a table in their groups, by the caption."""
+    found: dict[str, list[tuple[str, str, str, str]]] = {}
+    caption = ""
+    for row in rows:
+        caption = GROUPS.get(row[0], caption)
+        found.setdefault(caption, []).append(row)
+    return found
+
+
 def allowed(field: FieldInfo) -> str:
     """Say in words what a field accepts."""
     bounds = [

@@ -71,11 +71,15 @@ class RunResult(Result):
         return self.tables.get(self.main_table, ResultTable({}))
 
 
+def summary_text(summary: Summary | Mapping[str, Any]) -> str:
+    """Return a summary as JSON."""
+    content = summary.to_dict() if isinstance(summary, Summary) else summary
+    return json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
 def write_summary(path: Path, summary: Summary | Mapping[str, Any]) -> None:
     """Write a summary as JSON."""
-    content = summary.to_dict() if isinstance(summary, Summary) else summary
-    text = json.dumps(content, indent=2, ensure_ascii=False, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
+    path.write_text(summary_text(summary), encoding="utf-8")
 
 
 def plain_numbers(value: Any) -> Any:

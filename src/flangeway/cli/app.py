@@ -58,7 +58,8 @@ class Program(TyperGroup):
 app = typer.Typer(
     cls=Program,
     help="Elastic contact in two dimensions with finite and virtual elements, up to a wheelset on two rails.",
-    add_completion=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    invoke_without_command=True,
     pretty_exceptions_enable=False,
 )
 
@@ -85,6 +86,9 @@ def _common(
         bool, typer.Option(DEBUG, help="Show the traceback of an unexpected error.")
     ] = False,
 ) -> None:
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+        raise typer.Exit(DONE)
     if any(name.startswith("RAYON_") for name in os.environ):  # else the core is not needed yet
         with errors_as_exit_status():
             from flangeway.space.core_limits import refuse_many_threads  # noqa: PLC0415

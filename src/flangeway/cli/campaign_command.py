@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, INTERRUPTED, Out, complain, errors_as_exit_status, show_progress, stdout
+from flangeway.cli.common import INTERRUPTED, Out, Show, command_typed, complain, show_progress, shows_results
 
 if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
@@ -37,6 +37,7 @@ LINE_EVERY_S = 5.0
 
 
 @app.command()
+@shows_results
 def campaign(
     file: CampaignFile,
     out: Out = None,
@@ -44,49 +45,54 @@ def campaign(
     scheduler: Scheduler = None,
     fresh: Fresh = False,
     export: Export = None,
-) -> None:
+    *,
+    show: Show,
+) -> bool:
     """Run a case over many inputs: results row by row in one SQLite file, tables, pictures (out/FILE)."""
-    with errors_as_exit_status():
-        from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
-        from flangeway.campaign.database import refuse_format  # noqa: PLC0415
-        from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
-            DATABASE,
-            check_campaign_folder,
-            print_campaign,
-            write_campaign,
-            write_export,
-        )
+    from flangeway.campaign import Campaign, results, run_campaign  # noqa: PLC0415
+    from flangeway.campaign.database import refuse_format  # noqa: PLC0415
+    from flangeway.report.campaign.campaign_outputs import (  # noqa: PLC0415
+        DATABASE,
+        campaign_record,
+        check_campaign_folder,
+        write_export,
+    )
 
-        if export is not None:
-            refuse_format(export)
-        wanted = Campaign.from_file(file)
-        folder = out or Path("out", file.stem)
-        check_campaign_folder(folder)
-        database = folder / DATABASE
-        had_all = not fresh and database.is_file() and results(database).is_done
-        try:
-            with _rows_shown() as progress:
-                end = run_campaign(
-                    wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=progress
-                )
-        except KeyboardInterrupt:
-            complain(f"interrupted; what is done is kept in {database}, and the same command goes on from there")
-            raise typer.Exit(INTERRUPTED) from None
-        table = results(database)
-        if export is not None and had_all:
-            files = write_export(table, folder, export)
-        else:
-            files = write_campaign(wanted, table, folder, export or "csv", show_progress)
-        print_campaign(stdout(), end, table, [database, *files])
-        raise typer.Exit(DONE if end.all_converged else FAILED)
+    if export is not None:
+        refuse_format(export)
+    wanted = Campaign.from_file(file)
+    folder = out or Path("out", file.stem)
+    check_campaign_folder(folder)
+    database = folder / DATABASE
+    had_all = not fresh and database.is_file() and results(database).is_done
+    begun = time.perf_counter()
+    show.marks_s.append(begun)
+    try:
+        with _rows_shown(quiet=show.quiet) as progress:
+            end = run_campaign(wanted, database, workers=workers, scheduler=scheduler, fresh=fresh, progress=progress)
+    except KeyboardInterrupt:
+        complain(f"interrupted; what is done is kept in {database}, and the same command goes on from there")
+        raise typer.Exit(INTERRUPTED) from None
+    table = results(database)
+    if export is not None and had_all:
+        show.files(write_export(table, folder, export))
+        return end.all_converged
+    seconds = time.perf_counter() - begun
+    record = campaign_record(wanted, end, table, export or "csv", command_typed(), seconds)
+    show.record(record, folder, lambda: [database])
+    show.json(record.summary)
+    return end.all_converged
 
 
 @contextmanager
-def _rows_shown() -> Iterator[Callable[["CampaignProgress"], None]]:
+def _rows_shown(*, quiet: bool) -> Iterator[Callable[["CampaignProgress"], None]]:
     """Show on stderr how many rows are done and the time left: a bar on a terminal, some lines elsewhere."""
     from rich.console import Console  # noqa: PLC0415
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn  # noqa: PLC0415
 
+    if quiet:
+        yield lambda _: None
+        return
     console = Console(stderr=True)
     if not console.is_terminal:
         yield _lines()

@@ -3,16 +3,26 @@
 NumPy, SciPy, Matplotlib and what needs them are imported inside of functions, so that help is quick.
 """
 
+import functools
+import inspect
+import shlex
 import sys
-from collections.abc import Callable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
 
+if TYPE_CHECKING:
+    from flangeway.cases.summary import Summary
+    from flangeway.report.page.record import Record
+
+STARTED_S = time.perf_counter()
 Progress = Callable[[str], None]
 
 DONE, FAILED, WRONG_INPUT, INTERRUPTED = 0, 1, 2, 130
@@ -34,6 +44,24 @@ Unit = Annotated[
     str | None,
     typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
 ]
+
+
+def completion(names: Callable[[], Iterable[str]], *endings: str) -> Callable[[str], list[str]]:
+    """Return what completes an argument in a shell: names, and files with some endings."""
+
+    def complete(incomplete: str) -> list[str]:
+        folder = Path(incomplete).parent if "/" in incomplete else Path()
+        files = [str(path) for path in folder.glob("*") if path.is_dir() or path.suffix.lower() in endings]
+        return [each for each in [*names(), *sorted(files)] if each.startswith(incomplete)]
+
+    return complete
+
+
+def case_names() -> list[str]:
+    """Names of all cases."""
+    from flangeway.cases import CASES  # noqa: PLC0415
+
+    return [*CASES]
 
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
@@ -106,6 +134,105 @@ def progress_shown() -> Iterator[Progress]:
 def show_progress(sentence: str) -> None:
     """Show a sentence on stderr, in a line of its own."""
     print(sentence, file=sys.stderr, flush=True)
+
+
+@dataclass
+class Show:
+    """How a command shows what it found; it takes the times of what the user waits for."""
+
+    quiet: bool
+    as_json: bool
+    pictures: bool
+    marks_s: list[float] = field(default_factory=lambda: [STARTED_S])
+
+    @contextmanager
+    def progress(self) -> Iterator[Progress]:
+        """Show sentences on stderr, unless it is quiet."""
+        self.marks_s.append(time.perf_counter())
+        if self.quiet:
+            yield lambda _: None
+            return
+        with progress_shown() as progress:
+            yield progress
+
+    def record(self, record: "Record", folder: Path, others: Callable[[], Sequence[Path]] = tuple) -> bool:
+        """Print the numbers, which do not wait for the pictures, write all files, and print where the report is.
+
+        - `others`: writes further files afterwards, and returns them.
+
+        Returns whether it ended well.
+        """
+        from flangeway.report.page.html_page import write_record  # noqa: PLC0415
+        from flangeway.report.page.record import REPORT, print_record  # noqa: PLC0415
+
+        console = stdout()
+        if not self.as_json:
+            print_record(console, record, quiet=self.quiet)
+        with self.progress() as progress:
+            files = write_record(record, folder, progress, pictures=self.pictures)
+        self.files(others())
+        if not self.as_json:
+            if not self.quiet:
+                console.print(self._times(len(files)), markup=False, soft_wrap=True)
+            console.print(f"Report: {folder / REPORT}", markup=False, soft_wrap=True)
+        self.marks_s = [time.perf_counter()]
+        return record.converged
+
+    def files(self, files: Iterable[Path]) -> None:
+        """Print the names of files, unless JSON is wanted."""
+        if self.as_json:
+            return
+        for file in files:
+            stdout().print(f"File: {file}", markup=False, soft_wrap=True)
+
+    def json(self, content: "Summary | Mapping[str, Any]") -> None:
+        """Print a summary as JSON, if that is wanted."""
+        from flangeway.cases.summary import summary_text  # noqa: PLC0415
+
+        if self.as_json:
+            typer.echo(summary_text(content), nl=False)
+
+    def _times(self, n_files: int) -> str:
+        """What the user waited for since the last report."""
+        ends = [*self.marks_s, time.perf_counter()]
+        names = ("loading", "computing", "pictures and files")
+        parts = [f"{name} {end - begin:.1f}" for name, begin, end in zip(names, ends, ends[1:], strict=False)]
+        return f"{ends[-1] - ends[0]:.1f} s: {', '.join(parts)} ({n_files} files)"
+
+
+SHOWN = {
+    "quiet": Annotated[
+        bool, typer.Option("--quiet", "-q", help="Show only how it ended, warnings, and where the report is.")
+    ],
+    "as_json": Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")],
+    "no_pictures": Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures; the report has none.")],
+}
+
+
+def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
+    """Add the options of `SHOWN` to a command, which gets them as ``show``, and make its result the exit status."""
+    signature = inspect.signature(command)
+    own = [each for each in signature.parameters.values() if each.name != "show"]
+    more = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
+        for name, kind in SHOWN.items()
+    ]
+
+    @functools.wraps(command)
+    def wrapped(**given: Any) -> None:
+        quiet, as_json, no_pictures = (given.pop(name) for name in SHOWN)
+        with errors_as_exit_status():
+            raise typer.Exit(DONE if command(**given, show=Show(quiet, as_json, not no_pictures)) else FAILED)
+
+    wrapped.__signature__ = signature.replace(parameters=[*own, *more], return_annotation=None)  # type: ignore[attr-defined]
+    wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *more]}
+    return wrapped
+
+
+def command_typed() -> str:
+    """Return the command as it was typed, without the options of `SHOWN`."""
+    shown = {"-q", "--quiet", "--json", "--no-pictures"}
+    return shlex.join(["flangeway", *(word for word in sys.argv[1:] if word not in shown)])
 
 
 def stdout() -> Any:

@@ -6,15 +6,18 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, path_given, progress_shown, stdout
+from flangeway.cli.common import Out, Show, completion, path_given, shows_results, stdout
 from flangeway.errors import InputError
 
+NAMES = (
+    *("torsion", "elasticity", "hertz", "contact-patch", "wheel-rail", "spatial", "rolling", "wheelset3d", "conicity"),
+)
 ReproductionName = Annotated[
     str,
     typer.Argument(
         metavar="NAME",
-        help="torsion, elasticity, hertz, contact-patch, wheel-rail, spatial, rolling, wheelset3d or "
-        "conicity; all: every one, summarised.",
+        help=f"{', '.join(NAMES)}; all: every one, summarised.",
+        autocompletion=completion(lambda: [*NAMES, "all"]),
     ),
 ]
 Quick = Annotated[
@@ -34,38 +37,39 @@ Page = Annotated[
 
 
 @app.command()
-def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None) -> None:
+@shows_results
+def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, out: Out = None, *, show: Show) -> bool:
     """Compute published tables again, beside the published numbers (out/reproduce/NAME/table.csv and pictures)."""
-    with errors_as_exit_status():
-        from flangeway.validation.registry import REPRODUCTIONS  # noqa: PLC0415
-        from flangeway.validation.reproduction import (  # noqa: PLC0415
-            Verdict,
-            check_page,
-            find_reproductions,
-            make_section,
-            print_verdicts,
-            write_page,
-        )
+    from flangeway.validation.registry import REPRODUCTIONS  # noqa: PLC0415
+    from flangeway.validation.reproduction import (  # noqa: PLC0415
+        Verdict,
+        check_page,
+        find_reproductions,
+        make_section,
+        print_verdicts,
+        write_page,
+    )
 
-        folder = out or Path("out", "reproduce")
-        wanted = find_reproductions(name, REPRODUCTIONS)
-        for key, reproduction in wanted.items():
-            reproduction.check_folder(folder / key)
+    folder = out or Path("out", "reproduce")
+    wanted = find_reproductions(name, REPRODUCTIONS)
+    for key, reproduction in wanted.items():
+        reproduction.check_folder(folder / key)
+    if page is not None:
+        if len(wanted) < len(REPRODUCTIONS):
+            raise InputError(f"--page with {name}", "a page of all", f"flangeway reproduce all --page {page}")
+        check_page(page, [reproduction.chapter for reproduction in wanted.values()])
+    verdicts, sections, summaries = {}, [], {}
+    for key, reproduction in wanted.items():
+        with show.progress() as progress:
+            found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
+        record = reproduction.record(key, found, f"flangeway reproduce {key}{' --quick' * quick}")
+        show.record(record, folder / key)
         if page is not None:
-            if len(wanted) < len(REPRODUCTIONS):
-                raise InputError(f"--page with {name}", "a page of all", f"flangeway reproduce all --page {page}")
-            check_page(page, [reproduction.chapter for reproduction in wanted.values()])
-        verdicts, sections = {}, []
-        for key, reproduction in wanted.items():
-            with progress_shown() as progress:
-                found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
-                files = reproduction.write(found, folder / key, progress)
-                if page is not None:
-                    sections.append(make_section(reproduction.chapter, found, page))
-            reproduction.print_summary(stdout(), found, files)
-            verdicts[key] = Verdict.of(found)
-        if page is not None:
-            stdout().print(f"Page: {write_page(page, sections, quick=quick)[-1]}", markup=False, soft_wrap=True)
-        if len(verdicts) > 1:
-            print_verdicts(stdout(), verdicts)
-        raise typer.Exit(DONE if all(verdict.passed for verdict in verdicts.values()) else FAILED)
+            sections.append(make_section(reproduction.chapter, found, page))
+        verdicts[key], summaries[key] = Verdict.of(found), record.summary
+    if page is not None:
+        show.files(write_page(page, sections, quick=quick)[-1:])
+    if len(verdicts) > 1 and not show.as_json:
+        print_verdicts(stdout(), verdicts)
+    show.json(summaries if len(summaries) > 1 else summaries[name])
+    return all(verdict.passed for verdict in verdicts.values())

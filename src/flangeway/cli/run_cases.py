@@ -9,13 +9,16 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
-    DONE,
-    FAILED,
     Out,
+    Show,
+    case_names,
+    command_typed,
+    completion,
     errors_as_exit_status,
     path_given,
     progress_shown,
     settings_of,
+    shows_results,
     stdout,
 )
 from flangeway.errors import InputError
@@ -25,10 +28,22 @@ if TYPE_CHECKING:
     from flangeway.cases.case import RunnableCase
 
 CaseOrFile = Annotated[
-    str, typer.Argument(metavar="CASE_OR_FILE", help="Name of a case (`flangeway cases` lists them), or a case file.")
+    str,
+    typer.Argument(
+        metavar="CASE_OR_FILE",
+        help="Name of a case (`flangeway cases` lists them), or a case file.",
+        autocompletion=completion(case_names, ".toml"),
+    ),
 ]
 CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
-NewName = Annotated[str, typer.Argument(metavar="NAME", help="Name of a case; `flangeway cases` lists them.")]
+NewName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help="Name of a case; `flangeway cases` lists them.",
+        autocompletion=completion(case_names),
+    ),
+]
 To = Annotated[
     Path | None,
     typer.Option(
@@ -40,7 +55,13 @@ SchemaTo = Annotated[
     typer.Option("--to", metavar="FILE", help="Write it to this file.", show_default=False, parser=path_given),
 ]
 ListedName = Annotated[
-    str | None, typer.Argument(metavar="[CASE]", help="The one to explain; all if left out.", show_default=False)
+    str | None,
+    typer.Argument(
+        metavar="[CASE]",
+        help="The one to explain; all if left out.",
+        show_default=False,
+        autocompletion=completion(case_names),
+    ),
 ]
 # text, not numbers or choices: the case checks all values, with one kind of message
 Method = Annotated[
@@ -63,14 +84,15 @@ Set = Annotated[
     typer.Option("--set", metavar="KEY=VALUE", help="Any other input of the case, as often as needed."),
 ]
 
-CaseWork = Callable[[str, "RunnableCase", Path | None], bool]
-"""Work on the case of a name or file, with a folder for the results; whether it ended well."""
+CaseWork = Callable[[str, "RunnableCase", Path | None, Show], bool]
+"""Work on the case of a name or file, with a folder for the results, shown in some way; whether it ended well."""
 
 
 def _command_on_a_case(work: CaseWork) -> CaseWork:
     """Add a command that takes a case with its options; the exit status is that of its work."""
 
     @app.command(work.__name__, help=work.__doc__)
+    @shows_results
     def command(
         case: CaseOrFile,
         method: Method = None,
@@ -80,75 +102,71 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         crown_radius: Crown = None,
         set_: Set = None,
         out: Out = None,
-    ) -> None:
-        with errors_as_exit_status():
-            inputs = _case(
-                case,
-                set_,
-                method=method,
-                order=order,
-                size_scale=size_scale,
-                primary=primary,
-                crown_radius_in=crown_radius,
-            )
-            raise typer.Exit(DONE if work(case, inputs, out) else FAILED)
+        *,
+        show: Show,
+    ) -> bool:
+        named = {"method": method, "order": order, "size_scale": size_scale, "primary": primary}
+        return work(case, _case(case, set_, **named, crown_radius_in=crown_radius), out, show)
 
     return work
 
 
 @_command_on_a_case
-def run(name: str, case: "RunnableCase", out: Path | None) -> bool:
-    """Run a case or a case file: summary here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
-    from flangeway.report.case_outputs import case_files, print_case, print_case_files, write_case  # noqa: PLC0415
+def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
+    """Run a case or a case file: results here; report, JSON, pictures and ParaView files in a folder (out/CASE)."""
+    from flangeway.report.case_outputs import case_files, case_record  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
     folder = out or Path("out", Path(name).stem)
     refuse_unwritable(folder, case_files(case))
-    with progress_shown() as progress:
+    with show.progress() as progress:
         done = case.run(progress)
-    # the numbers do not wait for the pictures
-    print_case(stdout(), done)
-    with progress_shown() as progress:
-        files = write_case(done, folder, progress)
-    print_case_files(stdout(), done, files)
-    return done.status.converged
+    converged = show.record(case_record(done), folder)
+    show.json(done.summary)
+    return converged
 
 
 @_command_on_a_case
-def converge(name: str, case: "RunnableCase", out: Path | None) -> bool:
-    """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge/converge.json)."""
-    from flangeway.cases import run_halved, write_summary  # noqa: PLC0415
-    from flangeway.report.wheelset.wheelset_page import print_convergence  # noqa: PLC0415
-    from flangeway.system.output_folder import refuse_unwritable, write_together  # noqa: PLC0415
+def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
+    """Run a case with its mesh and with the mesh halved, and compare (out/CASE-converge)."""
+    from flangeway.cases import run_halved  # noqa: PLC0415
+    from flangeway.report.wheelset.halved_page import NAMES, convergence_record  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
-    wheelset = _wheelset(case)
-    folder, file = out or Path("out", f"{Path(name).stem}-converge"), "converge.json"
-    refuse_unwritable(folder, (file,))
-    with progress_shown() as progress:
+    wheelset, stem = _wheelset(case), Path(name).stem
+    folder = out or Path("out", f"{stem}-converge")
+    refuse_unwritable(folder, NAMES)
+    with show.progress() as progress:
         found = run_halved(wheelset, progress)
-    files = write_together(folder, {file: lambda path: write_summary(path, found.to_json())})
-    print_convergence(stdout(), found, files[0])
-    return found.within
+    within = show.record(convergence_record(stem, found, command_typed()), folder)
+    show.json(found.to_json())
+    return within
 
 
 @app.command()
 def cases(case: ListedName = None) -> None:
-    """List the cases and their inputs, with defaults and what is allowed."""
+    """List the cases, or the inputs of one, with defaults and what is allowed."""
     with errors_as_exit_status():
         from rich.table import Column, Table  # noqa: PLC0415
 
         from flangeway.cases import CASES, find_case  # noqa: PLC0415
+        from flangeway.cases.case import grouped  # noqa: PLC0415
 
         console = stdout()
-        wanted = list(CASES.values()) if case is None else [find_case(case)]
-        for kind in wanted:
-            console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
-            for caption, rows in kind.tables_of_inputs():
-                if caption:
-                    console.print(f"  {caption}", markup=False)
-                table = Table(Column("key", no_wrap=True), "default", "allowed", "meaning", box=None, pad_edge=False)
-                for row in rows:
-                    table.add_row(*row)
+        if case is None:
+            for kind in CASES.values():
+                console.print(f"{kind.name:18}{kind.title}", markup=False, soft_wrap=True)
+            console.print("`flangeway cases NAME` lists the inputs of one of them.", markup=False)
+            return
+        kind = find_case(case)
+        console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
+        for path, rows in kind.tables_of_inputs():
+            for caption, members in {path: rows}.items() if path else grouped(rows).items():
+                console.print(f"\n{caption}" if caption else "", style="bold", markup=False)
+                table = Table(Column(no_wrap=True), "", box=None, pad_edge=False, show_header=False)
+                for key, default, allow, meaning in members:
+                    given = "" if default == "none" else f" [default: {default}]" * (default != "needed")
+                    table.add_row(key, f"{meaning}; {allow}{given}", style="bold" if default == "needed" else None)
                 console.print(table, markup=False)
 
 
@@ -205,7 +223,7 @@ def _case(name: str, settings: list[str] | None, **options: str | None) -> "Runn
     given: dict[str, Any] = {key: GivenText(value) for key, value in options.items() if value is not None}
     given |= settings_of(settings, f"`flangeway cases` lists the keys of {name}")
     case = read_case(name, given)
-    with progress_shown():
+    with progress_shown():  # of long meshes of shapes
         check_case(case, name if is_case_file(name) else None)
     return case
 

@@ -7,15 +7,13 @@ import typer
 
 from flangeway.cli.app import app
 from flangeway.cli.common import (
-    DONE,
-    FAILED,
     Out,
+    Show,
     Unit,
-    errors_as_exit_status,
+    command_typed,
     path_given,
-    progress_shown,
     settings_of,
-    stdout,
+    shows_results,
 )
 from flangeway.system.file_content import is_file
 
@@ -39,44 +37,44 @@ GeometrySet = Annotated[
 
 
 @app.command()
-def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None) -> None:
+@shows_results
+def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None, *, show: Show) -> bool:
     """Contact geometry of a rigid wheelset: locus, rolling radii, conicity, equilibrium (out/geometry-CASE)."""
-    with errors_as_exit_status():
-        settings = settings_of(set_, "a wrong key lists the right ones")
-        file = Path(case)
-        is_toml = file.suffix.lower() == ".toml"
-        if not is_toml and (file.suffix or is_file(file)):
-            _conicity(file, settings, out)
-            return
-        from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
-        from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
-        from flangeway.report.rigid.rigid_outputs import NAMES, print_geometry, write_geometry  # noqa: PLC0415
-        from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
-
-        inputs, notices = read_geometry_case(file, settings) if is_toml else (find_geometry_case(case, settings), ())
-        inputs.load()
-        name = file.stem if is_toml else case
-        folder = out or Path("out", f"geometry-{name}")
-        refuse_unwritable(folder, NAMES)
-        with progress_shown() as progress:
-            done = run_geometry(name, inputs, progress, notices)
-            files = write_geometry(done, folder, progress)
-        print_geometry(stdout(), done.summary, files)
-        raise typer.Exit(DONE if done.equilibrium.status.converged else FAILED)
-
-
-def _conicity(file: Path, settings: dict[str, Any], out: Path | None) -> None:
-    """Conicity of a rolling radius difference from a file."""
-    from flangeway.cases.rigid.rigid_run import run_conicity  # noqa: PLC0415
-    from flangeway.report.rigid.rigid_outputs import CONICITY_NAMES, print_conicity, write_conicity  # noqa: PLC0415
+    settings = settings_of(set_, "a wrong key lists the right ones")
+    file = Path(case)
+    is_toml = file.suffix.lower() == ".toml"
+    if not is_toml and (file.suffix or is_file(file)):
+        return _conicity(file, settings, out, show)
+    from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
+    from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
+    from flangeway.report.rigid.rigid_outputs import NAMES, geometry_record  # noqa: PLC0415
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
-    done = run_conicity(file, settings)
+    inputs, notices = read_geometry_case(file, settings) if is_toml else (find_geometry_case(case, settings), ())
+    inputs.load()
+    name = file.stem if is_toml else case
+    folder = out or Path("out", f"geometry-{name}")
+    refuse_unwritable(folder, NAMES)
+    with show.progress() as progress:
+        done = run_geometry(name, inputs, progress, notices)
+    converged = show.record(geometry_record(done, command_typed()), folder)
+    show.json(done.summary)
+    return converged
+
+
+def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show) -> bool:
+    """Conicity of a rolling radius difference from a file."""
+    from flangeway.cases.rigid.rigid_run import run_conicity  # noqa: PLC0415
+    from flangeway.report.rigid.rigid_outputs import CONICITY_NAMES, conicity_record  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+
+    with show.progress():
+        done = run_conicity(file, settings)
     folder = out or Path("out", f"geometry-{file.stem}")
     refuse_unwritable(folder, CONICITY_NAMES)
-    with progress_shown() as progress:
-        files = write_conicity(done, folder, progress)
-    print_conicity(stdout(), done.summary, files)
+    converged = show.record(conicity_record(done, command_typed()), folder)
+    show.json(done.summary)
+    return converged
 
 
 SectionName = Annotated[
@@ -101,6 +99,7 @@ SectionMirror = Annotated[bool, typer.Option("--mirror", help="The CSV file cont
 
 
 @app.command()
+@shows_results
 def section(
     name_or_file: SectionName,
     size: SectionSize = None,
@@ -110,31 +109,32 @@ def section(
     unit: Unit = None,
     mirror: SectionMirror = False,
     out: Out = None,
-) -> None:
+    *,
+    show: Show,
+) -> bool:
     """Compute the constants of a cross-section; report, JSON, pictures and VTU in a folder (out/section-NAME)."""
-    with errors_as_exit_status():
-        from flangeway.cases.section.section_run import (  # noqa: PLC0415
-            SectionOptions,
-            TorsionCase,
-            find_section,
-            run_section,
-        )
-        from flangeway.report.page.tables import print_files  # noqa: PLC0415
-        from flangeway.report.section.section_page import NAMES, print_section, write_section  # noqa: PLC0415
-        from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.cases.section.section_run import (  # noqa: PLC0415
+        SectionOptions,
+        TorsionCase,
+        find_section,
+        run_section,
+    )
+    from flangeway.report.page.case_text import section_command  # noqa: PLC0415
+    from flangeway.report.page.record import REPORT  # noqa: PLC0415
+    from flangeway.report.section.section_page import NAMES, SUMMARY, section_record  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
-        drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
-        options = SectionOptions(size, order, method, poisson)
-        inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
-        case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson})
-        folder = out or Path("out", f"section-{Path(name_or_file).stem}")
-        refuse_unwritable(folder, NAMES)
-        with progress_shown() as progress:
-            done = run_section(drawn, options, progress)
-        print_section(stdout(), done.summary)
-        with progress_shown() as progress:
-            files = write_section(done, case, folder, progress)
-        print_files(stdout(), files, done.summary["timings_s"]["total"])
+    drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
+    options = SectionOptions(size, order, method, poisson)
+    inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
+    case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson})
+    folder = out or Path("out", f"section-{Path(name_or_file).stem}")
+    refuse_unwritable(folder, (*NAMES, REPORT, SUMMARY))
+    with show.progress() as progress:
+        done = run_section(drawn, options, progress)
+    show.record(section_record(done, case, command=section_command(case)), folder)
+    show.json(done.summary)
+    return True
 
 
 ProfileName = Annotated[
@@ -191,6 +191,7 @@ ProfileTo = Annotated[
 
 
 @app.command()
+@shows_results
 def profile(
     name_or_file: ProfileName,
     unit: Unit = None,
@@ -205,23 +206,27 @@ def profile(
     join: ProfileJoin = None,
     to: ProfileTo = None,
     out: Out = None,
-) -> None:
+    *,
+    show: Show,
+) -> bool:
     """Read a rail or wheel profile: checks, pictures, curvature, conversion, joint to a body (out/profile-NAME)."""
-    with errors_as_exit_status():
-        from flangeway.cases.profile.profile_run import run_profile  # noqa: PLC0415
-        from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
-        from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
-            check_profile_folder,
-            print_profile,
-            refuse_conversion,
-            write_profile,
-        )
+    from flangeway.cases.profile.profile_run import run_profile  # noqa: PLC0415
+    from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
+    from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
+        check_profile_folder,
+        profile_record,
+    )
+    from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
-        options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers)
+    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers)
+    with show.progress():
         done = run_profile(name_or_file, options, join)
-        refuse_conversion(done, to)
-        folder = out or Path("out", f"profile-{Path(name_or_file).stem}")
-        check_profile_folder(folder, to)
-        with progress_shown() as progress:
-            files = write_profile(done, folder, to, progress)
-        print_profile(stdout(), done.summary, files)
+    folder = out or Path("out", f"profile-{Path(name_or_file).stem}")
+    conversion = check_profile_folder(done, folder, to)
+
+    def convert() -> list[Path]:
+        return [] if to is None else write_together(to.parent, {to.name: text_writer(conversion)})
+
+    show.record(profile_record(done, command_typed()), folder, convert)
+    show.json(done.summary)
+    return True

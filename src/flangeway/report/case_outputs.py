@@ -1,15 +1,13 @@
-"""Files and terminal summary of the run of any case: one table says what writes them for each kind of case."""
+"""Record and files of the run of any case: one table says what makes them for each kind of case."""
 
-from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
-from rich.console import Console
 
-from flangeway.cases import BodiesRun, CaseRun, write_summary
+from flangeway.cases import BodiesRun, CaseRun
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
@@ -22,7 +20,8 @@ from flangeway.report.bodies.bodies_figures import stress_figure
 from flangeway.report.figures.fields import part_fields
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
-from flangeway.report.page.tables import print_files
+from flangeway.report.page.html_page import write_record
+from flangeway.report.page.record import REPORT, SUMMARY, Record
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
 from flangeway.report.section import section_page
 from flangeway.report.section.section_figures import warping_figure
@@ -33,40 +32,26 @@ from flangeway.report.spatial_wheelset.wheelset_patches import section_figure
 from flangeway.report.wheelset import wheelset_page
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.results import Result
-from flangeway.system.output_folder import Writer, write_together
-
-SUMMARY = "summary.json"
 
 
 @dataclass(frozen=True)
 class CaseOutputs:
-    """What writes the outputs of a kind of case."""
+    """What makes the outputs of a kind of case."""
 
-    names: tuple[str, ...]  # names of the files, except ``summary.json``
-    writers: Callable[[Any, Progress], dict[str, Writer]]
-    """From a run to functions that write these files, by their names."""
-    print_run: Callable[[Console, Any], None]  # prints what a run found
-
-
-def _torsion_writers(run: TorsionRun, progress: Progress) -> dict[str, Writer]:
-    progress("drawing the pictures and writing the files")
-    command = command_line(run.case)
-    return section_page.section_writers(run.section, run.case, command=command, summary_file=SUMMARY)
+    names: tuple[str, ...]  # names of the files, except the report and ``summary.json``
+    record: Callable[[Any], Record]  # from a run to what it found
 
 
 OUTPUTS: dict[type[Case], CaseOutputs] = {
-    WheelsetCase: CaseOutputs(wheelset_page.NAMES, wheelset_page.wheelset_writers, wheelset_page.print_summary),
-    SpatialWheelsetCase: CaseOutputs(
-        spatial_wheelset_page.NAMES,
-        spatial_wheelset_page.wheelset_writers,
-        spatial_wheelset_page.print_spatial_wheelset,
-    ),
-    BodiesCase: CaseOutputs(bodies_page.NAMES, bodies_page.bodies_writers, bodies_page.print_bodies),
-    SpatialRunCase: CaseOutputs(spatial_page.NAMES, spatial_page.spatial_writers, spatial_page.print_spatial),
+    WheelsetCase: CaseOutputs(wheelset_page.NAMES, wheelset_page.wheelset_record),
+    SpatialWheelsetCase: CaseOutputs(spatial_wheelset_page.NAMES, spatial_wheelset_page.spatial_wheelset_record),
+    BodiesCase: CaseOutputs(bodies_page.NAMES, bodies_page.bodies_record),
+    SpatialRunCase: CaseOutputs(spatial_page.NAMES, spatial_page.spatial_record),
     TorsionCase: CaseOutputs(
         section_page.NAMES,
-        _torsion_writers,
-        lambda console, run: section_page.print_section(console, run.section.summary),
+        lambda run: section_page.section_record(
+            run.section, run.case, command=command_line(run.case), summary=run.summary, summary_file=SUMMARY
+        ),
     ),
 }
 """Outputs by the kind of case; a new kind adds its line."""
@@ -92,7 +77,12 @@ def _outputs(case: Case) -> CaseOutputs:
 
 def case_files(case: Case) -> tuple[str, ...]:
     """Names of the files that a run of a case leaves, except fields that have the names of bodies."""
-    return *_outputs(case).names, SUMMARY
+    return *_outputs(case).names, REPORT, SUMMARY
+
+
+def case_record(run: Run) -> Record:
+    """Return what a run found, for the terminal, the report and programs."""
+    return _outputs(run.case).record(run)
 
 
 def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> list[Path]:
@@ -100,19 +90,4 @@ def write_case(run: Run, folder: Path, progress: Progress = lambda _: None) -> l
 
     It is an `InputError` if the folder cannot be written.
     """
-    writers = _outputs(run.case).writers(run, progress)
-    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
-    return write_together(folder, writers)
-
-
-def print_case(console: Console, run: Run) -> None:
-    """Print what a run found; its files may be written afterwards."""
-    _outputs(run.case).print_run(console, run)
-
-
-def print_case_files(console: Console, run: Run, files: list[Path]) -> None:
-    """Print the time of a run and its files; those in folders of their own are counted."""
-    folder = files[-1].parent
-    print_files(console, [file for file in files if file.parent == folder], run.summary.timings_s["total"])
-    for name, count in Counter(file.parent for file in files if file.parent != folder).items():
-        console.print(f"  {name}: {count} files of earlier load steps", markup=False, soft_wrap=True)
+    return write_record(case_record(run), folder, progress)

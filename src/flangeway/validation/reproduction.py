@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
@@ -11,12 +11,16 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from flangeway.cases.case import closest
+from flangeway.cases.summary import plain_numbers
 from flangeway.errors import InputError
-from flangeway.report.figures.drawing import picture_writers, png
-from flangeway.report.page.tables import SummaryTable, plain_table, print_files
+from flangeway.report.figures.drawing import png
+from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
+from flangeway.report.page.tables import SummaryTable, plain_table
 from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, text_writer, write_together
+from flangeway.system.versions import versions
 from flangeway.validation.published_numbers import (
     Reproduced,
+    ReproducedNumber,
     Row,
     numbers_table,
     outside,
@@ -209,48 +213,67 @@ class Reproduction:
     @property
     def files(self) -> tuple[str, ...]:
         """Names of all files that it may write."""
-        return (*self.figures, *self.rows, TABLE)
+        return (*self.figures, *self.rows, TABLE, REPORT, SUMMARY)
 
     def check_folder(self, folder: Path) -> None:
         """Refuse a folder that cannot take the files; see `flangeway.system.output_folder.refuse_unwritable`."""
         refuse_unwritable(folder, self.files)
 
-    def write(self, found: Reproduced, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
-        """Write figures and tables into a folder, together or not at all; return the files.
+    def record(self, name: str, found: Reproduced, command: str) -> Record:
+        """Return what was found, under a name; `command` computes it again."""
+        chapter, required = self.chapter, [number for number in found.numbers if number.required]
+        described = {picture.draw: picture.alt for picture in chapter.pictures}
+        words = {
+            file: described.get(draw, f"{Path(file).stem.replace('_', ' ')}.") for file, draw in self.figures.items()
+        }
+        remarks = [text for number, text in outside(found.numbers) if not number.required]
+        return Record(
+            name=name,
+            title=chapter.title,
+            subtitle="Computed numbers beside published or exact ones",
+            converged=found.passed,
+            success="passed",
+            message=summary_sentence(found).removesuffix(" Passed.").removesuffix(" Not passed."),
+            facts=[
+                (f"{sum(number.within for number in required)} of {len(required)}", "numbers with a limit within it"),
+                (f"{len(found.numbers) - len(required)}", "numbers shown only"),
+            ],
+            results=_short_table(found.numbers),
+            summary={
+                "name": name,
+                "title": chapter.title,
+                "passed": found.passed,
+                "failures": list(found.failures),
+                "numbers": [plain_numbers(asdict(number)) for number in found.numbers],
+                "seconds": found.seconds,
+                "versions": versions(),
+            },
+            again=Again(command, files=f"All numbers, for spreadsheets, are in `{TABLE}`."),
+            versions=versions(),
+            sentences=[" ".join(chapter.text.split())],
+            warnings=[*found.failures, *(text for number, text in outside(found.numbers) if number.required)],
+            assumptions=remarks,
+            pictures=[
+                Picture(file, partial(draw, found), words[file], words[file]) for file, draw in self.figures.items()
+            ],
+            tables=[worst_table(found.numbers), *chapter.tables(found), numbers_table(found.numbers)],
+            timings_s={"total": found.seconds},
+            files=lambda: self._files(found),
+        )
 
-        It is an `InputError` if the folder cannot be written.
-        """
-        writers: dict[str, Writer] = {}
-        for name, draw in self.figures.items():
-            progress(f"drawing {name}")
-            writers |= picture_writers({name: draw(found)})
-        for name, make in self.rows.items():
-            rows = make(found)
-            if rows:
-                writers[name] = partial(write_rows, rows=rows)
-        writers[TABLE] = lambda path: write_numbers(path, found.numbers)
-        return write_together(folder, writers)
-
-    def print_summary(self, console: Console, found: Reproduced, files: Sequence[Path]) -> None:
-        """Print the verdict, what failed, the largest deviation of each quantity, further tables, and the files."""
-        style = "bold green" if found.passed else "bold red"
-        console.print(f"{self.chapter.title}: {summary_sentence(found)}", style=style, markup=False, soft_wrap=True)
-        for failure in found.failures:
-            console.print(f"  {failure}", style="red", markup=False, soft_wrap=True)
-        for number, text in outside(found.numbers):
-            style = "red" if number.required else "yellow"
-            console.print(f"  {text}", style=style, markup=False, soft_wrap=True)
-        for table in (worst_table(found.numbers), *self.chapter.tables(found)):
-            _print_table(console, table)
-        print_files(console, files, found.seconds)
+    def _files(self, found: Reproduced) -> dict[str, Writer]:
+        """Return functions that write the tables, by the files' names."""
+        rows = {name: make(found) for name, make in self.rows.items()}
+        writers: dict[str, Writer] = {name: partial(write_rows, rows=each) for name, each in rows.items() if each}
+        return writers | {TABLE: lambda path: write_numbers(path, found.numbers)}
 
 
-def _print_table(console: Console, table: SummaryTable) -> None:
-    console.print(f"{table.caption}:", markup=False)
-    shown = plain_table(*table.header)
-    for row in table.rows:
-        shown.add_row(*(cell.strip("*") for cell in row))
-    console.print(shown, markup=False)
+def _short_table(numbers: Sequence[ReproducedNumber]) -> SummaryTable:
+    """Return the largest deviation of each quantity with a limit, without the numbers themselves."""
+    whole = worst_table(number for number in numbers if number.required)
+    columns = [whole.header.index(name) for name in ("quantity", "difference", "limit", "within")]
+    rows = tuple(tuple(row[column] for column in columns) for row in whole.rows)
+    return SummaryTable("Largest deviation of each quantity", ("", "difference", "limit", "within"), rows)
 
 
 def find_reproductions(name: str, known: Mapping[str, Reproduction]) -> dict[str, Reproduction]:

@@ -79,12 +79,14 @@ def test_noise_of_rounding_has_one_colour(open_page, page_of):
 
 
 def test_mouse_moves_and_zooms(opened):
-    """Dragging takes the part along with the pointer; the wheel zooms and keeps what is under it."""
+    """Dragging takes the part along with the pointer; the wheel with Ctrl zooms and keeps what is under it."""
     opened.fly("right contact")
     box = opened.canvas.bounding_box()
     place = np.array([0.5 * box["width"], 0.75 * box["height"]])
     before, scale = opened.point(*place), opened.mm_per_pixel()
+    opened.page.keyboard.down("Control")
     opened.page.mouse.wheel(0, -400)
+    opened.page.keyboard.up("Control")
     opened.page.wait_for_timeout(100)
     near = opened.point(*place)
     assert opened.mm_per_pixel() < 0.9 * scale
@@ -96,6 +98,18 @@ def test_mouse_moves_and_zooms(opened):
     assert np.allclose((after["x"], after["y"]), (near["x"], near["y"]), atol=scale)
     opened.fly("whole")
     assert opened.mm_per_pixel() > 3.0 * scale
+
+
+def test_the_wheel_alone_scrolls_the_page(open_page, folder):
+    """Without Ctrl the wheel over the picture scrolls the page, the picture stays as it is, and a hint says how."""
+    opened = open_page(folder / "report.html")
+    box, scale = opened.canvas.bounding_box(), opened.mm_per_pixel()
+    opened.page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.5 * box["height"])
+    before = opened.page.evaluate("scrollY")
+    opened.page.mouse.wheel(0, 300)
+    opened.page.wait_for_function("before => scrollY > before + 200", arg=before)
+    assert opened.page.locator(".viewer-hint").is_visible()
+    assert opened.mm_per_pixel() == pytest.approx(scale, rel=1e-3)
 
 
 def test_two_fingers_zoom(open_page, viewer_page):

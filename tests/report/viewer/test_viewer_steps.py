@@ -12,7 +12,7 @@ import pytest
 from flangeway.cases import CASES
 from flangeway.post import Stresses, pressure_patches
 from flangeway.report.bodies import body_fields as body_steps
-from flangeway.report.bodies.bodies_page import bodies_page
+from flangeway.report.bodies.bodies_page import bodies_record
 from flangeway.report.bodies.body_fields import bodies_fields
 from flangeway.report.case_outputs import write_case
 from flangeway.report.page.html_page import report_page
@@ -74,7 +74,7 @@ def steps_of(run):
 
 
 def write_page(path, run):
-    path.write_text(report_page(bodies_page(run, [], steps_of(run))), encoding="utf-8")
+    path.write_text(report_page(bodies_record(run)), encoding="utf-8")
     return path
 
 

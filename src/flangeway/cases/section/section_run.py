@@ -23,6 +23,7 @@ from flangeway.mesh import PolyMesh, Refinement, dual_section, triangulate_secti
 from flangeway.mesh.sizing import mesh_bound
 from flangeway.post import SectionConstants, corner_shear_stresses, section_constants
 from flangeway.railway.profiles.bundled import bundled_section
+from flangeway.railway.profiles.orientation import UNITS_MM
 from flangeway.results import Result, ResultTable
 from flangeway.solve import Status
 from flangeway.space import Space
@@ -32,6 +33,7 @@ from flangeway.system.versions import versions
 METHODS = ("fem", "vem")
 
 HIGHEST_VIRTUAL_ORDER = 6
+STEEL_KG_M3 = 7850.0
 _USUAL_TRIANGLES = 3000
 _MOST_TRIANGLES = 30_000
 _MOST_EDGES = 10_000
@@ -244,6 +246,7 @@ def _summary(drawn: DrawnSection, options: SectionOptions, space: Space, constan
     summary: dict[str, Any] = {
         "title": drawn.title,
         f"area_{unit}2": constants.area,
+        "mass_per_metre_kg_m": None if drawn.materials else 1e-6 * UNITS_MM[unit] ** 2 * constants.area * STEEL_KG_M3,
         f"boundary_length_{unit}": sum(region.boundary_length for region in drawn.section.regions),
         f"centroid_{unit}": list(constants.centroid),
         f"second_moments_{unit}4": dict(zip(("xx", "yy", "xy"), constants.second_moments, strict=True)),

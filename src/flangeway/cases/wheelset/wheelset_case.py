@@ -239,10 +239,19 @@ class Convergence:
             and changes["position_change_mm"] < MAX_POSITION_CHANGE_MM
         )
 
+    def pairs(self) -> list[tuple[ContactSummary, ContactSummary]]:
+        """Contacts of both runs, side by side: that with the maximum force of each side."""
+        found = []
+        for side in SIDES:
+            one, other = ([c for c in each.contacts if c.side == side] for each in self.summaries)
+            if one and other:
+                found.append((max(one, key=lambda c: c.force_kN), max(other, key=lambda c: c.force_kN)))
+        return found
+
     def changes(self) -> dict[str, float]:
         """Relative changes of approach, pressure and half width; the maximum change of a position in mm."""
         coarse, fine = self.summaries
-        pairs = _pairs(coarse, fine)
+        pairs = self.pairs()
 
         def relative(key: str) -> float:
             return max((abs(getattr(b, key) / getattr(a, key) - 1.0) for a, b in pairs), default=float("nan"))
@@ -291,13 +300,3 @@ def run_halved(case: WheelsetCase, progress: Progress = lambda _: None) -> Conve
 
         summaries.append(run.run(labelled).summary)
     return Convergence((summaries[0], summaries[1]))
-
-
-def _pairs(coarse: WheelsetSummary, fine: WheelsetSummary) -> list[tuple[ContactSummary, ContactSummary]]:
-    """Contacts of both runs, side by side: that with the maximum force of each side."""
-    pairs = []
-    for side in SIDES:
-        one, other = ([c for c in each.contacts if c.side == side] for each in (coarse, fine))
-        if one and other:
-            pairs.append((max(one, key=lambda c: c.force_kN), max(other, key=lambda c: c.force_kN)))
-    return pairs

@@ -1,10 +1,8 @@
 """Report, files and terminal summary of a case of bodies that are pressed, pulled and held."""
 
-from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from collections.abc import Mapping
+from functools import cache, partial
 from typing import Any
-
-from rich.console import Console
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodiesSummary, PairSummary
 from flangeway.cases.case import RunnableCase
@@ -13,25 +11,14 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
 from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
-from flangeway.report.figures.drawing import png
 from flangeway.report.figures.newton_history import newton_figure, steps_table
 from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
-from flangeway.report.page.html_page import Again, Page, Picture, report_page
-from flangeway.report.page.tables import (
-    Column,
-    SummaryTable,
-    marked,
-    print_notices,
-    print_rows,
-    print_status,
-    table_across,
-    table_of,
-    timings_table,
-)
+from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.tables import Column, SummaryTable, marked, table_across, table_of
 from flangeway.report.scenes import bodies_scene
 from flangeway.space import Space
-from flangeway.system.output_folder import Writer, bytes_writer, text_writer
+from flangeway.system.output_folder import Writer
 
 MOST_FACTS = 6
 HYPOTHESES = {
@@ -48,46 +35,47 @@ AXES = {
 ORDERS = {1: "linear", 2: "quadratic", 3: "cubic"}
 
 
-def bodies_page(run: BodiesRun, pictures: Sequence[Picture], steps: BodySteps) -> Page:
-    """Return the report of a case of bodies, its most informative picture first."""
+def bodies_record(run: BodiesRun) -> Record:
+    """Return what a run of a case of bodies found, its most informative picture first."""
     case, summary = run.case, run.summary
     assert isinstance(case, RunnableCase)
     axes = dict(AXES)
     if not summary.contacts:
         del axes["pressure"], axes["forces"]
-    return Page(
+    steps = cache(lambda: body_steps(run, list(bodies_fields(run))))
+    return Record(
+        name=case.name,
         title=case.title,
         subtitle=_elements(run),
         converged=run.status.converged,
-        message=run.status.message,
+        message=run.status.message.removeprefix("converged "),
         facts=_facts(summary),
+        results=results_table(summary),
+        summary=summary,
         again=_again(case, run),
         versions=summary.versions,
         warnings=summary.notices,
         assumptions=_assumptions(run),
-        scene=bodies_scene(run, steps),
-        pictures=pictures,
+        scene=lambda: bodies_scene(run, steps()),
+        pictures=_pictures(run),
         tables=_tables(run),
         axes=axes,
         inputs=inputs_tables(case),
+        timings_s=summary.timings_s,
+        files=lambda: _files(run, steps()),
     )
 
 
 def _tables(run: BodiesRun) -> list[SummaryTable]:
     summary, found = run.summary, []
-    rows = result_rows(summary)
-    if rows:
-        found.append(SummaryTable("Results", ("", "value"), tuple(rows)))
     if summary.contacts:
         found.append(contacts_of_bodies(summary))
     if summary.forces:
-        found.append(table_of("Forces on the bodies (x, y)", summary.forces, FORCES))
+        found.append(table_of("Forces on the bodies", summary.forces, FORCES))
     if summary.supports:
         found.append(table_of("Supports", summary.supports, SUPPORTS))
     found.append(table_of("Bodies", summary.bodies, SIZES))
-    if run.contact is not None:
-        found.append(steps_table(run.contact))
-    return [*found, timings_table(summary.timings_s)]
+    return [*found, steps_table(run.contact)] if run.contact is not None else found
 
 
 def _facts(summary: BodiesSummary) -> list[tuple[str, str]]:
@@ -169,29 +157,25 @@ UNITS = {"_N_mm_per_mm": "N mm per mm", "_MPa": "MPa", "_mm": "mm", "_N": "N", "
 REMARK = "_remark"
 
 
-def case_rows(summary: BodiesSummary) -> list[tuple[str, str]]:
-    """Names with units and values of what a case of bodies found, as shown."""
-    rows = result_rows(summary)
-    for each in summary.contacts:
-        name = f"{each.secondary} on {each.primary}"
-        rows.append((f"{name}: force on {each.secondary} (x, y), N", value_text(each.force_on_secondary_N)))
-        rows.append((f"{name}: maximum pressure, MPa", _pressure(each)))
-        rows.append((f"{name}: half width of contact, mm", _half_widths(each)))
+def results_table(summary: BodiesSummary) -> SummaryTable:
+    """What the case is about, its contacts and its bodies, one number a row."""
+    rows = []
+    for key, value in summary.results.items():
+        if not key.endswith(REMARK):
+            name, *unit = words_of(key)
+            for word, each in zip("xyz", value, strict=False) if isinstance(value, list) else [("", value)]:
+                text = marked(value_text(each), remark_of(summary.results, key))
+                rows.append((", ".join((f"{name} {word}".rstrip(), *unit)), text))
+    for contact in summary.contacts:
+        name = f"{contact.secondary} on {contact.primary}"
+        rows.append((f"{name}: maximum pressure, MPa", _pressure(contact)))
+        rows += [(f"{name}: half width of contact, mm", value_text(each.half_width_mm)) for each in contact.patches]
+        if not contact.patches:
+            rows.append((f"{name}: half width of contact, mm", "no contact"))
     for body in summary.bodies:
         rows.append((f"{body.name}: maximum displacement, mm", value_text(body.max_displacement_mm)))
         rows.append((f"{body.name}: maximum von Mises stress, MPa", value_text(body.max_von_mises_MPa)))
-        rows.append((f"{body.name}: elements, unknowns", f"{body.elements}, {body.unknowns}"))
-    return rows
-
-
-def result_rows(summary: BodiesSummary) -> list[tuple[str, str]]:
-    """Names with units and values of what a case is about."""
-    results = summary.results
-    return [
-        (", ".join(words_of(key)), marked(value_text(value), remark_of(results, key)))
-        for key, value in results.items()
-        if not key.endswith(REMARK)
-    ]
+    return SummaryTable("Results", ("", "value"), tuple(rows))
 
 
 def remark_of(results: Mapping[str, Any], key: str) -> str | None:
@@ -201,24 +185,27 @@ def remark_of(results: Mapping[str, Any], key: str) -> str | None:
 
 
 def contacts_of_bodies(summary: BodiesSummary) -> SummaryTable:
-    """Forces, pressures and regions of the contacts, one column a contact."""
+    """Forces, pressures and regions of the contacts, one column a region of a contact."""
+    found = [
+        (each, patch) for each in summary.contacts for patch in (*each.patches, *(() if each.patches else (None,)))
+    ]
     quantities: tuple[Column, ...] = (
-        ("force on the secondary body (x, y), N", "force_on_secondary_N", ".6g"),
-        ("maximum pressure, MPa", _pressure, ""),
-        ("half width of contact, mm", _half_widths, ""),
-        ("centre of pressure (x, y), mm", lambda c: _of_patches(c, "centre_mm"), ""),
-        ("reaches an end of the surface", lambda c: _of_patches(c, "reaches_an_end"), ""),
-        ("initial overlap, mm", "initial_penetration_mm", ".6g"),
+        ("force on the secondary body {x|y}, N", lambda c: c[0].force_on_secondary_N, "z.6g"),
+        ("maximum pressure, MPa", lambda c: _pressure(c[0]), ""),
+        ("half width of contact, mm", lambda c: c[1] and c[1].half_width_mm, ".6g"),
+        ("centre of pressure {x|y}, mm", lambda c: c[1] and c[1].centre_mm, "z.6g"),
+        ("reaches an end of the surface", lambda c: c[1] and value_text(c[1].reaches_an_end), ""),
+        ("initial overlap, mm", lambda c: c[0].initial_penetration_mm, ".6g"),
     )
-    names = (f"{each.secondary} on {each.primary}" for each in summary.contacts)
-    return table_across("Contacts", names, summary.contacts, quantities)
+    names = (f"{each.secondary} on {each.primary}" for each, _ in found)
+    return table_across("Contacts", names, found, quantities)
 
 
 FORCES: tuple[Column, ...] = (
-    *(("", "body", ""), ("contact, N", "contact_N", ".6g")),
-    *(("loads, N", "loads_N", ".6g"), ("supports, N", "supports_N", ".6g")),
+    *(("", "body", ""), ("contact {x|y}, N", "contact_N", "z.6g")),
+    *(("loads {x|y}, N", "loads_N", "z.6g"), ("supports {x|y}, N", "supports_N", "z.6g")),
 )
-SUPPORTS: tuple[Column, ...] = (("", "number", ""), ("body", "body", ""), ("force on it (x, y), N", "force_N", ".6g"))
+SUPPORTS: tuple[Column, ...] = (("", "number", ""), ("body", "body", ""), ("force on it {x|y}, N", "force_N", "z.6g"))
 SIZES: tuple[Column, ...] = (
     *(("", "name", ""), ("elements", "elements", ","), ("unknowns", "unknowns", ",")),
     ("maximum displacement, mm", "max_displacement_mm", ".6g"),
@@ -237,11 +224,9 @@ def words_of(key: str) -> tuple[str, ...]:
 
 
 def value_text(value: Any) -> str:
-    """Write a value for people: six digits, lists in brackets."""
+    """Write a value for people: six digits."""
     if isinstance(value, bool):
         return "yes" if value else "no"
-    if isinstance(value, list):
-        return f"({', '.join(value_text(each) for each in value)})"
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
@@ -249,27 +234,16 @@ def _pressure(contact: PairSummary) -> str:
     return marked(value_text(contact.max_pressure_MPa), contact.max_pressure_remark)
 
 
-def _half_widths(contact: PairSummary) -> str:
-    return _of_patches(contact, "half_width_mm") if contact.patches else "no contact"
-
-
-def _of_patches(contact: PairSummary, key: str) -> str:
-    return ", ".join(value_text(getattr(patch, key)) for patch in contact.patches) or "–"
-
-
 STEPS = "steps"  # folder of the earlier load steps
-REPORT, COLLECTION, CONTACT = "report.html", "bodies.pvd", "contact.vtu"
+COLLECTION, CONTACT = "bodies.pvd", "contact.vtu"
 STRESSES, PRESSURE, CONVERGENCE = "stresses.png", "pressure.png", "convergence.png"
-NAMES = (REPORT, COLLECTION, CONTACT, STRESSES, PRESSURE, CONVERGENCE)
+NAMES = (COLLECTION, CONTACT, STRESSES, PRESSURE, CONVERGENCE)
 """Names of the files, except the fields, which have the names of the bodies."""
 
 
-def bodies_writers(run: BodiesRun, progress: Callable[[str], None]) -> dict[str, Writer]:
-    """Return functions that write pictures, fields and report, by the files' names."""
-    progress("drawing the pictures and writing the files")
-    pictures = _pictures(run)
-    steps = body_steps(run, list(bodies_fields(run)))
-    writers = {name: bytes_writer(picture.png) for name, picture in pictures.items()}
+def _files(run: BodiesRun, steps: BodySteps) -> dict[str, Writer]:
+    """Return functions that write the fields, by the files' names."""
+    writers: dict[str, Writer] = {}
     entries = []
     for number, fields in zip(steps.numbers, steps.fields, strict=True):
         for place, body in enumerate(fields, 1):
@@ -288,38 +262,37 @@ def bodies_writers(run: BodiesRun, progress: Callable[[str], None]) -> dict[str,
             entries.append((float(number), "contact", file))
     if len(entries) > 1:
         writers[COLLECTION] = lambda path: write_collection(path, entries)
-    writers[REPORT] = text_writer(report_page(bodies_page(run, list(pictures.values()), steps)))
     return writers
 
 
-def _pictures(run: BodiesRun) -> dict[str, Picture]:
-    """Pictures by the names of their files, the most important first."""
-    near = ", and near the contact" if run.patches else ""
-    pictures = {
-        STRESSES: Picture(
-            png(stress_figure(run)),
+def _pictures(run: BodiesRun) -> list[Picture]:
+    """Pictures, the most important first."""
+    near, contact = ", and near the contact" if run.patches else "", run.contact
+    pictures = [
+        Picture(
+            STRESSES,
+            lambda: stress_figure(run),
             f"The bodies as deformed, with their elements, coloured by von Mises stress{near}.",
             f"Von Mises stress on the deformed bodies{near}.",
         )
-    }
+    ]
     if run.patches:
         theory = ", beside Hertz's theory for the same force" if run.theory is not None else ""
-        pictures[PRESSURE] = Picture(
-            png(pressure_figure(run)),
-            f"Contact pressure along each region of contact, node by node{theory}.",
-            f"Contact pressure along the surface{theory}.",
+        pictures.append(
+            Picture(
+                PRESSURE,
+                lambda: pressure_figure(run),
+                f"Contact pressure along each region of contact, node by node{theory}.",
+                f"Contact pressure along the surface{theory}.",
+            )
         )
-    if run.contact is not None:
-        pictures[CONVERGENCE] = Picture(
-            png(newton_figure(run.contact)),
-            "Relative residuals over the iterations of Newton's method in all load steps, on a logarithmic axis.",
-            "Convergence: residual of the forces and change of the displacements in each iteration.",
+    if contact is not None:
+        pictures.append(
+            Picture(
+                CONVERGENCE,
+                lambda: newton_figure(contact),
+                "Relative residuals over the iterations of Newton's method in all load steps, on a logarithmic axis.",
+                "Convergence: residual of the forces and change of the displacements in each iteration.",
+            )
         )
     return pictures
-
-
-def print_bodies(console: Console, run: BodiesRun) -> None:
-    """Print status, results and notices."""
-    print_status(console, run.case.name, run.status)
-    print_rows(console, case_rows(run.summary))
-    print_notices(console, run.summary.notices)

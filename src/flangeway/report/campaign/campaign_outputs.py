@@ -1,30 +1,36 @@
-"""All files that a campaign leaves beside its database, and its end on the terminal."""
+"""What a campaign found, and the files that it leaves beside its database."""
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-
-from rich.console import Console
+from statistics import median
 
 from flangeway.campaign import Campaign, CampaignProgress, CampaignTable
 from flangeway.campaign.database import FORMATS, export_writers
+from flangeway.report.campaign.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
 from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
-from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.campaign.sweep_animation import NAME as SWEEP
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames, sweep_gif
-from flangeway.report.figures.drawing import picture_writers
-from flangeway.report.page.tables import print_files, print_notices
-from flangeway.system.output_folder import bytes_writer, refuse_unwritable, write_together
+from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
+from flangeway.report.page.tables import SummaryTable
+from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, write_together
+from flangeway.system.versions import versions
 
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
-MOST_REASONS = 10
+MOST = 10  # reasons, warnings and lines of the table of results
+SHOWN = {
+    LOCUS: "Points of contact over what varies; size of the dots by force",
+    PRESSURE_MAP: "Maximum pressure over two inputs",
+    PRESSURE: "Maximum pressure over what varies",
+    RATIO: "L/V of both wheels over what varies",
+    FORCES: "Normal forces of both wheels over what varies",
+}
 MOST_NUMBERS = 8
 
 
 def check_campaign_folder(folder: Path) -> None:
     """Refuse a folder that cannot take a campaign's files (`flangeway.system.output_folder.refuse_unwritable`)."""
-    refuse_unwritable(folder, (DATABASE, *TABLES, *PICTURES, SWEEP))
+    refuse_unwritable(folder, (DATABASE, *TABLES, *PICTURES, SWEEP, REPORT, SUMMARY))
 
 
 def write_export(table: CampaignTable, folder: Path, kind: str) -> list[Path]:
@@ -32,41 +38,98 @@ def write_export(table: CampaignTable, folder: Path, kind: str) -> list[Path]:
     return write_together(folder, export_writers(table, kind))
 
 
-def write_campaign(
-    campaign: Campaign,
-    table: CampaignTable,
-    folder: Path,
-    kind: str = "csv",
-    progress: Callable[[str], None] = lambda _: None,
-) -> list[Path]:
-    """Write all files of a finished campaign, tables as CSV and as `kind`, together or not at all."""
-    writers = export_writers(table, "csv") | (export_writers(table, kind) if kind != "csv" else {})
-    progress("drawing the pictures")
-    writers |= picture_writers({name: draw() for name, draw in campaign_figures(table).items()})
-    if is_sweep(campaign, table):
-        progress("drawing the animation")
-        writers[SWEEP] = bytes_writer(sweep_gif(sweep_frames(campaign, table), table.name))
-    progress("writing the files")
-    return write_together(folder, writers)
+def campaign_record(
+    campaign: Campaign, end: CampaignProgress, table: CampaignTable, kind: str, command: str, seconds: float
+) -> Record:
+    """Return what a finished campaign found; its tables are written as CSV and as `kind`.
 
-
-def print_campaign(console: Console, end: CampaignProgress, table: CampaignTable, files: list[Path]) -> None:
-    """Print the numbers of rows by status, failures by reason, warnings, and the files."""
-    counts = ", ".join(f"{number} {status}" for status, number in end.counts.items() if number)
-    console.print(f"{table.name}: {end.n_rows} rows of {table.case}: {counts}", style="bold", markup=False)
+    - `command`: runs it again.
+    - `seconds`: how long it took.
+    """
+    counts = {status: number for status, number in end.counts.items() if number}
     failures = sorted(table.failures().items(), key=lambda each: -len(each[1]))
-    for (status, message), rows in failures[:MOST_REASONS]:
-        console.print(f"{len(rows)} {status}: {message}", style="red", markup=False, soft_wrap=True)
-        console.print(f"  rows {_numbers(rows)}", markup=False, soft_wrap=True)
-    if len(failures) > MOST_REASONS:
-        console.print(f"and {len(failures) - MOST_REASONS} other reasons: column message of results.csv", markup=False)
     warned: dict[str, int] = {}
     for text in table.rows["warnings"]:
         for warning in json.loads(str(text or "[]")):
             warned[warning] = warned.get(warning, 0) + 1
-    for warning, number in sorted(warned.items(), key=lambda each: -each[1])[:MOST_REASONS]:
-        print_notices(console, [warning], f"Warning in {number} rows")
-    print_files(console, files)
+    files = "every row is in `results.csv`, every contact in `patches.csv`, all of it in `campaign.sqlite`"
+    ranges = _ranges(table)
+    return Record(
+        name=table.name,
+        title=f"{table.name}: a campaign of {table.case}",
+        subtitle=f"{end.n_rows} rows of {table.case}, varied: {', '.join(table.keys) or 'nothing'}",
+        converged=end.all_converged,
+        message=", ".join(f"{number} {status}" for status, number in counts.items()),
+        facts=[(f"{number}", f"rows {status}") for status, number in counts.items()] + _extremes(table),
+        results=SummaryTable("Range of the results over all rows", ("", "minimum", "median", "maximum"), ranges[:MOST]),
+        summary={
+            "campaign": table.name,
+            "case": table.case,
+            "rows": end.n_rows,
+            "counts": counts,
+            "varied": list(table.keys),
+            "inputs": table.inputs,
+            "failures": [{"status": s, "message": m, "rows": rows} for (s, m), rows in failures],
+            "warnings": warned,
+            "ranges": {name: dict(zip(("minimum", "median", "maximum"), each, strict=True)) for name, *each in ranges},
+            "versions": versions(),
+        },
+        again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
+        versions=versions(),
+        warnings=[
+            *(f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]),
+            *([f"{len(failures) - MOST} other reasons: column message of results.csv"] if len(failures) > MOST else []),
+            *(f"in {n} rows: {text}" for text, n in sorted(warned.items(), key=lambda each: -each[1])[:MOST]),
+        ],
+        pictures=[
+            Picture(name, draw, f"{SHOWN[name]}.", f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()
+        ],
+        tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), ranges[MOST:])]
+        if len(ranges) > MOST
+        else [],
+        inputs=[
+            SummaryTable(
+                "Inputs of the first row",
+                ("", "value"),
+                tuple((k, str(v)) for k, v in table.inputs.items()),
+                of_words=True,
+            )
+        ],
+        timings_s={"total": seconds},
+        files=lambda: _files(campaign, table, kind),
+    )
+
+
+def _files(campaign: Campaign, table: CampaignTable, kind: str) -> dict[str, Writer]:
+    """Return functions that write the tables and, of a sweep, the animation, by the files' names."""
+    writers = export_writers(table, "csv") | (export_writers(table, kind) if kind != "csv" else {})
+    if is_sweep(campaign, table):
+        writers[SWEEP] = bytes_writer(sweep_gif(sweep_frames(campaign, table), table.name))
+    return writers
+
+
+def _ranges(table: CampaignTable) -> tuple[tuple[str, ...], ...]:
+    """Name, minimum, median and maximum of every column of results that are numbers."""
+    found = []
+    for name, values in table.rows.items():
+        known = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
+        if name in ("row", *table.keys) or not known or any(isinstance(value, str) for value in values):
+            continue
+        found.append((name, *(f"{value:.5g}" for value in (min(known), median(known), max(known)))))
+    return tuple(found)
+
+
+def _extremes(table: CampaignTable) -> list[tuple[str, str]]:
+    """Maximum pressure and L/V of all rows."""
+    found = []
+    for ending, text, form in (
+        ("_max_pressure_MPa", "maximum pressure of all rows", ".0f"),
+        ("_lateral_over_vertical", "maximum L/V of all rows", ".3f"),
+    ):
+        values = [v for name, column in table.rows.items() if name.endswith(ending) for v in column if v is not None]
+        if values:
+            found.append((f"{max(values):{form}}{' MPa' * ending.endswith('MPa')}", text))
+    return found
 
 
 def _numbers(rows: list[int]) -> str:

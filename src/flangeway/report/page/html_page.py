@@ -1,107 +1,108 @@
-"""The report: one HTML page with all pictures inside, which needs no network; the same for every kind of case."""
+"""The report, one HTML page with all pictures inside that needs no network, and the other files of a record."""
 
 import base64
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+import time
+from collections.abc import Callable, Mapping, Sequence
 from html import escape
 from importlib.resources import files
+from pathlib import Path
 from string import Template
 
-from flangeway.report.page.tables import SummaryTable
-from flangeway.report.viewer import Scene, field_viewer
+from flangeway.cases.summary import write_summary
+from flangeway.report.figures.drawing import png
+from flangeway.report.page.record import REPORT, Again, Picture, Record
+from flangeway.report.page.tables import About, SummaryTable, timings_table
+from flangeway.report.viewer import field_viewer
+from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
-INSTEAD = "The figures below show the most important fields."
+INSTEAD = "The figures above and the figures below show the most important fields."
+Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 
 
-@dataclass(frozen=True)
-class Picture:
-    """A picture of the report."""
+def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float] | None = None) -> str:
+    """Return the page: numbers that matter and the first picture, results, fields, pictures, and all the rest.
 
-    png: bytes  # contents of a PNG file
-    alternative: str  # what it shows, for those who do not see it
-    caption: str  # text below it
-
-
-@dataclass(frozen=True)
-class Again:
-    """How to run a case again."""
-
-    command: str  # the command; of cases with tables, which no command has room for, the one that runs the case file
-    case_file: str  # text of a case file that computes the same
-    file_name: str = ""  # name of that file in `command`, empty where the command needs none
-    files: str = ""  # sentences on the other files of the run, their names between backticks
-
-
-@dataclass(frozen=True, eq=False)
-class Page:
-    """Content of a report; what is left out or empty has no place on the page."""
-
-    title: str
-    subtitle: str  # title, subtitle: what was computed, and how
-    converged: bool
-    message: str  # converged, message: how it ended
-    facts: Sequence[tuple[str, str]]  # the most important numbers with units, and what they are
-    again: Again  # how to run it again
-    versions: Mapping[str, str]  # versions of what it was made with, by name
-    sentences: Sequence[str] = ()  # further sentences of the summary
-    warnings: Sequence[str] = ()
-    assumptions: Sequence[str] = ()  # warnings, assumptions: sentences
-    scene: Scene | None = None  # what the interactive picture shows
-    pictures: Sequence[Picture] = ()  # pictures, the most important first
-    tables: Sequence[SummaryTable] = ()  # numbers
-    axes: Mapping[str, str] = field(default_factory=dict)  # meanings of axes and signs by name
-    inputs: Sequence[SummaryTable] = ()  # tables of inputs
-
-
-def report_page(page: Page) -> str:
-    """Return the page: summary first, then warnings, assumptions, fields, pictures, tables, inputs and the command."""
-    sections = (
-        _section("summary", "Summary", _summary(page)),
-        _section("warnings", "Warnings", _items(page.warnings, " warning")),
-        _section("assumptions", "Assumptions", _items(page.assumptions)),
-        _section("fields", "Fields", field_viewer(page.scene, INSTEAD if page.pictures else "") if page.scene else ""),
-        _section("pictures", "Pictures", "\n".join(_figure(picture) for picture in page.pictures)),
-        _section("numbers", "Numbers", _tables(page.tables) + _axes(page.axes)),
-        _section("inputs", "Inputs", _tables(page.inputs)),
-        _section("again", "Run it again", _again(page.again)),
-    )
+    - `drawn`: pictures with the contents of their files.
+    - `timings_s`: seconds of each stage; those of the record if left out.
+    """
+    times = record.timings_s if timings_s is None else timings_s
+    tables = [*record.tables, *([timings_table(times)] if times else [])]
+    viewer = field_viewer(record.scene(), INSTEAD if drawn else "") if record.scene else ""
+    sections = [
+        ("summary", "Summary", _summary(record, drawn[:1])),
+        ("fields", "Fields", viewer),
+        ("pictures", "Pictures", "\n".join(_figure(*each) for each in drawn[1:])),
+        ("numbers", "Numbers", _tables(tables) + _axes(record.axes)),
+        ("assumptions", "Assumptions", _items([*record.notes, *record.assumptions])),
+        ("inputs", "Inputs", _folded("All inputs with their values and meanings", _tables(record.inputs))),
+        ("again", "Run it again", _again(record.again)),
+    ]
+    present = [(name, heading, body) for name, heading, body in sections if body]
     return Template(_text("page.html")).substitute(
-        title=escape(page.title),
-        subtitle=escape(page.subtitle),
-        failed="" if page.converged else " failed",
-        verdict="Converged:" if page.converged else "Not converged:",
-        message=escape(page.message),
-        sections="\n".join(section for section in sections if section),
+        title=escape(record.title),
+        subtitle=escape(record.subtitle),
+        kind=" failed" if not record.converged else " warned" if record.warnings else "",
+        verdict=escape(f"{record.verdict[0].upper()}{record.verdict[1:]}:"),
+        message=escape(record.message),
+        warnings=_items(record.warnings),
+        contents="\n".join(f'<a href="#{name}">{heading}</a>' for name, heading, _ in present),
+        sections="\n".join(
+            f'<section aria-labelledby="{name}">\n<h2 id="{name}">{heading}</h2>\n{body}\n</section>'
+            for name, heading, body in present
+        ),
         program=_text("page.js"),
-        versions=escape("Made with " + ", ".join(f"{name} {text}" for name, text in page.versions.items())),
+        versions=escape("Made with " + ", ".join(f"{name} {text}" for name, text in record.versions.items())),
     )
+
+
+def write_record(
+    record: Record, folder: Path, progress: Callable[[str], None] = lambda _: None, *, pictures: bool = True
+) -> list[Path]:
+    """Write all files of a record, the report and the summary last, together or not at all.
+
+    - `pictures`: whether pictures are drawn.
+
+    It is an `InputError` if the folder cannot be written.
+    """
+    start = time.perf_counter()
+    drawn: list[tuple[Picture, bytes]] = []
+    if record.pictures and pictures:
+        progress("drawing the pictures")
+        drawn = [(each, png(each.draw())) for each in record.pictures]
+    timings_s = {**record.timings_s, "pictures": time.perf_counter() - start} if drawn else record.timings_s
+    progress("writing the files")
+    writers = {each.file: bytes_writer(data) for each, data in drawn} | dict(record.files())
+    writers[REPORT] = text_writer(report_page(record, drawn, timings_s))
+    writers[record.summary_file] = lambda path: write_summary(path, record.summary)
+    return write_together(folder, writers)
 
 
 def _text(name: str) -> str:
     return (files("flangeway.report.page") / name).read_text(encoding="utf-8")
 
 
-def _section(name: str, heading: str, body: str) -> str:
-    """Return a section under a heading, nothing if it would be empty."""
-    if not body:
-        return ""
-    return f'<section aria-labelledby="{name}">\n<h2 id="{name}">{heading}</h2>\n{body}\n</section>'
-
-
-def _summary(page: Page) -> str:
+def _summary(record: Record, first: Drawn) -> str:
     facts = "\n".join(
-        f'<li><span class="value">{escape(value)}</span><span class="name">{escape(name)}</span></li>'
-        for value, name in page.facts
+        f'<li><span class="value">{_marked(value)}</span><span class="name">{escape(name)}</span></li>'
+        for value, name in record.facts
     )
-    return "\n".join([f'<ul class="facts">\n{facts}\n</ul>', *(f"<p>{escape(each)}</p>" for each in page.sentences)])
+    parts = [
+        f'<ul class="facts">\n{facts}\n</ul>' if facts else "",
+        *(_figure(*each) for each in first),
+        _tables([record.results]),
+        *(f"<p>{escape(each)}</p>" for each in record.sentences),
+    ]
+    return "\n".join(part for part in parts if part)
 
 
 def _again(again: Again) -> str:
     command = f'<pre data-copy="the command"><code>{escape(again.command)}</code></pre>'
     case_file = f'<pre data-copy="the case file"><code>{escape(again.case_file)}</code></pre>'
-    if again.file_name:
+    if not again.case_file:
+        parts = [command]
+    elif again.file_name:
         first = f"<p>Save this as <code>{escape(again.file_name)}</code> in the folder where you ran it:</p>"
         parts = [first, case_file, "<p>and run it:</p>", command]
     else:
@@ -121,6 +122,10 @@ def _tables(tables: Sequence[SummaryTable]) -> str:
     return '<div class="tables">\n{}\n</div>'.format("\n".join(_table(table) for table in tables))
 
 
+def _folded(heading: str, body: str) -> str:
+    return f"<details><summary>{heading}</summary>\n{body}\n</details>" if body else ""
+
+
 def _axes(axes: Mapping[str, str]) -> str:
     if not axes:
         return ""
@@ -128,17 +133,17 @@ def _axes(axes: Mapping[str, str]) -> str:
     return f"\n<h3>Axes and signs</h3>\n<dl>\n{rows}\n</dl>"
 
 
-def _items(sentences: Sequence[str], kind: str = "") -> str:
+def _items(sentences: Sequence[str]) -> str:
     if not sentences:
         return ""
     items = "\n".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
-    return f'<ul class="plain{kind}">\n{items}\n</ul>'
+    return f'<ul class="plain">\n{items}\n</ul>'
 
 
-def _figure(picture: Picture) -> str:
-    data = base64.b64encode(picture.png).decode("ascii")
+def _figure(picture: Picture, content: bytes) -> str:
+    data = base64.b64encode(content).decode("ascii")
     # width in the head of a PNG file
-    width = round(int.from_bytes(picture.png[16:20], "big") * SHOWN_SIZE)
+    width = round(int.from_bytes(content[16:20], "big") * SHOWN_SIZE)
     return (
         f'<figure><div class="scroll"><img style="max-width: {width}px" alt="{escape(picture.alternative)}" '
         f'src="data:image/png;base64,{data}"></div>\n'
@@ -153,12 +158,20 @@ def _table(table: SummaryTable) -> str:
         f'<tr><th scope="row">{escape(row[0])}</th>{"".join(_cell(text) for text in row[1:])}</tr>'
         for row in table.rows
     )
+    remarks = "".join(f'<p class="remark">{escape(remark)}</p>' for remark in table.remarks)
     return (
-        f'<div class="scroll"><table{kind}>\n<caption>{escape(table.caption)}</caption>\n'
-        f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table></div>"
+        f'<div class="block"><div class="scroll"><table{kind}>\n<caption>{escape(table.caption)}</caption>\n'
+        f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table></div>{remarks}</div>"
     )
 
 
 def _cell(text: str) -> str:
     is_number = re.fullmatch(r"–|yes|no|[-+(\d.,) e/–]+", text)
-    return f"<td>{escape(text)}</td>" if is_number else f'<td class="text">{escape(text)}</td>'
+    return f"<td>{_marked(text)}</td>" if is_number else f'<td class="text">{_marked(text)}</td>'
+
+
+def _marked(text: str) -> str:
+    """Mark an approximate value by its style, so that what is copied is the number alone."""
+    if isinstance(text, About):
+        return f'<span class="about" title="{escape(text.remark)}">{escape(text)}</span>'
+    return escape(text)

@@ -1,4 +1,4 @@
-// What the page does by itself: copies tables, and shows itself light or dark.
+// What the page does by itself: copies tables, enlarges pictures on small screens, and shows itself light or dark.
 (() => {
   "use strict";
 
@@ -45,6 +45,10 @@
   }
   for (const block of document.querySelectorAll("pre[data-copy]")) {
     addCopyButton(block, () => `${block.querySelector("code").textContent.trimEnd()}\n`, block.dataset.copy);
+  }
+
+  for (const image of document.querySelectorAll("figure img")) {
+    image.addEventListener("click", () => image.classList.toggle("large"));
   }
 
   const button = document.getElementById("theme");

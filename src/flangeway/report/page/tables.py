@@ -1,16 +1,13 @@
 """Tables, and what all commands print alike: tables without a frame, how a run ended, notices, and the files."""
 
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, replace
 from typing import Any
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
-
-from flangeway.cases.summary import StatusSummary
-from flangeway.solve import Status
 
 
 @dataclass(frozen=True)
@@ -21,6 +18,13 @@ class SummaryTable:
     header: tuple[str, ...]  # names of the columns with their units
     rows: tuple[tuple[str, ...], ...]  # the first cell of each row names it
     of_words: bool = False  # whether the cells are words rather than numbers, and are aligned on the left
+    note: str = ""  # what limits the use of its numbers
+
+    @property
+    def remarks(self) -> list[str]:
+        """Why the approximate values are so, and what limits the use of the numbers."""
+        found = dict.fromkeys(cell.remark for row in self.rows for cell in row if isinstance(cell, About))
+        return [*(f"≈ {remark}" for remark in found), *([self.note] if self.note else [])]
 
     def markdown(self) -> str:
         """Return its lines, without the caption."""
@@ -32,26 +36,63 @@ Column = tuple[str, str | Callable[[Any], Any], str]
 """Heading, attribute of an object or function of it, and format of the value."""
 
 
-def table_of(caption: str, objects: Iterable[Any], columns: Sequence[Column]) -> SummaryTable:
-    """Return a table with a row for each object; missing values are dashes."""
-    rows = tuple(tuple(cell_text(each, key, form) for _, key, form in columns) for each in objects)
-    return SummaryTable(caption, tuple(name for name, _, _ in columns), rows)
+def table_of(caption: str, objects: Iterable[Any], columns: Sequence[Column], note: str = "") -> SummaryTable:
+    """Return a table with a row for each object and a number in each cell; missing values are dashes."""
+    found = [_cells(column, list(objects)) for column in columns]
+    heads = tuple(head for heads, _ in found for head in heads)
+    rows = zip(*(cells for _, lines in found for cells in lines), strict=True)
+    return SummaryTable(caption, heads, tuple(rows), note=note)
 
 
 def table_across(
-    caption: str, names: Iterable[str], objects: Sequence[Any], quantities: Iterable[Column]
+    caption: str, names: Iterable[str], objects: Sequence[Any], quantities: Iterable[Column], note: str = ""
 ) -> SummaryTable:
-    """Return a table with a column for each object, headed by its name, and a row for each quantity."""
-    rows = tuple((name, *(cell_text(each, key, form) for each in objects)) for name, key, form in quantities)
-    return SummaryTable(caption, ("", *names), rows)
+    """Return a table with a column for each object, headed by its name, and a row for each number of a quantity."""
+    found = [_cells(quantity, objects) for quantity in quantities]
+    rows = tuple((head, *cells) for heads, lines in found for head, cells in zip(heads, lines, strict=True))
+    return SummaryTable(caption, ("", *names), rows, note=note)
 
 
-def cell_text(of: Any, key: str | Callable[[Any], Any], form: str) -> str:
-    """Return the text of an attribute, or of a function of an object; points are in brackets, None is a dash."""
-    value = getattr(of, key) if isinstance(key, str) else key(of)
-    if isinstance(value, list | tuple):
-        return f"({', '.join(format(each, form) for each in value)})"
-    return "–" if value is None else format(value, form)
+def with_whole(
+    table: SummaryTable,
+    whole: Mapping[str, str],
+    groups: Sequence[str] = (),
+    of_group: Mapping[str, Mapping[Any, str]] | None = None,
+) -> SummaryTable:
+    """Return a table of contacts with rows before: of the whole, and of a group in the group's first column.
+
+    - `whole`: texts by their names.
+    - `groups`: the group of each column, such as the side of a contact.
+    - `of_group`: texts of each group by their names.
+    """
+    n_columns = len(table.header) - 1
+    if not n_columns:
+        return replace(table, header=("", "value"), rows=tuple(whole.items()))
+    rows = [(name, text, *[""] * (n_columns - 1)) for name, text in whole.items()]
+    for name, texts in (of_group or {}).items():
+        rows.append((name, *(texts[each] if groups.index(each) == at else "" for at, each in enumerate(groups))))
+    return replace(table, rows=(*rows, *table.rows))
+
+
+def _cells(column: Column, objects: Sequence[Any]) -> tuple[list[str], list[list[str]]]:
+    """Names and texts of the numbers of a quantity: of several numbers each has its own, as "{x|y} of a point"."""
+    name, key, form = column
+    values = [getattr(of, key) if isinstance(key, str) else key(of) for of in objects]
+    choice = re.search(r"\{(.*?)\}", name)
+    if choice is None:
+        return [name], [[cell_text(value, form) for value in values]]
+    words, forms = choice[1].split("|"), form.split("|")
+    forms *= len(words) // len(forms)
+    lines = [
+        [cell_text(None if value is None else value[place], forms[place]) for value in values]
+        for place in range(len(words))
+    ]
+    return [name.replace(choice[0], word) for word in words], lines
+
+
+def cell_text(value: Any, form: str) -> str:
+    """Return the text of a value; None is a dash."""
+    return "–" if value is None else value if isinstance(value, About) else format(value, form)
 
 
 def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
@@ -60,9 +101,19 @@ def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     return SummaryTable("Time", ("", "s"), tuple(rows))
 
 
+class About(str):
+    """The text of a value that is approximate."""
+
+    remark: str = ""  # the reason
+
+
 def marked(text: str, remark: str | None) -> str:
     """Return the text of a value, with the reason why it is approximate, if there is one."""
-    return text if remark is None else f"about {text} ({remark})"
+    if not remark:
+        return text
+    found = About(text)
+    found.remark = remark
+    return found
 
 
 def number(value: float | None, digits: int) -> str:
@@ -75,45 +126,20 @@ def plain_table(*columns: str, title: str | None = None) -> Table:
     return Table(*columns, title=title, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=bool(columns))
 
 
-def print_rows(console: Console, rows: Iterable[Sequence[str]]) -> None:
-    """Print rows of a name, a value below the others by its last digit, and perhaps more words."""
-    table = plain_table()
-    table.add_column()
-    table.add_column(justify="right")
-    for row in rows:
-        table.add_row(*row)
-    console.print(table)
-
-
 def print_table(console: Console, table: SummaryTable) -> None:
-    """Print a table below its caption; a single column of values needs no header."""
+    """Print a table of results and the remarks on it; a single column of values needs no header."""
     shown = plain_table()
     shown.show_header = any(table.header[2:])
     for place, name in enumerate(table.header):
-        shown.add_column(name, justify="left" if place == 0 else "right")
+        shown.add_column(name, justify="left" if place == 0 or table.of_words else "right")
     for row in table.rows:
-        shown.add_row(*row)
-    console.print(table.caption, style="bold")
-    console.print(shown)
-    console.print()
-
-
-def print_status(console: Console, name: str, status: Status | StatusSummary) -> None:
-    """Print how the run of a case ended."""
-    word, style = ("Converged", "bold green") if status.converged else ("NOT converged", "bold red")
-    console.print(f"{name}: ", end="", markup=False)
-    console.print(word, style=style, end="")
-    console.print(f", {status.message}", markup=False, soft_wrap=True)
+        shown.add_row(*(f"≈ {cell}" if isinstance(cell, About) else cell.strip("*") for cell in row))
+    console.print(shown, markup=False)
+    for remark in table.remarks:
+        console.print(remark, markup=False)
 
 
 def print_notices(console: Console, notices: Iterable[str], word: str = "Note") -> None:
     """Print what the user should know, a line each."""
     for notice in notices:
         console.print(f"{word}: {notice}", style="yellow", markup=False, soft_wrap=True)
-
-
-def print_files(console: Console, files: Sequence[Path], seconds: float | None = None) -> None:
-    """Print the time, if it is given, and the files."""
-    console.print("Files:" if seconds is None else f"Computed in {seconds:.1f} s. Files:", markup=False)
-    for file in files:
-        console.print(f"  {file}", markup=False, soft_wrap=True)

@@ -1,21 +1,18 @@
-"""All files of ``flangeway profile``, and its summary on the terminal."""
+"""Record and files of ``flangeway profile``."""
 
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
-
-from flangeway.cases import write_summary
 from flangeway.cases.profile.profile_run import ProfileRun, converted
 from flangeway.errors import InputError
-from flangeway.report.figures.drawing import picture_writers
-from flangeway.report.page.tables import print_files, print_notices, print_rows
+from flangeway.report.page.record import REPORT, Again, Picture, Record
+from flangeway.report.page.tables import SummaryTable
 from flangeway.report.profile.profile_figures import curvature_figure, join_figure, shape_figure
-from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together
+from flangeway.system.output_folder import refuse_unwritable
 
 SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
-NAMES = (SHAPE, CURVATURE, JOIN, SUMMARY)
+NAMES = (SHAPE, CURVATURE, JOIN, REPORT, SUMMARY)
 MEASURES = {
     "flange_height_mm": "flange height Sh, mm",
     "flange_thickness_mm": "flange thickness Sd, 10 mm from the tread, mm",
@@ -27,44 +24,66 @@ MEASURES = {
     "field_half_width_mm": "  field side, mm",
 }
 
+TILES = {
+    "flange_height_mm": "flange height Sh",
+    "flange_thickness_mm": "flange thickness Sd",
+    "flange_slope_mm": "flange slope measure qR",
+    "head_width_mm": "width of the head, 14 mm below its top",
+    "gauge_drop_mm": "drop 25 mm from the middle, gauge side",
+}
+SHAPE_SHOWN = "The profile with its points, lines and arcs."
+CURVATURE_SHOWN = "Curvature along the profile."
+JOIN_SHOWN = "The profile joined to the body of the nominal one."
 
-def check_profile_folder(folder: Path, to: Path | None) -> None:
-    """Refuse a folder or file that cannot be written (`flangeway.system.output_folder.refuse_unwritable`)."""
+
+def check_profile_folder(run: ProfileRun, folder: Path, to: Path | None) -> str:
+    """Refuse what cannot be written, before anything is; return the text of the conversion.
+
+    It is an `InputError` if the folder or the conversion's file cannot be written, its format is unknown, of the other
+    kind, or holds no whole outline, or the file has no name.
+    """
+    text = ""
+    if to is not None:
+        if not to.name:
+            raise InputError(f"--to {to}", "the name of a file", "give a file with an ending")
+        text = converted(run, to.suffix.lower())
     refuse_unwritable(folder, NAMES)
     if to is not None:
         refuse_unwritable(to.parent, (to.name,))
+    return text
 
 
-def write_profile(
-    run: ProfileRun, folder: Path, to: Path | None, progress: Callable[[str], None] = lambda _: None
-) -> list[Path]:
-    """Write pictures and summary into a folder, and the conversion to its file; each together or not at all.
-
-    It is an `InputError` if something cannot be written, or the format of the conversion cannot hold the profile.
-    """
-    text = None if to is None else converted(run, to.suffix.lower())
-    progress("drawing the pictures and writing the files")
-    figures = {SHAPE: shape_figure(run), CURVATURE: curvature_figure(run)}
-    if run.join is not None:
-        figures[JOIN] = join_figure(run.join)
-    writers = picture_writers(figures)
-    writers[SUMMARY] = lambda path: write_summary(path, run.summary)
-    files = write_together(folder, writers)
-    if to is not None and text is not None:
-        files += write_together(to.parent, {to.name: text_writer(text)})
-    return files
-
-
-def print_profile(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print what was read, measures, repairs, assumptions, and the files."""
-    console.print(summary["title"], style="bold", markup=False)
-    print_rows(console, profile_rows(summary))
-    console.print(f"Frame: {summary['frame']}; mm.", markup=False, soft_wrap=True)
-    print_notices(console, summary["notices"])
-    for key in ("certainty", "source"):
-        if summary[key]:
-            console.print(f"{key.capitalize()}: {summary[key]}", markup=False, soft_wrap=True)
-    print_files(console, files)
+def profile_record(run: ProfileRun, command: str) -> Record:
+    """Return what was read and measured of a profile; `command` reads it again."""
+    found, join = run.summary, run.join
+    pictures = [
+        Picture(SHAPE, lambda: shape_figure(run), SHAPE_SHOWN, SHAPE_SHOWN),
+        Picture(CURVATURE, lambda: curvature_figure(run), CURVATURE_SHOWN, CURVATURE_SHOWN),
+    ]
+    if join is not None:
+        pictures.insert(1, Picture(JOIN, lambda: join_figure(join), JOIN_SHOWN, JOIN_SHOWN))
+    facts = [(f"{value:.2f} mm", TILES[key]) for key, value in found["measures"].items() if key in TILES]
+    if found["area_mm2"] is not None:
+        facts.append((f"{found['area_mm2']:.0f} mm²", "area of the whole section"))
+    return Record(
+        name=found["title"],
+        title=found["title"],
+        subtitle=f"{found['kind']}, {found['format']}; {found['frame']}; mm",
+        converged=True,
+        success="read",
+        message=f"{found['points']} points, {found['lines']} lines and {found['arcs']} arcs",
+        facts=facts,
+        results=SummaryTable("Profile", ("", "value", "how"), tuple(profile_rows(found)), of_words=True),
+        summary=found,
+        summary_file=SUMMARY,
+        again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
+        versions=found["versions"],
+        notes=[
+            *found["notices"],
+            *(f"{key.capitalize()}: {found[key]}" for key in ("certainty", "source") if found[key]),
+        ],
+        pictures=pictures,
+    )
 
 
 def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
@@ -82,13 +101,14 @@ def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         tape = f"{taken['tape_line_from_flange_back_mm']:g}"
         rows.append(("tape line from the flange's back, mm", tape, how["tape line"]))
     if any(taken["shift_mm"]):
-        rows.append(("moved by (x, y), mm", _pair(taken["shift_mm"]), ""))
+        rows += _point("moved by {}, mm", taken["shift_mm"])
     rows += [
         ("points", f"{summary['points']}", "in reverse" if taken["order_reversed"] else ""),
-        ("lines and arcs", f"{summary['lines']} and {summary['arcs']}", ""),
+        ("lines", f"{summary['lines']}", ""),
+        ("arcs", f"{summary['arcs']}", ""),
         ("length along it, mm", f"{summary['length_mm']:.3f}", ""),
-        ("from (x, y), mm", _pair(summary["lower_left_mm"]), ""),
-        ("to (x, y), mm", _pair(summary["upper_right_mm"]), ""),
+        *_point("from {}, mm", summary["lower_left_mm"]),
+        *_point("to {}, mm", summary["upper_right_mm"]),
     ]
     for key, name in (("convex", "smallest convex radius, mm"), ("hollow", "smallest hollow radius, mm")):
         value = summary[f"smallest_{key}_radius_mm"]
@@ -100,6 +120,10 @@ def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
         side = summary["worn_side"]
         rows.append(("worn more at", "neither" if side is None else side["name"], _more(side)))
     return rows + _smoothing_rows(summary) + _join_rows(summary)
+
+
+def _point(name: str, point: Sequence[float]) -> list[tuple[str, str, str]]:
+    return [(name.format(axis), f"{value:z.3f}", "") for axis, value in zip("xy", point, strict=True)]
 
 
 def _more(side: dict[str, Any] | None) -> str:
@@ -131,28 +155,12 @@ def _join_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:
     if summary["join"] is not None:
         rows.append(("joined to", summary["join"]["nominal"], ""))
         rows += [
-            (f"  {joint['name'].replace('_', ', ')}, gap, mm", f"{joint['gap_mm']:.3f}", f"at {_pair(joint['end_mm'])}")
+            (f"  {joint['name'].replace('_', ', ')}, gap, mm", f"{joint['gap_mm']:.3f}", f"at x = {x:.3f}, y = {y:.3f}")
             for joint in summary["join"]["joints"]
+            for x, y in [joint["end_mm"]]
         ]
         lost = summary["join"]["area_less_than_nominal_mm2"]
         rows.append(("  area less than the nominal one, mm²", f"{lost:.1f}", ""))
     if summary["area_mm2"] is not None:
         rows.append(("area of the whole section, mm²", f"{summary['area_mm2']:.1f}", ""))
     return rows
-
-
-def _pair(values: list[float]) -> str:
-    return f"({values[0]:.3f}, {values[1]:.3f})"
-
-
-def refuse_conversion(run: ProfileRun, to: Path | None) -> None:
-    """Refuse a conversion that its format cannot hold, before anything is written.
-
-    It is an `InputError` if the format is unknown, of the other kind, or holds no whole outline, or the file has no
-    name.
-    """
-    if to is None:
-        return
-    if not to.name:
-        raise InputError(f"--to {to}", "the name of a file", "give a file with an ending")
-    converted(run, to.suffix.lower())

@@ -1,120 +1,165 @@
-"""All files of ``flangeway geometry``, and its summary on the terminal."""
+"""Record and files of ``flangeway geometry``."""
 
 from collections.abc import Callable
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 from matplotlib.figure import Figure
-from rich.console import Console
-from rich.table import Table
 
-from flangeway.cases import write_summary
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
-from flangeway.report.figures.drawing import picture_writers
-from flangeway.report.page.tables import plain_table, print_files, print_notices
+from flangeway.railway.track.placements import SIDES
+from flangeway.report.page.record import REPORT, Again, Picture, Record
+from flangeway.report.page.tables import Column, SummaryTable, number, table_across, with_whole
 from flangeway.report.rigid.rigid_figures import conicity_figure, flange_root_figure, locus_figure, rolling_figure
-from flangeway.system.output_folder import write_together
+from flangeway.system.output_folder import Writer
 
-CONICITY_PICTURE = "conicity.png"
-PICTURES: dict[str, Callable[[GeometryRun], Figure]] = {
-    "contact_locus.png": locus_figure,
-    "rolling_radius_difference.png": rolling_figure,
-    CONICITY_PICTURE: conicity_figure,
+TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
+CONICITY_PICTURE, FLANGE_ROOT = "conicity.png", "flange_root_radius.png"
+PICTURES: dict[str, tuple[Callable[[GeometryRun], Figure], str]] = {
+    "contact_locus.png": (locus_figure, "Points of contact on rail and wheel over the lateral displacement"),
+    "rolling_radius_difference.png": (rolling_figure, "Rolling radius difference over the lateral displacement"),
+    CONICITY_PICTURE: (conicity_figure, "Equivalent conicity over the amplitude"),
 }
-FLANGE_ROOT, TABLE, CONICITY, SUMMARY = "flange_root_radius.png", "table.csv", "conicity.csv", "geometry.json"
-NAMES = (*PICTURES, FLANGE_ROOT, TABLE, CONICITY, SUMMARY)
-CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, SUMMARY)
+FLANGE_ROOT_SHOWN = "Lateral displacement in equilibrium over the radii of the flange root"
+NAMES = (*PICTURES, FLANGE_ROOT, TABLE, CONICITY, REPORT, SUMMARY)
+CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, REPORT, SUMMARY)
+AXES = {
+    "lateral, vertical": "of the axle in space, to the right and up, from the middle of the track",
+    "x": "on the wheel from the tape line, on the rail from its middle, away from the middle of the track",
+    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards; without friction",
+}
+ASSUMPTIONS = (
+    "Rigid wheels on rigid rails: the points of contact are those of the profiles as they are.",
+    "Hertz's values are of a line contact of the rigid equilibrium's force and curvatures.",
+)
 
 
-def write_geometry(run: GeometryRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
-    """Write pictures, ``table.csv``, ``conicity.csv`` and ``geometry.json``, together or not at all.
+def geometry_record(run: GeometryRun, command: str) -> Record:
+    """Return what was found of the contact geometry; `command` computes it again."""
+    found = run.summary
+    pictures = [Picture(name, partial(draw, run), f"{words}.", f"{words}.") for name, (draw, words) in PICTURES.items()]
+    effect = run.flange_root
+    if effect is not None:
+        shown = f"{FLANGE_ROOT_SHOWN}."
+        pictures.append(Picture(FLANGE_ROOT, lambda: flange_root_figure(effect), shown, shown))
+    position = found["equilibrium"]
+    ratios = {} if position is None else position["lateral_over_vertical"]
+    facts = [(f"{ratio:.3f}", f"L/V of the {side} wheel") for side, ratio in ratios.items() if ratio is not None]
+    if position is not None:
+        facts.append((f"{_clean(position['lateral_mm']):.3f} mm", "lateral position"))
+    jumps = [
+        (
+            jump["side"],
+            f"{jump['lateral_mm']:.3f}",
+            f"{jump['rail_points_mm'][0][0]:.2f}",
+            f"{jump['rail_points_mm'][1][0]:.2f}",
+        )
+        for jump in found["jumps"]
+    ]
+    head = ("side", "lateral displacement, mm", "x on the rail before, mm", "after, mm")
+    return Record(
+        **_common(found, command, (SUMMARY, TABLE, CONICITY)),
+        subtitle=f"Rigid wheels {run.case.wheel} on rigid rails {run.case.rail}",
+        converged=run.equilibrium.status.converged,
+        message=run.equilibrium.status.message,
+        facts=[*facts, *_conicity_facts(found)],
+        results=_geometry_results(found),
+        assumptions=ASSUMPTIONS,
+        pictures=pictures,
+        tables=[SummaryTable("Jumps of the point of contact", head, tuple(jumps))] if jumps else [],
+        axes=AXES,
+        inputs=[
+            SummaryTable("Inputs", ("", "value"), tuple((k, str(v)) for k, v in found["inputs"].items()), of_words=True)
+        ],
+        files=lambda: {TABLE: run.table.to_csv, **_conicity_file(run)},
+    )
 
-    It is an `InputError` if the folder cannot be written.
-    """
-    progress("drawing the pictures and writing the files")
-    figures: dict[str, Figure] = {name: draw(run) for name, draw in PICTURES.items()}
-    if run.flange_root is not None:
-        figures[FLANGE_ROOT] = flange_root_figure(run.flange_root)
-    writers = picture_writers(figures)
-    writers[TABLE] = run.table.to_csv
-    return write_together(folder, writers | _conicity_writers(run))
+
+def conicity_record(run: ConicityRun, command: str) -> Record:
+    """Return what was found of a rolling radius difference from a file; `command` computes it again."""
+    found, shown = run.summary, PICTURES[CONICITY_PICTURE][1]
+    middle = found["lateral_without_difference_mm"]
+    rows = [] if middle is None else [("lateral without a difference of the radii, mm", f"{_clean(middle):.3f}")]
+    return Record(
+        **_common(found, command, (SUMMARY, CONICITY)),
+        subtitle=found["inputs"]["file"],
+        converged=True,
+        success="computed",
+        message="" if found["equivalent_conicity"] else "without a conicity at 3 mm, see the notes",
+        facts=_conicity_facts(found),
+        results=SummaryTable("Conicity", ("", "value"), (*rows, *_conicity_rows(found))),
+        pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run), f"{shown}.", f"{shown}.")],
+        files=lambda: _conicity_file(run),
+    )
 
 
-def write_conicity(run: ConicityRun, folder: Path, progress: Callable[[str], None] = lambda _: None) -> list[Path]:
-    """Write picture, ``conicity.csv`` and ``geometry.json`` of a rolling radius difference; as `write_geometry`."""
-    progress("drawing the picture and writing the files")
-    return write_together(folder, picture_writers({CONICITY_PICTURE: conicity_figure(run)}) | _conicity_writers(run))
-
-
-def _conicity_writers(run: GeometryRun | ConicityRun) -> dict[str, Callable[[Path], None]]:
-    found = run.conicities
+def _common(found: dict[str, Any], command: str, files: tuple[str, ...]) -> dict[str, Any]:
+    """Return what both records have from their summaries."""
     return {
-        CONICITY: found.table.to_csv,
-        SUMMARY: lambda path: write_summary(path, run.summary),
+        "name": found["case"],
+        "title": found["title"],
+        "summary": found,
+        "summary_file": SUMMARY,
+        "again": Again(command, files=f"Numbers for programs and spreadsheets: {', '.join(f'`{f}`' for f in files)}."),
+        "versions": found["versions"],
+        "notes": found["notices"],
+        "timings_s": found["timings_s"],
     }
 
 
-def print_geometry(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print equilibrium, contacts with Hertz's estimate, jumps, conicity, notices and files."""
-    console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
-    console.print(summary["status"]["message"], markup=False, soft_wrap=True)
-    position = summary["equilibrium"]
-    if position is not None:
-        console.print(
-            f"Position in space: lateral {_clean(position['lateral_mm']):.4f} mm, vertical "
-            f"{_clean(position['vertical_mm']):.4f} mm, roll {_clean(1e3 * position['roll_rad']):.5f} mrad; "
-            f"L/V left {position['lateral_over_vertical']['left']:.3f}, "
-            f"right {position['lateral_over_vertical']['right']:.3f}",
-            markup=False,
-            soft_wrap=True,
-        )
-        console.print(_contact_table(position["contacts"]))
-    jumps = ", ".join(f"{jump['lateral_mm']:.3f} ({jump['side']})" for jump in summary["jumps"])
-    console.print(f"Jumps of the contact point at lateral displacements in mm: {jumps or 'none'}", markup=False)
-    _print_end(console, summary, files)
+def _conicity_facts(found: dict[str, Any]) -> list[tuple[str, str]]:
+    at = found["equivalent_conicity"]
+    return [] if at is None else [(f"{at['integration']:.4f}", f"equivalent conicity at {at['amplitude_mm']:g} mm")]
 
 
-def print_conicity(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    """Print the conicity of a file, the position without difference, notices and files."""
-    console.print(f"{summary['case']}: {summary['title']}", style="bold", markup=False)
-    middle = summary["lateral_without_difference_mm"]
-    if middle is not None:
-        console.print(f"Lateral displacement without a difference of the radii: {_clean(middle):.3f} mm", markup=False)
-    _print_end(console, summary, files)
+def _conicity_rows(found: dict[str, Any]) -> list[tuple[str, str]]:
+    at = found["equivalent_conicity"]
+    if at is None:
+        return []
+    name = f"equivalent conicity at {at['amplitude_mm']:g} mm"
+    return [(f"{name}, by integration", f"{at['integration']:.4f}"), ("  by regression", f"{at['regression']:.4f}")]
 
 
-def _print_end(console: Console, summary: dict[str, Any], files: list[Path]) -> None:
-    conicity = summary["equivalent_conicity"]
-    if conicity is not None:
-        console.print(
-            f"Equivalent conicity at {conicity['amplitude_mm']:g} mm: {conicity['integration']:.4f} by integration, "
-            f"{conicity['regression']:.4f} by linear regression",
-            markup=False,
-            soft_wrap=True,
-        )
-    print_notices(console, summary["notices"])
-    print_files(console, files, summary["timings_s"]["total"])
+def _conicity_file(run: GeometryRun | ConicityRun) -> dict[str, Writer]:
+    return {CONICITY: run.conicities.table.to_csv}
 
 
-def _contact_table(contacts: list[dict[str, Any]]) -> Table:
+def _geometry_results(found: dict[str, Any]) -> SummaryTable:
+    """Position, conicity and points of contact, one column a point; what is of a side is in its first column."""
+    position = found["equilibrium"]
+    whole = dict(_conicity_rows(found))
+    if position is None:
+        return SummaryTable("Results", ("", "value"), tuple(whole.items()))
+    contacts = position["contacts"]
     yawed = any(contact["ahead_of_axle_mm"] for contact in contacts)
-    table = plain_table(
-        *("side", "force kN", "angle deg", "wheel x mm", "rail x mm", "radius mm", *(["ahead mm"] if yawed else [])),
-        *("Hertz a mm", "Hertz p0 MPa"),
+    quantities: list[Column] = [
+        ("force, kN", lambda c: c["normal_force_kN"], ".2f"),
+        ("contact angle, degrees", lambda c: c["contact_angle_deg"], ".2f"),
+        ("x on the wheel, mm", lambda c: c["wheel_point_mm"][0], "z.2f"),
+        ("x on the rail, mm", lambda c: c["rail_point_mm"][0], "z.2f"),
+        ("rolling radius, mm", lambda c: c["rolling_radius_mm"], ".2f"),
+        *([("ahead of the axle, mm", lambda c: c["ahead_of_axle_mm"], "z.2f")] if yawed else []),
+        ("Hertz: half width, mm", lambda c: _hertz(c["hertz_half_width_mm"]), ""),
+        ("Hertz: maximum pressure, MPa", lambda c: _hertz(c["hertz_max_pressure_MPa"]), ""),
+    ]
+    sides = [contact["side"] for contact in contacts]
+    whole = {
+        "lateral position, mm": f"{_clean(position['lateral_mm']):.4f}",
+        "vertical position, mm": f"{_clean(position['vertical_mm']):.4f}",
+        "roll, mrad": f"{_clean(1e3 * position['roll_rad']):.5f}",
+    } | whole
+    ratios = {side: number(ratio, 3) for side, ratio in position["lateral_over_vertical"].items()}
+    jumps: dict[str, list[str]] = {side: [] for side in SIDES}
+    for jump in found["jumps"]:
+        jumps[jump["side"]].append(f"{jump['lateral_mm']:.3f}")
+    first = {side: (texts or ["none"])[0] for side, texts in jumps.items()}
+    return with_whole(
+        table_across("Results", sides, contacts, quantities), whole, sides, {"L/V": ratios, "first jump at, mm": first}
     )
-    for contact in contacts:
-        hertz = contact["hertz_half_width_mm"], contact["hertz_max_pressure_MPa"]
-        table.add_row(
-            contact["side"],
-            f"{contact['normal_force_kN']:.2f}",
-            f"{contact['contact_angle_deg']:.2f}",
-            f"{contact['wheel_point_mm'][0]:.2f}",
-            f"{contact['rail_point_mm'][0]:.2f}",
-            f"{contact['rolling_radius_mm']:.2f}",
-            *([f"{contact['ahead_of_axle_mm']:.2f}"] if yawed else []),
-            *("conforming" if value is None else f"{value:.4g}" for value in hertz),
-        )
-    return table
+
+
+def _hertz(value: float | None) -> str:
+    return "conforming" if value is None else f"{value:.4g}"
 
 
 def _clean(value: float) -> float:

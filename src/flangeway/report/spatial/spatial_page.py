@@ -1,12 +1,11 @@
 """Files, report and terminal summary of two bodies in contact in three dimensions."""
 
 from collections.abc import Callable
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 
 import numpy as np
 from matplotlib.figure import Figure
-from rich.console import Console
 
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.spatial.spatial_case import SpatialRun
@@ -15,24 +14,14 @@ from flangeway.contact.patch.patch_body import points_along
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
-from flangeway.report.figures.drawing import png
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
-from flangeway.report.page.html_page import Again, Page, Picture, report_page
-from flangeway.report.page.tables import (
-    Column,
-    SummaryTable,
-    print_notices,
-    print_rows,
-    print_status,
-    print_table,
-    table_across,
-    timings_table,
-)
+from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.tables import Column, SummaryTable, table_across, with_whole
 from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
-from flangeway.system.output_folder import Writer, bytes_writer, text_writer
+from flangeway.system.output_folder import Writer
 from flangeway.types import Ints
 
 PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
@@ -40,9 +29,9 @@ PICTURES: dict[str, tuple[Callable[[SpatialRun], Figure], str]] = {
     "pressure.png": (pressure_figure, "The pressure across and along z through its maximum, beside Hertz's"),
     "depth.png": (depth_figure, "Stresses below the centre of the patch in both bodies"),
 }
-REPORT, COLLECTION, SURFACE = "report.html", "bodies.pvd", "surface.vtu"
+COLLECTION, SURFACE = "bodies.pvd", "surface.vtu"
 SECTIONS = ("section-lower.vtu", "section-upper.vtu")
-NAMES = (*PICTURES, SURFACE, *SECTIONS, COLLECTION, REPORT)
+NAMES = (*PICTURES, SURFACE, *SECTIONS, COLLECTION)
 NEAR = 6.0
 """Width of the view of a patch over its longer semi-axis."""
 AXES = {
@@ -51,21 +40,6 @@ AXES = {
     "angle": "from z to the longer semi-axis; positive to the left, seen from above with z up",
     "stresses": "tension positive; below the patch x is along the surface, y along its normal",
 }
-
-
-def spatial_writers(run: SpatialRun, progress: Callable[[str], None]) -> dict[str, Writer]:
-    """Return functions that write pictures, fields and report, by the files' names."""
-    progress("drawing the pictures and writing the files")
-    pictures = [Picture(png(draw(run)), f"{words}.", f"{words}.") for draw, words in PICTURES.values()]
-    corners = [section.corners() for section in run.sections]
-    writers = {name: bytes_writer(each.png) for name, each in zip(PICTURES, pictures, strict=True)}
-    writers[SURFACE] = lambda path: _write_surface(run, path)
-    for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True)):
-        writers[name] = partial(_write_section, section, stresses, number)
-    files = [(0.0, Path(file).stem, file) for file in (*SECTIONS, SURFACE)]
-    writers[COLLECTION] = lambda path: write_collection(path, files)
-    writers[REPORT] = text_writer(report_page(_page(run, pictures, corners)))
-    return writers
 
 
 def _write_surface(run: SpatialRun, path: Path) -> None:
@@ -90,12 +64,15 @@ def _mesh(section: SectionStresses) -> PolyMesh:
     return section.body.problem.elasticity.space.mesh.placed(section.body.placement)
 
 
-def _page(run: SpatialRun, pictures: list[Picture], corners: list[SpatialStresses]) -> Page:
+def spatial_record(run: SpatialRun) -> Record:
+    """Return what a run of two bodies in contact in three dimensions found."""
+    corners = cache(lambda: [section.corners() for section in run.sections])
     case, summary = run.case, run.summary
     assert isinstance(case, RunnableCase)
     patch = summary.patches[0]
     file = f"{case.name}.toml" if has_tables(case) else ""
-    return Page(
+    return Record(
+        name=case.name,
         title=case.title,
         subtitle=f"{len(summary.patches)} patch{'es' * (len(summary.patches) > 1)} on {summary.cells[0]} by "
         f"{summary.cells[1]} cells",
@@ -103,7 +80,8 @@ def _page(run: SpatialRun, pictures: list[Picture], corners: list[SpatialStresse
         message=run.status.message,
         facts=[
             (f"{patch.max_pressure_MPa:.5g} MPa", "maximum pressure"),
-            (f"{patch.semi_axes_mm[0]:.4g} and {patch.semi_axes_mm[1]:.4g} mm", "semi-axes of the patch"),
+            (f"{patch.semi_axes_mm[0]:.4g} mm", "longer semi-axis of the patch"),
+            (f"{patch.semi_axes_mm[1]:.4g} mm", "shorter semi-axis"),
             (f"{1e-3 * summary.force_N[1]:.5g} kN", "force"),
             (f"{summary.approach_mm:.4g} mm", "approach"),
             (f"{max(b.max_von_mises.value_MPa for b in summary.bodies):.4g} MPa", "maximum von Mises stress below it"),
@@ -116,6 +94,8 @@ def _page(run: SpatialRun, pictures: list[Picture], corners: list[SpatialStresse
             "`section-lower.vtu` and `section-upper.vtu` stresses, for ParaView.",
         ),
         versions=summary.versions,
+        results=_results(summary),
+        summary=summary,
         warnings=summary.notices,
         assumptions=[
             "Linear elastic bodies, small strains, contact without friction.",
@@ -124,12 +104,25 @@ def _page(run: SpatialRun, pictures: list[Picture], corners: list[SpatialStresse
             "The load acts along y; the upper body is held along x and against rotation.",
             "Hertz's values are those of half-spaces for the same force and the curvatures of the gap under pressure.",
         ],
-        scene=_scene(run, corners),
-        pictures=pictures,
-        tables=[_patches_table(summary), _bodies_table(summary), timings_table(summary.timings_s)],
+        scene=lambda: _scene(run, corners()),
+        pictures=[
+            Picture(name, partial(draw, run), f"{words}.", f"{words}.") for name, (draw, words) in PICTURES.items()
+        ],
+        tables=[_bodies_table(summary)],
         axes=AXES,
         inputs=inputs_tables(case),
+        timings_s=summary.timings_s,
+        files=lambda: _files(run, corners()),
     )
+
+
+def _files(run: SpatialRun, corners: list[SpatialStresses]) -> dict[str, Writer]:
+    writers: dict[str, Writer] = {SURFACE: lambda path: _write_surface(run, path)}
+    for number, (name, section, stresses) in enumerate(zip(SECTIONS, run.sections, corners, strict=True)):
+        writers[name] = partial(_write_section, section, stresses, number)
+    files = [(0.0, Path(file).stem, file) for file in (*SECTIONS, SURFACE)]
+    writers[COLLECTION] = lambda path: write_collection(path, files)
+    return writers
 
 
 def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
@@ -154,20 +147,24 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     return Scene(parts, fields, [view], notes=(note,))
 
 
-def _patches_table(summary: SpatialSummary) -> SummaryTable:
+def _results(summary: SpatialSummary) -> SummaryTable:
+    """Approach, stresses of the bodies, and the patches, one column a patch."""
     quantities: list[Column] = [
-        ("force (x, y), N", "force_N", "z.1f"),
-        ("centre of pressure (x, y, z), mm", "centre_mm", "z.3f"),
+        ("force {x|y}, N", "force_N", "z.1f"),
+        ("centre of pressure {x|y|z}, mm", "centre_mm", "z.3f"),
         ("maximum pressure, MPa", "max_pressure_MPa", ".1f"),
         ("  Hertz, MPa", "hertz_pressure_MPa", ".1f"),
-        ("semi-axes, mm", "semi_axes_mm", ".4f"),
-        ("  Hertz, mm", "hertz_semi_axes_mm", ".4f"),
+        ("{longer|shorter} semi-axis, mm", "semi_axes_mm", ".4f"),
+        ("  Hertz, {longer|shorter}, mm", "hertz_semi_axes_mm", ".4f"),
         ("angle of the longer one from z, degrees", "angle_deg", "z.1f"),
         ("area, mm²", "area_mm2", ".3f"),
-        ("cells across, along z", "cells", "d"),
+        ("cells {across|along z}", "cells", "d"),
     ]
     names = [f"patch {number}" for number in range(1, len(summary.patches) + 1)]
-    return table_across("Patches", names, summary.patches, quantities)
+    whole = {"approach from first touch, mm": f"{summary.approach_mm:.5g}"}
+    for body in summary.bodies:
+        whole[f"von Mises below the first patch, {body.name}, MPa"] = f"{body.max_von_mises.value_MPa:.1f}"
+    return with_whole(table_across("Results", names, summary.patches, quantities), whole)
 
 
 def _bodies_table(summary: SpatialSummary) -> SummaryTable:
@@ -179,13 +176,3 @@ def _bodies_table(summary: SpatialSummary) -> SummaryTable:
         ("  at the depth, mm", lambda body: body.max_tresca.depth_mm, ".3f"),
     ]
     return table_across("Bodies", [body.name for body in summary.bodies], summary.bodies, quantities)
-
-
-def print_spatial(console: Console, run: SpatialRun) -> None:
-    """Print status, patches, maximum stresses and notices."""
-    summary = run.summary
-    print_status(console, run.case.name, run.status)
-    print_rows(console, _patches_table(summary).rows)
-    print_rows(console, [("approach from first touch, mm", f"{summary.approach_mm:.5g}")])
-    print_table(console, _bodies_table(summary))
-    print_notices(console, summary.notices)

@@ -1,14 +1,8 @@
-// Colours of values: what is far from zero stands out from the page, dark on light and light on dark.
+// Colours of values, as in the pictures: what is far from zero is dark, on a light ground whatever the page's theme.
 
 const MAPS = {
-  light: {
-    oneSign: "fcf0b2 fed395 feb47b fd9668 f9785d ed5a5f d9466b c03a76 a6317d 8b2981 721f81 59157e 3f0f72 221150 0e0b2b",
-    bothSigns: "0b2f6b 1f5fa8 5f97cc a9c8e3 eeeeea f0c09a dd8a52 b3501e 6b2705",
-  },
-  dark: {
-    oneSign: "251255 3f0f72 57157e 6e1e81 882781 a02f7f b83779 d0416f e55064 f4675c fb8560 fea16e febd82 fed89a fcf4b6",
-    bothSigns: "cfe6ff 86bdf5 4c8ad0 2f5688 32363d 7d4a26 c87637 f5aa68 ffe3c4",
-  },
+  oneSign: "fcf0b2 fed395 feb47b fd9668 f9785d ed5a5f d9466b c03a76 a6317d 8b2981 721f81 59157e 3f0f72 221150 0e0b2b",
+  bothSigns: "0b2f6b 1f5fa8 5f97cc a9c8e3 eeeeea f0c09a dd8a52 b3501e 6b2705",
 };
 const N_COLOURS = 256;
 
@@ -20,8 +14,8 @@ function signOf(range) {
 }
 
 // 256 colours as bytes red, green, blue, 255.
-function colourTable(theme, sign) {
-  const text = sign === 0 ? MAPS[theme].bothSigns : MAPS[theme].oneSign;
+function colourTable(sign) {
+  const text = sign === 0 ? MAPS.bothSigns : MAPS.oneSign;
   const stops = text.split(" ").map((hex) => [0, 2, 4].map((i) => parseInt(hex.slice(i, i + 2), 16)));
   if (sign < 0) stops.reverse();
   const table = new Uint8Array(4 * N_COLOURS);

@@ -1,6 +1,7 @@
 // Where the picture looks: drag, wheel, pinch, keys, and flights to places. Its zoom is pixels a millimetre.
 
 const FLIGHT_MS = 350;
+const HINT_MS = 1500;
 const LARGEST_ZOOM = 2e4;
 const TILTED = [0, -0.75, 0.65]; // towards the camera
 const ABOVE = [0, -1e-4, 1];
@@ -18,6 +19,16 @@ class Navigation {
     this.controls.mouseButtons = { LEFT: MOUSE.PAN, MIDDLE: MOUSE.DOLLY, RIGHT: this.solid ? MOUSE.ROTATE : MOUSE.PAN };
     this.controls.touches = { ONE: TOUCH.PAN, TWO: this.solid ? TOUCH.DOLLY_ROTATE : TOUCH.DOLLY_PAN };
     this.controls.addEventListener("change", changed);
+    // the wheel scrolls the page, which the picture does not hold; with Ctrl or Command it zooms
+    const hint = canvas.parentElement.querySelector(".viewer-hint");
+    const scrolled = (event) => {
+      if (event.ctrlKey || event.metaKey) return;
+      event.stopPropagation();
+      hint.hidden = false;
+      clearTimeout(this.hinted);
+      this.hinted = setTimeout(() => (hint.hidden = true), HINT_MS);
+    };
+    canvas.parentElement.addEventListener("wheel", scrolled, { capture: true, passive: true });
     this.controls.addEventListener("start", () => cancelAnimationFrame(this.flight));
   }
 

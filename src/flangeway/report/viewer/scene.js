@@ -70,7 +70,7 @@ class Picture {
     if (this.solid) this.camera.up.set(0, 0, 1);
     this.scene = new Scene();
     this.shared = { factor: { value: 1 }, shade: { value: 0 }, range: { value: [0, 1] }, table: { value: null } };
-    this.inks = { mesh: { value: [0, 0, 0, 1] }, outline: { value: [0, 0, 0, 1] } };
+    this.inks = { mesh: { value: [0.1, 0.11, 0.13, 0.35] }, outline: { value: [0.1, 0.11, 0.13, 0.9] } };
     this.items = parts.map((part) => this.added(part));
     this.pending = false;
   }

@@ -36,7 +36,6 @@ class Viewer {
     this.listen();
     this.resized();
     this.chooseField(this.field.key);
-    this.applyInks();
     this.lookAtWhole();
     if (this.picture.solid) this.tilt();
     this.picture.render();
@@ -138,16 +137,8 @@ class Viewer {
     this.canvas.addEventListener("pointerleave", () => this.left());
     this.canvas.addEventListener("keydown", (event) => this.pressed(event));
     new ResizeObserver(() => this.resized()).observe(this.canvas);
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.rethemed());
-    new MutationObserver(() => this.rethemed()).observe(document.documentElement, { attributeFilter: ["data-theme"] });
-    window.addEventListener("beforeprint", () => {
-      this.steps.print();
-      this.rethemed("light");
-    });
-    window.addEventListener("afterprint", () => {
-      this.steps.printed();
-      this.rethemed();
-    });
+    window.addEventListener("beforeprint", () => this.printing(() => this.steps.print()));
+    window.addEventListener("afterprint", () => this.printing(() => this.steps.printed()));
   }
 
   pressed(event) {
@@ -217,7 +208,7 @@ class Viewer {
     const steps = common ? Array.from({ length: this.steps.last + 1 }, (_, step) => step) : [this.steps.at];
     const sizes = this.shownParts().flatMap((part) => steps.map((step) => sizeOf(part, this.field, step)));
     const range = this.scale.rangeFor(rangeOver(steps.map((step) => this.rangeAt(step))), Math.max(0, ...sizes));
-    const table = colourTable(this.theme ?? themeNow(), signOf(range));
+    const table = colourTable(signOf(range));
     this.picture.shared.range.value = [range.low, range.high];
     this.picture.setTable(table);
     const where = common ? "In all load steps" : "In this load step";
@@ -274,20 +265,10 @@ class Viewer {
     this.reading.tell(`Flying to: ${view.name}`);
   }
 
-  // themes
-
-  rethemed(theme = undefined) {
-    this.theme = theme;
-    this.applyInks();
+  printing(change) {
+    change();
     this.rerange();
     this.picture.render();
-  }
-
-  applyInks() {
-    const dark = (this.theme ?? themeNow()) === "dark";
-    const ink = dark ? [0.91, 0.92, 0.93] : [0.1, 0.11, 0.13];
-    this.picture.inks.mesh.value = [...ink, dark ? 0.22 : 0.35];
-    this.picture.inks.outline.value = [...ink, 0.9];
   }
 
   // pointer
@@ -343,10 +324,6 @@ class Viewer {
     this.moved();
     this.picture.render();
   }
-}
-
-function themeNow() {
-  return document.documentElement.dataset.theme ?? (matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light");
 }
 
 function widened([x0, y0, x1, y1]) {

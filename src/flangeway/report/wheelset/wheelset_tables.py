@@ -8,34 +8,57 @@ from flangeway.cases.wheelset.wheelset_summary import (
     RigidContactSummary,
     WheelsetSummary,
 )
-from flangeway.report.page.tables import Column, SummaryTable, marked, number, table_across, table_of
+from flangeway.railway.track.placements import SIDES
+from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
+from flangeway.report.page.tables import Column, SummaryTable, marked, number, table_across, table_of, with_whole
 
 Contacts = Sequence[ContactSummary] | Sequence[RigidContactSummary]
 
 
+CONTACT: tuple[Column, ...] = (
+    ("force on the wheel, kN", "force_kN", ".3f"),
+    ("contact angle, degrees", "contact_angle_deg", ".2f"),
+    ("x on the rail, mm", lambda c: c.rail_position_mm[0], "z.3f"),
+    ("x on the wheel, mm", lambda c: c.wheel_position_mm[0], "z.3f"),
+    ("maximum pressure, MPa", lambda c: marked(number(c.max_pressure_MPa, 1), c.max_pressure_remark), ""),
+    ("  Hertz, MPa", lambda c: _hertz(c.hertz_pressure_MPa, 1), ""),
+    ("half width, mm", "half_width_mm", ".3f"),
+    ("  Hertz, mm", lambda c: _hertz(c.hertz_half_width_mm, 3), ""),
+)
+BELOW: tuple[Column, ...] = (
+    ("y on the rail, mm", lambda c: c.rail_position_mm[1], "z.3f"),
+    ("y on the wheel, mm", lambda c: c.wheel_position_mm[1], "z.3f"),
+    ("pressure oscillation, %", lambda c: number(100.0 * c.pressure_oscillation, 2), ""),
+    ("lateral force (to the right), kN", "lateral_force_kN", ".3f"),
+    ("vertical force (up), kN", "vertical_force_kN", ".3f"),
+    ("shear in the rail{, MPa|: depth, mm}", lambda c: _at_depth(c.in_rail, "max_in_plane_shear"), ".0f|.2f"),
+    ("  in the wheel{, MPa|: depth, mm}", lambda c: _at_depth(c.in_wheel, "max_in_plane_shear"), ".0f|.2f"),
+    ("  Hertz{, MPa|: depth, mm}", lambda c: _at_depth(c, "hertz_in_plane_shear"), ".0f|.2f"),
+    ("von Mises in the rail{, MPa|: depth, mm}", lambda c: _at_depth(c.in_rail, "max_von_mises"), ".0f|.2f"),
+    ("  in the wheel{, MPa|: depth, mm}", lambda c: _at_depth(c.in_wheel, "max_von_mises"), ".0f|.2f"),
+    ("nodes in contact", "n_nodes", "d"),
+)
+"""CONTACT, BELOW: the numbers of a contact, those of the table of results and further ones."""
+SLICE = "Of the slice alone, which carries the whole load: compare runs with each other, not with a rail in track."
+
+
 def contacts_table(summary: WheelsetSummary) -> SummaryTable:
-    """Forces, positions and pressures of the contacts, one row a quantity and one column a contact."""
+    """Forces below the surface and further numbers of the contacts, one column a contact."""
     contacts = summary.contacts
-    quantities: tuple[Column, ...] = (
-        ("force on the wheel, kN", "force_kN", ".3f"),
-        ("  lateral (to the right), kN", "lateral_force_kN", ".3f"),
-        ("  vertical (up), kN", "vertical_force_kN", ".3f"),
-        ("contact angle, degrees", "contact_angle_deg", ".2f"),
-        ("position on the rail (x, y), mm", "rail_position_mm", ".3f"),
-        ("position on the wheel (x, y), mm", "wheel_position_mm", ".3f"),
-        ("maximum pressure, MPa", lambda c: marked(number(c.max_pressure_MPa, 1), c.max_pressure_remark), ""),
-        ("  Hertz, MPa", lambda c: _hertz(c.hertz_pressure_MPa, 1), ""),
-        ("  pressure oscillation, %", lambda c: number(100.0 * c.pressure_oscillation, 2), ""),
-        ("half width, mm", "half_width_mm", ".3f"),
-        ("  Hertz, mm", lambda c: _hertz(c.hertz_half_width_mm, 3), ""),
-        ("in-plane shear in the rail, MPa (at mm)", lambda c: _at_depth(c.in_rail, "max_in_plane_shear"), ""),
-        ("  in the wheel", lambda c: _at_depth(c.in_wheel, "max_in_plane_shear"), ""),
-        ("  Hertz", lambda c: _at_depth(c, "hertz_in_plane_shear"), ""),
-        ("von Mises in the rail, MPa (at mm)", lambda c: _at_depth(c.in_rail, "max_von_mises"), ""),
-        ("  in the wheel", lambda c: _at_depth(c.in_wheel, "max_von_mises"), ""),
-        ("nodes in contact", lambda c: f"{c.n_nodes}", ""),
-    )
-    return table_across("Contacts", (contact_name(c, contacts) for c in contacts), contacts, quantities)
+    return table_across("Contacts", (contact_name(c, contacts) for c in contacts), contacts, BELOW)
+
+
+def results_table(summary: WheelsetSummary) -> SummaryTable:
+    """Position, L/V of the wheels and contacts, one column a contact; what is of a side is in its first column."""
+    contacts, position = summary.contacts, summary.position
+    ratios = {each.side: number(each.lateral_over_vertical, 4) for each in summary.sides}
+    gauge = {rail.side: number(rail.gauge_outward_mm, 3) for rail in summary.bending}
+    whole = {
+        "lateral position of the axle, mm": _coordinate(position.lateral_mm),
+        "approach after first touch, mm": number(position.approach_mm, 4),
+    }
+    table = table_across("Results", (contact_name(c, contacts) for c in contacts), contacts, CONTACT)
+    return with_whole(table, whole, [c.side for c in contacts], {"L/V": ratios, "gauge face outwards, mm": gauge})
 
 
 def contact_name(contact: ContactSummary, contacts: Sequence[ContactSummary]) -> str:
@@ -61,8 +84,6 @@ def position_table(summary: WheelsetSummary) -> SummaryTable:
             ("  published horizontal, mm", number(published.horizontal_mm, 3)),
             ("  published roll, rad", _small(published.roll_rad)),
         ]
-    if any(side.lateral_over_vertical is not None for side in summary.sides):
-        rows += [(f"L/V of the {each.side} wheel", number(each.lateral_over_vertical, 4)) for each in summary.sides]
     rows.append(("equilibrium residual", _small(residual.equilibrium)))
     parts = (
         ("  vertical", residual.vertical, "vertical_mm"),
@@ -98,23 +119,27 @@ def rigid_table(summary: WheelsetSummary) -> SummaryTable:
         ("Hertz: pressure, MPa", "hertz_pressure_MPa", 0),
     )
     both: tuple[Contacts, Contacts] = (summary.contacts, rigid.contacts)
-    for side in ("left", "right"):
-        rows += [
-            (f"{side}: {name}", *(_of_side(contacts, side, key, digits) for contacts in both))
-            for name, key, digits in quantities
-        ]
-    return SummaryTable("Elastic and rigid, in the track's axes", ("", "elastic", "rigid"), tuple(rows))
+    for side in SIDES:
+        mine = [sorted((c for c in each if c.side == side), key=lambda c: c.space_position_mm[0]) for each in both]
+        for place in range(max(map(len, mine))):
+            pair = [each[place] if place < len(each) else None for each in mine]
+            several = f", {place + 1}" if max(map(len, mine)) > 1 else ""
+            rows += [
+                (f"{side}{several}: {name}", *(_value(contact, key, digits) for contact in pair))
+                for name, key, digits in quantities
+            ]
+    note = "Several contacts of a side are numbered from left to right." if len(summary.contacts) > len(SIDES) else ""
+    return SummaryTable("Elastic and rigid, in the track's axes", ("", "elastic", "rigid"), tuple(rows), note=note)
 
 
-def _of_side(contacts: Contacts, side: str, key: str, digits: int) -> str:
-    """Values of a side's contacts from left to right; the x of a position."""
-    mine = sorted((c for c in contacts if c.side == side), key=lambda c: c.space_position_mm[0])
-    values = [getattr(c, key)[0] if key.endswith("position_mm") else getattr(c, key) for c in mine]
-    return " / ".join(number(value, digits) for value in values) or "–"
+def _value(contact: ContactSummary | RigidContactSummary | None, key: str, digits: int) -> str:
+    """Number of a contact, the x of a position; a dash without contact."""
+    value = None if contact is None else getattr(contact, key)
+    return number(value[0] if isinstance(value, list | tuple) else value, digits)
 
 
-def bending_table(summary: WheelsetSummary, *, short: bool = False) -> SummaryTable:
-    """Displacement of the rails' heads and stresses in web and fillets, one column a rail; `short`: no fillets."""
+def bending_table(summary: WheelsetSummary) -> SummaryTable:
+    """Displacement of the rails' heads and stresses in web and fillets, one column a rail."""
     quantities: list[Column] = [
         ("top of the head to the right, mm", "head_lateral_mm", ".3f"),
         ("  up, mm", "head_vertical_mm", ".3f"),
@@ -123,31 +148,32 @@ def bending_table(summary: WheelsetSummary, *, short: bool = False) -> SummaryTa
         ("web, gauge face, MPa", "web_gauge_face_MPa", ".0f"),
         ("  field face, MPa", "web_field_face_MPa", ".0f"),
     ]
-    if not short:
-        quantities += [
-            ("web: normal force, kN", "web_normal_force_kN", ".2f"),
-            ("  shear force, kN", "web_shear_force_kN", ".2f"),
-            ("  moment, kN mm", "web_moment_kN_mm", ".1f"),
-        ]
+    quantities += [
+        ("web: normal force, kN", "web_normal_force_kN", ".2f"),
+        ("  shear force, kN", "web_shear_force_kN", ".2f"),
+        ("  moment, kN mm", "web_moment_kN_mm", ".1f"),
+    ]
     for towards in ("head", "foot"):
         for word, sign in (("tension", 1.0), ("compression", -1.0)):
-            name = f"maximum {word} towards the {towards}, MPa"
-            quantities.append((name, _extreme(towards, word, sign, short), ""))
-    caption = "Bending of the rails, stresses along the surface of web and fillets (of the slice alone: see limits)"
-    return table_across(caption, (rail.side for rail in summary.bending), summary.bending, quantities)
+            name = f"maximum {word} towards the {towards}{{, MPa|: face|: x, mm|: y, mm}}"
+            quantities.append((name, _extreme(towards, word, sign), ".0f||.1f|.1f"))
+    caption = "Bending of the rails, stresses along the surface of web and fillets"
+    return table_across(caption, (rail.side for rail in summary.bending), summary.bending, quantities, SLICE)
 
 
-def _extreme(towards: str, word: str, sign: float, short: bool) -> Callable[[BendingSummary], str]:
-    def text(rail: BendingSummary) -> str:
-        found = [(getattr(f, f"max_{word}_MPa"), f) for f in rail.fillets if f.towards == towards]
-        known = [(value, fillet) for value, fillet in found if value is not None]
+def _extreme(
+    towards: str, word: str, sign: float
+) -> Callable[[BendingSummary], tuple[float, str, float, float] | None]:
+    def found(rail: BendingSummary) -> tuple[float, str, float, float] | None:
+        values = [(getattr(f, f"max_{word}_MPa"), f) for f in rail.fillets if f.towards == towards]
+        known = [(value, fillet) for value, fillet in values if value is not None]
         if not known:
-            return "–"
+            return None
         value, worst = max(known, key=lambda each: sign * each[0])
-        where = _point(getattr(worst, f"{word}_position_mm"), 1)
-        return number(value, 0) if short else f"{number(value, 0)} ({worst.face}, {where})"
+        x, y = getattr(worst, f"{word}_position_mm")
+        return value, worst.face, x, y
 
-    return text
+    return found
 
 
 def support_table(summary: WheelsetSummary) -> SummaryTable:
@@ -165,16 +191,26 @@ def support_table(summary: WheelsetSummary) -> SummaryTable:
 
 
 def stresses_table(summary: WheelsetSummary) -> SummaryTable:
-    """Extreme stresses of the parts."""
+    """Extreme stresses of the parts beside the yield strength."""
     columns: tuple[Column, ...] = (
         ("", "part", ""),
         ("von Mises below contacts, MPa", "max_von_mises_below_contacts_MPa", ".1f"),
-        ("anywhere in the slice, MPa", "max_von_mises_MPa", ".1f"),
+        ("  yield strength, MPa", lambda part: _yield_strength(summary, part.part), "g"),
+        ("von Mises anywhere, MPa", "max_von_mises_MPa", ".1f"),
         ("minimum principal, MPa", "min_principal_MPa", ".1f"),
         ("maximum in-plane shear, MPa", "max_in_plane_shear_MPa", ".1f"),
     )
-    caption = "Extreme stresses, element averages (anywhere: also in web, fillets and foot of the slice, see limits)"
-    return table_of(caption, summary.stresses, columns)
+    note = f"Elastic stresses; steel yields above its yield strength. Anywhere: also in web and foot. {SLICE}"
+    return table_of("Extreme stresses, element averages", summary.stresses, columns, note)
+
+
+def _yield_strength(summary: WheelsetSummary, part: str) -> float | None:
+    """Yield strength that a part is compared with; None where none is given for what is not steel."""
+    case, role = summary.case, part.partition("-")[0]
+    if case["yield_MPa"] is not None:
+        return float(case["yield_MPa"])
+    young = case[f"{role}_young_MPa"] or case["young_MPa"]
+    return YIELD_MPa if STEEL_MPa[0] <= young <= STEEL_MPa[1] else None
 
 
 def bodies_table(summary: WheelsetSummary) -> SummaryTable:
@@ -197,11 +233,7 @@ def _coordinate(value: float | None) -> str:
     return _small(value) if value is None or abs(value) < 5e-4 else f"{value:.4f}"
 
 
-def _point(point: Sequence[float], digits: int = 3) -> str:
-    return f"({point[0]:.{digits}f}, {point[1]:.{digits}f})"
-
-
-def _at_depth(row: object, name: str) -> str:
-    """A stress with its depth."""
+def _at_depth(row: object, name: str) -> tuple[float, float] | None:
+    """A stress and its depth."""
     value, depth = getattr(row, f"{name}_MPa"), getattr(row, f"{name}_depth_mm")
-    return "–" if value is None else f"{value:.0f} ({depth:.2f})"
+    return None if value is None else (value, depth)
