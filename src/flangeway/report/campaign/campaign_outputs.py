@@ -17,7 +17,8 @@ from flangeway.system.versions import versions
 
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
-MOST = 10  # reasons, warnings and lines of the table of results
+MOST, MOST_WARNINGS = 10, 3  # reasons and lines of the table of results, and warnings
+FIRST = ("_max_pressure_MPa", "_lateral_over_vertical", "_normal_force_N", "_contact_angle_deg")
 SHOWN = {
     LOCUS: "Points of contact over what varies; size of the dots by force",
     PRESSURE_MAP: "Maximum pressure over two inputs",
@@ -79,7 +80,11 @@ def campaign_record(
         warnings=[
             *(f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]),
             *([f"{len(failures) - MOST} other reasons: column message of results.csv"] if len(failures) > MOST else []),
-            *(f"in {n} rows: {text}" for text, n in sorted(warned.items(), key=lambda each: -each[1])[:MOST]),
+            *(f"in {n} rows: {text}" for text, n in sorted(warned.items(), key=lambda each: -each[1])[:MOST_WARNINGS]),
+            *(
+                [f"{len(warned) - MOST_WARNINGS} others: column warnings of results.csv"]
+                * (len(warned) > MOST_WARNINGS)
+            ),
         ],
         pictures=[
             Picture(name, draw, f"{SHOWN[name]}.", f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()
@@ -115,8 +120,12 @@ def _ranges(table: CampaignTable) -> tuple[tuple[str, ...], ...]:
         known = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
         if name in ("row", *table.keys) or not known or any(isinstance(value, str) for value in values):
             continue
-        found.append((name, *(f"{value:.5g}" for value in (min(known), median(known), max(known)))))
-    return tuple(found)
+        shown = [min(known), median(known), max(known)]
+        size = 1e-12 * max(map(abs, shown))  # below it is round-off
+        found.append((name, *(f"{0.0 if abs(value) < size else value:.5g}" for value in shown)))
+    return tuple(
+        sorted(found, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
+    )
 
 
 def _extremes(table: CampaignTable) -> list[tuple[str, str]]:
