@@ -1,12 +1,17 @@
-"""Makes of the site what Markdown cannot: formulas as MathML, which browsers show without a script."""
+"""Makes of the site what Markdown cannot: formulas as MathML, which browsers show without a script, and notebooks."""
 
+import base64
 import html
+import json
 import os
 import re
+from collections.abc import Iterator
+from pathlib import PurePosixPath
 from typing import Any
 
 from latex2mathml.converter import convert
 from mkdocs.config.defaults import MkDocsConfig
+from mkdocs.structure.files import File, Files
 from mkdocs.structure.pages import Page
 
 FORMULA = re.compile(r'<(span|div) class="arithmatex">\\[(\[](.*?)\\[)\]]</\1>', re.DOTALL)
@@ -17,6 +22,36 @@ def on_config(config: MkDocsConfig) -> MkDocsConfig:
     if "MIKE_DOCS_VERSION" in os.environ:
         config.extra["version"] = {"provider": "mike"}
     return config
+
+
+def on_files(files: Files, config: MkDocsConfig) -> Files:
+    """Add a page for each notebook, with the outputs and pictures that are stored in it."""
+    for file in [file for file in files if file.src_uri.endswith(".ipynb")]:
+        name = PurePosixPath(file.src_uri)
+        content: list[str] = []
+        for number, cell in enumerate(json.loads(file.content_string)["cells"]):
+            source = "".join(cell["source"])
+            content.append(source if cell["cell_type"] == "markdown" else f"```python\n{source}\n```")
+            for shown, picture in _outputs(cell, f"{name.stem}-{number}.png"):
+                content.append(shown)
+                if picture:
+                    uri = str(name.with_name(f"{name.stem}-{number}.png"))
+                    files.append(File.generated(config, uri, content=picture))
+        content.append(f"[Download this notebook]({name.name}); it runs in Jupyter, in an environment with flangeway.")
+        files.append(File.generated(config, str(name.with_suffix(".md")), content="\n\n".join(content) + "\n"))
+    return files
+
+
+def _outputs(cell: dict[str, Any], picture: str) -> Iterator[tuple[str, bytes]]:
+    """Markdown of each output of a cell, and the picture that it shows."""
+    for output in cell.get("outputs", ()):
+        data = output.get("data", {})
+        if "text" in output:
+            yield f"```text\n{''.join(output['text']).rstrip()}\n```", b""
+        elif "image/png" in data:
+            yield f"![What the cell above draws]({picture})", base64.b64decode("".join(data["image/png"]))
+        elif "text/html" in data:
+            yield "".join(data["text/html"]), b""
 
 
 def on_page_content(content: str, page: Page, **_: Any) -> str:
