@@ -9,8 +9,9 @@ import scipy.sparse as sp
 from flangeway.elements import batched, monomials, polygon_quadrature
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError
+from flangeway.post.lines import OUTSIDE, locate
 from flangeway.post.stress import Stresses, at_mesh_points
-from flangeway.problems import Elasticity
+from flangeway.problems import ElasticField, Elasticity
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution
 from flangeway.types import Floats, Ints
@@ -28,7 +29,7 @@ class RecoveredStresses(Result):
     - `scales`: lengths by which the patches' coordinates about the cells' centroids are divided, shape (n_cells,).
     """
 
-    solution: ElasticitySolution
+    solution: ElasticField
     coefficients: Floats
     scales: Floats
 
@@ -69,7 +70,8 @@ class RecoveredStresses(Result):
 
     @property
     def relative_error(self) -> float:
-        """Estimated error over the energy norm of the solution (Zienkiewicz and Zhu, 1987)."""
+        """Estimated error over the energy norm of the solution (Zienkiewicz and Zhu, 1987); it needs a solution."""
+        assert isinstance(self.solution, ElasticitySolution)
         size = np.sqrt(2.0 * max(self.solution.energy, 0.0) + self.error**2)
         return self.error / float(size) if size > 0.0 else 0.0
 
@@ -82,6 +84,16 @@ class RecoveredStresses(Result):
             places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
             components[places] = self._at(batch.cells, batch.vertices).transpose(2, 1, 0)
         return Stresses(components)
+
+    def at(self, points: Floats) -> Stresses:
+        """Recovered stresses at points (n, 2), each of the cell that it lies in; not-a-number outside of the body."""
+        mesh = self.solution.problem.space.mesh
+        cells = locate(mesh, points)
+        found = np.full((len(points), 4), np.nan)
+        inside = cells != OUTSIDE
+        polynomials = self._at(cells[inside], points[inside].T[None])
+        found[inside] = polynomials[:, 0].T
+        return Stresses(found)
 
     @property
     def nodal(self) -> Stresses:
@@ -104,7 +116,7 @@ def _compliances(problem: Elasticity) -> Floats:
     return result
 
 
-def recovered_stresses(solution: ElasticitySolution) -> RecoveredStresses:
+def recovered_stresses(solution: ElasticField) -> RecoveredStresses:
     """Fit to each cell and its neighbours one polynomial of degree k whose projections are nearest to their stresses.
 
     The projection of a cell's stress onto polynomials of degree k - 1 converges faster than the stress itself, as at

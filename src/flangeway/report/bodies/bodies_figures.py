@@ -36,6 +36,7 @@ def stress_figure(run: BodiesRun) -> Figure:
     extent = np.ptp(windows[0], axis=0)
     height = float(np.clip(MAX_SIDE_IN * extent[1] / extent[0], SMALLEST_SIDE_IN, MAX_SIDE_IN))
     figure = new_figure(7.0 * len(windows), min(height, 7.0))
+    figure.set_layout_engine("compressed")
     both = figure.subplots(1, len(windows), squeeze=False)[0]
     for axes, window in zip(both, windows, strict=True):
         for name, body in run.bodies.items():

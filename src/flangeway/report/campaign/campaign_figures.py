@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from flangeway.campaign import CampaignTable
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.drawing import GREY, HALO, INK, axis_name, named, new_figure
+from flangeway.report.figures.plots import COLOURS as SHADES
 from flangeway.types import Floats
 
 LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
@@ -77,10 +78,11 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
             panel = axes[line, column]
             y = patches[f"{body}_x_mm"][mine].astype(float)
             panel.scatter(x[mine], y, s=size[mine], color=COLOURS[side], alpha=0.6, lw=0)
-            panel.set_ylabel(f"{side} {body}: mm {where}")
             panel.grid(color="#dddddd", lw=0.5)
-        axes[1, column].set_xlabel(key)
-    figure.suptitle(f"Contact locus: {table.name}; dot size by force", fontsize=10)
+            axes[line, 0].set_ylabel(f"place on the {body}, {where}, in mm")
+        axes[0, column].set_title(f"{side} side", fontsize=9)
+        axes[1, column].set_xlabel(axis_name(key))
+    figure.suptitle(f"{table.name}: points of contact; size of the dots by force", fontsize=10)
     return figure
 
 
@@ -98,16 +100,16 @@ def pressure_map(table: CampaignTable, first: str, second: str) -> Figure:
         values = pressures[side]
         drawn = _draw_map(panel, places, values, limits)
         failed = ~np.isfinite(values)
-        panel.plot(*places[failed].T, "x", color=INK, ms=4, label="no contact, or no result" if failed.any() else None)
+        label = "no contact, or no result" if failed.any() else None
+        panel.plot(*places[failed].T, "x", color=INK, ms=4, label=label, path_effects=[HALO])
         rough = np.unique(groups.ravel()[_remarked(table, f"{side}_max_pressure_MPa")])
-        panel.plot(*places[rough].T, "+", color=INK, ms=5, label=ROUGH if len(rough) else None)
-        if failed.any() or len(rough):
-            panel.legend(frameon=False, fontsize=8)
+        panel.plot(*places[rough].T, "+", color=INK, ms=5, label=ROUGH if len(rough) else None, path_effects=[HALO])
         panel.set_title(f"{side} side", fontsize=9)
-        panel.set_xlabel(first)
-    panels[0].set_ylabel(second)
+        panel.set_xlabel(axis_name(first))
+    panels[0].set_ylabel(axis_name(second))
     figure.colorbar(drawn, ax=list(panels), label="maximum pressure in MPa")
-    figure.suptitle(f"Maximum pressure: {table.name}", fontsize=10)
+    _legend(figure)
+    figure.suptitle(f"{table.name}: maximum pressure", fontsize=10)
     return figure
 
 
@@ -120,19 +122,18 @@ def _maximum(values: Floats, groups: NDArray[np.intp]) -> Floats:
 def _draw_map(axes: Axes, places: Floats, values: Floats, limits: tuple[float, float]) -> mpl.cm.ScalarMappable:
     """Colour the cells of a full grid, or triangles between scattered places."""
     x, y = np.unique(places[:, 0]), np.unique(places[:, 1])
-    shades = mpl.colormaps["magma_r"]
     if len(x) * len(y) == len(values):  # places are sorted by the first, then the second
         field = np.ma.masked_invalid(values.reshape(len(x), len(y)).T)
-        return axes.pcolormesh(x, y, field, shading="nearest", cmap=shades, vmin=limits[0], vmax=limits[1])
+        return axes.pcolormesh(x, y, field, shading="nearest", cmap=SHADES, vmin=limits[0], vmax=limits[1])
     known = np.isfinite(values)
     if _is_flat(places[known]):
         return axes.scatter(
-            places[known, 0], places[known, 1], c=values[known], cmap=shades, vmin=limits[0], vmax=limits[1]
+            places[known, 0], places[known, 1], c=values[known], cmap=SHADES, vmin=limits[0], vmax=limits[1]
         )
     scale = np.ptp(places, axis=0)
     triangles = Triangulation(*(places[known] / scale).T).triangles
     return axes.tripcolor(
-        places[known, 0], places[known, 1], values[known], triangles=triangles, shading="gouraud", cmap=shades,
+        places[known, 0], places[known, 1], values[known], triangles=triangles, shading="gouraud", cmap=SHADES,
         vmin=limits[0], vmax=limits[1],
     )  # fmt: skip
 
@@ -168,8 +169,22 @@ def _series(table: CampaignTable, x: str) -> Iterator[_Series]:
     few = 1 < len(groups) <= MOST_LABELLED
     for place, (values, members) in enumerate(groups.items()):
         rows = np.array(members)
-        label = ", ".join(f"{key} {value}" for key, value in zip(others, values, strict=True)) if few else None
+        label = ", ".join(map(_valued, others, values)) if few else None
         yield _Series(label, place / max(len(groups) - 1, 1), rows[np.argsort(along[rows], kind="stable")])
+
+
+def _valued(key: str, value: object) -> str:
+    words, unit = named(key)
+    return f"{words} {value} {unit}".rstrip()
+
+
+def _legend(figure: Figure) -> None:
+    """One legend of all panels below them, each name once."""
+    found = dict(
+        reversed(pair) for panel in figure.axes for pair in zip(*panel.get_legend_handles_labels(), strict=True)
+    )
+    if found:
+        figure.legend(list(found.values()), list(found), loc="outside lower center", ncols=4, frameon=False, fontsize=8)
 
 
 def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
@@ -178,9 +193,9 @@ def _remarked(table: CampaignTable, column: str) -> NDArray[np.bool_]:
     return np.array([remark is not None for remark in remarks], dtype=np.bool_)
 
 
-def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
-    """Draw a line for each series; rows without a result leave a gap."""
-    along, values = table.numbers(x), table.numbers(column)
+def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str, factor: float = 1.0) -> None:
+    """Draw a line for each series, its values times a factor; rows without a result leave a gap."""
+    along, values = table.numbers(x), factor * table.numbers(column)
     for each in _series(table, x):
         y = values[each.rows]
         marker = "o" if len(y) <= 40 else None
@@ -189,30 +204,28 @@ def _draw_series(axes: Axes, table: CampaignTable, x: str, column: str) -> None:
     rough = _remarked(table, column)
     if rough.any():
         axes.plot(along[rough], values[rough], "x", color=INK, ms=5, label=ROUGH)
-    axes.set_xlabel(x)
     axes.grid(color="#dddddd", lw=0.5)
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(frameon=False, fontsize=7)
 
 
 def curves_figure(table: CampaignTable, key: str, quantity: str, name: str) -> Figure:
     """Draw a quantity of both sides over an input, a line for each combination of the others."""
     figure = new_figure(9.0, 4.0)
-    for panel, side in zip(figure.subplots(1, 2, sharey=True), SIDES, strict=True):
+    panels = figure.subplots(1, 2, sharey=True)
+    for panel, side in zip(panels, SIDES, strict=True):
         _draw_series(panel, table, key, f"{side}_{quantity}")
         panel.set_title(f"{side} side", fontsize=9)
-        panel.set_ylabel(name)
-    figure.suptitle(table.name, fontsize=10)
+        panel.set_xlabel(axis_name(key))
+    panels[0].set_ylabel(name)
+    _legend(figure)
+    figure.suptitle(f"{table.name}: {name.partition(' in ')[0]}", fontsize=10)
     return figure
 
 
 def ratio_figure(table: CampaignTable, x: str) -> Figure:
     """Draw L/V of both wheels over the lateral shift of the wheelset."""
-    figure = curves_figure(table, x, "lateral_over_vertical", "L/V, positive if the wheel pushes its rail outwards")
+    figure = curves_figure(table, x, "lateral_over_vertical", "L/V, positive outwards")
     for panel in figure.axes:
         panel.axhline(0.0, color=GREY, lw=0.6)
-        if x == "lateral_mm":
-            panel.set_xlabel("lateral shift of the wheelset to the right, in mm")
     return figure
 
 
@@ -220,9 +233,14 @@ def forces_figure(table: CampaignTable, key: str) -> Figure:
     """Draw normal, lateral and vertical force on both wheels over an input."""
     figure = new_figure(9.0, 7.6)
     kinds = ("normal", "lateral", "vertical")
-    for line, kind in zip(figure.subplots(3, 2, sharex=True, sharey="row"), kinds, strict=True):
+    rows = figure.subplots(3, 2, sharex=True, sharey="row")
+    for line, kind in zip(rows, kinds, strict=True):
         for panel, side in zip(line, SIDES, strict=True):
-            _draw_series(panel, table, key, f"{side}_{kind}_force_N")
-            panel.set_ylabel(f"{kind} force on the {side} wheel, in N")
+            _draw_series(panel, table, key, f"{side}_{kind}_force_N", 1e-3)
+        line[0].set_ylabel(f"{kind} force in kN")
+    for top, bottom, side in zip(rows[0], rows[-1], SIDES, strict=True):
+        top.set_title(f"{side} wheel", fontsize=9)
+        bottom.set_xlabel(axis_name(key))
+    _legend(figure)
     figure.suptitle(f"{table.name}: forces of the rails on the wheels; lateral to the right, vertical up", fontsize=10)
     return figure

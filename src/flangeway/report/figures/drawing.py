@@ -1,6 +1,7 @@
 """What all pictures share: sizes, colours that stay apart in grey, cells, contour lines, outlines."""
 
 import io
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.cm import ScalarMappable
 from matplotlib.collections import PathCollection
-from matplotlib.colors import BoundaryNorm, ListedColormap
+from matplotlib.colors import BoundaryNorm, Colormap, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import PathPatch
 from matplotlib.path import Path
@@ -29,6 +30,9 @@ from flangeway.types import Floats
 DPI = 160
 INK = "#1a1a1a"
 GREY = "#777777"
+SIGNED: Colormap = ListedColormap(mpl.colormaps["RdBu_r"](np.linspace(0.04, 0.96, 256)))
+"""For values on both sides of zero, which is white: blue below, red above, equally dark at equal distances."""
+POWERS = str.maketrans("23", "²³")
 HALO = withStroke(linewidth=2.0, foreground="white")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 CONTOUR = "contour"
@@ -128,8 +132,32 @@ def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Writer]:
     return {name: bytes_writer(png(figure)) for name, figure in figures.items()}
 
 
+QUANTITIES = {
+    "lateral_mm": "lateral displacement to the right",
+    "vertical_mm": "vertical displacement, up",
+    "car_mass_t": "mass of the car",
+    "n_axles": "number of axles",
+    "size_scale": "factor on the sizes of the elements",
+}
+"""What keys mean whose words are not enough."""
+UNIT = re.compile(r"_(km_h|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
+
+
+def named(key: str) -> tuple[str, str]:
+    """Words for a key of inputs or results, and its unit, empty without one."""
+    found = UNIT.search(key)
+    words = QUANTITIES.get(key) or (key[: found.start()] if found else key).replace("_", " ")
+    return words, found[1].replace("_", "/").translate(POWERS) if found else ""
+
+
+def axis_name(key: str) -> str:
+    """Label of an axis for a key: words, and the unit in which its values are."""
+    words, unit = named(key)
+    return f"{words} in {unit}" if unit else words
+
+
 class ColourSteps:
-    """Steps of colour from light to dark, in grey too.
+    """Steps of colour from light to dark, in grey too; of values on both sides of zero from blue by white to red.
 
     - `values`: all values to be shown.
     - `from_zero`: for values none of which is below zero, or none above: from light at zero to dark at the extreme.
@@ -143,10 +171,13 @@ class ColourSteps:
             low, high = (low, 0.0) if self.compressive else (0.0, max(high, 1e-6))
         elif not high - low > 1e-12 * max(abs(low), abs(high)):
             low, high = low - 0.5, high + 0.5
-        locator = MaxNLocator(nbins=10 if from_zero else 12, steps=[1, 2, 2.5, 5, 10])
+        self.signed = low < 0.0 < high
+        if self.signed:
+            low, high = -max(-low, high), max(-low, high)
+        locator = MaxNLocator(nbins=10 if from_zero else 12, steps=[1, 2, 2.5, 5, 10], symmetric=self.signed)
         self.levels: Floats = np.asarray(locator.tick_values(low, high))
         shades = mpl.colormaps["magma_r"](np.linspace(0.0, 0.9, 256))
-        self.map = ListedColormap(shades[::-1] if self.compressive else shades)
+        self.map = SIGNED if self.signed else ListedColormap(shades[::-1] if self.compressive else shades)
         self.norm = BoundaryNorm(self.levels.tolist(), self.map.N)
 
     def mappable(self) -> ScalarMappable:
@@ -220,6 +251,14 @@ def box(points: Sequence[Floats], margin: float) -> Floats:
     """Return the corners (2, 2) of the box about all points, widened."""
     every = np.vstack(points)
     return np.array([every.min(axis=0) - margin, every.max(axis=0) + margin])
+
+
+def alike(boxes: Sequence[Floats]) -> list[Floats]:
+    """Return boxes (2, 2) beside each other with one size and one range of heights, each about its own middle."""
+    every = np.array(boxes)
+    low, high = every[:, 0, 1].min(), every[:, 1, 1].max()
+    half = np.ptp(every[:, :, 0], axis=1).max() / 2.0
+    return [np.array([[x - half, low], [x + half, high]]) for x in every[:, :, 0].mean(axis=1)]
 
 
 def boundary_loops(mesh: PolyMesh) -> list[NDArray[np.int64]]:

@@ -17,7 +17,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, draw_outline, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SIGNED, draw_outline, new_figure
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
@@ -338,11 +338,14 @@ def _fill(
         raise InputError(f"limits = {limits}", "the lesser value first", "exchange them")
     if not high - low > 1e-12 * max(abs(low), abs(high)):
         low, high = low - 0.5 * (abs(low) or 1.0), high + 0.5 * (abs(high) or 1.0)
+    signed = low < 0.0 < high
+    if signed:
+        low, high = -max(-low, high), max(-low, high)
     colours = axes.tripcolor(
         Triangulation(points[:, 0], points[:, 1], shown.triangles),
         values,
         shading="gouraud",
-        cmap=COLOURS,
+        cmap=SIGNED if signed else COLOURS,
         norm=Normalize(low, high),
         rasterized=True,
     )

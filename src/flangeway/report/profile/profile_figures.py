@@ -70,10 +70,10 @@ def curvature_figure(run: ProfileRun) -> Figure:
 
 
 def join_figure(joined: Joined) -> Figure:
-    """Draw the nominal outline, the measured surface on it, and both transitions, enlarged beside the whole."""
-    figure = new_figure(11.0, 6.5)
-    grid = figure.add_gridspec(2, 2, width_ratios=(1.3, 1.0))
-    whole = figure.add_subplot(grid[:, 0])
+    """Draw the measured surface on the nominal outline, both transitions enlarged, and deviations along the normal."""
+    figure = new_figure(11.0, 8.6)
+    grid = figure.add_gridspec(3, 2, width_ratios=(1.3, 1.0), height_ratios=(1.0, 1.0, 0.65))
+    whole = figure.add_subplot(grid[:2, 0])
     for axes in (whole, *(figure.add_subplot(grid[i, 1]) for i in (0, 1))):
         axes.plot(*_closed(joined.nominal.outline).T, color=GREY, lw=1.0, ls=(0, (5, 3)), label="nominal")
         axes.plot(*_closed(joined.profile.outline).T, color=INK, lw=1.0, label="joined")
@@ -101,7 +101,29 @@ def join_figure(joined: Joined) -> Figure:
     kept = dict(zip(labels, handles, strict=True))
     whole.legend(kept.values(), kept.keys(), fontsize=8, frameon=False, loc="best")
     whole.set_title(_title(joined.profile.title), fontsize=10)
+    _draw_wear(figure.add_subplot(grid[2, :]), joined)
     return figure
+
+
+def _draw_wear(axes: Axes, joined: Joined) -> None:
+    """Draw how far the measured surface is off the nominal outline along its normal."""
+    points, outline = _line(joined.measured), joined.nominal.outline
+    numbers, parameters, _ = outline.closest(points)
+    off = np.empty(len(points))
+    for number in np.unique(numbers):
+        here, segment = numbers == number, outline.segments[number]
+        apart = points[here] - segment.point(parameters[here])
+        off[here] = np.einsum("ni,ni->n", apart, segment.normal(parameters[here]))
+    x, most = points[:, 0], int(off.argmin())
+    axes.fill_between(x, off, 0.0, where=off < 0.0, color=BLUE, alpha=0.25, lw=0.0)
+    axes.plot(x, off, color=BLUE, lw=1.4)
+    axes.axhline(0.0, color=GREY, lw=1.0, ls=(0, (5, 3)))
+    if off[most] < 0.0:
+        axes.plot(x[most], off[most], "o", ms=5, mfc="white", mec=INK)
+    worn = f"; at most {-off[most]:.3g} mm below it at x = {x[most]:.3g} mm" if off[most] < 0.0 else ""
+    axes.set_title(f"measured surface off the nominal outline along its normal{worn}", fontsize=9)
+    axes.set(xlabel="x in mm", ylabel="deviation in mm\n(below zero: worn)")
+    axes.grid(color="#dddddd", lw=0.5)
 
 
 def _draw_deviations(axes: Axes, run: ProfileRun) -> None:

@@ -13,7 +13,6 @@ from flangeway.post import Stresses
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.report.figures.drawing import (
-    GREY,
     HALO,
     INK,
     ColourSteps,
@@ -34,6 +33,8 @@ MOST_ARROWS = 25
 ARROW = 0.9  # longest arrow, in half widths
 MESH_LINES = (1.0, 1.0, 1.0, 0.5)
 PANEL_IN = 4.3
+PATCH_COLOURS = (INK, "#0b5394", "#9a6a00", "#8b1a8b")
+"""Of patches beside each other, dark enough to be read in grey."""
 ROOM = Room(bottom=1.2, top=0.3, across=0.7, between=0.75)
 BAR_IN = (0.45, 0.1)  # bottom and height of a bar of colours
 
@@ -82,9 +83,8 @@ def contact_figure(run: CaseRun, parts: Sequence[PartFields], side: Side) -> Fig
     stride = _stride(run.result.patches)
     for row, patch in zip(rows, patches, strict=False):
         _draw_forces(row[1], patch, stride)
-        draw_title(row[0], _name(patch, patches))
-        draw_title(row[1], _force_text(patch))
-        draw_title(row[2], "arrows: contact forces on the wheel" + _at_nodes(stride), 9.0)
+        # one sentence over the row, set above its middle panel
+        draw_title(row[1], f"{_name(patch, patches)}: {_force_text(patch)}; arrows: nodal forces{_at_nodes(stride)}")
     if not patches:
         draw_title(rows[0, 1], f"the {side} wheel does not touch its rail")
     return figure
@@ -146,12 +146,12 @@ def _arrows(axes: Axes, points: Floats, forces: Floats, scale: float) -> None:
 
 def _name(patch: WheelRailPatch, patches: Sequence[WheelRailPatch]) -> str:
     where = f", {patch.region}" if len(patches) > 1 else ""
-    return f"{patch.side} contact{where}; true shape".capitalize()
+    return f"{patch.side} contact{where}".capitalize()
 
 
 def _force_text(patch: WheelRailPatch) -> str:
     lateral, vertical = patch.force_on_wheel_N / 1e3
-    return f"{np.hypot(lateral, vertical):.2f} kN on the wheel ({lateral:+.2f} lateral, {vertical:+.2f} vertical)"
+    return f"{np.hypot(lateral, vertical):.2f} kN on the wheel ({lateral:+.2f} kN lateral, {vertical:+.2f} kN vertical)"
 
 
 def _at_nodes(stride: int) -> str:
@@ -165,36 +165,39 @@ def _on_wheel(patch: WheelRailPatch) -> Floats:
 
 
 def pressure_figure(run: CaseRun) -> Figure:
-    """Draw the nodes' pressures (Moherdaui 2021, Figure 63) against the length along the surface, side by side."""
-    figure, ((*both,),) = figure_with_room(13.0, 4.6, Room(across=0.3), n_columns=2, sharey=True)
+    """Draw the nodes' pressures (Moherdaui 2021, Figure 63) where they act in the track, side by side."""
+    most = max((sum(patch.side == side for patch in run.result.patches) for side in SIDES), default=1)
+    room = Room(across=0.3, bottom=0.65 + 0.4 * max(most, 1))
+    figure, ((*both,),) = figure_with_room(13.0, 4.2 + 0.4 * max(most, 1), room, n_columns=2, sharey=True)
     for axes, side in zip(both, SIDES, strict=True):
         mine = [patch for patch in run.result.patches if patch.side == side]
-        for patch, line in zip(mine, ("-", "-.", ":", "--"), strict=False):
-            _draw_patch(axes, patch, line, patch.region if len(mine) > 1 else "nodes")
+        for patch, colour in zip(mine, PATCH_COLOURS, strict=False):
+            _draw_patch(axes, patch, colour, patch.region if len(mine) > 1 else "nodes")
         outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"
         draw_title(axes, f"{side} contact ({outwards})".capitalize())
-        axes.set_xlabel("length along the surface from the centre of pressure in mm")
+        axes.set_xlabel("x in the track in mm")
         axes.grid(color="#dddddd", linewidth=0.6)
         if axes.has_data():
-            axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+            axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.13), ncols=1, fontsize=8, frameon=False)
     both[0].set_ylim(bottom=0.0)  # once both are drawn: the axis is shared
     both[0].set_ylabel("contact pressure in MPa")
     return figure
 
 
-def _draw_patch(axes: Axes, patch: WheelRailPatch, line: str, name: str) -> None:
+def _draw_patch(axes: Axes, patch: WheelRailPatch, colour: str, name: str) -> None:
     pressure = patch.pressure
-    along = np.copysign(1.0, pressure.points[-1, 0] - pressure.points[0, 0]) * pressure.along
     axes.plot(
-        along, pressure.pressures, color=INK, lw=1.0, ls=line, marker="o", ms=3.5, mfc="white",
+        pressure.points[:, 0], pressure.pressures, color=colour, lw=1.0, marker="o", ms=3.5, mfc="white",
         label=f"{name}: maximum {marked(f'{pressure.pressures.max():.0f} MPa', pressure.remark)}, half width "
         f"{pressure.half_width:.2f} mm",
     )  # fmt: skip
     if patch.hertz is None:
         return
     hertz = patch.hertz
-    x = hertz.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+    along = hertz.half_width * np.sin(np.linspace(-np.pi / 2.0, np.pi / 2.0, 181))
+    # lengths along the surface, which is normal to the force, as lengths across the track
+    force = patch.force_on_wheel_N / np.linalg.norm(patch.force_on_wheel_N)
     axes.plot(
-        x, hertz.pressure(x), color=GREY, lw=1.8, ls="--", zorder=1,
+        pressure.centre[0] + along * force[1], hertz.pressure(along), color=colour, lw=1.6, ls="--", alpha=0.6,
         label=f"Hertz, same force: maximum {hertz.max_pressure:.0f} MPa, half width {hertz.half_width:.2f} mm",
     )  # fmt: skip

@@ -12,7 +12,7 @@ from matplotlib.patches import Patch, Polygon
 from flangeway.cases import CaseRun
 from flangeway.cases.wheelset.wheelset_summary import ContactSummary, RigidContactSummary
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
-from flangeway.report.figures.drawing import Room, boundary_loops, draw_title, equal_axes, figure_with_room
+from flangeway.report.figures.drawing import Room, alike, boundary_loops, draw_title, equal_axes, figure_with_room
 from flangeway.report.figures.fields import PartFields
 from flangeway.types import Floats
 
@@ -46,17 +46,18 @@ def rigid_elastic_figure(run: CaseRun, parts: Sequence[PartFields]) -> Figure:
     figure, rows = figure_with_room(12.0, 11.0, ROOM, 2, 2)
     forces = [row.force_kN for row in run.summary.contacts]
     maximum = max((*forces, *(row.force_kN or 0.0 for row in run.summary.rigid.contacts)), default=0.0)
-    for column, side in enumerate(SIDES):
-        elastic, rigid = _Forces.of(run.summary.contacts, side), _Forces.of(run.summary.rigid.contacts, side)
-        points = np.vstack((elastic.points, rigid.points))
-        if len(points) == 0:
-            points = _top_of_rail(run, side)
-        middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
-        reach = max(float(np.ptp(points, axis=0).max()) / 2.0 + AROUND_MM, LEAST_WINDOW_MM)
+    found = [
+        tuple(_Forces.of(rows, side) for rows in (run.summary.contacts, run.summary.rigid.contacts)) for side in SIDES
+    ]
+    shown = [np.vstack((elastic.points, rigid.points)) for elastic, rigid in found]
+    shown = [points if len(points) else _top_of_rail(run, side) for points, side in zip(shown, SIDES, strict=True)]
+    middles = [(points.min(axis=0) + points.max(axis=0)) / 2.0 for points in shown]
+    reach = max(LEAST_WINDOW_MM, *(float(np.ptp(points, axis=0).max()) / 2.0 + AROUND_MM for points in shown))
+    for column, (side, (elastic, rigid)) in enumerate(zip(SIDES, found, strict=True)):
         outlines = _rigid_outlines(run, side)
         mine = [part for part in parts if part.side == side]
         for axes, window in ((rows[0, column], OVERVIEW_MM), (rows[1, column], np.array([[-reach] * 2, [reach] * 2]))):
-            equal_axes(axes, middle + window)
+            equal_axes(axes, alike([middle + window for middle in middles])[column])
             _draw_bodies(axes, mine, outlines)
             length = ARROW * float(np.ptp(window[:, 1]))
             _draw_forces(axes, rigid, RIGID, length, maximum, marker="D")

@@ -1,16 +1,24 @@
 """Stresses below the contacts over depth: picture and table."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
-from flangeway.post import Stresses
+from flangeway.post import RecoveredStresses, Stresses, recovered_stresses
+from flangeway.problems import ElasticField
 from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.wheelset.subsurface import SEARCHED, by_normal, hertz_below, maximum_on, stresses_below
+from flangeway.railway.wheelset.subsurface import (
+    SEARCHED,
+    SubsurfaceExtreme,
+    by_normal,
+    hertz_below,
+    maximum_on,
+    stresses_below,
+)
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.report.figures.drawing import INK, Room, draw_title, figure_with_room
@@ -41,20 +49,34 @@ class SubsurfaceLine:
     depths: Floats  # depths below the undeformed surface in mm, shape (n,)
     points: Floats  # places on the undeformed profile, in its frame, shape (n, 2)
     found: Stresses
-    hertz: Stresses | None  # found, hertz: stresses at the points, and those of Hertz's theory, None where it has none
+    hertz: Stresses | None
+    """found, hertz: stresses at the points, recovered, and those of Hertz's theory, None where it has none."""
+    top: SubsurfaceExtreme  # maximum in-plane shear, as in the summary
 
 
 def subsurface_lines(result: WheelsetResult) -> list[SubsurfaceLine]:
     """Stresses below all contacts, each in the rail first."""
-    return [_line(result, patch, body) for patch in result.patches for body in ROLES[::-1]]
+    sides = {patch.side for patch in result.patches}
+    recovered = {
+        name: recovered_stresses(ElasticField(part.body.elasticity, result.displacements[name]))
+        for name, part in result.model.parts.items()
+        if name.partition("-")[2] in sides
+    }
+    return [
+        _line(result, patch, body, recovered[f"{body}-{patch.side}"])
+        for patch in result.patches
+        for body in ROLES[::-1]
+    ]
 
 
-def _line(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> SubsurfaceLine:
+def _line(result: WheelsetResult, patch: WheelRailPatch, body: Role, recovered: RecoveredStresses) -> SubsurfaceLine:
     line = stresses_below(result, patch, body)
+    top = maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
+    line = replace(line, stresses=recovered.at(line.points))
     hertz = None
     if patch.hertz is not None:
         hertz = hertz_below(patch.hertz, line.distances, result.model.problem.material_of(body).poisson)
-    return SubsurfaceLine(patch, body, line.distances, line.points, by_normal(line), hertz)
+    return SubsurfaceLine(patch, body, line.distances, line.points, by_normal(line), hertz, top)
 
 
 def subsurface_figure(lines: Sequence[SubsurfaceLine]) -> Figure:
@@ -83,7 +105,7 @@ def _draw(axes: Axes, line: SubsurfaceLine) -> None:
         for (_, colour), values in zip(CURVES, _curves(line.hertz), strict=True):
             axes.plot(values, depths, color=colour, lw=1.0, ls=(0, (4, 2)))
         axes.plot([], [], color=INK, lw=1.0, ls=(0, (4, 2)), label="Hertz, half plane, same force")
-    top = maximum_on(depths, line.found.in_plane_shear, SEARCHED)
+    top = line.top
     axes.plot([top.value_MPa], [top.depth_mm], marker="o", color=INK, mfc="white", ms=5, zorder=4)
     text = f"maximum in-plane shear\n{top.value_MPa:.0f} MPa at {top.depth_mm:.1f} mm"
     if theory is not None:

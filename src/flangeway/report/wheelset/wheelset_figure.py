@@ -14,6 +14,7 @@ from flangeway.report.figures.drawing import (
     INK,
     ColourSteps,
     Room,
+    alike,
     box,
     cells_path,
     draw_contours,
@@ -35,7 +36,9 @@ def wheelset_figure(run: CaseRun, parts: list[PartFields]) -> Figure:
     figure, ((left, middle, right),) = figure_with_room(13.0, 7.0, ROOM, n_columns=3, width_ratios=(1.0, 1.25, 1.0))
     colours = ColourSteps(np.concatenate([part.stresses.von_mises[_valid(part)] for part in parts]), from_zero=True)
     factor = deformation_factor(parts)
-    for axes, side in ((left, SIDES[0]), (right, SIDES[1])):
+    windows = alike([box([part.points(factor) for part in parts if part.side == side], 6.0) for side in SIDES])
+    for axes, side, window in zip((left, right), SIDES, windows, strict=True):
+        equal_axes(axes, window)
         _draw_side(axes, [part for part in parts if part.side == side], factor, colours)
         draw_title(axes, f"{side} wheel and rail".capitalize())
     right.yaxis.set_label_position("right")
@@ -62,7 +65,6 @@ def deformation_factor(parts: list[PartFields]) -> int:
 
 
 def _draw_side(axes: Axes, parts: list[PartFields], factor: float, colours: ColourSteps) -> None:
-    equal_axes(axes, box([part.points(factor) for part in parts], 6.0))
     for part in parts:
         points, values = part.points(factor), part.stresses.von_mises
         chosen = _valid(part)
