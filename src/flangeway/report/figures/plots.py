@@ -311,7 +311,9 @@ def _drawn_as(scale: float) -> str:
 
 def _prepared(axes: Axes | None, length_unit: str | None) -> Axes:
     if axes is None:
-        axes = new_figure(8.0, 5.5).subplots()
+        figure = new_figure(8.0, 5.5)
+        figure.set_layout_engine("compressed")  # the colour bar is as high as what is drawn
+        axes = figure.subplots()
     axes.set_aspect("equal", adjustable="box")
     axes.set(xlabel=_with_unit("x", length_unit), ylabel=_with_unit("y", length_unit))
     return axes

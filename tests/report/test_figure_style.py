@@ -1,0 +1,75 @@
+"""What all figures share: words for keys, colours of signed values, windows that are alike, wear along the normal."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Virtual
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid
+from flangeway.problems import Elasticity, Traction, fixed
+from flangeway.railway.profiles.bundled import rail
+from flangeway.report.figures.drawing import SIGNED, ColourSteps, alike, axis_name, new_figure
+from flangeway.report.figures.plots import COLOURS, plot_stress
+from flangeway.report.profile import profile_figures
+from flangeway.solve import solve_elasticity
+from flangeway.space import Space
+
+
+@pytest.mark.parametrize(
+    ("key", "label"),
+    [
+        ("axle_load_kN", "axle load in kN"),
+        ("speed_km_h", "speed in km/h"),
+        ("foundation_N_mm3", "foundation in N/mm³"),
+        ("lateral_mm", "lateral displacement to the right in mm"),
+        ("rail", "rail"),
+    ],
+)
+def test_keys_are_decoded(key, label):
+    """An axis shows words and a unit, not the key of a file."""
+    assert axis_name(key) == label
+
+
+def test_signed_values_have_diverging_colours():
+    """Values on both sides of zero have steps that are symmetric about it; others go from light to dark."""
+    signed = ColourSteps(np.array([-3.0, 1.0]))
+    assert signed.map is SIGNED
+    assert signed.levels == pytest.approx(-signed.levels[::-1])
+    assert signed.levels[-1] >= 3.0
+    for values in ([1.0, 3.0], [-3.0, -1.0]):
+        assert ColourSteps(np.array(values)).map is not SIGNED
+
+
+def test_signed_stresses_are_white_at_zero():
+    """A stress that changes its sign is drawn in diverging colours about zero, an equivalent one is not."""
+    space = Space(rectangle_grid(3.0, 1.0, 6, 3), Virtual(1))
+    beam = Elasticity(space, Elastic(1e3, 0.3), loads=[Traction("right", (0.0, 1.0))], supports=[fixed("left")])
+    solution = solve_elasticity(beam)
+    drawn = {name: plot_stress(solution, name).collections[0] for name in ("xx", "von_mises")}
+    assert drawn["xx"].get_cmap() is SIGNED
+    assert drawn["xx"].norm.vmin == -drawn["xx"].norm.vmax
+    assert drawn["von_mises"].get_cmap() is COLOURS
+
+
+def test_windows_beside_each_other_are_alike():
+    """Boxes get one width and one range of heights, and keep their middles."""
+    left, right = alike([np.array([[0.0, 0.0], [2.0, 1.0]]), np.array([[10.0, -1.0], [16.0, 0.5]])])
+    assert left.tolist() == [[-2.0, -1.0], [4.0, 1.0]]
+    assert right.tolist() == [[10.0, -1.0], [16.0, 1.0]]
+
+
+def test_wear_is_measured_along_the_normal():
+    """A head that lies 0.5 mm lower is 0.5 mm below the nominal one at its top, and off its flanks only by a share."""
+    nominal = rail("60E1")
+    lowered = nominal.running_surface.transformed(Placement(0.0, (0.0, -0.5)))
+    axes = new_figure(8.0, 3.0).subplots()
+    profile_figures._draw_wear(axes, SimpleNamespace(nominal=nominal, measured=lowered))
+    x, off = axes.lines[0].get_data()
+    assert off.min() == pytest.approx(-0.5, abs=1e-3)
+    assert off[np.abs(x).argmin()] == pytest.approx(-0.5, abs=1e-3)
+    flank = np.abs(x) > 0.999 * np.abs(x).max()
+    assert np.abs(off[flank]).max() < 0.2
+    assert "at most 0.5 mm below it" in axes.get_title()
