@@ -23,7 +23,7 @@ MAX_LINES = {
     "problems": 2220,
     "solve": 3090,
     "contact": 6255,
-    "post": 1945,
+    "post": 1960,
     "railway.profiles": 3375,
     "railway.track": 570,
     "railway.rigid": 1920,
@@ -32,13 +32,13 @@ MAX_LINES = {
     "railway.spatial": 2810,
     "cases": 6720,
     "campaign": 1880,
-    "report": 7415,
+    "report": 7530,
     "validation": 6800,
     "cli": 1140,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 61_000
+MAX_LINES_OF_ALL = 61_130
 MAX_FILES_OF_ALL = 330
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
