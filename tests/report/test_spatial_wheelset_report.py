@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 
 import meshio
 import numpy as np
@@ -10,7 +11,13 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 from flangeway.cases import CASES
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
+from flangeway.cases.wheelset.spatial_wheelset_summary import summarise_spatial_wheelset
 from flangeway.cli.app import app
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.friction import Friction
+from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch, rolling_contact_of
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.report.case_outputs import case_files, case_record, write_case
 from flangeway.report.page import html_page
@@ -32,6 +39,34 @@ def folder(run, tmp_path_factory):
     out = tmp_path_factory.mktemp("wheelset")
     files = write_case(run, out)
     assert {file.name for file in files} == set(case_files(run.case))
+    return out
+
+
+@pytest.fixture(scope="module")
+def rolling(run):
+    """The same with friction: creepages of a curve, another one on each side, at 20 m/s."""
+    patches = []
+    for patch in run.result.patches:
+        contact = rolling_contact_of(patch, Friction(0.35))
+        sign = SIDE_SIGN[patch.side]
+        found = roll(contact, Creepages(sign * 0.5e-3, -1e-3, -sign * 4e-4))
+        patches.append(RollingPatch(patch, found, contact, 20.0))
+    result = replace(run.result, rolling=tuple(patches))
+    summary = summarise_spatial_wheelset(run.summary.case, result, run.summary.assumptions, 1.0)
+    return SpatialWheelsetRun(run.case, result, summary)
+
+
+@pytest.fixture(scope="module")
+def rolling_folder(rolling, tmp_path_factory):
+    """All its files."""
+    out = tmp_path_factory.mktemp("rolling")
+    files = write_case(rolling, out)
+    assert {file.name for file in files} == {
+        *case_files(rolling.case),
+        "rolling.png",
+        "creep-curves.png",
+        "shakedown.png",
+    }
     return out
 
 
@@ -135,3 +170,76 @@ def test_numbers_are_printed_before_the_pictures_are_drawn(run, monkeypatch, tmp
     assert done.exit_code != 0
     assert f"{run.summary.patches[0].max_pressure_MPa:.1f}" in done.stdout
     assert "Report" not in done.stdout
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_surfaces_carry_the_creep_forces_and_their_power(rolling, rolling_folder, side):
+    """Tractions times areas are the creep forces, opposite on the rail; power over the area sums to that of friction.
+
+    No traction is above 0.35 times the pressure; where it sticks there is no slip.
+    """
+    mine = [each for each in rolling.result.rolling if each.patch.side == side]
+    wanted = sum(each.creep_force_on_wheel_N for each in mine)
+    corners, arrays = quads(rolling_folder / f"rail-{side}.vtu")
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
+    areas = np.linalg.norm(normals, axis=1)
+    np.testing.assert_allclose(areas @ arrays["traction_MPa"], -wanted, atol=5e-3 * np.linalg.norm(wanted))
+    power = sum(20.0 * each.forces.frictional_power for each in mine)
+    assert areas @ arrays["frictional_power_W_mm2"] == pytest.approx(power, rel=5e-3)
+    assert power > 0.0
+    size = np.linalg.norm(arrays["traction_MPa"], axis=1)
+    assert (size <= 0.35 * arrays["pressure_MPa"] + 1e-2).all()
+    # tractions lie in the surface
+    along_normal = np.abs(np.sum(arrays["traction_MPa"] * normals, axis=1)) / areas
+    assert along_normal.max() < 0.02 * size.max()
+    slip = np.linalg.norm(arrays["slip_velocity_m_s"], axis=1)
+    states = arrays["stick_slip_state"]
+    assert set(states) == {0.0, 1.0, 2.0}
+    assert slip[states == 1.0].max() < 1e-3 * slip.max()
+    assert ((states > 0.0) == (arrays["pressure_MPa"] > 0.0)).all()
+    _, of_wheel = quads(rolling_folder / f"wheel-{side}.vtu")
+    assert of_wheel["traction_MPa"].sum(axis=0) == pytest.approx(-arrays["traction_MPa"].sum(axis=0), abs=1e-6)
+
+
+def test_the_tables_have_columns_of_friction(rolling, rolling_folder, folder):
+    """A row a patch has the summary's creepages and forces; without friction they are empty."""
+    with (rolling_folder / "patches.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    for row, patch, own in zip(rows, rolling.summary.patches, rolling.result.rolling, strict=True):
+        assert float(row["rolling_longitudinal_creepage"]) == pytest.approx(own.longitudinal_creepage, rel=1e-5)
+        assert float(row["rolling_t_gamma_N"]) == pytest.approx(own.t_gamma_N, rel=1e-5)
+        assert float(row["rolling_traction_coefficient"]) == pytest.approx(own.used_friction, rel=1e-5)
+        strength = 510.0 / np.sqrt(3.0)
+        assert float(row["pressure_over_shear_strength"]) == pytest.approx(patch.max_pressure_MPa / strength, rel=1e-5)
+        # what the pressures add on a curved patch is reported by itself
+        of_creepages = patch.rolling.frictional_power_W - 20.0 * own.forces.rolling_power
+        assert of_creepages == pytest.approx(20.0 * patch.rolling.t_gamma_N, rel=1e-6)
+    with (folder / "patches.csv").open(encoding="utf-8") as file:
+        assert {row["rolling"] for row in csv.DictReader(file)} == {""}
+
+
+def test_the_report_has_a_section_on_rolling_only_with_friction(rolling_folder, folder):
+    """It stands between pictures and numbers, with its table and three pictures."""
+    text = (rolling_folder / "report.html").read_text(encoding="utf-8")
+    start, end = text.index('<h2 id="rolling">'), text.index('<h2 id="numbers">')
+    assert text.index('<h2 id="pictures">') < start < end
+    assert text[start:end].count("<figure>") == 3
+    for words in ("longitudinal creepage", "T-gamma", "spin moment", "frictional power"):
+        assert words in text[start:end]
+    assert 'id="rolling"' not in (folder / "report.html").read_text(encoding="utf-8")
+
+
+def test_the_terminal_shows_creep_forces_in_80_columns(rolling):
+    """Creepages and creep forces of each patch stand below the patches."""
+    console = Console(file=io.StringIO(), width=80)
+    print_record(console, case_record(rolling))
+    text = console.file.getvalue()
+    assert max(map(len, text.splitlines())) <= 80
+    for patch in rolling.summary.patches:
+        assert f"{patch.rolling.lateral_creep_force_kN:.3f}" in text
+
+
+def test_stresses_below_include_the_tractions(run, rolling):
+    """Below each patch the stresses of the rail are others with friction."""
+    for without, patch in zip(run.summary.patches, rolling.summary.patches, strict=True):
+        assert patch.in_rail.max_von_mises_MPa != pytest.approx(without.in_rail.max_von_mises_MPa, rel=1e-4)

@@ -76,7 +76,7 @@ def _outputs(case: Case) -> CaseOutputs:
 
 
 def case_files(case: Case) -> tuple[str, ...]:
-    """Names of the files that a run of a case leaves, except fields that have the names of bodies."""
+    """Names of the files that a run of a case leaves, except fields of bodies, and pictures of friction."""
     return *_outputs(case).names, REPORT, SUMMARY
 
 

@@ -126,6 +126,9 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     axle: Literal["elastic", "rigid"] = Field(
         "elastic", description="elastic: bends as one of class F of the AAR between the journals"
     )
+    yield_MPa: float | None = Field(
+        None, gt=0.0, description="yield strength, for the shakedown position of patches (default: 510 MPa, rail steel)"
+    )
     method: Method = Field("fem", description="fem is triangles, vem is polygons with virtual elements")
     order: int = Field(2, ge=1, le=2, description="order of the elements")
     size_scale: float = Field(1.0, ge=0.05, le=10.0, description="factor on all element sizes")
@@ -182,6 +185,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             self.thickness_mm,
             Discretisation(method=self.method, order=self.order, size_scale=self.size_scale),
             prescribed=Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad),
+            yield_MPa=self.yield_MPa,
         )
 
     def spatial_model(self) -> SpatialModel:

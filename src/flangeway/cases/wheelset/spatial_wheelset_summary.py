@@ -13,10 +13,14 @@ from flangeway.cases.wheelset.wheelset_summary import (
     ResidualSummary,
     SideSummary,
 )
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
+from flangeway.post.patch_stresses import DepthProfile
+from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
-from flangeway.railway.track.discretisation import ROLES, Role
-from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.discretisation import ROLES
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.types import Floats
 
 # ruff: noqa: N815 (units in names)
@@ -33,8 +37,35 @@ class BelowSummary(SummaryPart):
 
 
 @dataclass(frozen=True, kw_only=True)
+class PatchRollingSummary(SummaryPart):
+    """Friction of a patch that rolls, on the wheel; what only theories with tractions have is None for the others.
+
+    Creepages, and forces along the surface: ahead and to the right; spin: counter-clockwise from above.
+    """
+
+    theory: str
+    longitudinal_creepage: float
+    lateral_creepage: float
+    spin_creepage_per_m: float
+    longitudinal_creep_force_kN: float
+    lateral_creep_force_kN: float
+    spin_moment_Nm: float
+    traction_coefficient: float
+    t_gamma_N: float
+    frictional_power_W: float
+    slipping_share: float | None
+    max_traction_MPa: float | None
+    max_slip_velocity_m_s: float | None
+    max_power_density_W_mm2: float | None
+
+
+@dataclass(frozen=True, kw_only=True)
 class WheelPatchSummary(SummaryPart):
-    """A contact patch; Hertz's values are None where the curvatures vary too much within it."""
+    """A contact patch; Hertz's values are None where the curvatures vary too much within it.
+
+    `pressure_over_shear_strength` is the maximum pressure over k = yield strength / sqrt(3), None if the bodies are not
+    of steel and it is not given; `rolling` is None without friction.
+    """
 
     side: Side
     region: str
@@ -44,6 +75,7 @@ class WheelPatchSummary(SummaryPart):
     contact_angle_deg: float
     max_pressure_MPa: float
     max_pressure_remark: str
+    pressure_over_shear_strength: float | None
     hertz_pressure_MPa: float | None
     semi_axes_mm: Sequence[float]
     hertz_semi_axes_mm: Sequence[float] | None
@@ -57,6 +89,7 @@ class WheelPatchSummary(SummaryPart):
     cells: Sequence[int]
     in_rail: BelowSummary
     in_wheel: BelowSummary
+    rolling: PatchRollingSummary | None
 
 
 @dataclass(frozen=True)
@@ -84,11 +117,12 @@ class SpatialWheelsetSummary(Summary):
     warnings: Sequence[str]
 
 
-def patch_summary(patch: SpatialPatch) -> WheelPatchSummary:
-    """Return the numbers of a patch."""
+def patch_summary(patch: SpatialPatch, yield_strength: float | None, rolling: RollingPatch | None) -> WheelPatchSummary:
+    """Return the numbers of a patch; `rolling` with friction."""
     lateral, vertical = (patch.force_on_wheel_N / 1e3).tolist()
     hertz, ellipse = patch.hertz, patch.ellipse
-    below = {role: _below(patch, role) for role in ROLES}
+    tractions = None if rolling is None else rolling.tractions
+    below = {role: _below(patch.below(role, tractions)) for role in ROLES}
     return WheelPatchSummary(
         side=patch.side,
         region=patch.region,
@@ -98,6 +132,7 @@ def patch_summary(patch: SpatialPatch) -> WheelPatchSummary:
         contact_angle_deg=math.degrees(patch.contact_angle_rad),
         max_pressure_MPa=ellipse.max_pressure,
         max_pressure_remark=patch.remark,
+        pressure_over_shear_strength=math.sqrt(3.0) * ellipse.max_pressure / yield_strength if yield_strength else None,
         hertz_pressure_MPa=hertz.max_pressure if hertz else None,
         semi_axes_mm=ellipse.semi_axes,
         hertz_semi_axes_mm=hertz.semi_axes if hertz else None,
@@ -111,11 +146,41 @@ def patch_summary(patch: SpatialPatch) -> WheelPatchSummary:
         cells=ellipse.cells,
         in_rail=below["rail"],
         in_wheel=below["wheel"],
+        rolling=None if rolling is None else _rolling(rolling),
     )
 
 
-def _below(patch: SpatialPatch, role: Role) -> BelowSummary:
-    line = patch.below(role)
+def _rolling(patch: RollingPatch) -> PatchRollingSummary:
+    found, fields = patch.forces, None
+    scale = patch.speed_m_s / abs(found.motion.speed)
+    if isinstance(found, Rolling | SimplifiedRolling):
+        loaded = (found.states != NO_CONTACT).sum()
+        fields = (
+            float((found.states == SLIPS).sum() / loaded),
+            float(np.linalg.norm(found.tractions, axis=2).max()),
+            scale * float(np.linalg.norm(found.slip_velocities, axis=2).max()),
+            scale * float(found.power_density.max()),
+        )
+    share, traction, slip, power = fields or (None, None, None, None)
+    return PatchRollingSummary(
+        theory=found.theory,
+        longitudinal_creepage=patch.longitudinal_creepage,
+        lateral_creepage=patch.lateral_creepage,
+        spin_creepage_per_m=patch.spin_creepage_per_m,
+        longitudinal_creep_force_kN=found.along / 1e3,
+        lateral_creep_force_kN=-SIDE_SIGN[patch.patch.side] * found.across / 1e3,
+        spin_moment_Nm=patch.spin_moment_Nm,
+        traction_coefficient=patch.used_friction,
+        t_gamma_N=patch.t_gamma_N,
+        frictional_power_W=scale * found.frictional_power,
+        slipping_share=share,
+        max_traction_MPa=traction,
+        max_slip_velocity_m_s=slip,
+        max_power_density_W_mm2=power,
+    )
+
+
+def _below(line: DepthProfile) -> BelowSummary:
     mises, shear = line.stresses.von_mises, line.stresses.tresca / 2.0
 
     def at(values: Floats) -> tuple[float, float]:
@@ -161,7 +226,7 @@ def summarise_spatial_wheelset(
             for side in SIDES
             for lateral, vertical in [result.force_on_wheel_N(side)]
         ],
-        patches=[patch_summary(patch) for patch in result.patches],
+        patches=[patch_summary(patch, result.yield_MPa, result.rolling_of(patch)) for patch in result.patches],
         rails=[RailMotionSummary(side, *result.head_motion(side)) for side in SIDES],
         timings_s=result.timings_s | {"total": total_s},
         case=dict(case),

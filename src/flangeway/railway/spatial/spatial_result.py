@@ -19,6 +19,7 @@ from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
+from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
 from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
@@ -52,6 +53,16 @@ class SpatialResult:
     def problem(self) -> WheelsetProblem:
         """Wheelset, track and load."""
         return self.wheelset.problem
+
+    @property
+    def yield_MPa(self) -> float | None:  # noqa: N802
+        """Yield strength: the one that was given, that of rail steel, or None for bodies that are not of steel."""
+        steel = all(STEEL_MPa[0] <= self.problem.material_of(role).young <= STEEL_MPa[1] for role in ROLES)
+        return self.problem.yield_MPa or (YIELD_MPa if steel else None)
+
+    def rolling_of(self, patch: SpatialPatch) -> RollingPatch | None:
+        """Return a patch with its creep forces, None without friction."""
+        return next((each for each in self.rolling if each.patch is patch), None)
 
     @property
     def approach_mm(self) -> float:

@@ -33,7 +33,8 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
     sections = [
         ("summary", "Summary", _summary(record, drawn[:1])),
         ("fields", "Fields", viewer),
-        ("pictures", "Pictures", "\n".join(_figure(*each) for each in drawn[1:])),
+        ("pictures", "Pictures", _figures(drawn[1:], "")),
+        *((name.lower(), name, _tables(each) + _figures(drawn, name)) for name, each in record.chapters.items()),
         ("numbers", "Numbers", _tables(tables) + _axes(record.axes)),
         ("assumptions", "Assumptions", _items([*record.notes, *record.assumptions])),
         ("inputs", "Inputs", _folded("All inputs with their values and meanings", _tables(record.inputs))),
@@ -81,6 +82,10 @@ def write_record(
 
 def _text(name: str) -> str:
     return (files("flangeway.report.page") / name).read_text(encoding="utf-8")
+
+
+def _figures(drawn: Drawn, chapter: str) -> str:
+    return "\n".join(_figure(*each) for each in drawn if each[0].chapter == chapter)
 
 
 def _summary(record: Record, first: Drawn) -> str:

@@ -23,6 +23,7 @@ class Picture:
     draw: Callable[[], Figure]
     alternative: str  # what it shows, for those who do not see it
     caption: str  # text below it
+    chapter: str = ""  # the section of the report that it is in, if not that of all pictures
 
 
 @dataclass(frozen=True)
@@ -58,6 +59,7 @@ class Record:
     scene: Callable[[], Scene] | None = None  # what the interactive picture shows
     pictures: Sequence[Picture] = ()  # the most important first
     tables: Sequence[SummaryTable] = ()  # further numbers
+    chapters: Mapping[str, Sequence[SummaryTable]] = field(default_factory=dict)  # sections of their own
     axes: Mapping[str, str] = field(default_factory=dict)  # meanings of axes and signs by name
     inputs: Sequence[SummaryTable] = ()  # tables of inputs
     timings_s: Mapping[str, float] = field(default_factory=dict)  # seconds of each stage

@@ -11,7 +11,7 @@ from matplotlib.patches import Patch
 
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_contact import RollingContact
-from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
+from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces, Rolling
 from flangeway.report.figures.drawing import INK, draw_title, new_figure
 from flangeway.report.figures.plots import COLOURS
 from flangeway.types import Floats
@@ -31,22 +31,25 @@ class ShownRolling:
     """One patch that rolls, drawn with a direction across to the right and z up.
 
     - `name`: of the patch.
-    - `found`: tractions, slip and states, of unit speed.
+    - `found`: creep forces.
+    - `contact`: its cells.
     - `speed_m_s`: speed of rolling.
     - `origin`: length along the first body's surface that is drawn at zero.
     - `sign`: 1 where rising lengths run to the left, else -1, as `flangeway.report.spatial.patch_map.PatchMap`.
     """
 
     name: str
-    found: Rolling | SimplifiedRolling
+    found: CreepForces
+    contact: RollingContact
     speed_m_s: float
     origin: float
     sign: float = 1.0
 
     @property
-    def contact(self) -> RollingContact:
-        """Cells, pressures and coefficients."""
-        return self.found.contact
+    def fields(self) -> Rolling | SimplifiedRolling:
+        """Tractions, slip and states, which only some theories have."""
+        assert isinstance(self.found, Rolling | SimplifiedRolling)
+        return self.found
 
     @property
     def edges(self) -> tuple[Floats, Floats]:
@@ -65,17 +68,17 @@ class ShownRolling:
     @property
     def tractions(self) -> Floats:
         """Tractions on the second body to the right and up, shape (n_cells, n_strips, 2)."""
-        return self.found.tractions * (-self.sign, 1.0)
+        return self.fields.tractions * (-self.sign, 1.0)
 
     @property
     def slip_m_s(self) -> Floats:
         """Slip velocity, shape (n_cells, n_strips)."""
-        return np.linalg.norm(self.found.slip_velocities, axis=2) * self._scale
+        return np.linalg.norm(self.fields.slip_velocities, axis=2) * self._scale
 
     @property
     def power_W_mm2(self) -> Floats:  # noqa: N802
         """Frictional power over area, MPa m/s = W/mm^2, shape (n_cells, n_strips)."""
-        return self.found.power_density * self._scale
+        return self.fields.power_density * self._scale
 
     @property
     def _scale(self) -> float:
@@ -97,7 +100,8 @@ def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])
             axes.set_aspect("equal", adjustable="box")
-            axes.locator_params(nbins=5)
+            axes.locator_params(axis="x", nbins=4)
+            axes.locator_params(axis="y", nbins=6)
         row[0].set_ylabel("z ahead in mm")
     for axes in panels[-1]:
         axes.set_xlabel("across in mm")
@@ -110,7 +114,7 @@ def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
 
 def _draw_states(axes: Axes, shown: ShownRolling) -> None:
     """Areas of stick and slip, with arrows of the tractions on the second body."""
-    states, edges = shown.found.states, shown.edges
+    states, edges = shown.fields.states, shown.edges
     drawn = np.ma.masked_equal(states, NO_CONTACT).T
     colours = ListedColormap([STICK, SLIP])
     axes.pcolormesh(*edges, drawn, cmap=colours, norm=Normalize(STICKS - 0.5, SLIPS + 0.5), rasterized=True)
@@ -133,7 +137,7 @@ def _draw_states(axes: Axes, shown: ShownRolling) -> None:
 
 
 def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, label: str) -> None:
-    drawn = np.where(shown.found.states != NO_CONTACT, values, np.nan)
+    drawn = np.where(shown.fields.states != NO_CONTACT, values, np.nan)
     scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
     mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
     axes.figure.colorbar(mesh, ax=axes, shrink=0.9, aspect=18, pad=0.02)

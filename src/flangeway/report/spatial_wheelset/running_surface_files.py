@@ -9,6 +9,8 @@ import numpy as np
 from flangeway.cases.summary import ENDINGS
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import WheelPatchSummary
+from flangeway.contact.rolling.fastsim import SimplifiedRolling
+from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.railway.spatial.side_contact import SideState
@@ -29,7 +31,9 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     """Write pressure and gap on the running surface of a rail, or where the wheel is opposite to it.
 
     The points are in the track's axes, z ahead of the axle: the rail's as it is bent, the wheel's in its place, both
-    without the indentation at the contact. The gap is nan where no wheel is opposite.
+    without the indentation at the contact. The gap is nan where no wheel is opposite. With friction also the tractions
+    on this body, the slip velocity of the wheel, the frictional power over the area, and the state: 0 no contact,
+    1 sticks, 2 slips.
     """
     state = result.equilibrium.state.sides[side]
     nodes, z, mesh = surface_mesh(state.cells)
@@ -42,10 +46,37 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     used, numbers = np.unique(corners[chosen], return_inverse=True)
     offsets = 4 * np.arange(chosen.sum() + 1, dtype=np.int32)
     mesh = PolyMesh(mesh.points[used], offsets, numbers.ravel().astype(np.int32))
-    gaps = np.where(opposite, state.gaps.ravel(), np.nan)
-    values = {"pressure_MPa": state.cells.pressures.ravel(), "gap_mm": gaps}
-    arrays = {key: np.repeat(each[chosen], 4) for key, each in values.items()}
+    gaps = np.where(opposite.reshape(state.gaps.shape), state.gaps, np.nan)
+    values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | _friction(result, side, role)
+    cells = {key: each.reshape(opposite.size, *each.shape[2:])[chosen] for key, each in values.items()}
+    arrays = {key: np.repeat(each, 4, axis=0) for key, each in cells.items()}
     write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
+
+
+def _friction(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
+    """Arrays of friction on the cells of a side, (n, n_z) or vectors (n, n_z, 3); none without it."""
+    state, total = result.equilibrium.state.sides[side], dict[str, Floats]()
+    # directions t (across) and z of the cells in the track's axes
+    axes = np.zeros((len(state.normals), 2, 3))
+    axes[:, 0, :2] = np.stack((-SIDE_SIGN[side] * state.normals[:, 1], state.normals[:, 0]), axis=1)
+    axes[:, 1, 2] = 1.0
+    for patch in result.rolling:
+        found = patch.forces
+        if not isinstance(found, Rolling | SimplifiedRolling):
+            continue
+        scale = patch.speed_m_s / abs(found.motion.speed)
+        for name, values in (
+            ("traction_MPa", (1.0 if role == "wheel" else -1.0) * found.tractions),
+            ("slip_velocity_m_s", scale * found.slip_velocities),
+            ("frictional_power_W_mm2", scale * found.power_density),
+            ("stick_slip_state", found.states.astype(np.float64)),
+        ):
+            here = patch.patch.side == side
+            whole = patch.on_side(values) if here else np.zeros((*state.forces.shape, *values.shape[2:]))
+            if values.ndim > 2:
+                whole = np.einsum("nma,nax->nmx", whole, axes)
+            total[name] = total.get(name, 0.0) + whole
+    return total
 
 
 def _corners(state: SideState, nodes: Floats, z: Floats) -> tuple[Floats, Floats, Bools]:
@@ -71,7 +102,8 @@ def below_table(run: SpatialWheelsetRun) -> str:
     """Return the stresses on the normals below the centres of pressure as CSV, a row for each depth."""
     rows: list[dict[str, object]] = []
     for patch, role in lines_below(run.result):
-        line = patch.below(role)
+        rolling = run.result.rolling_of(patch)
+        line = patch.below(role, None if rolling is None else rolling.tractions)
         where = {"side": patch.side, "region": patch.region, "body": role}
         columns = ResultTable({"depth_mm": line.depths, **line.stresses.by_name})
         rows += [{**where, **dict(zip(columns.columns, row, strict=True))} for row in columns.rows()]

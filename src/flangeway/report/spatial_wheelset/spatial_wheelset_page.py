@@ -14,6 +14,8 @@ from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, marked, number, table_across, with_whole
 from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
 from flangeway.report.spatial_wheelset.rails_along_track import rails_csv, rails_figure, rails_table
+from flangeway.report.spatial_wheelset.rolling_patches import AXES as ROLLING_AXES
+from flangeway.report.spatial_wheelset.rolling_patches import ROLLING, rolling_pictures, rolling_table
 from flangeway.report.spatial_wheelset.running_surface_files import (
     PARTS,
     below_table,
@@ -81,7 +83,7 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
 
 def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
     """Return what a run of a wheelset in three dimensions found."""
-    summary, problem = run.summary, run.result.problem
+    summary, problem, rolls = run.summary, run.result.problem, bool(run.result.rolling)
     return Record(
         name=run.case.name,
         title=run.case.title,
@@ -98,14 +100,15 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
         warnings=summary.warnings,
         assumptions=summary.assumptions,
         scene=lambda: pressure_scene(run),
-        pictures=_pictures(run),
+        pictures=[*_pictures(run), *rolling_pictures(run)],
+        chapters={"Rolling": [rolling_table(summary)]} if rolls else {},
         tables=[
             patches_numbers(summary),
             _position_table(summary),
             _rails_table(summary),
             *([rails_table(run)] if run.result.rails else []),
         ],
-        axes=AXES,
+        axes=AXES | (ROLLING_AXES if rolls else {}),
         inputs=inputs_tables(run.case),
         timings_s=summary.timings_s,
         files=lambda: _files(run),
@@ -157,6 +160,7 @@ PATCH: tuple[Column, ...] = (
     ("von Mises{, MPa|: depth, mm}", lambda p: _at(p, "max_von_mises"), ".0f|.2f"),
 )
 FURTHER: tuple[Column, ...] = (
+    ("maximum pressure over the shear strength", "pressure_over_shear_strength", ".2f"),
     ("y on the rail, mm", lambda p: p.rail_position_mm[1], "z.2f"),
     ("y on the wheel, mm", lambda p: p.wheel_position_mm[1], "z.2f"),
     ("maximum shear{, MPa|: depth, mm}", lambda p: _at(p, "max_shear"), ".0f|.2f"),
@@ -188,7 +192,12 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
         "vertical position, mm": f"{position.vertical_mm:z.4f}",
         "roll, mrad": f"{1e3 * position.roll_rad:z.3f}",
     }
-    table = table_across("Results", [f"{p.side} {p.region}" for p in patches], patches, PATCH)
+    table = table_across(
+        "Results",
+        [f"{p.side} {p.region}" for p in patches],
+        patches,
+        (*PATCH, *(ROLLING if any(p.rolling for p in patches) else ())),
+    )
     return with_whole(table, whole, [p.side for p in patches], {"L/V": sides, "gauge face outwards, mm": gauge})
 
 

@@ -193,7 +193,8 @@ def depths_figure(run: SpatialWheelsetRun) -> Figure:
     panels = rows.ravel()
     several = len({role for _, role in lines}) > 1
     for axes, (patch, role) in zip(panels, lines, strict=False):
-        draw_depths(axes, patch.below(role))
+        rolling = run.result.rolling_of(patch)
+        draw_depths(axes, patch.below(role, None if rolling is None else rolling.tractions))
         where = patch_name(patch, run.result.patches)
         axes.set_title((f"{role}: {where}" if several else where).capitalize(), fontsize=10)
         axes.set(xlabel="stress in MPa", ylabel="depth in mm")

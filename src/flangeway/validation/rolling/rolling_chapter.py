@@ -59,7 +59,7 @@ def curves_figure(found: RollingReproduction) -> Figure:
 
 def tractions_figure(found: RollingReproduction) -> Figure:
     """Draw stick, slip and tractions, slip velocity and frictional power under lateral creepage and spin."""
-    return rolling_figure([ShownRolling("CONTACT's ellipse", found.shown, 1.0, 0.0)])
+    return rolling_figure([ShownRolling("CONTACT's ellipse", found.shown, found.shown.contact, 1.0, 0.0)])
 
 
 def _tables(found: RollingReproduction) -> Sequence[SummaryTable]:

@@ -117,6 +117,20 @@ class RollingPatch:
         first = int(np.argmin(np.abs(self.patch.state.grid.grid.cells[:, 0] - self.contact.grid.bounds[0])))
         return slice(first, first + len(self.contact.grid.widths))
 
+    def on_side(self, values: Floats) -> Floats:
+        """Values (n_cells, n_strips, ...) of the patch's cells on all cells of the side, 0 elsewhere."""
+        grid = self.patch.state.grid.grid
+        first = int(np.argmin(np.abs(grid.z - self.contact.grid.along[0])))
+        whole = np.zeros((len(grid.cells), len(grid.z), *values.shape[2:]))
+        whole[self.rows, first : first + values.shape[1]] = values
+        return whole
+
+    @cached_property
+    def tractions(self) -> Floats | None:
+        """Tractions (t, z) of friction on the wheel's cells of the side, (n, n_z, 2); None: the theory has none."""
+        found = self.forces
+        return self.on_side(found.tractions) if isinstance(found, Rolling | SimplifiedRolling) else None
+
     @cached_property
     def _side_force(self) -> Floats:
         """Creep force on the wheel in the right-hand form of the side."""
