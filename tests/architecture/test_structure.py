@@ -29,17 +29,17 @@ MAX_LINES = {
     "railway.rigid": 1920,
     "railway.wheelset": 1765,
     "railway.positions": 2500,
-    "railway.spatial": 2810,
-    "cases": 6720,
+    "railway.spatial": 2835,
+    "cases": 6790,
     "campaign": 1880,
-    "report": 7530,
+    "report": 7690,
     "validation": 6800,
     "cli": 1140,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 61_130
-MAX_FILES_OF_ALL = 330
+MAX_LINES_OF_ALL = 61_385
+MAX_FILES_OF_ALL = 331
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
