@@ -47,8 +47,14 @@ This is our reading of the licences; it is not legal advice.
 """
 
 
+NOT_IN_METADATA = {"fmpy": "BSD-2-Clause"}
+"""From the file of the licence."""
+
+
 def licence(name: str) -> str:
     """Return what the metadata of an installed package says of its licence."""
+    if name in NOT_IN_METADATA:
+        return NOT_IN_METADATA[name]
     fields = metadata(name)
     if "License-Expression" in fields:
         return fields["License-Expression"]

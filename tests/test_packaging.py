@@ -87,8 +87,8 @@ def test_the_version_has_one_place():
 
 
 def test_optional_groups_are_few():
-    """There are at most three optional groups of packages."""
-    assert len(PROJECT["optional-dependencies"]) <= 3
+    """There are at most four optional groups of packages."""
+    assert len(PROJECT["optional-dependencies"]) <= 4
 
 
 @pytest.mark.parametrize("requirement", REQUIREMENTS)

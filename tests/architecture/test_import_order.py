@@ -31,6 +31,7 @@ ORDER = (
     "railway.spatial",
     "cases",
     "campaign",
+    "tables",
     "report",
     "validation",
     "cli",

@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2220,
     "solve": 3090,
-    "contact": 6255,
+    "contact": 6290,
     "post": 1960,
     "railway.profiles": 3375,
     "railway.track": 570,
@@ -32,14 +32,15 @@ MAX_LINES = {
     "railway.spatial": 2835,
     "cases": 6790,
     "campaign": 1880,
+    "tables": 1426,
     "report": 7690,
     "validation": 6800,
-    "cli": 1140,
+    "cli": 1230,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 61_385
-MAX_FILES_OF_ALL = 331
+MAX_LINES_OF_ALL = 62_936
+MAX_FILES_OF_ALL = 339
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

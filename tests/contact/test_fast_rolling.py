@@ -1,5 +1,7 @@
 """Fast theories of rolling: creep coefficients, linear theory, Polach's formula, FASTSIM and FaStrip."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from flangeway.contact.rolling.creep_coefficients import creep_coefficients
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import linear_theory, polach
-from flangeway.contact.rolling.fastsim import fastrip, fastsim
+from flangeway.contact.rolling.fastsim import fastrip, fastsim, fastsim_forces
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces
@@ -181,3 +183,12 @@ def test_the_origin_moves_moments_but_not_the_motion() -> None:
         first, second = theory(plain, motion), theory(moved, other)
         np.testing.assert_allclose(values(first)[:2], values(second)[:2], rtol=1e-3)
         assert second.t_gamma == pytest.approx(first.t_gamma, rel=1e-3)
+
+
+def test_many_creepages_at_once_have_the_forces_of_each() -> None:
+    """`fastsim_forces` is `fastsim` with Hertz's limit, also about another origin than the centre of pressure."""
+    contact = replace(ellipse(6.0, 3.5), origin=(0.4, -0.7))
+    creepages = np.random.default_rng(2).normal(size=(12, 3)) * [2e-3, 2e-3, 5e-4]
+    each = [fastsim(contact, Creepages(*motion), parabolic=False) for motion in creepages.tolist()]
+    found = fastsim_forces(contact, creepages) / (MU * FORCE)
+    np.testing.assert_allclose(found, [values(one) for one in each], atol=1e-12)

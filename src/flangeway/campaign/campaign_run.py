@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from flangeway.campaign.campaign import Campaign, Row
-from flangeway.campaign.chunk import Chunk, Lost, Outcome, Workers
+from flangeway.campaign.chunk import Chunk, Lost, Outcome, Workers, compute
 from flangeway.campaign.columns import RowResult
 from flangeway.campaign.database import WAITING, CampaignDatabase
 from flangeway.campaign.workers import ClusterWorkers, LocalWorkers
@@ -98,7 +98,9 @@ def run_campaign(
         run = _Run(campaign, store, progress)
         if run.chunks:
             n_workers = min(workers if workers is not None else number_of_cores(), len(run.chunks))
-            with closing(_Stopped(ClusterWorkers(scheduler) if scheduler else LocalWorkers(n_workers))) as held:
+            with closing(
+                _Stopped(ClusterWorkers(scheduler) if scheduler else LocalWorkers(n_workers, compute))
+            ) as held:
                 run.go(held.workers)
         return run.report()
 

@@ -5,17 +5,20 @@ import multiprocessing
 import os
 import signal
 import threading
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection, wait
 from multiprocessing.process import BaseProcess
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from flangeway.campaign.chunk import Chunk, Lost, Outcome, compute
 from flangeway.errors import FlangewayError, InputError, MissingLibraryError
 from flangeway.system.operating_system import interrupts_blocked, worker_start_method
+
+Work = TypeVar("Work")
+Found = TypeVar("Found")
 
 READY = "ready"
 # read when NumPy and the core are imported: one thread each, or processes wait for each other's
@@ -28,28 +31,30 @@ MOST_FAILED_STARTS = 3
 
 
 @dataclass(eq=False)
-class _Worker:
+class _Worker(Generic[Work]):
     """A process, the connection to it, and its chunk."""
 
     process: BaseProcess
     line: Connection
     ready: bool = False
-    chunk: Chunk | None = None
+    chunk: Work | None = None
 
 
-class LocalWorkers:
+class LocalWorkers(Generic[Work, Found]):
     """Processes of this machine, each with its own connection.
 
     So it is known which chunk a process computed that died. The processes end when this one does, however it ends.
 
     - `n_workers`: how many, one or more.
+    - `compute`: what they do with a chunk, a function of a module.
     """
 
-    def __init__(self, n_workers: int) -> None:
+    def __init__(self, n_workers: int, compute: Callable[[Work], Found]) -> None:
+        self._compute = compute
         # forks of a fresh process that has imported what is needed: nothing of this one comes along, and a new worker
         # is there at once
         self._context: Any = multiprocessing.get_context(worker_start_method())
-        self._workers: list[_Worker] = []
+        self._workers: list[_Worker[Work]] = []
         self._failed_starts = 0
         if worker_start_method() == "forkserver":
             self._context.set_forkserver_preload([compute.__module__])
@@ -66,16 +71,16 @@ class LocalWorkers:
         """See `Workers`."""
         return sum(worker.ready and worker.chunk is None for worker in self._workers)
 
-    def start(self, chunk: Chunk) -> None:
+    def start(self, chunk: Work) -> None:
         """See `Workers`."""
         worker = next(worker for worker in self._workers if worker.ready and worker.chunk is None)
         worker.chunk = chunk
         with suppress(OSError):  # it has ended: reported by `finished`
             worker.line.send(chunk)
 
-    def finished(self, seconds: float) -> list[tuple[Chunk, Outcome | Lost]]:
+    def finished(self, seconds: float) -> list[tuple[Work, Found | Lost]]:
         """See `Workers`."""
-        found: list[tuple[Chunk, Outcome | Lost]] = []
+        found: list[tuple[Work, Found | Lost]] = []
         waiting = {worker.line: worker for worker in self._workers}
         for line in wait(list(waiting), timeout=seconds):
             worker = waiting[line]  # type: ignore[index]
@@ -102,15 +107,15 @@ class LocalWorkers:
             worker.process.join(STOP_S)
         self._workers.clear()
 
-    def _new(self) -> _Worker:
+    def _new(self) -> _Worker[Work]:
         mine, its = self._context.Pipe()
-        process = self._context.Process(target=_serve, args=(its,), daemon=True)
+        process = self._context.Process(target=_serve, args=(its, self._compute), daemon=True)
         with _environment():
             process.start()
         its.close()  # else it would stay open when the process dies
         return _Worker(process, mine)
 
-    def _replaced(self, worker: _Worker) -> Iterator[tuple[Chunk, Outcome | Lost]]:
+    def _replaced(self, worker: _Worker[Work]) -> Iterator[tuple[Work, Lost]]:
         """Replace a process that ended, and return its chunk as lost."""
         worker.line.close()
         worker.process.join()
@@ -146,7 +151,7 @@ def _environment() -> Iterator[None]:
             os.environ.pop(name, None)
 
 
-def _serve(line: "Connection[Any, Any]") -> None:
+def _serve(line: "Connection[Any, Any]", compute: Callable[[Any], Any]) -> None:
     """Compute what comes over the line until it ends; the life of a worker."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the coordinator
     threading.Thread(target=_end_with_parent, daemon=True).start()

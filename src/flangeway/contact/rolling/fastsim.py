@@ -78,6 +78,12 @@ class _Strips:
         x = half[:, None] * np.cos(np.pi * np.arange(n_steps + 1) / n_steps)
         return cls(inside, y, contact.grid.widths[inside], half, x)
 
+    def pressures(self, ellipse: EllipticContact, *, parabolic: bool) -> Floats:
+        """Pressures at the nodes, shape (n_steps + 1, n)."""
+        share = np.maximum(1.0 - (self.x.T / ellipse.along) ** 2 - (self.y / ellipse.across) ** 2, 0.0)
+        share = share * 2.0 if parabolic else np.sqrt(share) * 1.5
+        return ellipse.force / (np.pi * ellipse.along * ellipse.across) * share
+
     def resultants(self, tractions: Floats) -> tuple[float, float, float]:
         """Forces along x and y, and the moment about z, of tractions (2, n, n_steps + 1) that are 0 at both ends."""
         forces = tractions[:, :, 1:-1] * (self.widths[:, None] * (self.x[:, :-2] - self.x[:, 2:]) / 2.0)
@@ -116,6 +122,29 @@ def fastsim(
     strips = _Strips.of(contact, ellipse, n_steps or max(STEPS, contact.grid.n_strips))
     tractions, slips, slipping = _simplified(contact, motion, ellipse, strips, flexibilities, parabolic=parabolic)
     return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, slipping))
+
+
+def fastsim_forces(contact: RollingContact, creepages: Floats) -> Floats:
+    """Forces along and across and moments of `fastsim` under Hertz's limit, at many creepages at once, (n, 3) both.
+
+    Rolling to +z; friction has its static coefficient.
+    """
+    ellipse = EllipticContact.of(contact, Creepages())
+    strips = _Strips.of(contact, ellipse, STEPS)
+    (s0, z0), flexibilities = ellipse.centre, _flexibilities(ellipse)
+    along, across, spin = (each[:, None] for each in np.asarray(creepages).T)
+    steps, x = -np.diff(strips.x, axis=1).T, ((strips.x[:, 1:] + strips.x[:, :-1]) / 2.0).T[:, None]
+    change = np.empty((len(steps), 2, len(along), len(strips.y)))
+    change[:, 0] = (along + spin * s0) / flexibilities[0] + spin * strips.y / flexibilities[2]
+    change[:, 1] = (across - spin * z0) / flexibilities[1] - spin * x / flexibilities[2]
+    mu = np.broadcast_to(contact.friction.limits[0], strips.inside.shape)[strips.inside]
+    tractions, _ = _marched(change * steps[:, None, None], mu * strips.pressures(ellipse, parabolic=False))
+    # F_cm = sum over steps and strips of tractions (n_steps + 1, 2, m, n) and areas
+    areas = (strips.x[:, :-2] - strips.x[:, 2:]).T * strips.widths / 2.0
+    forces = tractions[1:-1] * areas[:, None, None]
+    moment = np.sum(strips.x.T[1:-1, None] * forces[:, 1] - strips.y * forces[:, 0], axis=(0, 2))
+    ahead, sideways = forces.sum(axis=(0, 3))
+    return np.stack((ahead, sideways, s0 * ahead - z0 * sideways - moment), axis=1)
 
 
 def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None = None) -> SimplifiedRolling:
@@ -170,20 +199,14 @@ def _simplified(
     parabolic: bool,
 ) -> tuple[Floats, Floats, Bools]:
     """Tractions and slip (2, n, n_steps + 1) over the distance rolled, and which nodes slip."""
-    c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
-    if flexibilities is None:
-        unit = a / ellipse.shear
-        spinning = np.pi * np.sqrt(a / b) / (4.0 * c.c23)
-        flexibilities = 8.0 * unit / (3.0 * c.c11), 8.0 * unit / (3.0 * c.c22), float(spinning) * unit
+    flexibilities = flexibilities or _flexibilities(ellipse)
     flexible = np.array(flexibilities[:2])[:, None]
     middles = (strips.x[:, 1:] + strips.x[:, :-1]) / 2.0
     ratio = flexible[:, 0] / flexibilities[2]
     rigid = np.empty((middles.shape[1], 2, len(strips.y)))
     rigid[:, 0] = ellipse.xi - ratio[0] * ellipse.phi * strips.y
     rigid[:, 1] = ellipse.eta + ratio[1] * ellipse.phi * middles.T
-    share = 1.0 - (strips.x.T / a) ** 2 - (strips.y / b) ** 2
-    share = np.maximum(share, 0.0) * 2.0 if parabolic else np.sqrt(np.maximum(share, 0.0)) * 1.5
-    pressures = ellipse.force / (np.pi * a * b) * share
+    pressures = strips.pressures(ellipse, parabolic=parabolic)
     steps = -np.diff(strips.x, axis=1).T[:, None]
     change = rigid * steps / flexible
     static, kinetic = (np.broadcast_to(each, strips.inside.shape)[strips.inside] for each in contact.friction.limits)
@@ -191,14 +214,7 @@ def _simplified(
     moved, passes = np.inf, 0
     while moved > PASS_CHANGE and passes < MOST_PASSES:
         passes += 1
-        limits = coefficients * pressures
-        tractions, slips = np.zeros((len(limits), 2, len(strips.y))), np.zeros((len(limits), 2, len(strips.y)))
-        last = tractions[0]
-        for number in range(1, len(limits)):
-            trial = last - change[number - 1]
-            length = np.sqrt(trial[0] ** 2 + trial[1] ** 2)
-            last = trial * np.minimum(limits[number] / np.maximum(length, 1e-300), 1.0)
-            tractions[number], slips[number] = last, last - trial
+        tractions, slips = _marched(change, coefficients * pressures)
         if contact.friction.constant:
             break
         speed = abs(motion.speed) * np.linalg.norm(_over_distance(slips, flexible, steps), axis=1)
@@ -208,6 +224,26 @@ def _simplified(
         moved, coefficients = float(np.abs(new - coefficients).max()), new
     slipping = (slips != 0.0).any(axis=1)
     return tractions.transpose(1, 2, 0), _over_distance(slips, flexible, steps).transpose(1, 2, 0), slipping.T
+
+
+def _marched(change: Floats, limits: Floats) -> tuple[Floats, Floats]:
+    """Tractions and what slips of them, from the leading edge; changes of elastic tractions (n_steps, 2, ..., n)."""
+    tractions, slips = (np.zeros((len(limits), *change.shape[1:])) for _ in range(2))
+    last = tractions[0]
+    for number in range(1, len(limits)):
+        trial = last - change[number - 1]
+        length = np.sqrt(trial[0] ** 2 + trial[1] ** 2)
+        last = trial * np.minimum(limits[number] / np.maximum(length, 1e-300), 1.0)
+        tractions[number], slips[number] = last, last - trial
+    return tractions, slips
+
+
+def _flexibilities(ellipse: EllipticContact) -> tuple[float, float, float]:
+    """Those with the forces of linear theory."""
+    c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
+    unit = a / ellipse.shear
+    spinning = float(np.pi * np.sqrt(a / b) / (4.0 * c.c23))
+    return 8.0 * unit / (3.0 * c.c11), 8.0 * unit / (3.0 * c.c22), spinning * unit
 
 
 def _over_distance(slips: Floats, flexible: Floats, steps: Floats) -> Floats:

@@ -1,0 +1,90 @@
+"""``flangeway creep-table``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from flangeway.cli.app import app
+from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, settings_of, stdout
+from flangeway.errors import InputError
+
+TableCase = Annotated[
+    str, typer.Argument(metavar="[CASE_OR_FILE]", help="wheelset, or a case file of a wheelset in three dimensions.")
+]
+TableSet = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="An input of the case, as often as needed: rail, wheel, ..."),
+]
+Lateral = Annotated[
+    str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")
+]
+Yaw = Annotated[str, typer.Option("--yaw", metavar="VALUES", help="Yaw in mrad, as --lateral.")]
+Load = Annotated[str, typer.Option("--load", metavar="VALUES", help="Axle loads in kN, as --lateral.")]
+Tolerance = Annotated[
+    float, typer.Option("--tolerance", metavar="SHARE", help="Error over the limit of friction to refine up to.")
+]
+TableWorkers = Annotated[
+    int | None,
+    typer.Option("--workers", metavar="N", help="Processes; as many as cores if left out.", show_default=False),
+]
+WithFmu = Annotated[bool, typer.Option("--fmu", help="Write an FMU too; needs the optional group fmu.")]
+
+MOST_VALUES = 10_000
+
+
+@app.command("creep-table")
+def creep_table(
+    case: TableCase = "wheelset",
+    set_: TableSet = None,
+    lateral: Lateral = "-6:6:1",
+    yaw: Yaw = "0",
+    load: Load = "200",
+    tolerance: Tolerance = 0.05,
+    workers: TableWorkers = None,
+    fmu: WithFmu = False,
+    out: Out = None,
+) -> None:
+    """Tabulate creep forces for multibody programs: npz, CSV and FMU (out/creep-table-CASE)."""
+    with errors_as_exit_status():
+        from flangeway.cases.case_file import read_case  # noqa: PLC0415
+        from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
+        from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+        from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
+        from flangeway.tables.table_outputs import NAMES, print_table, refuse_without_fmu, write_table  # noqa: PLC0415
+
+        wanted = read_case(case, settings_of(set_, "a wrong key lists the right ones"))
+        if not isinstance(wanted, SpatialWheelsetCase):
+            raise InputError(f"a table of {wanted.name}", "a case wheelset", "give wheelset, or a case file of one")
+        axes = values_of(lateral, "--lateral"), values_of(yaw, "--yaw"), values_of(load, "--load")
+        request = TableRequest(wanted, *axes, tolerance)
+        if fmu:
+            refuse_without_fmu()
+        folder = out or Path("out", f"creep-table-{Path(case).stem}")
+        refuse_unwritable(folder, NAMES)
+        with progress_shown() as progress:
+            table = make_table(request, workers=workers, progress=progress)
+            progress("writing the files")
+            files = write_table(table, folder, fmu=fmu)
+        print_table(stdout(), table, files)
+        raise typer.Exit(DONE if table.metadata["checks"]["within_tolerance"] else FAILED)
+
+
+def values_of(text: str, option: str) -> list[float]:
+    """Numbers of ``FROM:TO:STEP`` or ``A,B,C``; an `InputError` for what is neither."""
+    parts = text.split(":")
+    try:
+        numbers = [float(each) for each in (parts if len(parts) == 3 else text.split(","))]
+        if len(parts) != 3:
+            return numbers
+        low, high, step = numbers
+        count = round((high - low) / step)
+        if not 0 < count < MOST_VALUES or abs(low + count * step - high) > 1e-9 * abs(step):
+            raise ValueError
+    except (ValueError, ZeroDivisionError, OverflowError):
+        raise InputError(
+            f"{option} {text}",
+            "FROM:TO:STEP with a step that leads from one to the other, or numbers with commas: -6:6:1, or 150,200",
+            f"correct it; a negative number needs an equals sign: {option}=-6:6:1",
+        ) from None
+    return [round(low + number * step, 9) for number in range(count + 1)]

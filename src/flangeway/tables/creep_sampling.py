@@ -1,0 +1,214 @@
+"""Creep forces of one patch over all creepages: computed at some, filled between them, and checked at others."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import RegularGridInterpolator
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import derivatives, roll
+from flangeway.contact.rolling.fastsim import fastsim_forces
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.tables.creep_table import SATURATED, interpolated
+from flangeway.types import Floats
+
+PADDING = 3
+
+
+SLIPS: Floats = np.array([0.0, 0.12, 0.24, 0.34, 0.42, 0.5, 0.6, 0.7, 0.82, 1.0])
+"""Reduced sizes of creepages: 0 is linear theory, at 1 everything slides."""
+ANGLES = 24
+"""Intervals of 180 degrees of both angles in a table."""
+DIRECTIONS = (6, 12, 24)
+"""Intervals between exact solutions, from coarse to fine: 248, 1,064 and 4,424 of these for each patch."""
+CREEPS: Floats = np.linspace(0.0, np.pi, ANGLES + 1)
+AXES = (SLIPS, CREEPS - np.pi / 2.0, CREEPS)
+"""Axes of a table: slip, angle of spin, angle of creepage."""
+
+
+@dataclass(frozen=True, eq=False)
+class SampledPatch:
+    """A patch with reduced creepages: over those at which linear theory reaches the limit of friction.
+
+    Where its bodies are coupled, a table leaves out displacements along the normals by friction and along the surface
+    by pressures: forces over the limit of friction are then functions of creepages over it, and odd. Checks have them.
+
+    - `bodies`: the patch.
+    """
+
+    bodies: RollingContact
+
+    @cached_property
+    def contact(self) -> RollingContact:
+        """The patch without that coupling."""
+        if not self.bodies.coupled:
+            return self.bodies
+        normal = np.arange(3 * len(self.bodies.grid.widths)) % 3 == 1
+        coefficients = self.bodies.coefficients * (normal == normal[:, None])
+        return replace(self.bodies, coefficients=coefficients, pressed=None)
+
+    @cached_property
+    def slopes(self) -> Floats:
+        """Derivatives of (along, across, moment) by (along, across, spin) of a patch that sticks, (3, 3)."""
+        return derivatives(roll(self.contact, Creepages()))
+
+    @cached_property
+    def limit(self) -> float:
+        """Limit of friction."""
+        return float((self.contact.friction.limits[0][:, None] * self.contact.normal_forces).sum())
+
+    @cached_property
+    def radius(self) -> float:
+        """Radius of gyration of the normal forces."""
+        s, z = self.contact.places
+        forces = self.contact.normal_forces
+        return float(np.sqrt((forces.sum(axis=1) @ s**2 + forces.sum(axis=0) @ z**2) / forces.sum()))
+
+    @cached_property
+    def stiffness(self) -> Floats:
+        """Loss of force by longitudinal and by lateral creepage, (2,)."""
+        return -np.diag(self.slopes)[:2]
+
+    @cached_property
+    def _scale(self) -> Floats:
+        """Reduced creepages over creepages."""
+        return np.append(self.stiffness, self.stiffness[1] * self.radius) / self.limit
+
+    def direction(self, spin: float, creep: float) -> Floats:
+        """Creepages of unit size."""
+        unit = np.array([np.cos(spin) * np.cos(creep), np.cos(spin) * np.sin(creep), np.sin(spin)])
+        return unit / self._scale
+
+    def motion(self, slip: float, spin: float, creep: float) -> Creepages:
+        """Creepages of reduced ones, slip below 1."""
+        return Creepages(*(SATURATED * slip / (1.0 - slip) * self.direction(spin, creep)).tolist())
+
+    def over_limit(self, found: CreepForces) -> Floats:
+        """Forces over the limit of friction, the moment also over the radius."""
+        return np.array([found.along, found.across, found.moment / self.radius]) / self.limit
+
+    def linear(self, spin: float, creep: float) -> Floats:
+        """Forces over slip where it vanishes."""
+        forces = SATURATED * (self.slopes @ self.direction(spin, creep)) / self.limit
+        return forces / np.array([1.0, 1.0, self.radius])
+
+    def sliding(self, spin: float, creep: float) -> Floats:
+        """Forces where everything slides."""
+        s, z = self.contact.places
+        slip = Creepages(*self.direction(spin, creep).tolist()).rigid(s, z)
+        size = np.maximum(np.linalg.norm(slip, axis=1, keepdims=True), np.finfo(float).tiny)
+        limits = self.contact.friction.limits[0][:, None] * self.contact.normal_forces
+        forces = -slip / size * limits[:, None]
+        moment = np.sum(s[:, None] * forces[:, 1]) - np.sum(z * forces[:, 0])
+        return np.array([forces[:, 1].sum(), forces[:, 0].sum(), moment / self.radius]) / self.limit
+
+    def simplified(self, slips: Floats, spins: Floats, creeps: Floats) -> Floats:
+        """Forces over slip by FASTSIM at all combinations, exactly at both ends of slip, shape (..., 3)."""
+        ends = [np.array([[by(a, b) for b in creeps] for a in spins]) for by in (self.linear, self.sliding)]
+        unit = np.array([[self.direction(a, b) for b in creeps] for a in spins])
+        inner: list[Floats] = []
+        for slip in slips[1:-1].tolist():
+            creepages = SATURATED * slip / (1.0 - slip) * unit.reshape(-1, 3)
+            forces = fastsim_forces(self.contact, creepages) / [1.0, 1.0, self.radius] / (slip * self.limit)
+            inner.append(forces.reshape(unit.shape))
+        return np.stack((ends[0], *inner, ends[1]))
+
+    def exact(self, slip: float, spin: float, creep: float, start: Rolling | None = None) -> Rolling:
+        """The exact theory, from a neighbouring result and, where it does not converge from there, without one."""
+        found = roll(self.contact, self.motion(slip, spin, creep), start=start)
+        if start is not None and not found.status.converged:
+            return roll(self.contact, found.motion)
+        return found
+
+    def coupled(self, slip: float, spin: float, creep: float) -> Rolling:
+        """The exact theory with the coupling of the bodies."""
+        return roll(self.bodies, self.motion(slip, spin, creep))
+
+
+@dataclass(frozen=True, eq=False)
+class SampledForces:
+    """Forces of a patch over those of friction and over slip, at the points of its axes.
+
+    - `forces`: (slips, spin angles, creep angles, 3).
+    - `n_exact`, `n_failed`: exact solutions, and those that did not converge.
+    """
+
+    forces: Floats
+    n_exact: int
+    n_failed: int
+
+
+def sample(patch: SampledPatch, directions: int, axes: tuple[Floats, Floats, Floats] = AXES) -> SampledForces:
+    """Forces at all points of a table: exact ones less FASTSIM's are interpolated by cubics, FASTSIM's added again.
+
+    - `directions`: intervals of both angles between exact solutions; even, and a divisor of those of the table.
+    """
+    slips, spins, creeps = axes
+    step = (len(spins) - 1) // directions
+    simple = patch.simplified(slips, spins, creeps)
+    missing = np.zeros((len(slips), directions + 1, directions + 1, 3))
+    n_exact = n_failed = 0
+    for row, spin in enumerate(spins[::step].tolist()):
+        for column, creep in enumerate(creeps[:-step:step].tolist()):
+            pole = abs(row - directions / 2) == directions / 2
+            if pole and column:  # pure spin, whatever the other angle
+                missing[:, row, column] = missing[:, row, 0]
+                continue
+            if pole and not row:
+                continue
+            last = None
+            for place, slip in enumerate(slips[1:-1].tolist(), 1):
+                last = patch.exact(slip, spin, creep, last)
+                n_exact, n_failed = n_exact + 1, n_failed + (not last.status.converged)
+                missing[place, row, column] = patch.over_limit(last) / slip - simple[place, step * row, step * column]
+    missing[:, 0] = -missing[:, -1, :1]
+    # forces are opposite at opposite creepages
+    missing[:, :, -1] = -missing[:, ::-1, 0]
+    found = simple + _between(missing, (spins[::step], creeps[::step]), (spins, creeps))
+    return SampledForces(found, n_exact, n_failed)
+
+
+def _between(values: Floats, coarse: tuple[Floats, Floats], fine: tuple[Floats, Floats]) -> Floats:
+    """Cubics in both angles, which go on over the poles and around: (slips, spin angles, creep angles, 3)."""
+    around = np.concatenate((values[:, :, :-1], -values[:, ::-1, :-1]), axis=2)
+    n = around.shape[2]
+    low, high = (np.roll(part, n // 2, axis=2) for part in (around[:, PADDING:0:-1], around[:, -2 : -PADDING - 2 : -1]))
+    whole = np.concatenate((low, around, high), axis=1)
+    whole = np.concatenate((whole[:, :, -PADDING:], whole, whole[:, :, : n // 2 + PADDING + 1]), axis=2)
+    step = float(coarse[0][1] - coarse[0][0])
+    spins = coarse[0][0] + step * (np.arange(whole.shape[1]) - PADDING)
+    creeps = step * (np.arange(whole.shape[2]) - PADDING)
+    surface = RegularGridInterpolator((spins, creeps), np.moveaxis(whole, 0, 2), method="cubic")
+    return np.moveaxis(surface(np.stack(np.meshgrid(*fine, indexing="ij"), axis=-1)), 2, 0)
+
+
+@dataclass(frozen=True, eq=False)
+class CreepErrors:
+    """Errors of a table at points between its own, over the limit of friction.
+
+    - `points`: slip, angle of spin, angle of creepage, (n, 3).
+    - `force`, `moment`: sizes of the errors of the force, and of the moment over the radius, (n,).
+    """
+
+    points: Floats
+    force: Floats
+    moment: Floats
+
+
+def random_points(number: int, random: np.random.Generator) -> Floats:
+    """Reduced creepages, even over slip and over all directions: (n, 3)."""
+    unit = random.normal(size=(number, 3))
+    unit /= np.linalg.norm(unit, axis=1, keepdims=True)
+    creep = np.arctan2(unit[:, 1], unit[:, 0])
+    return np.stack((random.uniform(0.0, 1.0, number), np.arcsin(unit[:, 2]), creep), axis=1)
+
+
+def check(
+    patch: SampledPatch, found: SampledForces, points: Floats, axes: tuple[Floats, Floats, Floats] = AXES
+) -> CreepErrors:
+    """Compare with exact solutions at reduced creepages (n, 3)."""
+    exact = np.array([patch.over_limit(patch.coupled(*point)) for point in points.tolist()]).reshape(-1, 3)
+    error = interpolated(found.forces, (), axes, tuple(points.T)) - exact
+    return CreepErrors(points, np.hypot(error[:, 0], error[:, 1]), np.abs(error[:, 2]))

@@ -1,0 +1,357 @@
+"""Reads a table of creep forces: contact and creep forces of a wheelset at any position and any creepages.
+
+This file needs NumPy only, so that it also runs inside an FMU and beside other programs. Units: mm, mrad, kN for the
+axle load, N, N mm. Axes of forces are those of each patch; see the README that is written beside every table.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+try:
+    from flangeway.errors import InputError
+except ImportError:  # outside of flangeway
+    InputError = ValueError  # type: ignore[misc, assignment]
+
+Floats = NDArray[np.float64]
+
+SIDES = ("left", "right")
+MIRROR = np.array([-1.0, 1.0])
+"""From a side's right-hand form to the axes of the track: factor on x of left and right."""
+SATURATED = 2.0
+"""Reduced creepage at which the axis of slip is at 0.5."""
+FORMAT = 1
+AXES = ("lateral_mm", "yaw_mrad", "load_kN")
+OF_PATCH = {
+    "normal_force_N": 0,
+    "contact_angle_rad": 0,
+    "rolling_radius_mm": 0,
+    "position_mm": 1,
+    "rail_point_mm": 1,
+    "wheel_point_mm": 1,
+    "semi_axes_mm": 1,
+    "max_pressure_MPa": 0,
+    "stiffness_N": 1,
+    "radius_mm": 0,
+}
+"""Numbers of a patch that are interpolated, and their further dimensions."""
+TINY = 1e-300
+
+
+def reduced(creepages: Floats, stiffness: Floats, radius: Floats, limit: Floats) -> tuple[Floats, Floats, Floats]:
+    """Slip from 0 to 1, angle of spin from -pi/2 to pi/2 and angle of creepage, each (...).
+
+    - `creepages`: longitudinal, lateral, spin, (..., 3); `stiffness`: -dF/d creepage at 0, both, (..., 2).
+    - `radius`: of spin, (...); `limit`: friction times normal force, (...).
+    """
+    ahead = stiffness[..., 0] * creepages[..., 0]
+    across = stiffness[..., 1] * creepages[..., 1]
+    spin = stiffness[..., 1] * radius * creepages[..., 2]
+    plane = np.hypot(ahead, across)
+    size = np.hypot(plane, spin)
+    return size / np.maximum(size + SATURATED * limit, TINY), np.arctan2(spin, plane), np.arctan2(across, ahead)
+
+
+def corners(axis: Floats, values: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """Index below each value and the weight of the one above, for values within the axis; one value has weight 0."""
+    if len(axis) == 1:
+        return np.zeros(np.shape(values), dtype=np.intp), np.zeros(np.shape(values))
+    below = np.clip(np.searchsorted(axis, values, side="right") - 1, 0, len(axis) - 2)
+    return below, (values - axis[below]) / (axis[below + 1] - axis[below])
+
+
+def interpolated(
+    forces: NDArray[Any], rows: tuple[NDArray[np.intp], ...], axes: tuple[Floats, ...], point: tuple[Floats, ...]
+) -> Floats:
+    """Forces over their limits of friction at reduced creepages, (n, 3), linear between the points of the table.
+
+    - `forces`: over the limit and over slip, (..., slip, spin angle, creep angle, 3); the angle of creepage goes from 0
+      to pi: the other half has the opposite forces at the opposite creepages.
+    - `rows`: places in the first dimensions, each (n,).
+    - `point`: slip, angle of spin, angle of creepage, each (n,).
+    """
+    slip, spin, creep = point
+    other = creep < 0.0
+    spin, creep = np.where(other, -spin, spin), np.where(other, creep + np.pi, creep)
+    found = [corners(axis, value) for axis, value in zip(axes, (slip, spin, creep), strict=True)]
+    total = np.zeros((len(slip), 3))
+    for number in range(8):
+        weight, place = np.ones(len(slip)), []
+        for bit, (below, above) in enumerate(found):
+            up = number >> bit & 1
+            weight = weight * (above if up else 1.0 - above)
+            place.append(below + up)
+        total += weight[:, None] * forces[(*rows, *place)]
+    return within_cone(total * np.where(other, -slip, slip)[:, None])
+
+
+def within_cone(forces: Floats) -> Floats:
+    """Forces over the limit of friction, those beyond it shortened, (..., 3)."""
+    size = np.hypot(forces[..., 0], forces[..., 1])
+    forces[..., :2] /= np.maximum(size, 1.0)[..., None]
+    return forces
+
+
+@dataclass(frozen=True, eq=False)
+class CreepTable:
+    """Contact and creep forces over lateral position, yaw, axle load and creepages.
+
+    Read one with `load`.
+
+    Parameters
+    ----------
+    values
+        Arrays by name, see the README beside the table.
+    metadata
+        Inputs, versions, axes, error bound and checks.
+
+    """
+
+    values: Mapping[str, NDArray[Any]]
+    metadata: Mapping[str, Any]
+
+    @classmethod
+    def load(cls, path: str | Path) -> "CreepTable":
+        """Read a table (.npz).
+
+        Raises
+        ------
+        InputError
+            If it cannot be read, or is no table of creep forces.
+
+        """
+        try:
+            with np.load(path, allow_pickle=False) as file:
+                values = {name: file[name] for name in file.files}
+            metadata = json.loads(str(values.pop("metadata")))
+            version = metadata["format"]
+        except Exception as reason:  # NumPy, zipfile and json each have errors of their own
+            raise InputError(
+                f"{path}: {type(reason).__name__}: {reason}",
+                "a table of creep forces, creep-table.npz",
+                "make one with `flangeway creep-table`",
+            ) from reason
+        if version != FORMAT:
+            raise InputError(f"{path}: format {version}", f"format {FORMAT}", "make the table anew")
+        return cls(values, metadata)
+
+    @property
+    def axes(self) -> tuple[Floats, Floats, Floats]:
+        """Axes of the positions: lateral in mm, yaw in mrad, load in kN."""
+        lateral, yaw, load = (self.values[name] for name in AXES)
+        return lateral, yaw, load
+
+    @property
+    def creep_axes(self) -> tuple[Floats, Floats, Floats]:
+        """Axes of the creepages: slip, angle of spin, angle of creepage."""
+        return self.values["slip"], self.values["spin_angle_rad"], self.values["creep_angle_rad"]
+
+    def position(
+        self,
+        lateral_mm: ArrayLike,
+        yaw_mrad: ArrayLike,
+        load_kN: ArrayLike,
+        *,
+        clamp: bool = False,
+    ) -> tuple[NDArray[np.intp], Floats]:
+        """Numbers of the table's positions around each, and their weights for both sides: (n, 8) and (n, 2, 8).
+
+        Where a side's patches are not the same all around, the nearest position has all weight.
+
+        - `clamp`: values out of range become those at its end; otherwise they are an `InputError`.
+        """
+        given = np.broadcast_arrays(
+            *(np.atleast_1d(np.asarray(each, float)) for each in (lateral_mm, yaw_mrad, load_kN))
+        )
+        found = []
+        for name, axis, values in zip(AXES, self.axes, given, strict=True):
+            inside = np.clip(values, axis[0], axis[-1])
+            slack = 1e-9 * max(float(np.abs(axis).max()), 1.0)
+            if not (clamp or (np.abs(values - inside) <= slack).all()):
+                wrong = values[~(np.abs(values - inside) <= slack)][0]
+                raise InputError(
+                    f"{name} = {wrong:g}",
+                    f"values from {axis[0]:g} to {axis[-1]:g}, the range of the table",
+                    "make a larger table, or clamp=True",
+                )
+            found.append(corners(axis, inside))
+        shape = tuple(len(axis) for axis in self.axes)
+        joined = self.values["joined"][tuple(below for below, _ in found)]
+        nodes, smooth, near = [], [], []
+        for number in range(8):
+            place, weight, nearest = [], np.ones(len(given[0])), np.ones(len(given[0]), dtype=bool)
+            for bit, (below, above) in enumerate(found):
+                up = number >> bit & 1
+                place.append(np.minimum(below + up, shape[bit] - 1))
+                weight = weight * (above if up else 1.0 - above)
+                nearest &= (above >= 0.5) == bool(up)
+            nodes.append(np.ravel_multi_index(place, shape))
+            smooth.append(weight)
+            near.append(nearest)
+        weights = np.where(joined[:, :, None], np.stack(smooth, -1)[:, None], np.stack(near, -1)[:, None])
+        return np.stack(nodes, -1), weights
+
+    def contacts(
+        self,
+        lateral_mm: ArrayLike,
+        yaw_mrad: ArrayLike,
+        load_kN: ArrayLike,
+        *,
+        clamp: bool = False,
+    ) -> dict[str, Floats]:
+        """Numbers of the patches of both wheels at n positions, each (n, 2 sides, patches, ...); absent ones are 0."""
+        nodes, weights = self.position(lateral_mm, yaw_mrad, load_kN, clamp=clamp)
+        return self._contacts(nodes, weights)
+
+    def _contacts(self, nodes: NDArray[np.intp], weights: Floats) -> dict[str, Floats]:
+        found = {}
+        for name, more in OF_PATCH.items():
+            values = self.values[name]
+            around = values.reshape(-1, *values.shape[3:])[nodes]
+            found[name] = np.einsum("nsc,ncsp...->nsp..." if more else "nsc,ncsp->nsp", weights, around)
+        return found
+
+    def forces(
+        self,
+        lateral_mm: ArrayLike,
+        yaw_mrad: ArrayLike,
+        load_kN: ArrayLike,
+        creepages: ArrayLike,
+        *,
+        friction: ArrayLike = 0.3,
+        clamp: bool = False,
+    ) -> Floats:
+        """Creep forces on the wheels.
+
+        Parameters
+        ----------
+        lateral_mm, yaw_mrad, load_kN
+            Positions of the wheelset and its axle load, numbers or (n,).
+        creepages
+            Longitudinal and lateral creepage and spin (1/mm) of every patch, (n, 2 sides, patches, 3), or what
+            broadcasts to it; see `creepages`.
+        friction
+            Coefficient of friction, a number or (n,).
+        clamp
+            Positions out of range become those at its end.
+
+        Returns
+        -------
+        Floats
+            Longitudinal and lateral force in N and spin moment in N mm, (n, 2 sides, patches, 3), in the axes of the
+            patches; 0 for absent patches.
+
+        Raises
+        ------
+        InputError
+            If a position is out of range, the friction negative, or a value no finite number.
+
+        """
+        nodes, weights = self.position(lateral_mm, yaw_mrad, load_kN, clamp=clamp)
+        return self._forces(nodes, weights, self._contacts(nodes, weights), creepages, friction)
+
+    def _forces(
+        self,
+        nodes: NDArray[np.intp],
+        weights: Floats,
+        contacts: Mapping[str, Floats],
+        creepages: ArrayLike,
+        friction: ArrayLike,
+    ) -> Floats:
+        normal, stiffness, radius = (contacts[name] for name in ("normal_force_N", "stiffness_N", "radius_mm"))
+        given = np.asarray(creepages, float)
+        mu = np.asarray(friction, float)
+        if not (np.isfinite(given).all() and np.isfinite(mu).all() and (mu >= 0.0).all()):
+            raise InputError("creepages or friction", "finite numbers, friction >= 0", "correct them")
+        given = np.broadcast_to(given, (*normal.shape, 3))
+        limit = np.reshape(mu, (-1, 1, 1)) * normal
+        point = reduced(given, stiffness, radius, limit)
+        total = np.zeros(given.shape)
+        table = self.values["forces"].reshape(-1, *self.values["forces"].shape[3:])
+        weight = weights[..., None] * (normal > 0.0)[:, :, None]
+        at, side, corner, patch = np.nonzero(weight)
+        rows = nodes[at, corner], side, patch
+        found = interpolated(table, rows, self.creep_axes, tuple(each[at, side, patch] for each in point))
+        np.add.at(total, (at, side, patch), weight[at, side, corner, patch, None] * found)
+        total[..., 2] *= radius
+        return within_cone(total) * limit[..., None]
+
+    def creepages(
+        self,
+        contacts: Mapping[str, Floats],
+        yaw_mrad: ArrayLike,
+        *,
+        speed: ArrayLike,
+        rotation: ArrayLike,
+        lateral_velocity: ArrayLike = 0.0,
+        yaw_rate: ArrayLike = 0.0,
+    ) -> Floats:
+        """Creepages of the patches that `contacts` gave, by the motion of a rigid wheelset, (n, 2 sides, patches, 3).
+
+        Parameters
+        ----------
+        contacts
+            What `contacts` gave.
+        yaw_mrad
+            Yaw, positive where the right wheel is ahead.
+        speed
+            Of the axle along the track in mm/s, > 0.
+        rotation
+            Of the axle in rad/s, positive where it rolls ahead.
+        lateral_velocity
+            Of the axle to the right, relative to the track, in mm/s.
+        yaw_rate
+            Relative to the track, in rad/s, positive where the right wheel moves ahead.
+
+        Raises
+        ------
+        InputError
+            If a speed is not positive.
+
+        """
+        given = (yaw_mrad, speed, rotation, lateral_velocity, yaw_rate)
+        # in the right-hand form of each side, whose x, yaw and yaw rate have the sign of the side
+        yaw, v, omega, lateral, turning = (np.asarray(each, float).reshape(-1, 1, 1) for each in given)
+        if not (v > 0.0).all():
+            raise InputError(f"speed = {float(v.min()):g}", "speeds > 0: the table rolls ahead", "turn the axes over")
+        sign = MIRROR[:, None]
+        x, height, z = np.moveaxis(contacts["position_mm"], -1, 0)
+        x = sign * x
+        along = np.sin(1e-3 * sign * yaw)
+        level = np.sqrt(1.0 - along**2)
+        arm = np.stack((x - (x * level + z * along) * level, height, z - (x * level + z * along) * along), -1)
+        arm *= (contacts["rolling_radius_mm"] / np.maximum(np.linalg.norm(arm, axis=-1), TINY))[..., None]
+        ahead = v + sign * turning * x + omega * level * arm[..., 1]
+        sideways = sign * (lateral - turning * z) - omega * along * arm[..., 1]
+        rising = omega * (along * arm[..., 0] - level * arm[..., 2])
+        sine, cosine = np.sin(contacts["contact_angle_rad"]), np.cos(contacts["contact_angle_rad"])
+        across = -cosine * sideways - sine * rising
+        spin = -sine * omega * level - cosine * sign * turning
+        present = (contacts["normal_force_N"] > 0.0)[..., None]
+        return np.where(present, np.stack((ahead, across, spin), -1) / v[..., None], 0.0)
+
+    def wrench(self, contacts: Mapping[str, Floats], forces: Floats) -> tuple[Floats, Floats]:
+        """Forces of the rails on the wheels, normal ones with creep forces, and their moments, each (n, 2 sides, 3).
+
+        Forces are to the right, up and ahead. Moments are about the middle of the axle: of rotation (positive where it
+        drives the axle ahead), of yaw (right wheel ahead) and of roll (right wheel up), in N mm.
+        """
+        normal, angle = contacts["normal_force_N"], contacts["contact_angle_rad"]
+        along, across, moment = np.moveaxis(forces, -1, 0)
+        sine, cosine, sign = np.sin(angle), np.cos(angle), MIRROR[:, None]
+        push = np.stack((sign * (-normal * sine - across * cosine), normal * cosine - across * sine, along), -1)
+        x, y, z = np.moveaxis(contacts["position_mm"], -1, 0)
+        turned = np.stack(
+            (
+                y * push[..., 2] - z * push[..., 1] - moment * sine,
+                x * push[..., 2] - z * push[..., 0] - sign * moment * cosine,
+                x * push[..., 1] - y * push[..., 0],
+            ),
+            -1,
+        )
+        return push.sum(axis=2), turned.sum(axis=2)

@@ -1,0 +1,206 @@
+"""Files of a table of creep forces: arrays, CSV, README, and the FMU."""
+
+import json
+import tempfile
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flangeway.errors import MissingLibraryError
+from flangeway.system.output_folder import Writer, text_writer, write_together
+from flangeway.tables import creep_table
+from flangeway.tables.creep_table import OF_PATCH, SIDES, CreepTable
+
+TABLE, PATCHES, FORCES, README, FMU = (
+    "creep-table.npz",
+    "patches.csv",
+    "forces.csv",
+    "README.md",
+    "WheelsetCreepForces.fmu",
+)
+NAMES = (TABLE, PATCHES, FORCES, README, FMU)
+COMPONENTS = {"position_mm": "xyz", "rail_point_mm": "xy", "wheel_point_mm": "xy", "semi_axes_mm": "ab"}
+SLAVE = Path(__file__).with_name("fmu_slave.py")
+STIFFNESS = ("longitudinal", "lateral")
+
+
+def write_table(table: CreepTable, folder: Path, *, fmu: bool = False) -> list[Path]:
+    """Write all files of a table, or none of them; `fmu`: also as an FMU.
+
+    Raises
+    ------
+    InputError
+        If the folder cannot be written.
+    MissingLibraryError
+        If pythonfmu3 is not installed, which writes the FMU.
+
+    """
+    writers: dict[str, Writer] = {
+        TABLE: lambda path: _write_arrays(table, path),
+        PATCHES: lambda path: _write_patches(table, path),
+        FORCES: lambda path: _write_forces(table, path),
+        README: text_writer(_readme(table)),
+    }
+    if fmu:
+        writers[FMU] = lambda path: _write_fmu(table, path)
+    return write_together(folder, writers)
+
+
+def refuse_without_fmu() -> Any:
+    """Return what writes FMUs; a `MissingLibraryError` if it is not installed."""
+    try:
+        return import_module("pythonfmu3.builder")
+    except ImportError as reason:
+        raise MissingLibraryError(
+            "an FMU needs pythonfmu3, which is not installed\n  what to do: pip install 'flangeway[fmu]'"
+        ) from reason
+
+
+def print_table(terminal: Any, table: CreepTable, files: list[Path]) -> None:
+    """Print what a table has, its errors and its files."""
+    checks = table.metadata["checks"]
+    n_patches = int((table.values["normal_force_N"] > 0.0).sum())
+    lines = [
+        f"{' x '.join(str(len(axis)) for axis in table.axes)} positions, {n_patches} patches, "
+        f"{checks['exact_solutions']} exact solutions, {checks['not_converged']} not converged, "
+        f"{table.metadata['seconds']:.0f} s",
+        f"error between creepages: {_error(checks['between_creepages'])}",
+        f"error between positions: {_error(checks['between_positions'])}",
+        f"patches jump in {len(checks['jumps'])} intervals",
+        f"{'within' if checks['within_tolerance'] else 'NOT within'} the tolerance of {checks['tolerance']:.2%}",
+        *(f"wrote {file}" for file in files),
+    ]
+    terminal.print("\n".join(lines), markup=False, soft_wrap=True)
+
+
+def _write_arrays(table: CreepTable, path: Path) -> None:
+    values: dict[str, Any] = {**table.values, "metadata": np.array(json.dumps(table.metadata))}
+    with path.open("wb") as file:
+        np.savez_compressed(file, allow_pickle=False, **values)
+
+
+def _patches(table: CreepTable) -> list[tuple[int, ...]]:
+    """Places of the patches that there are: lateral, yaw, load, side, number."""
+    return [tuple(each) for each in np.argwhere(table.values["normal_force_N"] > 0.0).tolist()]
+
+
+def _write_patches(table: CreepTable, path: Path) -> None:
+    names = []
+    for name in OF_PATCH:
+        base, _, unit = name.rpartition("_")
+        parts = STIFFNESS if name == "stiffness_N" else COMPONENTS.get(name, "")
+        names += [f"{base}_{part}_{unit}" for part in parts] or [name]
+    lines = [",".join(("patch", *creep_table.AXES, "side", *names))]
+    for number, place in enumerate(_patches(table), 1):
+        at = [axis[index] for axis, index in zip(table.axes, place, strict=False)]
+        numbers = np.concatenate([np.ravel(table.values[name][place]) for name in OF_PATCH])
+        cells = (f"{each:.9g}" for each in (*at, *numbers.tolist()))
+        first = [next(cells) for _ in at]
+        lines.append(",".join((str(number), *first, SIDES[place[3]], *cells)))
+    path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def _write_forces(table: CreepTable, path: Path) -> None:
+    slip, spin, creep = table.creep_axes
+    points = [f"{a:g},{b:.6g},{c:.6g}" for a in slip for b in np.rad2deg(spin) for c in np.rad2deg(creep)]
+    with path.open("w", encoding="utf-8") as file:
+        file.write("patch,slip,spin_angle_deg,creep_angle_deg,longitudinal,lateral,moment\n")
+        for number, place in enumerate(_patches(table), 1):
+            values = table.values["forces"][place].reshape(-1, 3).tolist()
+            file.writelines(
+                f"{number},{point},{x:.5g},{y:.5g},{m:.5g}\n" for point, (x, y, m) in zip(points, values, strict=True)
+            )
+
+
+def _write_fmu(table: CreepTable, path: Path) -> None:
+    builder = refuse_without_fmu().FmuBuilder
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        _write_arrays(table, folder / TABLE)
+        builder.build_FMU(SLAVE, folder, [creep_table.__file__, folder / TABLE], needsExecutionTool=False)
+        made = folder / FMU
+        path.write_bytes(made.read_bytes())
+
+
+def _error(found: dict[str, Any]) -> str:
+    if not found["n"]:
+        return "no points"
+    return f"at most {found['max']:.2%}, root mean square {found['rms']:.2%} at {found['n']} points"
+
+
+def _readme(table: CreepTable) -> str:
+    checks, shape = table.metadata["checks"], table.values["forces"].shape
+    ranges = "\n".join(
+        f"| `{name}` | {len(axis)} | {axis[0]:g} to {axis[-1]:g} |"
+        for name, axis in zip(creep_table.AXES, table.axes, strict=True)
+    )
+    jumps = "\n".join(
+        f"- {each['side']}: at {each['lateral_mm']:.3f} mm, within {each['width_mm']:.3f} mm"
+        for each in checks["jumps"]
+    )
+    return f"""# Creep forces of a wheelset
+
+Made by flangeway {table.metadata["versions"]["flangeway"]}. `{TABLE}` has all arrays and, as the JSON text `metadata`,
+the inputs of the case and the checks. `{PATCHES}` and `{FORCES}` have the same numbers; the column `patch` joins both.
+
+| axis | points | range |
+|---|---|---|
+{ranges}
+
+## Errors
+
+Over the limit of friction, beside exact solutions at points between those of the table:
+
+- between creepages, each patch: {_error(checks["between_creepages"])};
+- between positions, each wheel: {_error(checks["between_positions"])}.
+
+The tolerance was {checks["tolerance"]:.2%}. Of {checks["exact_solutions"]} exact solutions {checks["not_converged"]}
+did not converge. Positions are solved anew in the middle of every interval of lateral positions. Between patches that
+jump, or where one becomes two, the table does not interpolate: the nearest position counts (`joined` is false). Such
+intervals:
+
+{jumps or "- none"}
+
+## Layout
+
+Arrays have the dimensions (lateral, yaw, load, side, patch, ...); side 0 is left, 1 right; patches go from the field
+side to the gauge side, absent ones are 0 (`normal_force_N` = 0). Here there are {shape[:5]}.
+
+| array | meaning |
+|---|---|
+| `normal_force_N` | N |
+| `contact_angle_rad` | of the patch, positive towards the flange |
+| `rolling_radius_mm` | distance from the axle |
+| `position_mm` | centre of pressure from the axle's middle: right, up, ahead |
+| `rail_point_mm`, `wheel_point_mm` | the same in the frames of the right rail's and wheel's profiles |
+| `semi_axes_mm`, `max_pressure_MPa` | longer and shorter semi-axis, maximum pressure |
+| `stiffness_N` | k1, k2: loss of longitudinal and lateral force by longitudinal and lateral creepage, from 0 |
+| `radius_mm` | r: radius of gyration of the normal forces |
+| `forces` | (..., slip, spin angle, creep angle, 3): see below |
+| `axle_vertical_mm_roll_rad` | (lateral, yaw, load, 2): position of the axle |
+| `joined` | (intervals of lateral, yaw and load, side): whether to interpolate in it |
+
+## Forces
+
+With friction mu, normal force N, longitudinal and lateral creepage xi, eta and spin phi (1/mm):
+
+    u1 = k1 xi,  u2 = k2 eta,  u3 = k2 r phi
+    R = sqrt(u1^2 + u2^2 + u3^2),  slip V = R / (R + {creep_table.SATURATED:g} mu N)
+    spin angle = atan2(u3, sqrt(u1^2 + u2^2)),  creep angle = atan2(u2, u1)
+    longitudinal force = mu N V forces[0],  lateral force = mu N V forces[1],  spin moment = mu N r V forces[2]
+
+`forces` is linear between its points. The creep angle goes from 0 to 180 degrees: for a negative one, take minus spin
+angle, creep angle plus 180 degrees, and the opposite forces. V = 0 is linear theory, V = 1 sliding everywhere; so there
+is no largest creepage. mu is free, since forces over mu N depend on creepages over mu.
+
+## Axes
+
+Creepages are slip of the wheel on the rail over the speed, forces act on the wheel, both at the centre of pressure. n
+is the normal out of the rail, t the tangent across the rail towards the gauge side, z ahead. Longitudinal is along z,
+lateral along t; spin and moment about n turn t towards z: at the distance s along t spin adds phi s to the longitudinal
+creepage, at the distance z ahead it takes phi z from the lateral one. CONTACT, with x ahead, y to the right and z down:
+xi = longitudinal on both sides; on the right eta = -lateral, phi = spin, Fy = -lateral, Mz = moment; on the left
+eta = lateral, phi = -spin, Fy = lateral, Mz = -moment.
+"""

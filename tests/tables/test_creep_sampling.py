@@ -1,0 +1,104 @@
+"""Creep forces of one patch at all creepages: exact at the nodes and at both ends of slip, checked between."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.friction import Friction
+from flangeway.tables.creep_sampling import AXES, SampledPatch, check, random_points, sample
+from flangeway.tables.creep_table import SATURATED, interpolated, reduced
+from tests.contact.test_rolling import ellipse
+
+DIRECTIONS = 6
+TOLERANCE = 0.05
+
+
+@pytest.fixture(scope="module")
+def patch():
+    return SampledPatch(ellipse(8, 0.6))
+
+
+@pytest.fixture(scope="module")
+def sampled(patch):
+    return sample(patch, DIRECTIONS)
+
+
+def at(sampled, *point):
+    """Forces over the limit of friction at one reduced creepage."""
+    return interpolated(sampled.forces, (), AXES, tuple(np.atleast_1d(np.asarray(point, float)[:, None])))[0]
+
+
+def test_the_table_has_the_exact_forces_at_its_nodes(patch, sampled):
+    """At the creepages of exact solutions the table has their forces, also at the opposite creepages."""
+    slips, spins, creeps = AXES
+    step = (len(spins) - 1) // DIRECTIONS
+    for place, row, column in ((1, 2, 0), (4, 3, 2), (8, 4, 5), (6, 1, 3)):
+        point = slips[place], spins[step * row], creeps[step * column]
+        exact = patch.over_limit(patch.exact(*map(float, point)))
+        np.testing.assert_allclose(at(sampled, *point), exact, atol=2e-4)
+        np.testing.assert_allclose(at(sampled, point[0], -point[1], point[2] - np.pi), -exact, atol=2e-4)
+    assert sampled.n_exact == (len(slips) - 2) * ((DIRECTIONS - 1) * DIRECTIONS + 1)
+    assert sampled.n_failed == 0
+
+
+def test_small_creepages_have_the_derivatives_of_a_patch_that_sticks(patch, sampled):
+    """Slopes at the origin are exact along the table's directions; elsewhere within 2 % of the largest."""
+    for spin, creep, close in ((0.0, 0.0, 1e-5), (0.0, np.pi / 2, 1e-5), (-np.pi / 2, 0.0, 1e-5), (0.3, 1.0, 0.02)):
+        slip = 1e-7
+        size = SATURATED * slip / (1.0 - slip)
+        expected = patch.slopes @ (size * patch.direction(spin, creep)) / patch.limit / [1.0, 1.0, patch.radius]
+        np.testing.assert_allclose(at(sampled, slip, spin, creep) / slip, expected / slip, atol=close * SATURATED)
+
+
+def test_huge_creepages_slide_everywhere(patch, sampled):
+    """At slip 1 the force is that of friction everywhere, without any exact solution."""
+    found = at(sampled, 1.0, 0.0, np.pi / 4)
+    np.testing.assert_allclose(found, patch.sliding(0.0, np.pi / 4), atol=1e-6)
+    assert np.hypot(*found[:2]) == pytest.approx(1.0)
+
+
+def test_the_bound_holds_at_fresh_random_creepages(patch, sampled):
+    """At 50 creepages that the table does not know the force is within 5 % of the limit, 1.5 % on average."""
+    found = check(patch, sampled, random_points(50, np.random.default_rng(7)))
+    assert found.force.max() < TOLERANCE
+    assert np.sqrt((found.force**2).mean()) < 0.015
+    assert found.moment.max() < 1.5 * TOLERANCE
+
+
+@given(st.floats(0.0, 1.0), st.floats(-np.pi / 2, np.pi / 2), st.floats(-np.pi, np.pi))
+@settings(settings.get_profile("costly"))
+def test_forces_stay_within_the_cone_and_are_odd(sampled, slip, spin, creep):
+    """No force exceeds the limit of friction; opposite creepages have opposite forces."""
+    found = at(sampled, slip, spin, creep)
+    assert np.hypot(*found[:2]) <= 1.0 + 1e-12
+    opposite = at(sampled, slip, -spin, creep - np.pi if creep >= 0.0 else creep + np.pi)
+    np.testing.assert_allclose(opposite, -found, atol=1e-6)
+
+
+def test_the_longitudinal_force_grows_with_its_creepage(sampled):
+    """Without spin the force grows monotonically from 0 to the limit of friction."""
+    forces = np.array([-at(sampled, slip, 0.0, 0.0)[0] for slip in np.linspace(0.0, 1.0, 101)])
+    assert (np.diff(forces) >= -2e-3).all()
+    assert forces[0] == 0.0
+    assert forces[-1] == pytest.approx(1.0)
+
+
+def test_forces_over_friction_depend_on_creepages_over_friction(patch):
+    """Half of the friction and half of the creepages give half of the forces: friction needs no axis."""
+    half = ellipse(8, 0.6, Friction(0.5 * float(patch.contact.friction.limits[0][0])))
+    motion = patch.motion(0.5, 0.4, 1.0)
+    whole = patch.over_limit(roll(patch.contact, motion))
+    found = roll(half, Creepages(*(0.5 * np.array([motion.along, motion.across, motion.spin])).tolist()))
+    np.testing.assert_allclose(SampledPatch(half).over_limit(found), whole, atol=1e-5)
+
+
+def test_reduced_creepages_are_those_of_the_patch(patch):
+    """`reduced` is the inverse of `SampledPatch.motion`; without a limit all slides."""
+    motion = patch.motion(0.7, -0.6, -2.0)
+    creepages = np.array([motion.along, motion.across, motion.spin])
+    found = reduced(creepages, patch.stiffness, np.float64(patch.radius), np.float64(patch.limit))
+    np.testing.assert_allclose(found, (0.7, -0.6, -2.0))
+    assert reduced(creepages, patch.stiffness, np.float64(patch.radius), np.float64(0.0))[0] == 1.0

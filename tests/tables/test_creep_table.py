@@ -1,0 +1,153 @@
+"""Reading a table: positions, jumps, ranges, kinematics, and files that are none. Its forces are made up."""
+
+import json
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError
+from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable
+
+ANGLES = np.linspace(0.0, np.pi, 9)
+
+
+def linear_theory(slips, spins, creeps):
+    """Forces over slip that saturate, opposite to the creepage: -direction (2 (1 - V) + V)."""
+    slip, spin, creep = np.meshgrid(slips, spins, creeps, indexing="ij")
+    unit = np.stack((np.cos(spin) * np.cos(creep), np.cos(spin) * np.sin(creep), np.sin(spin)), axis=-1)
+    return -unit * (2.0 - slip)[..., None]
+
+
+def made_up(normal):
+    """A table with 3 lateral positions, 1 yaw and 2 loads; normal forces (3, 1, 2, 2, patches)."""
+    shape = normal.shape
+    slips = np.linspace(0.0, 1.0, 6)
+    further = {name: (3,) if name == "position_mm" else (2,) * more for name, more in OF_PATCH.items()}
+    values = {name: np.ones((*shape, *size)) for name, size in further.items()}
+    values["normal_force_N"] = normal
+    values["contact_angle_rad"] = np.full(shape, 0.05)
+    values["rolling_radius_mm"] = np.full(shape, 460.0)
+    values["position_mm"][..., :] = (750.0, -459.0, 0.0)
+    values["position_mm"][..., 0] *= MIRROR[:, None]
+    values["stiffness_N"][:] = 1e7
+    values["radius_mm"] = np.full(shape, 4.0)
+    values["forces"] = np.tile(linear_theory(slips, ANGLES - np.pi / 2, ANGLES), (*shape, 1, 1, 1, 1)).astype("f4")
+    count = (normal > 0.0).sum(axis=-1)
+    joined = np.all([count[:-1] == count[1:]], axis=(0, 2, 3))[:, None, None, :]
+    values["joined"] = joined
+    values |= {"lateral_mm": np.array([-1.0, 0.0, 2.0]), "yaw_mrad": np.zeros(1), "load_kN": np.array([100.0, 200.0])}
+    values |= {"slip": slips, "spin_angle_rad": ANGLES - np.pi / 2, "creep_angle_rad": ANGLES}
+    return CreepTable(values, {"format": FORMAT})
+
+
+@pytest.fixture
+def table():
+    """One patch a side, the right one with two at the last position."""
+    normal = np.zeros((3, 1, 2, 2, 2))
+    normal[..., 0] = np.array([5e4, 1e5])[:, None]
+    normal[2, :, :, 1] = np.array([[3e4, 2e4], [6e4, 4e4]])
+    return made_up(normal)
+
+
+def test_positions_are_interpolated_where_patches_go_over_and_nearest_where_they_jump(table):
+    """Linear over load; on the right side the two patches count from the middle of the interval on."""
+    found = table.contacts([-1.0, -0.3, 0.9, 1.1, 2.0], 0.0, [100.0, 125.0, 100.0, 100.0, 200.0])["normal_force_N"]
+    np.testing.assert_allclose(found[:, 0, 0], (5e4, 6.25e4, 5e4, 5e4, 1e5))
+    np.testing.assert_allclose(found[2:, 1], ((5e4, 0.0), (3e4, 2e4), (6e4, 4e4)))
+
+
+def test_forces_are_those_of_the_reduced_creepages(table):
+    """Against -u / sqrt(...) of the made-up law, at many positions at once and one by one."""
+    random = np.random.default_rng(5)
+    creepages = random.normal(size=(40, 2, 2, 3)) * [1e-3, 1e-3, 2e-4]
+    lateral, load = random.uniform(-1.0, 2.0, 40), random.uniform(100.0, 200.0, 40)
+    found = table.forces(lateral, 0.0, load, creepages, friction=0.25)
+    normal = table.contacts(lateral, 0.0, load)["normal_force_N"]
+    limit = np.maximum(0.25 * normal, 1e-300)[..., None]
+    scaled = creepages * [1e7, 1e7, 4e7]
+    size = np.linalg.norm(scaled, axis=-1, keepdims=True)
+    slip = size / (size + 2.0 * limit)
+    expected = -scaled / size * slip * (2.0 - slip) * limit * [1.0, 1.0, 4.0] * (normal > 0.0)[..., None]
+    assert np.abs(found - expected).max() < 0.03 * 0.25 * 1e5 * 4.0
+    assert np.abs((found - expected)[..., :2]).max() < 0.03 * 0.25 * 1e5
+    for number in (0, 17):
+        one = table.forces(lateral[number], 0.0, load[number], creepages[number], friction=0.25)
+        np.testing.assert_allclose(one[0], found[number], atol=1e-6)
+    assert (table.forces(lateral, 0.0, load, creepages, friction=0.0) == 0.0).all()
+
+
+def test_positions_out_of_range_are_refused_or_those_at_the_end(table):
+    """The message names the axis and its range; with clamp the end counts."""
+    with pytest.raises(InputError, match=r"lateral_mm = 3(.|\n)*from -1 to 2"):
+        table.forces([0.0, 3.0], 0.0, 100.0, np.zeros(3))
+    with pytest.raises(InputError, match="yaw_mrad = 1"):
+        table.contacts(0.0, 1.0, 100.0)
+    with pytest.raises(InputError, match="load_kN = nan"):
+        table.contacts(0.0, 0.0, np.nan)
+    far, end = table.contacts(9.0, 0.0, 300.0, clamp=True), table.contacts(2.0, 0.0, 200.0)
+    np.testing.assert_array_equal(far["normal_force_N"], end["normal_force_N"])
+
+
+@pytest.mark.parametrize("wrong", [{"creepages": [np.inf, 0.0, 0.0]}, {"friction": -0.1}, {"friction": np.nan}])
+def test_numbers_that_have_no_meaning_are_refused(table, wrong):
+    with pytest.raises(InputError, match="finite numbers, friction >= 0"):
+        table.forces(0.0, 0.0, 100.0, **{"creepages": np.zeros(3), **wrong})
+
+
+def test_files_that_are_no_table_are_refused(tmp_path):
+    """Missing, text, other arrays, or of another format."""
+    files = [tmp_path / name for name in ("missing.npz", "text.npz", "other.npz", "later.npz")]
+    files[1].write_text("no table", encoding="utf-8")
+    np.savez(files[2], a=np.ones(2))
+    np.savez(files[3], metadata=np.array(json.dumps({"format": 99})))
+    for file in files:
+        with pytest.raises(InputError, match=r"(a table of creep forces|format 1)"):
+            CreepTable.load(file)
+
+
+def velocity(x, yaw, omega, arm):
+    """Velocity of a wheel's point by rotation about the axle, by a finite step of that rotation, right-hand form."""
+    axis, step = np.array([np.cos(yaw), 0.0, np.sin(yaw)]), 1e-6
+    parallel = axis * (arm @ axis)
+    turned = np.cross(axis, arm)
+    moved = parallel + (arm - parallel) * np.cos(step) + turned * np.sin(step)
+    return omega * (moved - arm) / step
+
+
+def test_creepages_are_the_velocity_of_the_wheel_on_the_rail(table):
+    """Yaw, yaw rate, lateral velocity and rotation, each side, against rotation by a finite step."""
+    contacts = table.contacts(-1.0, 0.0, 100.0)
+    v, omega, lateral, rate, yaw = 2e4, 43.0, 30.0, 0.01, 4e-3
+    found = table.creepages(
+        contacts, 1e3 * yaw, speed=v, rotation=omega, lateral_velocity=lateral, yaw_rate=rate
+    )[0, :, 0]  # fmt: skip
+    for side, sign in enumerate((-1.0, 1.0)):
+        arm = np.array([750.0, -459.0, 0.0])
+        axis = np.array([np.cos(sign * yaw), 0.0, np.sin(sign * yaw)])
+        across = arm - axis * (arm @ axis)
+        slip = velocity(750.0, sign * yaw, omega, 460.0 * across / np.linalg.norm(across))
+        slip += [sign * lateral, 0.0, v + sign * rate * 750.0]
+        tangent = np.array([-np.cos(0.05), -np.sin(0.05), 0.0])
+        normal = np.array([-np.sin(0.05), np.cos(0.05), 0.0])
+        spin = normal @ (omega * axis + np.array([0.0, -sign * rate, 0.0]))
+        np.testing.assert_allclose(found[side], np.array([slip[2], slip @ tangent, spin]) / v, rtol=1e-4, atol=1e-9)
+    assert found[0, 1] * found[1, 1] < 0.0  # towards both gauge sides
+    with pytest.raises(InputError, match="speeds > 0"):
+        table.creepages(contacts, 0.0, speed=0.0, rotation=1.0)
+
+
+def test_the_wrench_is_that_of_the_forces_at_their_points(table):
+    """Normal forces carry the load and push apart; drive on both wheels turns the axle, on one it yaws."""
+    contacts = table.contacts(-1.0, 0.0, 100.0)
+    forces = np.zeros((1, 2, 2, 3))
+    push, moment = table.wrench(contacts, forces)
+    np.testing.assert_allclose(push[0, :, 1], 5e4 * np.cos(0.05))
+    np.testing.assert_allclose(push[0, :, 0], 5e4 * np.sin(0.05) * np.array([1.0, -1.0]))
+    np.testing.assert_allclose(moment[0].sum(axis=0), 0.0, atol=1e-6)
+    forces[0, 1, 0, 0] = 1e3
+    driven, turned = table.wrench(contacts, forces)
+    np.testing.assert_allclose((driven - push)[0, 1], (0.0, 0.0, 1e3))
+    np.testing.assert_allclose((turned - moment)[0, 1], (-459.0e3, 750.0e3, 0.0))
+    forces[:] = 0.0
+    forces[0, :, 0, 1] = 1e3
+    np.testing.assert_allclose((table.wrench(contacts, forces)[0] - push)[0, 0, 0], 1e3 * np.cos(0.05))

@@ -1,0 +1,252 @@
+"""Tables of a wheelset: beside its own positions, in files, as an FMU, and interrupted."""
+
+import csv
+import subprocess
+import sys
+import textwrap
+
+import numpy as np
+import pytest
+
+from flangeway.errors import InputError, MissingLibraryError
+from flangeway.tables import (
+    CreepTable,
+    TableRequest,
+    make_table,
+    table_build,
+    table_outputs,
+    table_positions,
+    write_table,
+)
+from flangeway.tables.table_build import _Build, _go_over
+from flangeway.tables.table_positions import FRICTION, PositionTask, compute_position
+from tests.tables.conftest import COARSE
+
+
+@pytest.fixture(scope="module")
+def folder(small, tmp_path_factory):
+    """The small table in files, with the FMU."""
+    pytest.importorskip("pythonfmu3")
+    place = tmp_path_factory.mktemp("table")
+    write_table(small[0], place, fmu=True)
+    return place
+
+
+def test_the_table_has_the_wheelset_of_each_position(small):
+    """Both wheels carry the load, the middle is symmetric, at 0.5 mm to the right radii differ as the cone says."""
+    table, sentences, _ = small
+    found = table.contacts([0.0, 0.5], 0.0, 100.0)
+    vertical = (found["normal_force_N"] * np.cos(found["contact_angle_rad"])).sum(axis=(1, 2))
+    np.testing.assert_allclose(vertical, 1e5, rtol=2e-4)
+    np.testing.assert_allclose(found["normal_force_N"][0, 0], found["normal_force_N"][0, 1], rtol=1e-6)
+    radii = found["rolling_radius_mm"][:, :, 0]
+    assert radii[0, 0] == pytest.approx(radii[0, 1], abs=1e-6)
+    assert radii[1, 1] > radii[1, 0]
+    assert found["position_mm"][0, 1, 0, 0] == pytest.approx(-found["position_mm"][0, 0, 0, 0])
+    checks = table.metadata["checks"]
+    assert checks["exact_solutions"] == 4 * 13
+    assert checks["not_converged"] == 0
+    assert checks["between_creepages"]["n"] == 8
+    assert checks["between_positions"]["n"] == 2
+    assert 0.0 < checks["between_positions"]["max"] < 0.5
+    assert checks["jumps"] == []
+    assert any("positions; 0 s left" in each for each in sentences)
+
+
+def test_forces_are_exact_at_a_position_and_creepages_of_the_table(small):
+    """At its nodes the table has the forces of its position; the same with other friction."""
+    table = small[0]
+    exact = small[2][0.5, 0.0, 100.0]
+    forces = table.values["forces"][1, 0, 0]
+    np.testing.assert_allclose(forces[:, 0], exact["forces"], atol=1e-3)
+    contacts = table.contacts(0.5, 0.0, 100.0)
+    limit = contacts["normal_force_N"][0, :, 0]
+    # slip 0.5 and no spin, creep angle 0: u1 = 2 mu N
+    creepages = np.zeros((1, 2, 1, 3))
+    creepages[0, :, 0, 0] = 2.0 * limit / contacts["stiffness_N"][0, :, 0, 0]
+    for friction in (FRICTION, 0.1):
+        found = table.forces(0.5, 0.0, 100.0, friction * creepages, friction=friction)
+        expected = exact["forces"][:, 1, 2, 0] * 0.5
+        np.testing.assert_allclose(
+            found[0, :, 0, :2], expected[:, :2] * (friction * limit)[:, None], rtol=1e-3, atol=5.0
+        )
+
+
+def test_left_and_right_mirror_each_other(small):
+    """In the middle of the track opposite lateral creepages and spins of both wheels have opposite forces."""
+    creepages = np.array([[[[3e-4, 5e-4, 2e-5]], [[3e-4, 5e-4, 2e-5]]]])
+    forces = small[0].forces(0.0, 0.0, 100.0, creepages)[0, :, 0]
+    np.testing.assert_allclose(forces[0], forces[1], rtol=1e-4)
+
+
+def test_a_jump_is_located_and_not_interpolated(few_points, monkeypatch):
+    """Patches that do not overlap are apart: lateral positions are added up to both sides of the jump."""
+    build = _Build(TableRequest(COARSE, [0.0, 1.0], [0.0], [100.0]), 1, lambda _: None)
+
+    def contact(task):
+        lateral = task.position[0]
+        side = [0, 1, 1] if lateral > 0.3 else [0, 1]
+        point = np.zeros((len(side), 2)) + ([9.0, 0.0] if lateral > 0.8 else [0.0, 0.0])
+        return {"side": np.array(side), "rail_point_mm": point, "radius_mm": np.full(len(side), 4.0)}
+
+    monkeypatch.setattr(table_build, "compute_position", contact)
+    build._locate_jumps()
+    for jump in (0.3, 0.8):
+        low, high = max(x for x in build.lateral if x <= jump), min(x for x in build.lateral if x > jump)
+        assert high - low <= table_build.JUMP_MM
+    joined = build._cells((len(build.lateral), 1, 1))[:, 0, 0]
+    starts = np.array(build.lateral)[:-1]
+    ends = np.array(build.lateral)[1:]
+    crosses_8 = (starts <= 0.8) & (ends > 0.8)
+    np.testing.assert_array_equal(joined[:, 0], ~crosses_8)
+    np.testing.assert_array_equal(joined[:, 1], ~(crosses_8 | ((starts <= 0.3) & (ends > 0.3))))
+    assert not _go_over(contact(PositionTask(COARSE, (0.0, 0, 0))), contact(PositionTask(COARSE, (0.5, 0, 0))), 1)
+
+
+def test_positions_are_added_where_the_error_is_too_large(small, few_points, monkeypatch):
+    """An error above the tolerance in the middle of an interval makes it a position of the table."""
+    request = TableRequest(COARSE, [0.0, 0.5], [0.0], [100.0], tolerance=0.99)
+    known = small[2]
+    monkeypatch.setattr(
+        table_build, "compute_position", lambda task: known[0.0 if task.position[0] < 0.4 else 0.5, 0.0, 100.0]
+    )
+    errors = iter([2.0, 0.1, 0.1])
+
+    def differences(*_):
+        return [{"side": "left", "jump": False, "force": next(errors), "normal_force": 0.0}]
+
+    monkeypatch.setattr(table_build, "_differences", differences)
+    table = make_table(request, workers=1)
+    np.testing.assert_allclose(table.axes[0], (0.0, 0.25, 0.5))
+    assert table.metadata["checks"]["within_tolerance"]
+    assert table.metadata["checks"]["between_positions"]["max"] == 0.1
+
+
+def test_files_have_the_numbers_of_the_table(small, folder):
+    """npz, both CSV files and the README; a table that was read gives the same forces."""
+    table, read = small[0], CreepTable.load(folder / "creep-table.npz")
+    assert read.metadata == table.metadata
+    creepages = [1e-3, -5e-4, 3e-6]
+    np.testing.assert_array_equal(read.forces(0.2, 0.0, 100.0, creepages), table.forces(0.2, 0.0, 100.0, creepages))
+    with (folder / "patches.csv").open() as file:
+        patches = list(csv.DictReader(file))
+    assert [each["side"] for each in patches] == ["left", "right", "left", "right"]
+    normal = table.values["normal_force_N"][1, 0, 0, 1, 0]
+    assert float(patches[3]["normal_force_N"]) == pytest.approx(normal)
+    assert float(patches[3]["position_x_mm"]) == pytest.approx(table.values["position_mm"][1, 0, 0, 1, 0, 0])
+    with (folder / "forces.csv").open() as file:
+        rows = [each for each in csv.DictReader(file) if each["patch"] == "4" and each["slip"] == "0.5"]
+    values = np.array([[float(each[name]) for name in ("longitudinal", "lateral", "moment")] for each in rows])
+    np.testing.assert_allclose(values, table.values["forces"][1, 0, 0, 1, 0, 1].reshape(-1, 3), rtol=1e-4, atol=1e-6)
+    readme = (folder / "README.md").read_text(encoding="utf-8")
+    for name in table.values:
+        assert f"`{name}`" in readme or name in ("slip", "spin_angle_rad", "creep_angle_rad"), name
+
+
+RUN_FMU = """
+import sys
+sys.modules["flangeway"] = None  # nothing of it may be needed
+import fmpy, numpy as np
+inputs = np.array([(0.0, 0.0, 20.0), (1.0, 4e-4, 20.0)], dtype=[("time", float), ("lateral", float), ("speed", float)])
+start = {"rotation": 43.6, "friction": 0.25, "lateral_velocity": 0.02, "yaw_rate": 0.001, "yaw": -1e-3, "load": 1e5}
+names = [f"{side}_{name}" for side in ("left", "right") for name in ("fx", "fy", "fz", "mx", "my", "mz", "normal")]
+found = fmpy.simulate_fmu(
+    sys.argv[1], stop_time=1.0, output_interval=0.5, input=inputs, start_values=start, output=[*names, "outside"]
+)
+np.save(sys.argv[2], np.array([[float(row[name]) for name in (*names, "outside")] for row in found]))
+"""
+
+
+def test_fmpy_runs_the_fmu_without_flangeway(small, folder, tmp_path):
+    """FMPy's outputs are the table's forces in axes ahead, right, down; yaw beyond the table counts as outside."""
+    pytest.importorskip("fmpy")
+    script = tmp_path / "run.py"
+    script.write_text(textwrap.dedent(RUN_FMU), encoding="utf-8")
+    ended = subprocess.run(
+        [sys.executable, script, folder / "WheelsetCreepForces.fmu", tmp_path / "found.npy"],
+        check=False, capture_output=True, text=True, timeout=60,
+    )  # fmt: skip
+    assert ended.returncode == 0, ended.stderr
+    found = np.load(tmp_path / "found.npy")
+    table = small[0]
+    lateral = np.array([0.0, 0.0, 0.2])  # a step has the inputs of its beginning
+    contacts = table.contacts(lateral, 0.0, 100.0)
+    # yaw about z down of -1 mrad is +1 mrad here, and beyond the only yaw of the table
+    creepages = table.creepages(contacts, 1.0, speed=2e4, rotation=43.6, lateral_velocity=20.0, yaw_rate=-1e-3)
+    push, moment = table.wrench(contacts, table.forces(lateral, 0.0, 100.0, creepages, friction=0.25))
+    for side in range(2):
+        right, up, ahead = push[:, side].T
+        turning, yawing, rolling = 1e-3 * moment[:, side].T
+        expected = (ahead, right, -up, -rolling, -turning, -yawing, contacts["normal_force_N"][:, side].sum(axis=1))
+        np.testing.assert_allclose(found[:, 7 * side : 7 * side + 7], np.stack(expected, axis=1), rtol=1e-9, atol=1e-6)
+    assert (found[:, -1] == 1.0).all()
+
+
+def test_an_interrupted_table_goes_on_from_the_cache(few_points, tmp_path, monkeypatch):
+    """What was computed before Ctrl-C is in the cache: the same call computes the rest only."""
+    monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path))
+    computed = []
+    monkeypatch.setattr(
+        table_positions, "_computed", lambda task: computed.append((task.kind, task.position)) or {"side": np.zeros(1)}
+    )
+    request = TableRequest(COARSE, [0.0, 0.5, 1.0], [0.0], [100.0])
+
+    def stop(sentence):
+        if len(computed) == 2:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(table_build, "REPORT_S", 0.0)
+    build = _Build(request, 1, stop)
+    with pytest.raises(KeyboardInterrupt):
+        build._run("contact", build._positions(), build.contacts)
+    assert len(computed) == 2
+    again = _Build(request, 1, lambda _: None)
+    again._run("contact", again._positions(), again.contacts)
+    assert [position[0] for _, position in computed] == [0.0, 0.5, 1.0]
+
+
+def test_processes_give_what_this_process_gives(monkeypatch, tmp_path):
+    """Two workers return the positions of one."""
+    monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path))
+    positions = [(0.0, 0.0, 100.0), (0.5, 0.0, 100.0)]
+    request = TableRequest(COARSE, [0.0, 0.5], [0.0], [100.0])
+    mine = {each: compute_position(PositionTask(COARSE, each)) for each in positions}
+    build = _Build(request, 2, lambda _: None)
+    build._run("contact", positions, build.contacts)
+    for each in positions:
+        np.testing.assert_array_equal(build.contacts[each]["normal_force_N"], mine[each]["normal_force_N"])
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        ({"lateral_mm": []}, "lateral_mm"),
+        ({"yaw_mrad": [1.0, 0.0]}, "yaw_mrad"),
+        ({"load_kN": [np.nan]}, "load_kN"),
+        ({"tolerance": 0.0}, "tolerance = 0"),
+        ({"tolerance": -0.1}, "tolerance"),
+        ({"lateral_mm": list(range(3000))}, "3000 positions"),
+        ({"case": COARSE.model_copy(update={"model": "plane"})}, "model = plane"),
+    ],
+)
+def test_wrong_requests_are_refused(values, message):
+    with pytest.raises(InputError, match=message):
+        TableRequest(**{"case": COARSE, "lateral_mm": [0.0], "yaw_mrad": [0.0], "load_kN": [100.0], **values})
+
+
+def test_a_case_with_a_position_is_refused():
+    case = COARSE.from_values({"lateral_mm": 1.0})
+    with pytest.raises(InputError, match="lateral_mm"):
+        TableRequest(case, [0.0], [0.0], [100.0])
+
+
+def test_a_position_without_contact_is_refused(few_points):
+    """Far beyond the flange: the message names the position and advises a smaller range."""
+    with pytest.raises(InputError, match=r"40"):
+        compute_position(PositionTask(COARSE, (40.0, 0.0, 100.0)))
+
+
+def test_no_fmu_without_the_library(monkeypatch):
+    monkeypatch.setattr(table_outputs, "import_module", lambda _: (_ for _ in ()).throw(ImportError()))
+    with pytest.raises(MissingLibraryError, match=r"flangeway\[fmu\]"):
+        table_outputs.refuse_without_fmu()
