@@ -24,23 +24,23 @@ MAX_LINES = {
     "solve": 3090,
     "contact": 6290,
     "post": 1960,
-    "railway.profiles": 3375,
+    "railway.profiles": 3670,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1765,
     "railway.positions": 2500,
     "railway.spatial": 2835,
-    "cases": 6790,
-    "campaign": 1880,
+    "cases": 6820,
+    "campaign": 1885,
     "tables": 1426,
-    "report": 7690,
+    "report": 7870,
     "validation": 6800,
-    "cli": 1230,
+    "cli": 1280,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 62_936
-MAX_FILES_OF_ALL = 339
+MAX_LINES_OF_ALL = 63_496
+MAX_FILES_OF_ALL = 340
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

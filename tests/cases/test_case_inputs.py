@@ -54,7 +54,8 @@ def test_every_input_reaches_the_problem():
         for part in ("rail", "wheel")
         for option in ("unit", "mirror")
     }
-    files_only |= {"wheel_tape_mm", "left_wheel_tape_mm"}
+    files_only |= {"wheel_tape_mm", "left_wheel_tape_mm", "rail_position_mm", "left_rail_position_mm"}
+    files_only |= {"wheel_angle_deg", "left_wheel_angle_deg"}
     assert set(changes) | set(together) | files_only == set(WheelsetTangentCase.model_fields)
     default = repr(WheelsetTangentCase().problem())
     for key, value in changes.items():

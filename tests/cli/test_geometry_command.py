@@ -142,3 +142,26 @@ def test_a_wide_flange_root_that_is_none_is_refused():
     """A radius below that of the narrow arc has no common tangents."""
     with pytest.raises(InputError, match="wide_flange_root_radius_mm = 12"):
         with_wide_flange_root(wheel("AAR-1B"), 12.0)
+
+
+def test_several_wheels_give_one_table_and_one_picture(call, tmp_path):
+    """Every wheel on every rail, with the numbers that each pair has by itself."""
+    code, out, err = call(
+        "geometry", "s1002-60e1", *COARSE, "--wheel", "S1002", "--wheel", "R-519-A", "--rail", "60E1", "--rail", "136RE"
+    )
+    assert code == 0, err
+    assert "R-519-A" in out
+    folder = tmp_path / "out" / "geometry-s1002-60e1"
+    assert {path.name for path in folder.iterdir()} == {
+        "geometries.csv",
+        "geometries.png",
+        "geometries.json",
+        "report.html",
+    }
+    with (folder / "geometries.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [(row["wheel"], row["rail"]) for row in rows] == [
+        *(("S1002", name) for name in ("60E1", "136RE")),
+        *(("R-519-A", name) for name in ("60E1", "136RE")),
+    ]
+    assert float(rows[0]["conicity_integration"]) == pytest.approx(0.177, abs=2e-3)

@@ -1,5 +1,6 @@
 """`flangeway profile`, as users call it."""
 
+import csv
 import json
 
 import numpy as np
@@ -7,8 +8,10 @@ import pytest
 from matplotlib.image import imread
 
 from flangeway.cases.profile.profile_run import run_profile
+from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.profiles.profile_file import read_profile
+from flangeway.report.profile.profile_figures import deviations
 
 FILES = {"profile.png", "curvature.png", "report.html", "profile.json"}
 
@@ -113,3 +116,32 @@ def test_a_failing_picture_leaves_nothing(call, files, tmp_path, monkeypatch):
     assert "interrupted" in err
     assert not (tmp_path / "out").exists()
     assert not (tmp_path / "y.txt").exists()
+
+
+def test_several_profiles_give_one_table_and_one_picture(call, files, tmp_path):
+    """A row for each profile with its measures; the picture has them all; options of one file are refused."""
+    status, out, err = call("profile", "tread.txt", "S1002", "60E1", "--out", "b")
+    assert status == 0, err
+    assert "Sh" in out
+    assert {path.name for path in (tmp_path / "b").iterdir()} == {
+        "profiles.csv",
+        "profiles.png",
+        "profiles.json",
+        "report.html",
+    }
+    with (tmp_path / "b" / "profiles.csv").open(encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["kind"] for row in rows] == ["wheel", "wheel", "rail"]
+    assert float(rows[0]["flange_height_mm"]) == pytest.approx(float(rows[1]["flange_height_mm"]), abs=0.01)
+    assert rows[2]["flange_height_mm"] == ""
+    assert min(imread(tmp_path / "b" / "profiles.png").shape[:2]) > 400
+    assert call("profile", "S1002", "60E1", "--to", "x.csv")[0] == 2
+
+
+def test_a_worn_wheel_is_below_the_new_one_in_the_overlay(files):
+    """Distances are outwards from the first profile: a millimetre of wear is one millimetre less."""
+    first = run_profile("S1002").body.running_surface
+    worn = first.transformed(Placement(translation=(0.0, 1.0)))
+    points = worn.sampled(spacing=0.25)
+    apart = deviations(first, points)[np.abs(points[:, 0] - 30.0) < 10.0]
+    assert apart == pytest.approx(-1.0, abs=0.02)

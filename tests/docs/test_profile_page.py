@@ -4,14 +4,14 @@ import re
 from pathlib import Path
 
 from flangeway.railway.profiles import joining, profile_checks, smoothing
-from flangeway.railway.profiles.profile_file import FORMATS
+from flangeway.railway.profiles.profile_file import READABLE
 
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md").read_text(encoding="utf-8")
 
 
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
     """Every script and command of the page ends well, in its order, and prints the lines that the page shows."""
-    assert follow("how-to/bring-your-profile.md") == {"python": 2, "sh": 5, "text": 2}
+    assert follow("how-to/bring-your-profile.md") == {"python": 2, "sh": 7, "text": 2}
     assert {"worn_rail.csv", "S1002.prw", "S1002.whl"} <= {path.name for path in tmp_path.iterdir()}
 
 
@@ -20,7 +20,7 @@ def test_the_page_names_all_options_and_formats(call):
     _, shown, _ = call("profile", "--help")
     for option in set(re.findall(r"--[a-z-]+", shown)) - {"--help", "--out", "--quiet", "--json", "--no-pictures"}:
         assert f"`{option}" in TEXT or f" {option} " in TEXT, option
-    for ending in FORMATS:
+    for ending in READABLE:
         assert f"`{ending}`" in TEXT, ending
 
 

@@ -18,6 +18,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
+from flangeway.railway.profiles.formats.slice_files import files_of
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
@@ -193,7 +194,10 @@ def _by_content(values: Any) -> Any:
 
 def _file_hash(name: str) -> str:
     path = Path(name)
-    return f"sha256 {hashlib.sha256(path.read_bytes()).hexdigest()}" if is_file(path) else name
+    if not is_file(path):
+        return name
+    content = [each.read_bytes() for each in files_of(path) if is_file(each)]
+    return f"sha256 {hashlib.sha256(b''.join(content)).hexdigest()}"
 
 
 class _CampaignText(TomlFile):

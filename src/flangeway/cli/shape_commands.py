@@ -1,5 +1,6 @@
 """``flangeway geometry``, ``section`` and ``profile``."""
 
+from itertools import product
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -15,6 +16,7 @@ from flangeway.cli.common import (
     settings_of,
     shows_results,
 )
+from flangeway.errors import InputError
 from flangeway.system.file_content import is_file
 
 GeometryName = Annotated[
@@ -34,11 +36,26 @@ GeometrySet = Annotated[
         "key lists all.",
     ),
 ]
+GeometryWheel = Annotated[
+    list[str] | None,
+    typer.Option("--wheel", metavar="NAME_OR_FILE", help="A wheel; several: one table and one picture of all pairs."),
+]
+GeometryRail = Annotated[
+    list[str] | None, typer.Option("--rail", metavar="NAME_OR_FILE", help="A rail, as often as needed.")
+]
 
 
 @app.command()
 @shows_results
-def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, out: Out = None, *, show: Show) -> bool:
+def geometry(
+    case: GeometryName = "wheelset-tangent",
+    set_: GeometrySet = None,
+    wheel: GeometryWheel = None,
+    rail: GeometryRail = None,
+    out: Out = None,
+    *,
+    show: Show,
+) -> bool:
     """Contact geometry of a rigid wheelset: locus, rolling radii, conicity, equilibrium (out/geometry-CASE)."""
     settings = settings_of(set_, "a wrong key lists the right ones")
     file = Path(case)
@@ -47,18 +64,30 @@ def geometry(case: GeometryName = "wheelset-tangent", set_: GeometrySet = None, 
         return _conicity(file, settings, out, show)
     from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415
     from flangeway.cases.rigid.rigid_run import run_geometry  # noqa: PLC0415
-    from flangeway.report.rigid.rigid_outputs import NAMES, geometry_record  # noqa: PLC0415
+    from flangeway.report.rigid.rigid_outputs import (  # noqa: PLC0415
+        BATCH_NAMES,
+        NAMES,
+        geometries_record,
+        geometry_record,
+    )
     from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
 
-    inputs, notices = read_geometry_case(file, settings) if is_toml else (find_geometry_case(case, settings), ())
-    inputs.load()
     name = file.stem if is_toml else case
     folder = out or Path("out", f"geometry-{name}")
-    refuse_unwritable(folder, NAMES)
+    found = []
+    for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
+        values = settings | dict(pair)
+        inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
+        inputs.load()
+        found.append((inputs, notices))
+    many = len(found) > 1
+    refuse_unwritable(folder, BATCH_NAMES if many else NAMES)
     with show.progress() as progress:
-        done = run_geometry(name, inputs, progress, notices)
-    converged = show.record(geometry_record(done, command_typed()), folder)
-    show.json(done.summary)
+        runs = [run_geometry(name, inputs, progress, notices) for inputs, notices in found]
+    command = command_typed()
+    record = geometries_record(runs, command) if many else geometry_record(runs[0], command)
+    converged = show.record(record, folder)
+    show.json(record.summary)
     return converged
 
 
@@ -137,12 +166,12 @@ def section(
     return True
 
 
-ProfileName = Annotated[
-    str,
+ProfileNames = Annotated[
+    list[str],
     typer.Argument(
-        metavar="NAME_OR_FILE",
+        metavar="NAME_OR_FILE...",
         help="136RE, 136RE-8, 136RE-14, 60E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a .ban, .whl, .prr, "
-        ".prw, .csv, .txt, .dat or .dxf file.",
+        ".prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and one picture of all.",
     ),
 ]
 ProfileKind = Annotated[
@@ -178,6 +207,12 @@ ProfileJoin = Annotated[
     str | None,
     typer.Option("--join", metavar="NAME", help="Bundled rail or wheel that gives the body.", show_default=False),
 ]
+ProfilePosition = Annotated[
+    float | None,
+    typer.Option(
+        "--position", metavar="X", help="Section of a .slcs file in mm, of a .slcw file in degrees.", show_default=False
+    ),
+]
 ProfileTo = Annotated[
     Path | None,
     typer.Option(
@@ -193,7 +228,7 @@ ProfileTo = Annotated[
 @app.command()
 @shows_results
 def profile(
-    name_or_file: ProfileName,
+    names: ProfileNames,
     unit: Unit = None,
     kind: ProfileKind = None,
     mirror: ProfileMirror = False,
@@ -203,6 +238,7 @@ def profile(
     smooth: ProfileSmooth = None,
     limit: ProfileLimit = None,
     drop_outliers: ProfileDrop = False,
+    position: ProfilePosition = None,
     join: ProfileJoin = None,
     to: ProfileTo = None,
     out: Out = None,
@@ -210,18 +246,29 @@ def profile(
     show: Show,
 ) -> bool:
     """Read a rail or wheel profile: checks, pictures, curvature, conversion, joint to a body (out/profile-NAME)."""
-    from flangeway.cases.profile.profile_run import run_profile  # noqa: PLC0415
+    from flangeway.cases.profile.profile_run import run_profiles  # noqa: PLC0415
     from flangeway.railway.profiles.profile_file import ReadOptions  # noqa: PLC0415
     from flangeway.report.profile.profile_outputs import (  # noqa: PLC0415
+        BATCH_NAMES,
         check_profile_folder,
         profile_record,
+        profiles_record,
     )
-    from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable, text_writer, write_together  # noqa: PLC0415
 
-    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers)
+    options = ReadOptions(unit, kind, mirror, flip, origin, tape, smooth, limit, drop_outliers, position)
     with show.progress():
-        done = run_profile(name_or_file, options, join)
-    folder = out or Path("out", f"profile-{Path(name_or_file).stem}")
+        runs = run_profiles(names, options, join)
+    folder = out or Path("out", f"profile-{Path(names[0]).stem}" if len(names) == 1 else "profiles")
+    if len(runs) > 1:
+        if to is not None:
+            raise InputError(f"--to {to} for {len(runs)} profiles", "one profile", "convert them one by one")
+        refuse_unwritable(folder, BATCH_NAMES)
+        record = profiles_record(runs, command_typed())
+        show.record(record, folder)
+        show.json(record.summary)
+        return True
+    (done,) = runs
     conversion = check_profile_folder(done, folder, to)
 
     def convert() -> list[Path]:

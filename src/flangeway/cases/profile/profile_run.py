@@ -1,6 +1,7 @@
 """A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it."""
 
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -14,12 +15,13 @@ from flangeway.railway.profiles.joining import BUNDLED_NAMES, Joined, joined, no
 from flangeway.railway.profiles.measures import measures, worn_side
 from flangeway.railway.profiles.orientation import Orientation
 from flangeway.railway.profiles.profile_file import (
-    FORMATS,
+    READABLE,
     MeasuredProfile,
     ReadOptions,
     frame_origin,
     profile_text,
     read_profile,
+    sections_of,
 )
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -54,13 +56,13 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
     """Read a profile from a file, or take a bundled one by its name.
 
     It is an `InputError` if there is neither, the file is wrong, or the profile does not fit the body.
-    - `name_or_file`: a name such as ``"S1002"``, or a file; see `flangeway.railway.profiles.profile_file.FORMATS`.
+    - `name_or_file`: a name such as ``"S1002"``, or a file; see `flangeway.railway.profiles.profile_file.READABLE`.
     - `options`: options for what the file does not declare.
     - `join`: name of the nominal rail or wheel that gives the body.
     """
     given = options or ReadOptions()
     path = Path(name_or_file)
-    if path.suffix.lower() not in FORMATS and not path.exists() and len(path.parts) == 1:
+    if path.suffix.lower() not in READABLE and not path.exists() and len(path.parts) == 1:
         if given != ReadOptions() or join is not None:
             raise InputError(f"options of a file for the bundled {name_or_file}", "a file", "leave them out")
         return _bundled(name_or_file)
@@ -70,6 +72,16 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
     if isinstance(profile.surface, Outline):
         body = whole_profile(profile)
     return ProfileRun(profile, body, done, _summary(profile, body, done))
+
+
+def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = None) -> list[ProfileRun]:
+    """Read several profiles, see `run_profile`; of a file of slices without a position all slices."""
+    found = []
+    for name in names:
+        places = sections_of(Path(name)) if options.position is None else ()
+        each = [replace(options, position=place) for place in places] or [options]
+        found += [run_profile(name, one, join) for one in each]
+    return found
 
 
 def converted(run: ProfileRun, ending: str) -> str:
@@ -106,7 +118,7 @@ def _bundled(name: str) -> ProfileRun:
     except InputError as reason:
         raise InputError(
             f"a profile called {name!r}",
-            f"{BUNDLED_NAMES}, or a file that ends with {', '.join(FORMATS)}",
+            f"{BUNDLED_NAMES}, or a file that ends with {', '.join(READABLE)}",
             reason.advice,
         ) from reason
     how = dict.fromkeys(("kind", "unit", "up", "side", "origin", "tape line"), "bundled")

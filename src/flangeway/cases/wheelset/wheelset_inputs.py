@@ -6,7 +6,7 @@ from typing import Literal
 from pydantic import Field
 
 from flangeway.cases.case import Case
-from flangeway.cases.wheelset.wheelset_profiles import rail_named, wheel_named
+from flangeway.cases.wheelset.wheelset_profiles import position_key, rail_named, wheel_named
 from flangeway.cases.wheelset.wheelset_summary import PublishedPosition
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import WheelProfile
@@ -70,10 +70,14 @@ class WheelsetInputs(Case):
     left_wheel_unit: LengthUnit | None = Field(None, description="wheel_unit of left_wheel")
     left_wheel_mirror: bool = Field(False, description="wheel_mirror of left_wheel")
     left_wheel_tape_mm: float | None = Field(None, ge=40.0, le=110.0, description="wheel_tape_mm of left_wheel")
+    rail_position_mm: float | None = Field(None, description="section of a rail in a .slcs file, along the track")
+    wheel_angle_deg: float | None = Field(None, description="section of a wheel in a .slcw file, around the axle")
+    left_rail_position_mm: float | None = Field(None, description="rail_position_mm of left_rail")
+    left_wheel_angle_deg: float | None = Field(None, description="wheel_angle_deg of left_wheel")
     rail_body: str | None = Field(
         None,
-        description="bundled rail with web and foot for a file's head (default: that of the other side, else the "
-        "nearest)",
+        description="bundled rail with web and foot for a file's head, or plain (default: that of the other side, else "
+        "the nearest)",
     )
     wheel_body: str | None = Field(
         None,
@@ -259,8 +263,9 @@ class WheelsetInputs(Case):
         It is an `InputError` if there are options for a left profile without the profile.
         """
         name = getattr(self, key)
-        options = {each: getattr(self, f"{key}_{each}", None) for each in ("unit", "mirror", "tape_mm")}
-        options_given = [f"{key}_{each}" for each, value in options.items() if value]
+        names = [f"{key}_unit", f"{key}_mirror", f"{key}_tape_mm", position_key(key)]
+        options = {each.removeprefix(f"{key}_"): getattr(self, each, None) for each in names}
+        options_given = [f"{key}_{each}" for each, value in options.items() if value not in (None, False)]
         if name is None and options_given:
             raise InputError(
                 f"{' and '.join(options_given)} without {key}", f"{key} with a file", f"give {key}, or leave it out"
@@ -268,7 +273,12 @@ class WheelsetInputs(Case):
         right = key.removeprefix("left_")
         if name == getattr(self, right):  # the same file has the same unit
             options = {each: getattr(self, f"{right}_{each}", None) if v is None else v for each, v in options.items()}
-        return ReadOptions(unit=options["unit"], mirror=bool(options["mirror"]), tape_mm=options["tape_mm"])
+        return ReadOptions(
+            unit=options["unit"],
+            mirror=bool(options["mirror"]),
+            tape_mm=options["tape_mm"],
+            position=options[position_key(key).removeprefix(f"{key}_")],
+        )
 
     def _wheel(self, key: Literal["wheel", "left_wheel"]) -> WheelProfile:
         name, read = str(getattr(self, key)), self._reading(key)

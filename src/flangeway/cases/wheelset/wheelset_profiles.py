@@ -20,13 +20,13 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import end_gap_mm, joined, nominal_profile, on_plain_body
-from flangeway.railway.profiles.profile_file import FORMATS, MeasuredProfile, ReadOptions, read_profile, side_notices
+from flangeway.railway.profiles.profile_file import READABLE, MeasuredProfile, ReadOptions, read_profile, side_notices
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Side, Track, Wheelset
 from flangeway.system.file_content import is_file
 
 READ_AS_IT_IS = ReadOptions()
-PLAIN = "plain"  # body of a wheel that fits no bundled one: a block above its running surface
+PLAIN = "plain"  # body of a rail or wheel that fits no bundled one: a block beside its running surface
 
 
 def rail_named(
@@ -87,7 +87,13 @@ def wheel_named(
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
     for option, value in vars(options).items():
         if value != getattr(READ_AS_IT_IS, option):
-            raise InputError(f"{key}_{option} of the bundled {name}", "a file", f"leave {key}_{option} out")
+            wrong = position_key(key) if option == "position" else f"{key}_{option}"
+            raise InputError(f"{wrong} of the bundled {name}", "a file", f"leave {wrong} out")
+
+
+def position_key(key: str) -> str:
+    """Name of the input with the position of a section in a file of slices, of one of the inputs with a profile."""
+    return f"{key}_position_mm" if key.endswith("rail") else f"{key}_angle_deg"
 
 
 _joined = lru_cache(maxsize=8)(joined)  # the nearest body is joined to see whether it fits, so it is joined already
@@ -105,9 +111,9 @@ def _from_file(
         )
     if isinstance(measured.surface, Outline):
         return whole_profile(measured)
-    bodies = RAILS if kind == "rail" else (*WHEELS, PLAIN)
+    bodies = (*(RAILS if kind == "rail" else WHEELS), PLAIN)
     body = body or _nearest_body(measured, other)
-    if body == PLAIN and kind == "wheel":
+    if body == PLAIN:
         return on_plain_body(measured)
     try:
         wanted = nominal_profile(body)
@@ -135,7 +141,7 @@ def _as_keys(text: str, key: str) -> str:
     text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
     for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
         text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
-    return text
+    return re.sub(r"--position( in \w+)?", position_key(key), text)
 
 
 def _read(name: str, kind: Kind, options: ReadOptions, key: str) -> MeasuredProfile:
@@ -185,7 +191,7 @@ def _refuse_other_kind(name: str, kind: Kind) -> None:
 
 def _means_file(name: str) -> bool:
     path = Path(name)
-    return path.suffix.lower() in FORMATS or is_file(path)
+    return path.suffix.lower() in READABLE or is_file(path)
 
 
 def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:

@@ -75,6 +75,8 @@ class RailProfile:
     - `base_names`: segments of the base's underside.
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
+    - `placing_head`: head that is placed at the gauge, with its top at zero; None: the rail's own. Sections of a rail
+      that varies along the track have that of the first one.
     """
 
     title: str
@@ -84,6 +86,7 @@ class RailProfile:
     certainty: str
     source: str
     notices: tuple[str, ...] = ()
+    placing_head: Contour | None = None
 
     @property
     def running_surface(self) -> Contour:

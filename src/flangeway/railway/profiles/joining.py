@@ -61,7 +61,7 @@ GAUGE_DEPTH_MM = 14.0
 
 TIP_OFF_MM = 0.05  # height of a measured flange above the tip of the joined body below which the tip counts as measured
 
-PLAIN_CUT_MM = 50.0
+PLAIN_CUT_MM, PLAIN_BASE_MM = 50.0, 150.0
 MEASURED = "measured"
 
 LEANS_DEG = (0.8, 4.0)
@@ -129,7 +129,8 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         raise InputError(f"--join {name}, a {kind}, for a {measured.kind}", ", ".join(known), "choose one of these")
     if isinstance(measured.surface, Outline):
         raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
-    surface, offset = _fitted(measured, nominal)
+    shift, offset = _shift(measured, nominal)
+    surface = measured.surface.transformed(Placement(translation=shift))
     outline, joints = _closed(surface, nominal)
     notices = measured.notices
     if offset:
@@ -155,7 +156,8 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         return Joined(wheel_profile, nominal, surface, joints)
     names = _running(outline, nominal.head_names)[::-1]
     notices = (*notices, *_lean(surface, nominal))
-    rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices)
+    placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
+    rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices, placing)
     return Joined(rail_profile, nominal, surface, joints)
 
 
@@ -163,16 +165,18 @@ def end_gap_mm(measured: MeasuredProfile, name: str) -> float | None:
     """Maximum distance of the ends of a measured surface from a bundled outline; None where it does not fit."""
     nominal = nominal_profile(name)
     try:
-        return max(joint.gap_mm for joint in _joints(_fitted(measured, nominal)[0], nominal)[1])
+        surface = measured.surface.transformed(Placement(translation=_shift(measured, nominal)[0]))
+        return max(joint.gap_mm for joint in _joints(surface, nominal)[1])
     except InputError:
         return None
 
 
-def _fitted(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[Contour, float]:
-    """Return a measured surface in the frame of a nominal profile, and by how much it was moved sideways to fit."""
+def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[tuple[float, float], float]:
+    """Return the shift of a measured surface to the frame of a nominal profile, and its part that made it fit."""
     if isinstance(nominal, WheelProfile):
-        return measured.surface, 0.0
-    surface = measured.surface.transformed(Placement(translation=_rail_shift(measured, nominal)))
+        return (0.0, 0.0), 0.0
+    shift = _rail_shift(measured, nominal)
+    surface = (measured.first_slice or measured.surface).transformed(Placement(translation=shift))
     _refuse_height(surface, nominal)
     try:
         _joints(surface, nominal)
@@ -180,8 +184,8 @@ def _fitted(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> t
         offset = _field_shift(measured, surface, nominal)
         if offset is None:
             raise
-        return surface.transformed(Placement(translation=(offset, 0.0))), offset
-    return surface, 0.0
+        return (shift[0] + offset, shift[1]), offset
+    return shift, 0.0
 
 
 def nominal_profile(name: str) -> RailProfile | WheelProfile:
@@ -265,34 +269,33 @@ def _lean(surface: Contour, nominal: RailProfile) -> tuple[str, ...]:
     return (f"{what}: a left-hand rail, measured in the track's axes, needs --mirror, and rail_inclination = 0.",)
 
 
-def on_plain_body(measured: MeasuredProfile) -> WheelProfile:
-    """Return a wheel with a measured running surface, upright faces above its ends and a level cut.
+def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
+    """Return a rail or wheel with a measured running surface on a block of steel with upright faces at its ends.
 
-    The cut is `PLAIN_CUT_MM` above the tape line, or 10 mm above the higher end of the surface if that is more.
-
-    For wheels different from all bundled ones: the stresses beside the contact are those of a block of steel. An
-    `InputError` if it is no wheel or no running surface, or the faces meet it.
-
-    - `measured`: running surface of a wheel.
+    A wheel's block is cut level `PLAIN_CUT_MM` above the tape line, a rail's `PLAIN_BASE_MM` below its top; 10 mm
+    beyond the surface if that is more. For profiles different from all bundled ones: the stresses beside the contact
+    are those of the block. An `InputError` if it is no running surface, or the faces meet it.
     """
-    if measured.kind != "wheel" or isinstance(measured.surface, Outline):
-        raise InputError(f"a plain body for {measured.title}", "the running surface of a wheel", "leave it out")
-    surface = measured.surface
-    _refuse_short(surface, "wheel")
+    surface, is_rail = measured.surface, measured.kind == "rail"
+    if isinstance(surface, Outline):
+        raise InputError(f"a plain body for {measured.title}", "a running surface", "leave it out")
+    _refuse_short(surface, measured.kind)
     start, end = surface.segments[0].start, surface.segments[-1].end
-    high = max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
-    cut = [Line(end, (end[0], high)), Line((end[0], high), (start[0], high)), Line((start[0], high), start)]
-    names = [*[MEASURED] * len(surface.segments), "outer_face", "cut", "back_face"]
-    outline = Outline.from_segments([*surface.segments, *cut], names)
+    (_, low), (_, top) = (measured.first_slice or surface).bounds()
+    level = min(top - PLAIN_BASE_MM, low - 10.0) if is_rail else max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
+    sides = [Line(end, (end[0], level)), Line((end[0], level), (start[0], level)), Line((start[0], level), start)]
+    around = ("gauge_face", "base", "field_face") if is_rail else ("outer_face", "cut", "back_face")
+    outline = Outline.from_segments([*surface.segments, *sides], [*[MEASURED] * len(surface.segments), *around])
+    title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
+    certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
+    if is_rail:
+        upright = Placement(translation=(-0.5 * (start[0] + end[0]), -level))
+        placing = measured.first_slice and measured.first_slice.transformed(upright)
+        base = outline.transformed(upright)
+        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, measured.notices, placing)
+    height = -float(outline.bounds()[0, 1])
     return WheelProfile(
-        f"{measured.title} on a plain body",
-        outline,
-        (MEASURED,),
-        flange_height_mm=-float(outline.bounds()[0, 1]),
-        flange_back_mm=measured.flange_back_mm,
-        certainty=f"Running surface as measured, below a block of steel with upright faces.{_tape_text(measured)}",
-        source=f"File: {measured.format}.",
-        notices=measured.notices,
+        title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, measured.notices
     )
 
 

@@ -18,6 +18,7 @@ from flangeway.railway.profiles.formats.segment_files import (
     write_segment_csv,
 )
 from flangeway.railway.profiles.formats.simpack import read_simpack, write_simpack
+from flangeway.railway.profiles.formats.slice_files import SLICES, UNITS, read_slices
 from flangeway.railway.profiles.formats.two_column import one_line, read_two_column, write_two_column
 from flangeway.railway.profiles.measures import seen_back_mm, worn_side
 from flangeway.railway.profiles.orientation import UNITS_MM, Orientation, agreed_unit, orientation
@@ -36,6 +37,8 @@ FORMATS = {
     ".dat": "two columns",
 }
 """Formats by the ending of the file's name."""
+
+READABLE = (*FORMATS, *SLICES)  # endings of files that are read
 
 _KINDS_BY_ENDING: dict[str, Kind] = {".ban": "rail", ".whl": "wheel", ".prr": "rail", ".prw": "wheel"}
 _CONTROL = bytes(set(range(32)) - {9, 10, 12, 13, 26})
@@ -72,6 +75,8 @@ class ReadOptions:
         Maximum distance that smoothing may move a point.
     drop_outliers
         Whether to leave out single points off the curve.
+    position
+        Position of the section in a file of slices: mm along the track, degrees around a wheel.
     """
 
     unit: str | None = None
@@ -83,6 +88,7 @@ class ReadOptions:
     smooth_mm: float | None = None
     limit_um: float | None = None
     drop_outliers: bool = False
+    position: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +104,7 @@ class MeasuredProfile:
       one.
     - `smoothing`: the smooth curve beside the points; None for lines and arcs.
     - `notices`: sentences on what was left out, bridged or assumed.
+    - `first_slice`: of a rail that varies along the track the surface of the first slice, which places all of them.
     """
 
     title: str
@@ -107,6 +114,7 @@ class MeasuredProfile:
     surface: Contour
     smoothing: Smoothing | None
     notices: tuple[str, ...] = ()
+    first_slice: Contour | None = None
 
     def __post_init__(self) -> None:
         """Make the points read-only."""
@@ -136,24 +144,49 @@ class MeasuredProfile:
 
 
 def read_profile(path: str | Path, options: ReadOptions | None = None) -> MeasuredProfile:
-    """Read a profile; the ending of the file's name gives its format, see `FORMATS`.
+    """Read a profile; the ending of the file's name gives its format, see `READABLE`.
 
     Raises
     ------
     InputError
         If the file cannot be read, is no profile, or the meaning of its numbers is missing; the message names the line.
     """
-    file = Path(path)
+    file, given = Path(path), options or ReadOptions()
     ending = file.suffix.lower()
-    if ending not in FORMATS:
+    if ending not in READABLE:
         raise InputError(
-            f"file {file} with the ending {ending!r}", ", ".join(FORMATS), "save the profile in one of these"
+            f"file {file} with the ending {ending!r}", ", ".join(READABLE), "save the profile in one of these"
         )
     content = file_content(file, "a profile")
     try:
-        return _profile(_read(content, ending), FORMATS[ending], options or ReadOptions(), file.stem)
+        if ending in SLICES:
+            slices = read_slices(file, _text(content))
+            position = slices.wanted(given.position)
+            stem = f"{file.stem} at {position:g} {UNITS[slices.kind]}"
+            return _profile(slices.section(position, _slice), "slices", given, stem, slices.slice(0, _slice))
+        if given.position is not None:
+            raise InputError(f"--position {given.position:g}", f"a file of slices, {', '.join(SLICES)}", "leave it out")
+        return _profile(_read(content, ending), FORMATS[ending], given, file.stem)
     except InputError as reason:
         raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
+
+
+def sections_of(file: Path) -> tuple[float, ...]:
+    """Return the positions of the slices that a file lists; none if it is no list of slices."""
+    if file.suffix.lower() not in SLICES:
+        return ()
+    try:
+        return tuple(read_slices(file, _text(file_content(file, "a list of slices"))).positions.tolist())
+    except InputError as reason:
+        raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason
+
+
+def _slice(file: Path) -> RawProfile:
+    """Return the content of the file of a slice."""
+    try:
+        return _read(file_content(file, "a slice"), file.suffix.lower())
+    except InputError as reason:
+        raise InputError(f"slice {file}: {reason.given}", reason.allowed, reason.advice) from reason
 
 
 def _read(content: bytes, ending: str) -> RawProfile:
@@ -169,7 +202,10 @@ def _read(content: bytes, ending: str) -> RawProfile:
     return read_two_column(text)
 
 
-def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> MeasuredProfile:
+def _profile(
+    raw: RawProfile, format_: str, options: ReadOptions, stem: str, first: RawProfile | None = None
+) -> MeasuredProfile:
+    """Return the profile; of slices all are placed as the first one."""
     unit = agreed_unit(raw, options.unit)
     more: list[str] = []
     scale = UNITS_MM[unit]
@@ -182,7 +218,7 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
         )
         raw = replace(raw, points=points / scale, lines=lines)
     taken, notices = orientation(
-        raw,
+        first or raw,
         unit=options.unit,
         kind=options.kind,
         mirror=options.mirror,
@@ -192,7 +228,7 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
     )
     if taken.mirrored and taken.how["side"] == "from the flange":
         more.append("The flange shows a left-hand wheel; it is mirrored to the right-hand side.")
-    title = one_line(raw.title) or stem
+    title = (one_line(raw.title) or stem) if first is None else stem
     points = taken.applied(raw.points)
     if raw.contour is not None:
         surface = _placed(raw.contour, taken)
@@ -215,7 +251,12 @@ def _profile(raw: RawProfile, format_: str, options: ReadOptions, stem: str) -> 
             "--smooth and --limit."
         )
     taken, seen = _checked_against_shape(taken, smoothing.curve)
-    return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, tuple(notices + more + seen))
+    placing = None
+    if first is not None and taken.kind == "rail":
+        ordered = taken.applied(first.points)[:: -1 if taken.reversed_order else 1]
+        placing = smoothed(np.ascontiguousarray(ordered), options.smooth_mm, options.limit_um, name="measured").curve
+    every = tuple(notices + more + seen)
+    return MeasuredProfile(title, format_, taken, points, smoothing.curve, smoothing, every, placing)
 
 
 def _checked_against_shape(taken: Orientation, surface: Contour) -> tuple[Orientation, list[str]]:

@@ -114,10 +114,10 @@ class Track:
         """Where the rail of a side stands: canted, its head at the gauge, its top at y = 0."""
         angle = math.atan(self.rail_inclination)
         rail = self.rail_of(side)
-        canted = rail.outline.transformed(Placement(angle))
-        (left, _), (_, top) = canted.bounds(rail.head_names)
+        canted = (rail.placing_head or rail.running_surface).transformed(Placement(angle))
+        (left, _), (_, top) = canted.bounds()
         if self.gauge_depth_mm is not None:
-            points = canted.part(rail.head_names).sampled(spacing=0.01)
+            points = canted.sampled(spacing=0.01)
             lowest = float(points[points[:, 0] < points[np.argmax(points[:, 1]), 0], 1].min())
             if lowest > top - self.gauge_depth_mm:
                 raise InputError(

@@ -1,19 +1,23 @@
 """Pictures of a profile: its shape with measured points, curvature and deviation along it, and its joints to a body."""
 
 import textwrap
+from collections.abc import Sequence
 
 import numpy as np
+from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.profile.profile_run import ProfileRun
-from flangeway.geometry import Contour
+from flangeway.geometry import Contour, Outline, Placement
+from flangeway.railway.profiles.formats.raw_profile import KINDS
 from flangeway.railway.profiles.joining import Joined
 from flangeway.report.figures.drawing import GREY, HALO, INK, new_figure
 from flangeway.types import Floats
 
 BLUE, ORANGE = "#0072b2", "#d55e00"
 TITLE_LETTERS = 70
+OVERLAY_SPACING_MM, MOST_NAMED = 0.25, 8
 DRAWN_DEVIATION_MM = 0.01
 MAX_CURVATURE_PER_MM = 0.2
 SHOWN_DEVIATION_MM = 4.0  # height at which the maximum deviation is drawn beside the shape
@@ -107,13 +111,8 @@ def join_figure(joined: Joined) -> Figure:
 
 def _draw_wear(axes: Axes, joined: Joined) -> None:
     """Draw how far the measured surface is off the nominal outline along its normal."""
-    points, outline = _line(joined.measured), joined.nominal.outline
-    numbers, parameters, _ = outline.closest(points)
-    off = np.empty(len(points))
-    for number in np.unique(numbers):
-        here, segment = numbers == number, outline.segments[number]
-        apart = points[here] - segment.point(parameters[here])
-        off[here] = np.einsum("ni,ni->n", apart, segment.normal(parameters[here]))
+    points = _line(joined.measured)
+    off = deviations(joined.nominal.outline, points)
     x, most = points[:, 0], int(off.argmin())
     axes.fill_between(x, off, 0.0, where=off < 0.0, color=BLUE, alpha=0.25, lw=0.0)
     axes.plot(x, off, color=BLUE, lw=1.4)
@@ -124,6 +123,67 @@ def _draw_wear(axes: Axes, joined: Joined) -> None:
     axes.set_title(f"measured surface off the nominal outline along its normal{worn}", fontsize=9)
     axes.set(xlabel="x in mm", ylabel="deviation in mm\n(below zero: worn)")
     axes.grid(color="#dddddd", lw=0.5)
+
+
+def overlay_figure(runs: Sequence[ProfileRun]) -> Figure:
+    """Draw profiles over each other, rails and wheels apart, and below the distance of each from the first."""
+    kinds = [kind for kind in KINDS if any(run.profile.kind == kind for run in runs)]
+    figure = new_figure(4.0 + 4.5 * len(kinds), 7.0)
+    panels = figure.subplots(2, len(kinds), squeeze=False, height_ratios=(1.4, 1.0))
+    for (shapes, apart), kind in zip(panels.T, kinds, strict=True):
+        chosen = [run for run in runs if run.profile.kind == kind]
+        shades = sequence_colours(len(chosen))
+        first = _running(chosen[0])
+        for run, shade in zip(chosen, shades, strict=True):
+            surface = _running(run)
+            title = _title(run.profile.title)
+            shapes.plot(*_line(surface).T, color=shade, lw=1.2, label=title)
+            if run is not chosen[0]:
+                at = surface.sampled(spacing=OVERLAY_SPACING_MM)
+                apart.plot(at[:, 0], deviations(first, at), color=shade, lw=1.0, label=title)
+        _equal(shapes)
+        shapes.set_title(f"{len(chosen)} {kind}{'s' * (len(chosen) > 1)}", fontsize=10)
+        where = "tape line" if kind == "wheel" else "origin"
+        apart.set(xlabel=f"from the {where} in mm", ylabel="off the first along its normal, in mm")
+        apart.axhline(0.0, color=GREY, lw=0.6)
+        apart.grid(color="#e4e4e4", linewidth=0.5)
+        # of many profiles the first and the last
+        handles, labels = shapes.get_legend_handles_labels()
+        kept = range(len(labels)) if len(labels) <= MOST_NAMED else (0, len(labels) - 1)
+        apart.legend(
+            [handles[i] for i in kept], [labels[i] for i in kept],
+            fontsize=8, frameon=False, loc="upper center", bbox_to_anchor=(0.5, -0.22), ncols=2,
+        )  # fmt: skip
+    return figure
+
+
+def sequence_colours(count: int) -> list[tuple[float, ...]]:
+    """Colours of curves in their order, apart in grey too; the first is dark."""
+    return [tuple(each) for each in colormaps["viridis"](np.linspace(0.0, 0.88, max(count, 2))[:count])]
+
+
+def _running(run: ProfileRun) -> Contour:
+    """The running surface of a profile, as its file has it; of a whole rail from its top."""
+    if run.body is None or run.join is not None:
+        return run.profile.surface
+    surface = run.body.running_surface
+    if run.profile.kind == "wheel":
+        return surface
+    return surface.transformed(Placement(translation=(0.0, -float(surface.bounds()[1, 1]))))
+
+
+def deviations(reference: Contour, points: Floats) -> Floats:
+    """Distances (n,) of points from a contour along its normals, outwards positive; nan beyond its ends."""
+    numbers, parameters, _ = reference.closest(points)
+    off = np.empty(len(points))
+    for number in np.unique(numbers):
+        here, segment = numbers == number, reference.segments[number]
+        apart = points[here] - segment.point(parameters[here])
+        off[here] = np.einsum("ni,ni->n", apart, segment.normal(parameters[here]))
+    if not isinstance(reference, Outline):
+        last = reference.n_segments - 1
+        off[((numbers == 0) & (parameters <= 0.0)) | ((numbers == last) & (parameters >= 1.0))] = np.nan
+    return off
 
 
 def _draw_deviations(axes: Axes, run: ProfileRun) -> None:

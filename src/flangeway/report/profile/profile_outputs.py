@@ -7,12 +7,15 @@ from typing import Any
 from flangeway.cases.profile.profile_run import ProfileRun, converted
 from flangeway.errors import InputError
 from flangeway.report.page.record import REPORT, Again, Picture, Record
-from flangeway.report.page.tables import SummaryTable
-from flangeway.report.profile.profile_figures import curvature_figure, join_figure, shape_figure
+from flangeway.report.page.tables import SummaryTable, number
+from flangeway.report.profile.profile_figures import curvature_figure, join_figure, overlay_figure, shape_figure
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import refuse_unwritable
 
 SUMMARY, SHAPE, CURVATURE, JOIN = "profile.json", "profile.png", "curvature.png", "joined.png"
 NAMES = (SHAPE, CURVATURE, JOIN, REPORT, SUMMARY)
+TABLE, OVERLAY, BATCH_SUMMARY = "profiles.csv", "profiles.png", "profiles.json"
+BATCH_NAMES = (TABLE, OVERLAY, REPORT, BATCH_SUMMARY)
 MEASURES = {
     "flange_height_mm": "flange height Sh, mm",
     "flange_thickness_mm": "flange thickness Sd, 10 mm from the tread, mm",
@@ -33,6 +36,15 @@ TILES = {
 }
 SHAPE_SHOWN = "The profile with its points, lines and arcs."
 CURVATURE_SHOWN = "Curvature along the profile."
+SHORT = {
+    "flange_height_mm": "Sh", "flange_thickness_mm": "Sd", "flange_slope_mm": "qR",
+    "head_width_mm": "width", "gauge_drop_mm": "gauge drop", "field_drop_mm": "field drop",
+}  # fmt: skip
+SHORT_NOTE = (
+    "Sh, Sd, qR: height, thickness and slope measure of the flange; width of the head 14 mm below its top; drop 25 mm "
+    "from its middle."
+)
+OVERLAY_SHOWN = "All profiles, and the distance of each from the first."
 JOIN_SHOWN = "The profile joined to the body of the nominal one."
 
 
@@ -83,6 +95,43 @@ def profile_record(run: ProfileRun, command: str) -> Record:
             *(f"{key.capitalize()}: {found[key]}" for key in ("certainty", "source") if found[key]),
         ],
         pictures=pictures,
+    )
+
+
+def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
+    """Return the measures of several profiles side by side; `command` reads them again."""
+    found = [run.summary for run in runs]
+    rows = [
+        {
+            **{key: summary[key] for key in ("title", "kind", "format", "points", "length_mm")},
+            **summary["measures"],
+            **{f"{key}_radius_mm": summary[f"{key}_radius_mm"] for key in ("smallest_convex", "smallest_hollow")},
+            "noise_um": (summary["smoothing"] or {}).get("noise_um"),
+        }
+        for summary in found
+    ]
+    keys = [key for key in SHORT if any(key in summary["measures"] for summary in found)]
+    cells = [
+        (summary["title"], *(number(summary["measures"].get(key), 3) for key in keys), f"{summary['length_mm']:.2f}")
+        for summary in found
+    ]
+    return Record(
+        name=f"{len(runs)} profiles",
+        title=f"{len(runs)} profiles",
+        subtitle="measures in mm, as of each profile alone",
+        converged=True,
+        success="read",
+        message="",
+        results=SummaryTable(
+            "Profiles, mm", ("", *(SHORT[key] for key in keys), "length"), tuple(cells), note=SHORT_NOTE
+        ),
+        summary={"profiles": found},
+        summary_file=BATCH_SUMMARY,
+        again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
+        versions=found[0]["versions"],
+        notes=list(dict.fromkeys(notice for summary in found for notice in summary["notices"])),
+        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN, OVERLAY_SHOWN)],
+        files=lambda: {TABLE: ResultTable.of_rows(rows).to_csv},
     )
 
 

@@ -1,6 +1,7 @@
 """Pictures of the contact geometry: contact locus, rolling radius difference, conicity, effect of the flange root."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
+from flangeway.report.profile.profile_figures import sequence_colours
 from flangeway.types import Floats
 
 COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
@@ -133,6 +135,22 @@ def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
         _legend(axes)
     else:
         axes.text(0.5, 0.5, "\n".join(run.summary["notices"]), transform=axes.transAxes, ha="center", wrap=True)
+    return figure
+
+
+def pairs_figure(runs: Sequence[GeometryRun]) -> Figure:
+    """Draw rolling radius difference and equivalent conicity of several pairs of profiles over each other."""
+    figure, ((left, right),) = _panels("Pairs of profiles", 10.0, 5.0, 1, 2)
+    rails = {run.case.rail for run in runs}
+    for run, colour in zip(runs, sequence_colours(len(runs)), strict=True):
+        names = [run.case.wheel, *([run.case.rail] if len(rails) > 1 else [])]
+        label = " on ".join(Path(name).name for name in names)
+        left.plot(run.locus.lateral_mm, run.locus.rolling_radius_difference_mm, color=colour, lw=1.2, label=label)
+        right.plot(run.conicities.amplitudes_mm, run.conicities.integration, color=colour, lw=1.2)
+    left.set(xlabel=LATERAL, ylabel="rolling radius, right less left, in mm")
+    right.set(xlabel="amplitude in mm", ylabel="equivalent conicity")
+    right.set_ylim(bottom=0.0)
+    left.legend(frameon=False, fontsize=8)
     return figure
 
 

@@ -1,7 +1,8 @@
 """Record and files of ``flangeway geometry``."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
+from pathlib import Path
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -10,7 +11,14 @@ from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.page.record import REPORT, Again, Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across, with_whole
-from flangeway.report.rigid.rigid_figures import conicity_figure, flange_root_figure, locus_figure, rolling_figure
+from flangeway.report.rigid.rigid_figures import (
+    conicity_figure,
+    flange_root_figure,
+    locus_figure,
+    pairs_figure,
+    rolling_figure,
+)
+from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer
 
 TABLE, CONICITY, SUMMARY = "table.csv", "conicity.csv", "geometry.json"
@@ -23,6 +31,9 @@ PICTURES: dict[str, tuple[Callable[[GeometryRun], Figure], str]] = {
 FLANGE_ROOT_SHOWN = "Lateral displacement in equilibrium over the radii of the flange root"
 NAMES = (*PICTURES, FLANGE_ROOT, TABLE, CONICITY, REPORT, SUMMARY)
 CONICITY_NAMES = (CONICITY_PICTURE, CONICITY, REPORT, SUMMARY)
+BATCH_TABLE, BATCH_PICTURE, BATCH_SUMMARY = "geometries.csv", "geometries.png", "geometries.json"
+BATCH_NAMES = (BATCH_TABLE, BATCH_PICTURE, REPORT, BATCH_SUMMARY)
+PAIRS_SHOWN = "Rolling radius difference and equivalent conicity of all pairs."
 AXES = {
     "lateral, vertical": "of the axle in space, to the right and up, from the middle of the track",
     "x": "on the wheel from the tape line, on the rail from its middle, away from the middle of the track",
@@ -73,6 +84,52 @@ def geometry_record(run: GeometryRun, command: str) -> Record:
         ],
         files=lambda: {TABLE: run.table.to_csv, **_conicity_file(run)},
     )
+
+
+def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
+    """Return conicity and equilibrium of several pairs of profiles side by side; `command` computes them again."""
+    rows = [_pair_row(run.summary) for run in runs]
+    head = ("wheel", "rail", "conicity at 3 mm", "lateral, mm", "L/V left", "L/V right", "jumps")
+    keys = ("conicity_integration", "lateral_mm", *(f"{side}_lateral_over_vertical" for side in SIDES))
+    cells = [
+        (row["wheel"], row["rail"], *(number(row[k] and _clean(row[k]), 4) for k in keys), f"{row['jumps']}")
+        for row in rows
+    ]
+    return Record(
+        **_common(runs[0].summary, command, (BATCH_SUMMARY, BATCH_TABLE))
+        | {
+            "summary": {"pairs": [run.summary for run in runs]},
+            "summary_file": BATCH_SUMMARY,
+            "title": f"{len(runs)} pairs of profiles",
+            "notes": list(dict.fromkeys(notice for run in runs for notice in run.summary["notices"])),
+            "timings_s": {"total": sum(run.summary["timings_s"]["total"] for run in runs)},
+        },
+        subtitle=f"{len(runs)} pairs of rigid wheels and rails",
+        converged=all(run.equilibrium.status.converged for run in runs),
+        message="",
+        results=SummaryTable("Pairs of profiles", head, tuple(cells)),
+        assumptions=ASSUMPTIONS,
+        pictures=[Picture(BATCH_PICTURE, lambda: pairs_figure(runs), PAIRS_SHOWN, PAIRS_SHOWN)],
+        axes=AXES,
+        files=lambda: {BATCH_TABLE: ResultTable.of_rows(rows).to_csv},
+    )
+
+
+def _pair_row(summary: dict[str, Any]) -> dict[str, Any]:
+    """Numbers of one pair of profiles, by name with unit; None where they are not computed."""
+    position, conicity = summary["equilibrium"] or {}, summary["equivalent_conicity"] or {}
+    angles = {
+        side: [e["contact_angle_deg"] for e in position.get("contacts", ()) if e["side"] == side] for side in SIDES
+    }
+    return {
+        **{key: Path(summary["inputs"][key]).name for key in ("wheel", "rail")},
+        **{f"conicity_{key}": conicity.get(key) for key in ("integration", "regression", "amplitude_mm")},
+        **{key: position.get(key) for key in ("lateral_mm", "vertical_mm", "roll_rad")},
+        **{f"{side}_lateral_over_vertical": position.get("lateral_over_vertical", {}).get(side) for side in SIDES},
+        **{f"{side}_max_contact_angle_deg": max(angles[side], default=None) for side in SIDES},
+        "jumps": len(summary["jumps"]),
+        "status": "converged" if summary["status"]["converged"] else "not converged",
+    }
 
 
 def conicity_record(run: ConicityRun, command: str) -> Record:
