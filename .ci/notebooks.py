@@ -5,6 +5,7 @@
 
 import base64
 import io
+import os
 import sys
 from pathlib import Path
 from typing import Any
@@ -21,7 +22,8 @@ SHOWN = ("image/png", "text/html", "text/plain")
 def executed(path: Path) -> Any:
     """Return a notebook with the outputs of a new run; an error of a cell is raised."""
     notebook = nbformat.read(path, as_version=4)
-    NotebookClient(notebook, timeout=600, kernel_name="python3").execute()
+    environment = os.environ | {"MPLBACKEND": "module://matplotlib_inline.backend_inline"}  # whatever this process has
+    NotebookClient(notebook, timeout=600, kernel_name="python3").execute(env=environment)
     for cell in notebook.cells:
         cell.metadata.clear()  # times of execution
         if cell.cell_type == "code":
