@@ -22,15 +22,15 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2220,
     "solve": 3090,
-    "contact": 6290,
+    "contact": 6305,
     "post": 1960,
     "railway.profiles": 3670,
     "railway.track": 570,
     "railway.rigid": 1920,
-    "railway.wheelset": 1765,
+    "railway.wheelset": 1770,
     "railway.positions": 2500,
-    "railway.spatial": 2835,
-    "cases": 6820,
+    "railway.spatial": 3665,
+    "cases": 7015,
     "campaign": 1885,
     "tables": 1426,
     "report": 7870,
@@ -39,8 +39,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 63_496
-MAX_FILES_OF_ALL = 340
+MAX_LINES_OF_ALL = 64_541
+MAX_FILES_OF_ALL = 345
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

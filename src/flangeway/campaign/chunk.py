@@ -145,7 +145,8 @@ def _spatial(whole: SpatialWheelset, case: RunnableCase, start: float) -> RowRes
     if not isinstance(case, SpatialWheelsetCase):
         raise TypeError("positions are of wheelsets")
     prescribed = Prescribed(case.lateral_mm, case.vertical_mm, case.roll_rad)
-    result = solve_position(whole.at(case.load(), prescribed, case.spatial_model().yaw_rad), {})
+    model = case.spatial_model()
+    result = solve_position(whole.at(case.load(), prescribed, model.yaw_rad, model.rolling), {})
     return spatial_row(result, time.perf_counter() - start)
 
 

@@ -8,9 +8,10 @@ import pytest
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.spatial import spatial_wheelset
 from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.spatial.spatial_contact import SpatialContact
 from flangeway.railway.spatial.spatial_patch import spatial_patch
 from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialContact, SpatialWheelset
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.residual import loads_of

@@ -14,10 +14,12 @@ from flangeway.cases.wheelset.wheelset_case import CaseRun, WheelsetTangentCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
+from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.railway.spatial.axle import Axle
 from flangeway.railway.spatial.rail_supports import RailSupport
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
 from flangeway.railway.spatial.running_surfaces import SpatialModel
 from flangeway.railway.spatial.spatial_result import SpatialResult, solve_spatial
 from flangeway.railway.spatial.whole_wheel import WheelDisc
@@ -31,6 +33,18 @@ HERTZ = (
     "Hertz's theory is left out where the curvatures vary within a patch: where the gap is off a paraboloid by more "
     f"than {100.0 * PARABOLIC:g} % of its height."
 )
+THEORIES: dict[Theory, str] = {
+    "exact": "the exact theory on the bodies",
+    "fastsim": "FASTSIM",
+    "fastrip": "FaStrip",
+    "polach": "Polach's formula",
+    "linear": "linear theory",
+}
+ROLLING_KEYS = (
+    *("kinetic_friction", "friction_decay_m_per_s", "flange_friction", "rolling_theory", "torque_kNm"),
+    *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
+)
+"""Inputs that have an effect with friction only."""
 RAIL_HEAD_MM = 65.0
 """Distance of the running circles over the gauge: 1500 mm on standard gauge (EN 13803: base of the cant)."""
 
@@ -69,7 +83,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     title: ClassVar[str] = "A wheelset on two rails in three dimensions"
     essential: ClassVar[tuple[str, ...]] = (
         *("rail", "wheel", "gauge_mm", "rail_inclination", "wheel_radius_mm", "axle_load_kN"),
-        *("superelevation_mm", "yaw_mrad"),
+        *("superelevation_mm", "yaw_mrad", "speed_km_h", "friction"),
     )
 
     model: Literal["spatial", "plane"] = Field(
@@ -98,6 +112,35 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     )
     vertical_mm: float | None = Field(None, description="prescribed vertical position (default: computed)")
     roll_rad: float | None = Field(None, description="prescribed roll, counter-clockwise (default: computed)")
+    friction: float | None = Field(
+        None,
+        ge=0.0,
+        description="coefficient of friction: the wheelset rolls at speed_km_h with creep forces (default, and 0: "
+        "without friction)",
+    )
+    kinetic_friction: float | None = Field(
+        None, ge=0.0, description="coefficient at high slip velocity (default: friction)"
+    )
+    friction_decay_m_per_s: float = Field(
+        0.0, ge=0.0, description="slip velocity in which the difference of both falls to 1/e"
+    )
+    flange_friction: float | None = Field(
+        None, ge=0.0, description="coefficient on the gauge face, steeper than 45 degrees (default: friction)"
+    )
+    rolling_theory: Theory = Field(
+        "exact", description="creep forces: exact theory, fastsim, fastrip, polach or linear theory"
+    )
+    torque_kNm: float = Field(0.0, description="torque on the axle: positive drives, negative brakes, 0 rolls freely")
+    yaw_stiffness_kNm_per_mrad: float | None = Field(
+        None,
+        ge=0.0,
+        description="stiffness that guides the axle to yaw_mrad, 0: none; the yaw is then found (default: yaw_mrad "
+        "is prescribed)",
+    )
+    yaw_rate_mrad_per_s: float = Field(
+        0.0, description="yaw rate relative to the track, counter-clockwise from above; the curve adds its own"
+    )
+    lateral_velocity_mm_per_s: float = Field(0.0, description="velocity of the axle across the track, to the right")
     rail_support: Literal["sleepers", "continuous", "fixed"] = Field(
         "sleepers", description="what the rails stand on: sleepers, a continuous foundation, or fixed bases"
     )
@@ -208,7 +251,35 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             )
         disc = WheelDisc() if self.wheel_section == "whole" else None
         axle = Axle(young=self.young_MPa) if self.axle == "elastic" else None
-        return SpatialModel(support, disc, axle, 1e-3 * self.yaw_mrad)
+        return SpatialModel(support, disc, axle, 1e-3 * self.yaw_mrad, self._rolling())
+
+    @property
+    def _rolls(self) -> bool:
+        return self.friction is not None
+
+    def _rolling(self) -> RollingMotion | None:
+        """How the wheelset rolls, None without friction."""
+        if not self.friction:
+            self._refuse(ROLLING_KEYS, "friction", "a coefficient above 0")
+            return None
+        if not self.speed_km_h:
+            raise InputError(
+                f"friction = {self.friction:g} with speed_km_h = {self.speed_km_h}",
+                "a speed above 0: creep forces are those of rolling",
+                "give speed_km_h, or leave friction out",
+            )
+        stiffness = self.yaw_stiffness_kNm_per_mrad
+        return RollingMotion(
+            self.speed_km_h / 3.6,
+            Friction(self.friction, self.kinetic_friction, self.friction_decay_m_per_s),
+            self.flange_friction,
+            self.curve_radius_m,
+            1e-3 * self.yaw_rate_mrad_per_s,
+            1e-3 * self.lateral_velocity_mm_per_s,
+            1e3 * self.torque_kNm,
+            None if stiffness is None else 1e6 * stiffness,
+            self.rolling_theory,
+        )
 
     def _refuse(self, keys: Iterable[str], key: str, wanted: str) -> None:
         """Refuse inputs that another one leaves without effect, if they are not those by default."""
@@ -251,6 +322,15 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         }[self.axle]
         return [track, wheel, axle]
 
+    def _friction_words(self) -> str:
+        if not self.friction:
+            return "Contact without friction: L/V leaves out creep forces."
+        theory = THEORIES[self.rolling_theory]
+        where = f"{self.speed_km_h:g} km/h" + (f", {self.curve_radius_m:g} m" if self.curve_radius_m else "")
+        return (
+            f"Steady rolling at {where} with a coefficient of friction of {self.friction:g}; creep forces by {theory}."
+        )
+
     def _assumptions(self, result: SpatialResult) -> list[str]:
         problem = result.problem
         return [
@@ -259,7 +339,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             *profile_notes(problem.track, problem.wheelset),
             f"Linear elastic, isotropic steel: Young's modulus {self.young_MPa:g} MPa, Poisson's ratio "
             f"{self.poisson:g}; no yielding, however high the stress.",
-            "Contact without friction: L/V leaves out creep forces.",
+            self._friction_words(),
             "Stresses below a patch are those of a half-space under its pressures.",
             *([HERTZ] if any(patch.hertz is None for patch in result.patches) else []),
             *self._supports(),

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
+from flangeway.cases.wheelset.rolling_summary import RollingSummary, rolling_summary
 from flangeway.cases.wheelset.wheelset_summary import (
     LoadSummary,
     PositionSummary,
@@ -113,6 +114,7 @@ class SpatialWheelsetSummary(Summary):
     sides: Sequence[SideSummary]
     patches: Sequence[WheelPatchSummary]
     rails: Sequence[RailMotionSummary]
+    rolling: RollingSummary | None
     assumptions: Sequence[str]
     warnings: Sequence[str]
 
@@ -228,6 +230,7 @@ def summarise_spatial_wheelset(
         ],
         patches=[patch_summary(patch, result.yield_MPa, result.rolling_of(patch)) for patch in result.patches],
         rails=[RailMotionSummary(side, *result.head_motion(side)) for side in SIDES],
+        rolling=rolling_summary(result),
         timings_s=result.timings_s | {"total": total_s},
         case=dict(case),
         assumptions=list(assumptions),

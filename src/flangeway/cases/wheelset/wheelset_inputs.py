@@ -165,7 +165,8 @@ class WheelsetInputs(Case):
             raise InputError("n_axles without car_mass_t", "both", "give car_mass_t, or axle_load_kN alone")
         lateral = 1e3 * self.lateral_force_kN
         base = self._superelevation_base
-        if (self.speed_km_h is None) != (self.curve_radius_m is None):
+        alone = self.speed_km_h is not None and self.curve_radius_m is None and self._rolls
+        if (self.speed_km_h is None) != (self.curve_radius_m is None) and not alone:
             raise InputError("one of speed_km_h and curve_radius_m", "both or neither", "give the other one as well")
         if self.speed_km_h is not None and self.curve_radius_m is not None:
             if "lateral_force_kN" in self.model_fields_set:
@@ -198,6 +199,11 @@ class WheelsetInputs(Case):
                 f"{superelevation_angle(height, base):.5f} rad."
             )
         return sentences
+
+    @property
+    def _rolls(self) -> bool:
+        """Whether there may be a speed on straight track."""
+        return False
 
     @property
     def _base_words(self) -> str:

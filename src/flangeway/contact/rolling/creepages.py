@@ -28,7 +28,7 @@ class Creepages:
     along, across
         Longitudinal and lateral creepage; each a number, or one for each row of cells where contact angles differ.
     spin
-        Relative rotation about n over the speed of rolling, per length.
+        Relative rotation about n over the speed of rolling, per length; again a number, or one for each row.
     speed
         Velocity of the patch along z; negative: it rolls to -z. At 0 the bodies do not roll but shift: along and across
         are then displacements, spin is an angle.
@@ -42,14 +42,13 @@ class Creepages:
 
     along: float | Floats = 0.0
     across: float | Floats = 0.0
-    spin: float = 0.0
+    spin: float | Floats = 0.0
     speed: float = 1.0
 
     def __post_init__(self) -> None:
-        for name in ("along", "across"):
+        for name in ("along", "across", "spin"):
             if not np.isfinite(as_numbers("creepages", getattr(self, name))).all():
                 raise InputError(f"Creepages({name}={getattr(self, name)})", "finite numbers", "correct the value")
-        check_finite("Creepages", "spin", self.spin)
         check_finite("Creepages", "speed", self.speed, "a finite speed, 0 for a shift")
 
     @property
@@ -69,9 +68,17 @@ class Creepages:
         """The same with changes of the creepages."""
         return replace(self, along=self.along + along, across=self.across + across)
 
+    def mean(self, s: Floats, weights: Floats) -> Self:
+        """Numbers for all rows at places s with weights whose sum is 1."""
+        along, across, spin = (np.broadcast_to(each, s.shape) for each in (self.along, self.across, self.spin))
+        turning = float(spin @ weights)
+        ahead = float((along + spin * s) @ weights) - turning * float(s @ weights)
+        return replace(self, along=ahead, across=float(across @ weights), spin=turning)
+
     def rigid(self, s: Floats, z: Floats) -> Floats:
         """Rigid slip (t, z) at places s (n_cells,) and z (n_strips,) from the origin, (n_cells, 2, n_strips)."""
         found = np.empty((len(s), 2, len(z)))
-        found[:, 0] = np.reshape(self.across, (-1, 1)) - self.spin * z
-        found[:, 1] = np.reshape(self.along, (-1, 1)) + self.spin * s[:, None]
+        along, across, spin = (np.reshape(each, (-1, 1)) for each in (self.along, self.across, self.spin))
+        found[:, 0] = across - spin * z
+        found[:, 1] = along + spin * s[:, None]
         return found

@@ -68,15 +68,14 @@ class EllipticContact:
         a = float(np.sqrt(5.0 * (strips @ (z - z0) ** 2 / total + contact.grid.strip**2 / 12.0)))
         b = float(np.sqrt(5.0 * (rows @ ((s - s0) ** 2 + contact.grid.widths**2 / 12.0) / total)))
         static = np.broadcast_to(contact.friction.limits[0], rows.shape)
-        along, across = (
-            float(np.broadcast_to(each, rows.shape) @ rows) / total for each in (motion.along, motion.across)
-        )
+        mean = motion.mean(s, rows / total)
+        along, across, spin = float(mean.along), float(mean.across), float(mean.spin)
         flexible = [(1.0 + each.poisson) / each.young for each in contact.materials]  # 1 / (2 G)
         poisson = sum(part * each.poisson for part, each in zip(flexible, contact.materials, strict=True))
         direction = float(np.sign(motion.speed))
         return cls(
             a, b, total, float(static @ rows) / total, 1.0 / sum(flexible), poisson / sum(flexible),
-            direction * (along + motion.spin * s0), direction * (across - motion.spin * z0), -motion.spin, direction,
+            direction * (along + spin * s0), direction * (across - spin * z0), -spin, direction,
             (s0, z0),
         )  # fmt: skip
 

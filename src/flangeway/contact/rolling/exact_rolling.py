@@ -172,7 +172,7 @@ class _Step:
         n = self.contact.grid.n_strips
         return rows, strips if self.motion.speed >= 0.0 else slice(n - strips.stop, n - strips.start)
 
-    def rigid(self, along: Floats | float, across: Floats | float, spin: float) -> Floats:
+    def rigid(self, along: Floats | float, across: Floats | float, spin: Floats | float) -> Floats:
         """Rigid slip in the box over the distance."""
         whole = Creepages(along, across, spin).rigid(*self.contact.places)
         rows, strips = self.inside

@@ -1,7 +1,7 @@
 """A contact patch on which bodies roll: cells under pressure, friction, and influence coefficients in three axes."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -165,6 +165,12 @@ class RollingContact:
         """Rows and strips of the cells under pressure."""
         rows, strips = (np.flatnonzero(self.pressures.any(axis=axis)) for axis in (1, 0))
         return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
+
+    def under(self, pressures: Floats) -> "RollingContact":
+        """The same cells under other pressures; operators are shared."""
+        found = replace(self, pressures=pressures)
+        object.__setattr__(found, "_operators", self._operators)
+        return found
 
     def operator(self, weights: tuple[float, ...]) -> SlipOperator:
         """Slip of the cells in the box by their forces, for rolling to +z or, mirrored, to -z."""

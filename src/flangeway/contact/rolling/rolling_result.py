@@ -50,7 +50,7 @@ class CreepForces:
     def t_gamma(self) -> float:
         """Energy dissipated over the distance rolled: T-gamma with spin, ``-(F . creepages + moment spin)``."""
         motion = self.motion
-        return -float(np.sum(self.along * motion.along + self.across * motion.across) + self.moment * motion.spin)
+        return -float(np.sum(self.along * motion.along + self.across * motion.across + self.moment * motion.spin))
 
     @property
     def frictional_power(self) -> float:

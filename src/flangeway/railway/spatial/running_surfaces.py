@@ -14,6 +14,7 @@ from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.rigid.rigid_side import RigidSide
 from flangeway.railway.spatial.axle import Axle
 from flangeway.railway.spatial.rail_supports import RailSupport, rail_problem
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
 from flangeway.railway.spatial.side_contact import SideSurfaces
 from flangeway.railway.spatial.supported_rail import sleeper_compliance, supported_rail
 from flangeway.railway.spatial.whole_wheel import WheelDisc, wheel_correction, whole_wheel
@@ -44,12 +45,14 @@ class SpatialModel:
     - `disc`: web and hub of the wheels, which are held at the bore; None: the rims are held at their cuts.
     - `axle`: how it bends; None: it is rigid.
     - `yaw_rad`: yaw of the axle, counter-clockwise seen from above: the right wheel is ahead.
+    - `rolling`: how it rolls; None: without friction.
     """
 
     support: RailSupport | None = field(default_factory=RailSupport)
     disc: WheelDisc | None = None
     axle: Axle | None = field(default_factory=Axle)
     yaw_rad: float = 0.0
+    rolling: RollingMotion | None = None
 
 
 def running_surfaces(

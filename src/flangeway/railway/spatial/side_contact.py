@@ -148,6 +148,7 @@ class SideState:
     - `gap`: to the wheel as it stands, without the deformation of the surfaces at the contact.
     - `gaps`: of the deformed surfaces, shape (n, n_z).
     - `stiffness`: derivatives of `resultant` by the axle's x, y, roll and the wheel's tilt, shape (3, 4).
+    - `creep`: creep forces on the wheel's rows of cells, along t and z, shape (n, 2); None without friction.
     """
 
     grid: "GriddedSide"
@@ -159,6 +160,7 @@ class SideState:
     gap: WheelGap
     gaps: Floats
     stiffness: Floats
+    creep: Floats | None = None
 
     @property
     def cells(self) -> CellForces:
@@ -268,9 +270,22 @@ class GriddedSide:
 
         Displacement of the rail less that of the wheel at the cells (n, 2, n), and turn of the rail's normals (n, n).
         """
+        return self._bent(self._loads)
+
+    @cached_property
+    def _bending_across(self) -> tuple[Floats, Floats]:
+        """As `_bending` by unit forces along the tangents, opposite on rail and wheel."""
+        return self._bent(self._unit_forces((0,), slice(None)))
+
+    @property
+    def bending_across(self) -> Floats:
+        """Displacement of the rail less that of the wheel by unit lateral forces on rows of the wheel, (n, 2, n)."""
+        return self._bending_across[0]
+
+    def _bent(self, forces: tuple[Floats, Floats]) -> tuple[Floats, Floats]:
         grid, (rail_weights, wheel_weights) = self.grid, self._weights
         moved = []
-        for elastic, loads, turn in zip(self._elastic, self._loads, self._turns, strict=True):
+        for elastic, loads, turn in zip(self._elastic, forces, self._turns, strict=True):
             found = (elastic.remainder[0].reshape(len(loads), -1) @ loads).reshape(-1, 3, loads.shape[1])[:, :2]
             moved.append(np.einsum("xy,ayj->axj", turn, found))
         rail = -np.einsum("ia,axj->ixj", rail_weights, moved[0])
@@ -280,14 +295,17 @@ class GriddedSide:
         turn = np.einsum("ia,axj,ix->ij", slope, moved[0], self._at[1], optimize=True)
         return rail - wheel, turn
 
-    def rail_motion(self, forces: Floats) -> tuple[Floats, float]:
-        """What normal forces (n, n_z) move the rail's running surface more than a half-space.
+    def rail_motion(self, forces: Floats, across: Floats | None = None) -> tuple[Floats, float]:
+        """What normal forces (n, n_z), and lateral ones of rows (n,), move the rail's surface more than a half-space.
 
         Returned: rigid motion that fits it best, along x and y at the rail's top in mm and rotation in rad, (3,); and
         the displacement outwards of the gauge face 14 mm below the top, or of its lowest point, along x.
         """
         elastic, loads, turn = self._elastic[0], self._loads[0], self._turns[0]
-        moved = -(elastic.remainder[0].reshape(len(loads), -1) @ (loads @ forces.sum(axis=1))).reshape(-1, 3)[:, :2]
+        load = loads @ forces.sum(axis=1)
+        if across is not None:
+            load = load + self._unit_forces((0,), slice(None))[0] @ across
+        moved = -(elastic.remainder[0].reshape(len(loads), -1) @ load).reshape(-1, 3)[:, :2]
         moved, points = moved @ turn.T, self.surfaces.rail_frame.points(elastic.points)
         top = points[np.argmax(points[:, 1])]
         x, y = (points - top).T
@@ -307,21 +325,30 @@ class GriddedSide:
         return (left[:, :rank] * sizes[:rank]).reshape(*bending.shape[:2], rank), right[:rank]
 
     def deformed(
-        self, pose: WheelPose, forces: Floats | None, guess: Floats | None = None
+        self,
+        pose: WheelPose,
+        forces: Floats | None,
+        guess: Floats | None = None,
+        across: Floats | None = None,
     ) -> tuple[Floats, Floats, WheelGap, Floats]:
         """Geometry as the bodies bend under forces: points and normals of the rail's cells, gaps, and right-hand side.
 
         The right-hand side has no deformation: what the forces move is added by `influence`, the bending included.
 
         - `guess`: gaps from close by.
+        - `across`: lateral creep forces on the wheel's rows of cells, (n,); what they move stays in the geometry.
         """
         (points, normals), (bending, turn) = self._at, self._bending
         moved = np.zeros_like(points)
         if forces is not None:
             row = forces.sum(axis=1)
             moved = bending @ row
+            turned = turn @ row
+            if across is not None:
+                points = points + self._bending_across[0] @ across
+                turned = turned + self._bending_across[1] @ across
             along = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
-            normals = normals + (turn @ row)[:, None] * along
+            normals = normals + turned[:, None] * along
             normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         points = points + moved
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)

@@ -26,6 +26,10 @@ MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
 
 
+MAX_BENT_MM = 0.1
+"""The same by creep forces."""
+
+
 class SideNewton:
     """One side while its forces are sought."""
 
@@ -39,12 +43,17 @@ class SideNewton:
         self._factor: tuple[Floats, bool] | None = None
         self._last: Floats | None = None
         self.changed = True
+        self.creep: Floats | None = None
+        """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
+        self.bent = False
 
     def linearise(self, pose: WheelPose) -> None:
         """Take gaps and their derivatives at a pose, in the geometry deformed by the forces so far."""
         grid = self.grid
         self.pose = pose
-        self.points, self.normals, self.gap, self.values = grid.deformed(pose, self.forces, self._last)
+        self.points, self.normals, self.gap, self.values = grid.deformed(
+            pose, self.forces, self._last, None if self.creep is None else self.creep[:, 0]
+        )
         self._last = self.gap.gaps
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
@@ -77,10 +86,23 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def solve(self) -> tuple[Floats, Floats]:
-        """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4)."""
+    def bend(self, creep: Floats) -> None:
+        """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too."""
+        before = np.zeros_like(creep) if self.creep is None else self.creep
+        moved = np.einsum("ixj,j->ix", self.grid.bending_across, creep[:, 0] - before[:, 0])
+        share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
+        self.creep = before + share * (creep - before)
+        self.bent = share < 1.0
+        # rail points that move by v are as a wheel that moves by -v
+        self.values = self.values - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
+
+    def solve(self, *, yaw: bool = False) -> tuple[Floats, Floats]:
+        """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4).
+
+        - `yaw`: whether those by the yaw are wanted too, (m, 5).
+        """
         if self._factor is None:
-            return np.zeros(0), np.zeros((0, 4))
+            return np.zeros(0), np.zeros((0, 5 if yaw else 4))
         rows, strips = np.nonzero(self.touching)
         by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
         # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
@@ -94,6 +116,9 @@ class SideNewton:
             ),
             axis=1,
         )
+        if yaw:
+            all_by = self.gap.by_motion[rows, strips]
+            slopes = np.column_stack((slopes, all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]))
         # D = left right: by_motion . n = 1, so that n - by_motion lies across
         modes, loads = self.grid.bending_modes
         left = np.einsum("mx,mxk->mk", self.normals[rows] - by, modes[rows])
@@ -101,7 +126,8 @@ class SideNewton:
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
-        solved, inner = found[:, :5], found[:, 5:]
+        n = 1 + slopes.shape[1]
+        solved, inner = found[:, :n], found[:, n:]
         small = np.eye(len(right)) + right @ inner
         solved = solved - inner @ np.linalg.solve(small, right @ solved)
         return -solved[:, 0], -solved[:, 1:]
@@ -113,6 +139,12 @@ class SideNewton:
         moment = arms[:, 0] * normals[:, 1] - arms[:, 1] * normals[:, 0]
         result: Floats = np.column_stack((normals, moment)).T @ forces
         return result
+
+    def yaw_moment(self, forces: Floats, by_motion: Floats) -> tuple[float, Floats]:
+        """Moment of normal forces (m,) on the wheel about y, ``z f_x``, and its derivatives by those of the forces."""
+        rows, strips = np.nonzero(self.touching)
+        arms = self.grid.grid.z[strips] * self.normals[rows, 0]
+        return float(arms @ forces), arms @ by_motion
 
     def stiffness(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
         """Resultant of forces of `solve`, (3,), and its derivatives by the axle's x, y, roll and the tilt, (3, 4)."""
@@ -138,7 +170,7 @@ class SideNewton:
         """Contact as it is now."""
         forces = np.maximum(self.forces, 0.0)
         return SideState(
-            self.grid, self.pose, status, forces, self.points, self.normals, self.gap, self.total, stiffness
+            self.grid, self.pose, status, forces, self.points, self.normals, self.gap, self.total, stiffness, self.creep
         )
 
 
@@ -152,6 +184,16 @@ def transferred(state: SideState, grid: GriddedSide) -> Floats:
     found: Floats = np.where(inside, pressures[row[:, None], column], 0.0) * new.widths[:, None] * new.strip
     total = float(found.sum())
     return found * (float(state.forces.sum()) / total) if total > 0.0 else found
+
+
+def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:
+    """Creep forces of rows on the nearest rows of another grid, None without friction."""
+    if state.creep is None or grid is state.grid:
+        return state.creep
+    found, stations = np.zeros((len(grid.grid.cells), 2)), grid.grid.stations
+    nearest = np.abs(state.grid.grid.stations[:, None] - stations).argmin(axis=1)
+    np.add.at(found, nearest, state.creep)
+    return found
 
 
 def solve_side(grid: GriddedSide, pose: WheelPose, start: Floats | None = None, tolerance: float = 1e-9) -> SideState:

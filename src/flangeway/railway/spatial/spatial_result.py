@@ -8,11 +8,13 @@ from functools import cached_property
 import numpy as np
 
 from flangeway.errors import InputError
+from flangeway.railway.rigid.conicity import RollingRadiusDifference, equivalent_conicity, klingel_wavelength
 from flangeway.railway.rigid.elastic_start import CLIMBED_MM
 from flangeway.railway.spatial.rail_along_track import RailAlongTrack, rail_along_track
 from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.running_surfaces import SpatialModel, running_surfaces
-from flangeway.railway.spatial.spatial_wheelset import SpatialState, SpatialWheelset
+from flangeway.railway.spatial.spatial_contact import SpatialState
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.spatial.supported_rail import supported_rail
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
@@ -24,6 +26,10 @@ from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
 
+KLINGEL_MM = 3.0
+"""Amplitude of the kinematic motion."""
+RUNNING_CIRCLES_MM = 65.0
+"""Distance of the running circles over the gauge (EN 13803)."""
 NO_ELLIPSE = 0.8
 """Area of a patch over that of its equivalent ellipse below which it is none; single patches have 0.95 to 1.02."""
 
@@ -77,11 +83,16 @@ class SpatialResult:
             assert support is not None
             profile, state = self.problem.track.rail_of(side), self.equilibrium.state.sides[side]
             grid, frame = state.grid.grid, state.grid.surfaces.rail_frame
-            loaded = state.forces.any(axis=1)
+            loaded = np.asarray(state.forces.any(axis=1))
+            creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
             points = frame.inverse().points(state.grid.surfaces.rail_points(grid.stations[loaded])[0])
-            forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(state.normals[loaded])
+            normals = state.normals[loaded]
+            tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+            forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
+            forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents)
             rail = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
-            found[side] = rail_along_track(rail, profile, points, np.pad(forces, ((0, 0), (0, 1))), placement=frame)
+            on_rail = np.column_stack((forces, -creep[loaded, 1]))
+            found[side] = rail_along_track(rail, profile, points, on_rail, placement=frame)
         return found
 
     @property
@@ -92,8 +103,41 @@ class SpatialResult:
         return WheelsetPosition(lateral, vertical, position.roll_rad)
 
     def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
-        """Contact force on the wheel of a side, axes of the track, shape (2,)."""
-        return self.equilibrium.state.sides[side].resultant[:2] * (SIDE_SIGN[side], 1.0)
+        """Contact force on the wheel of a side with creep forces, axes of the track, shape (2,)."""
+        state = self.equilibrium.state
+        force = state.sides[side].resultant[:2]
+        if state.rolled is not None:
+            force = force + state.rolled.creep[side].resultant[:2]
+        return force * (SIDE_SIGN[side], 1.0)
+
+    @property
+    def kinematic_wavelength_mm(self) -> float | None:
+        """Wavelength of the rigid wheelset's kinematic motion (Klingel, 1883), None if its conicity is not positive.
+
+        For the equivalent conicity (EN 15302) at an amplitude of 3 mm.
+        """
+        geometry, problem = self.wheelset.geometry, self.problem
+        lateral = np.linspace(-2.0, 2.0, 401) * KLINGEL_MM
+        try:
+            found = float(equivalent_conicity(RollingRadiusDifference.of(geometry.locus(lateral)), KLINGEL_MM)[0])
+        except InputError:
+            return None
+        if not found > 0.0:
+            return None
+        distance = problem.track.gauge_mm + RUNNING_CIRCLES_MM
+        return float(klingel_wavelength(found, distance, problem.wheelset.tape_radius_mm))
+
+    def nadal_limit(self, side: Side) -> float:
+        """Nadal's limit of L/V (1908): ``(tan d - mu) / (1 + mu tan d)`` at the steepest contact angle d of a wheel.
+
+        mu is the static coefficient of friction there. nan without friction or contact.
+        """
+        patches = [each for each in self.rolling if each.patch.side == side]
+        if not patches:
+            return float("nan")
+        steepest = max(patches, key=lambda each: each.patch.contact_angle_rad)
+        slope, friction = np.tan(steepest.patch.contact_angle_rad), float(steepest.contact.friction.limits[0].max())
+        return float((slope - friction) / (1.0 + friction * slope))
 
     def head_motion(self, side: Side) -> tuple[float, float, float, float]:
         """Motion of a rail's head in the track's axes, lateral, vertical and roll, and that of its gauge face outwards.
@@ -101,7 +145,8 @@ class SpatialResult:
         See `flangeway.railway.spatial.side_contact.GriddedSide.rail_motion`.
         """
         state, sign = self.equilibrium.state.sides[side], SIDE_SIGN[side]
-        (lateral, vertical, roll), outward = state.grid.rail_motion(state.forces)
+        across = None if state.creep is None else state.creep[:, 0]
+        (lateral, vertical, roll), outward = state.grid.rail_motion(state.forces, across)
         return sign * float(lateral), float(vertical), sign * float(roll), float(outward)
 
     def lateral_over_vertical(self, side: Side) -> float:
@@ -188,4 +233,30 @@ def solve_position(
             f"the {' and '.join(cut)} contact reaches the end of the running surface; check the profiles and the load",
             status.iterations,
         )
-    return SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings))
+    rolling = _rolling(wheelset, equilibrium.state, patches) if status.converged else ()
+    result = SpatialResult(status, wheelset, equilibrium, tuple(patches), timings, tuple(warnings), None, rolling)
+    return replace(result, warnings=(*warnings, *_of_rolling(result)))
+
+
+def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
+    """Patches with their creep forces."""
+    motion, rolled, found = wheelset.model.rolling, state.rolled, []
+    for patch in patches if motion is not None and rolled is not None else ():
+        assert motion is not None
+        assert rolled is not None
+        most = max(rolled.creep[patch.side].patches, key=lambda each: int((each.inside & patch.ellipse.inside).sum()))
+        if (most.inside & patch.ellipse.inside).any():
+            found.append(RollingPatch(patch, most.forces, most.contact, motion.speed_m_s))
+    return tuple(found)
+
+
+def _of_rolling(result: SpatialResult) -> list[str]:
+    """Warnings on creep forces."""
+    found = []
+    for each in result.rolling:
+        found += [f"{each.patch.side} side, {each.patch.region}: {notice}" for notice in each.forces.notices]
+    for side in SIDES if result.rolling else ():
+        ratio, limit = result.lateral_over_vertical(side), result.nadal_limit(side)
+        if ratio > limit > 0.0:
+            found.append(f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb")
+    return found

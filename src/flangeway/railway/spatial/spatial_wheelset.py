@@ -1,28 +1,28 @@
 """A wheelset on two rails in three dimensions: its contact at a position, and its equilibrium."""
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from flangeway.errors import InputError
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
+from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep, rate_of
 from flangeway.railway.spatial.running_surfaces import SpatialModel
-from flangeway.railway.spatial.side_contact import (
-    GriddedSide,
-    SideGrid,
-    SideState,
-    SideSurfaces,
-    WheelPose,
-)
-from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred
+from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
+from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
+from flangeway.railway.spatial.spatial_contact import SpatialContact, SpatialState, pose_of, signs_of
 from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.spatial.wheelset_newton import COARSE_FORCES, FINE_RESIDUAL, WheelsetNewton
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import LOWERED, Equilibrium, search_equilibrium
-from flangeway.railway.wheelset.residual import MAX_STEP, RelativeResiduals, is_stable, loads_of, with_loads
+from flangeway.railway.wheelset.equilibrium import Equilibrium, search_equilibrium
+from flangeway.railway.wheelset.residual import MAX_STEP
 from flangeway.solve import Status
 from flangeway.types import Floats
 
@@ -36,17 +36,14 @@ EVERY = 3
 NEAR_MM = 12.0
 """Gap of the rigid wheel beyond which its surface is too far from the rail's to come into contact."""
 COARSE_RESIDUAL = 1e-3
-COARSE_FORCES = 1e-4
 PRESSED_MM = 0.3
 """Depth below the rigid position at which the search begins."""
-LOWERING = np.array([False, True, False, True, True])
-FINE_RESIDUAL = 1e-8
-FINE_TILT_RAD = 1e-9
-FINE_FORCES = 1e-7
-"""Change of the forces of a step over their sum."""
 MOST_STEPS = 25
-MAX_STEPS = 10.0
-"""Step over the step limits above which the position is not close by."""
+MOST_ROLLING_STEPS = 60
+ROLLING_RESIDUAL, FAST_RESIDUAL, EXACT_RESIDUAL = 0.02, 1e-6, 1e-5
+"""Equilibrium residual with friction: on coarse cells, by fast theories, and by the exact one, which is less sharp."""
+NEARBY, MOST_COARSE = 5.0, 12
+"""Way over the step limits within which the coarse cells still fit, and the number of times they are made anew."""
 ACROSS = 26
 """Cells across a patch, and along it."""
 LEAST_ACROSS = 20
@@ -68,93 +65,6 @@ MAIN = 0.05
 
 
 @dataclass(frozen=True, eq=False)
-class SpatialState:
-    """Contact of both sides at one position."""
-
-    sides: Mapping[Side, SideState]
-
-    @property
-    def status(self) -> Status:
-        """Whether the contact forces were found."""
-        each = [state.status for state in self.sides.values()]
-        return Status(
-            all(one.converged for one in each),
-            "; ".join(one.message for one in each),
-            sum(one.iterations for one in each),
-        )
-
-    @property
-    def forces(self) -> Floats:
-        """All contact forces in N."""
-        return np.concatenate([state.forces.ravel() for state in self.sides.values()])
-
-
-@dataclass(frozen=True, eq=False)
-class SpatialContact:
-    """Contact of a wheelset on given grids; see `flangeway.railway.wheelset.equilibrium.AxleContact`."""
-
-    problem: WheelsetProblem
-    start: RigidStart
-    grids: Mapping[Side, GriddedSide]
-    yaw_rad: float = 0.0
-    tilts: Floats = field(default_factory=lambda: np.zeros(2))
-    tolerance: float = 1e-9
-
-    @property
-    def rigid_position(self) -> WheelsetPosition:
-        """Position in which the rigid wheelset touches."""
-        return self.start.motion
-
-    def contact_at(
-        self,
-        position: WheelsetPosition,
-        before: tuple[WheelsetPosition, SpatialState] | None = None,
-        start: WheelsetPosition | None = None,
-    ) -> SpatialState:
-        """Contact at a position; the forces of one before on the same grids are the start."""
-        del start
-        found = {}
-        for side in SIDES:
-            grid = self.grids[side]
-            last = None if before is None else before[1].sides[side]
-            forces = last.forces if last is not None and last.grid is grid and last.forces.any() else None
-            pose = pose_of(self.problem, position, side, self.yaw_rad, self.tilts[SIDES.index(side)])
-            found[side] = solve_side(grid, pose, forces, self.tolerance)
-        return SpatialState(found)
-
-    def residuals_of(self, position: WheelsetPosition, state: SpatialState) -> tuple[Floats, RelativeResiduals]:
-        """See `flangeway.railway.wheelset.residual.with_loads`."""
-        total = np.zeros(3)
-        for side, found in state.sides.items():
-            total += _signs(side) * found.resultant
-        return with_loads(self.problem, position, total)
-
-    def jacobian_of(self, position: WheelsetPosition, state: SpatialState) -> Floats:
-        """Derivatives of the residual by lateral and vertical displacement and roll, shape (3, 3)."""
-        total = np.zeros((3, 3))
-        for side, found in state.sides.items():
-            signs = _signs(side)
-            total += signs[:, None] * found.stiffness[:, :3] * signs
-        total[2, 2] += loads_of(self.problem).moment_by_roll(position.roll_rad)
-        return total
-
-
-def _signs(side: Side) -> Floats:
-    """Signs of a force (x, y) and a moment, from the right-hand form of a side to the track's axes."""
-    return np.array([SIDE_SIGN[side], 1.0, SIDE_SIGN[side]])
-
-
-def pose_of(
-    problem: WheelsetProblem, position: WheelsetPosition, side: Side, yaw_rad: float, tilt_rad: float = 0.0
-) -> WheelPose:
-    """Pose of a wheel in the right-hand form of its side."""
-    sign = SIDE_SIGN[side]
-    x, y = position.axle(problem.wheelset)
-    seat = abs(problem.wheelset.placement(side).translation[0])
-    return WheelPose(sign * x, y, sign * position.roll_rad, sign * yaw_rad, sign * tilt_rad, seat)
-
-
-@dataclass(frozen=True, eq=False)
 class SpatialWheelset:
     """A wheelset whose running surfaces are ready: each further position needs only its contact.
 
@@ -167,10 +77,12 @@ class SpatialWheelset:
     model: SpatialModel
     _geometries: dict[float, RigidGeometry] = field(default_factory=dict, repr=False)
 
-    def at(self, load: WheelsetLoad, prescribed: Prescribed, yaw_rad: float) -> "SpatialWheelset":
-        """The same bodies under another load, elsewhere; rigid geometries are shared."""
+    def at(
+        self, load: WheelsetLoad, prescribed: Prescribed, yaw_rad: float, rolling: RollingMotion | None = None
+    ) -> "SpatialWheelset":
+        """The same bodies under another load, elsewhere, rolling in another way; rigid geometries are shared."""
         problem = replace(self.problem, load=load, prescribed=prescribed)
-        return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad))
+        return replace(self, problem=problem, model=replace(self.model, yaw_rad=yaw_rad, rolling=rolling))
 
     @property
     def geometry(self) -> RigidGeometry:
@@ -201,11 +113,62 @@ class SpatialWheelset:
             if found.status.converged and found.stable is not False:
                 break
         assert found is not None
+        if self.model.rolling is not None and found.status.converged:
+            return self._rolling(self.model.rolling, found, progress)
         found = self._fine(found, progress)
         beyond = self._beyond(grids, found) if found.status.converged else None
         return found if beyond is None else self._fine(replace(found, state=beyond), progress)
 
-    def _fine(self, found: Equilibrium[SpatialState], progress: Callable[[str], None]) -> Equilibrium[SpatialState]:
+    def _rolling(
+        self, motion: RollingMotion, found: Equilibrium[SpatialState], progress: Callable[[str], None]
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium with creep forces from one without friction: by a fast theory first, on coarse cells too."""
+        theory = "fastsim" if motion.theory == "exact" else motion.theory
+        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), theory)
+        for _ in range(MOST_COARSE):
+            yaw = self.model.yaw_rad if found.state.rolled is None else found.state.rolled.yaw_rad
+            grids = {side: self._coarse(side, found.position, yaw) for side in SIDES}
+            found = self._rolled(grids, found, progress, creep, ROLLING_RESIDUAL, NEARBY)
+            if found.status.converged or found.status.iterations == MOST_ROLLING_STEPS:
+                break
+        found = self._fine(found, progress, creep)
+        beyond = self._beyond(grids, found) if found.status.converged else None
+        if beyond is not None:
+            found = self._fine(replace(found, state=beyond), progress, creep)
+        if motion.theory != "exact" or not found.status.converged:
+            return found
+        fine = {side: state.grid for side, state in found.state.sides.items()}
+        return self._rolled(fine, found, progress, replace(creep, theory="exact"), EXACT_RESIDUAL)
+
+    def _rolled(
+        self,
+        grids: Mapping[Side, GriddedSide],
+        found: Equilibrium[SpatialState],
+        progress: Callable[[str], None],
+        creep: WheelsetCreep,
+        tolerance: float,
+        reach: float = np.inf,
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium with creep forces on given grids; see `_refined`."""
+        tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
+        contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
+        new = None
+        with suppress(InputError):  # forces without bounds
+            new = self._refined(contact, found.position, found.state, progress, tolerance, creep=creep, reach=reach)
+        if new is not None:
+            return new
+        message = (
+            f"no equilibrium with friction in {MOST_ROLLING_STEPS} steps; check that friction can transmit the torque, "
+            "and that no flange climbs: give lateral_mm, a smaller yaw or torque"
+        )
+        return replace(found, status=Status(False, message, MOST_ROLLING_STEPS))
+
+    def _fine(
+        self,
+        found: Equilibrium[SpatialState],
+        progress: Callable[[str], None],
+        creep: WheelsetCreep | None = None,
+    ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, from a coarser one."""
         for _ in range(MOST_GRIDS):
             if not found.status.converged:
@@ -213,6 +176,9 @@ class SpatialWheelset:
             grids = {side: finer(found.state.sides[side]) for side in SIDES}
             if all(new is found.state.sides[side].grid for side, new in grids.items()):
                 break
+            if creep is not None:
+                found = self._rolled(grids, found, progress, creep, FAST_RESIDUAL)
+                continue
             tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
             contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
             found = self._refined(contact, found.position, found.state, progress) or search_equilibrium(
@@ -228,6 +194,7 @@ class SpatialWheelset:
                 continue
             coarse, inner = grids[side].grid, fine.grid.grid
             newton = SideNewton(grids[side], fine.pose, transferred(fine, grids[side]))
+            newton.creep = transferred_creep(fine, grids[side])
             newton.linearise(fine.pose)
             across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
             along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
@@ -263,7 +230,7 @@ class SpatialWheelset:
         """Tilts of the left and the right wheel under forces in the right-hand form of each, (2,)."""
         total = np.zeros(2)
         for number, side in enumerate(SIDES):
-            total += self._tilts_by_forces[number] @ (_signs(side) * resultants[side])
+            total += self._tilts_by_forces[number] @ (signs_of(side) * resultants[side])
         return total
 
     def _pressed(
@@ -286,6 +253,8 @@ class SpatialWheelset:
         tolerance: float = FINE_RESIDUAL,
         *,
         lower: bool = False,
+        creep: WheelsetCreep | None = None,
+        reach: float = np.inf,
     ) -> Equilibrium[SpatialState] | None:
         """Equilibrium from a position with its contact, if that is known, by `SideNewton` of both sides.
 
@@ -293,68 +262,30 @@ class SpatialWheelset:
 
         - `tolerance`: equilibrium residual; forces and tilts are found to the same share of theirs.
         - `lower`: whether the weight is carried first, before the wheelset may move sideways.
+        - `creep`: creep forces, if it rolls with friction.
+        - `reach`: way over the step limits beyond which the search ends, to go on with other cells.
         """
-        problem, share = self.problem, tolerance / FINE_RESIDUAL
-        free = np.array([*(value is None for value in problem.prescribed.components), True, True])
-        sides, tilts = {}, contact.tilts
-        for number, (side, grid) in enumerate(contact.grids.items()):
-            pose = pose_of(problem, position, side, self.model.yaw_rad, tilts[number])
-            sides[side] = SideNewton(grid, pose, None if near is None else transferred(near.sides[side], grid))
-        if near is None and not all(each.touching.any() for each in sides.values()):
+        newton = WheelsetNewton(contact, self._tilts_by_forces, position, near, creep, lower=lower)
+        if near is None and not newton.touches:
             return None
-        history = []
-        by_forces = self._tilts_by_forces
-        for iteration in range(MOST_STEPS):
-            total, jacobian = np.zeros(3), np.zeros((5, 5))
-            resultants, own, changes = {}, {}, {}
-            for number, (side, newton) in enumerate(sides.items()):
-                newton.linearise(pose_of(problem, position, side, self.model.yaw_rad, tilts[number]))
-                forces, by = newton.solve()
-                resultants[side], own[side] = newton.stiffness(forces, by)
-                signs = _signs(side)
-                columns = [0, 1, 2, 3 + number]  # of the axle's x, y and roll and this side's tilt
-                changes[side] = forces, by * [*signs, signs[0]], columns
-                resultants[side] = signs * resultants[side]
-                slopes = signs[:, None] * own[side] * [*signs, signs[0]]
-                total += resultants[side]
-                jacobian[:3, columns] += slopes
-                jacobian[3:, columns] -= by_forces[number] @ slopes
-            jacobian[2, 2] += loads_of(problem).moment_by_roll(position.roll_rad)
-            jacobian[3:, 3:] += np.eye(2)
-            residual, relative = with_loads(problem, position, total)
-            history.append(relative)
-            error = relative.equilibrium_residual
-            lower = lower and abs(relative.vertical_residual) > LOWERED
-            now = free & LOWERING if lower else free
-            bent = sum(by_forces[number] @ resultants[side] for number, side in enumerate(SIDES))
-            missed = np.append(residual, tilts - bent)
-            step = np.zeros(5)
-            step[now] = np.linalg.solve(jacobian[np.ix_(now, now)], -missed[now])
-            excess = float((np.abs(step[:3]) / MAX_STEP).max())
-            if excess > MAX_STEPS:
-                return None
-            step /= max(1.0, excess)
-            change = max(
-                sides[side].take(forces + by @ step[columns]) for side, (forces, by, columns) in changes.items()
-            )
+        for iteration in range(MOST_STEPS if creep is None else MOST_ROLLING_STEPS):
+            newton.linearise()
+            error = newton.relative.equilibrium_residual
+            settled = newton.step(tolerance)
             progress(f"equilibrium residual {error:.1e} after {iteration} steps on fine cells")
-            settled = change <= min(share * FINE_FORCES, COARSE_FORCES) and not any(
-                each.changed for each in sides.values()
-            )
-            if error <= tolerance and float(np.abs(tilts - bent).max()) <= share * FINE_TILT_RAD and settled:
+            if settled is None:
+                return None
+            if settled:
                 message = f"contact forces and load are in equilibrium to {error:.1e}"
-                status = Status(True, message, iteration)
-                state = SpatialState({side: each.state(status, own[side]) for side, each in sides.items()})
-                # the tilts follow the position
-                whole = jacobian[:3, :3] - jacobian[:3, 3:] @ np.linalg.solve(jacobian[3:, 3:], jacobian[3:, :3])
-                stable = is_stable(problem, whole) if free.all() else None
-                return Equilibrium(status, position, relative, state, residual, stable, tuple(history))
-            position = position.moved(WheelsetPosition(*step[:3].tolist()))
-            tilts = tilts + step[3:]
+                return newton.found(Status(True, message, iteration))
+            way = np.abs(np.subtract(newton.position.components, position.components)) / MAX_STEP
+            if way.max() > reach:
+                return newton.found(Status(False, "far from the first position", iteration))
         return None
 
-    def _coarse(self, side: Side, start: WheelsetPosition) -> GriddedSide:
-        surfaces, pose = self.surfaces[side], pose_of(self.problem, start, side, self.model.yaw_rad)
+    def _coarse(self, side: Side, start: WheelsetPosition, yaw_rad: float | None = None) -> GriddedSide:
+        yaw = self.model.yaw_rad if yaw_rad is None else yaw_rad
+        surfaces, pose = self.surfaces[side], pose_of(self.problem, start, side, yaw)
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
         ends = COARSE_MM * np.arange(int(np.ceil(low / COARSE_MM)), int(np.floor(high / COARSE_MM)) + 1)
         cells = np.stack((ends[:-1], ends[1:]), axis=1)

@@ -1,5 +1,6 @@
 """Residual of the wheelset's equilibrium, its norm, tolerance and step limits, for one position and for many."""
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -81,17 +82,23 @@ class RelativeResiduals:
       between the wheels.
     - `free`: which of lateral and vertical displacement and roll are found; the others are prescribed, and their
       residuals are what holds the wheelset.
+    - `torque_residual`: with friction, residual of the torque about the axle over the weight times the wheel's radius.
+    - `yaw_residual`: with friction and a yaw that is found, residual of the yaw moment over the weight times half of
+      the distance between the wheels.
     """
 
     vertical_residual: float
     lateral_residual: float
     moment_residual: float
     free: tuple[bool, bool, bool] = (True, True, True)
+    torque_residual: float = 0.0
+    yaw_residual: float = 0.0
 
     @property
     def equilibrium_residual(self) -> float:
         """Root of the sum of squares of the residuals of what is free."""
-        return self.norm_of(np.array(self.free))
+        found = self.norm_of(np.array(self.free))
+        return math.hypot(found, self.torque_residual, self.yaw_residual) if self.torque_residual else found
 
     def norm_of(self, free: Bools) -> float:
         """Root of the sum of squares of some, in the order of lateral and vertical displacement and roll."""

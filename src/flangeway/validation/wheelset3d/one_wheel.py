@@ -11,7 +11,8 @@ from flangeway.errors import InputError
 from flangeway.railway.spatial.running_surfaces import SpatialModel
 from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, SideSurfaces
 from flangeway.railway.spatial.side_newton import solve_side
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset, finer, pose_of
+from flangeway.railway.spatial.spatial_contact import pose_of
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset, finer
 from flangeway.railway.spatial.wheel_gap import wheel_gap
 from flangeway.railway.track.placements import SIDE_SIGN, Side, WheelsetPosition
 from flangeway.types import Floats

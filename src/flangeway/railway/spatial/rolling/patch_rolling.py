@@ -17,6 +17,7 @@ from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.railway.spatial.side_contact import SideState
+from flangeway.railway.spatial.side_newton import SideNewton
 from flangeway.railway.spatial.wheel_gap import FAR_MM
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.placements import SIDE_SIGN
@@ -50,41 +51,59 @@ def rolling_contact_of(
         materials find their pressures anew with friction, at the same resultant.
 
     """
-    return contact_in(patch.state, patch.ellipse.inside, friction, origin)
+    state = patch.state
+    return contact_in(state, state.forces, state.gaps, patch.ellipse.inside, friction, origin)
 
 
 def contact_in(
-    state: SideState, inside: Bools, friction: Friction, origin: tuple[float, float] | None = None
+    state: SideState | SideNewton,
+    normal: Floats,
+    gaps: Floats,
+    inside: Bools,
+    friction: Friction,
+    origin: tuple[float, float] | None = None,
+    *,
+    bodies: bool = True,
 ) -> RollingContact:
-    """As `rolling_contact_of` for the cells of a patch on its side, shape (n, n_z)."""
+    """As `rolling_contact_of` for the cells of a patch on its side.
+
+    - `state`: of the side.
+    - `normal`, `gaps`: normal forces and gaps of the deformed surfaces of all cells, (n, n_z).
+    - `inside`: which cells, (n, n_z).
+    - `bodies`: whether the bodies' influence coefficients are needed: fast theories do not.
+    """
     side, grid = state.grid, state.grid.grid
     materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
     rows, strips = box_of(inside)
-    if materials[0] != materials[1]:
-        apart = np.flatnonzero(np.diff(grid.cells.ravel())[1::2] > SAME * grid.strip) + 1
-        first, last = max(apart[apart <= rows.start], default=0), min(apart[apart >= rows.stop], default=len(inside))
-        rows = slice(max(rows.start - MARGIN, first), min(rows.stop + MARGIN, last))
+    apart = np.flatnonzero(np.diff(grid.cells.ravel())[1::2] > SAME * grid.strip) + 1
+    window = max(apart[apart <= rows.start], default=0), min(apart[apart >= rows.stop], default=len(inside))
+    if not bodies:  # the ellipse of a patch that is none may be wider
+        rows = slice(*map(int, window))
+    elif materials[0] != materials[1]:
+        rows = slice(max(rows.start - MARGIN, window[0]), min(rows.stop + MARGIN, window[1]))
         strips = slice(max(strips.start - MARGIN, 0), min(strips.stop + MARGIN, inside.shape[1]))
     z = grid.z[strips]
     cells = PatchGrid(np.append(grid.cells[rows, 0], grid.cells[rows.stop - 1, 1]), grid.strip, len(z), float(z.mean()))
-    forces = np.where(inside, state.forces, 0.0)[rows, strips]
+    forces = np.where(inside, normal, 0.0)[rows, strips]
     areas = cells.widths[:, None] * grid.strip
-    coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
     own = friction
     if max(map(len, friction.limits)) > 1:
         static, kinetic = (np.broadcast_to(each, len(inside))[rows] for each in friction.limits)
         own = Friction(static, kinetic, friction.decay)
+    if not bodies:
+        return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
+    coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
     pressed = None
     if materials[0] != materials[1]:
         influence = Convolution(np.ascontiguousarray(coefficients[: len(z), 1::3, 1::3]))
-        others = (state.forces > 0.0)[rows, strips] & ~inside[rows, strips]
-        gaps = np.where(others, FAR_MM, state.gaps[rows, strips] - influence(forces))
+        others = (normal > 0.0)[rows, strips] & ~inside[rows, strips]
+        undeformed = np.where(others, FAR_MM, gaps[rows, strips] - influence(forces))
         force = forces.sum(axis=1) @ state.normals[rows]
         total = float(np.linalg.norm(force))
         share = (state.normals[rows] @ force / total)[:, None]
 
         def pressed(change: Floats, start: Floats) -> NormalContact:
-            return solve_normal(influence, gaps + change, force=total, share=share, start=start, tolerance=CHANGE)
+            return solve_normal(influence, undeformed + change, force=total, share=share, start=start, tolerance=CHANGE)
 
     return RollingContact(cells, forces / areas, own, materials, coefficients, pressed, origin)
 
@@ -93,6 +112,20 @@ def box_of(inside: Bools) -> tuple[slice, slice]:
     """Rows and strips of the smallest box about cells."""
     rows, strips = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
     return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
+
+
+def forces_on_cells(found: CreepForces, contact: RollingContact) -> Floats:
+    """Creep forces on the cells (n_cells, n_strips, 2), along t and z.
+
+    Where a theory has none, or those of an ellipse, what is missing is spread as the normal forces are.
+    """
+    share = (contact.normal_forces / contact.force)[..., None]
+    if isinstance(found, Rolling):
+        return np.asarray(found.tractions * contact.areas[..., None])
+    cells = np.zeros((*share.shape[:2], 2))
+    if isinstance(found, SimplifiedRolling):
+        cells = found.tractions * contact.areas[..., None]
+    return np.asarray(cells + share * (np.array([found.across, found.along]) - cells.sum(axis=(0, 1))))
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,21 +167,9 @@ class RollingPatch:
     @cached_property
     def _side_force(self) -> Floats:
         """Creep force on the wheel in the right-hand form of the side."""
-        found, state = self.forces, self.patch.state
-        normals = state.normals[self.rows]
-        if isinstance(found, Rolling | SimplifiedRolling):
-            across, along = (found.tractions * self.contact.areas[..., None]).sum(axis=1).T
-            if isinstance(found, SimplifiedRolling):  # its forces are those of an ellipse
-                across, along = self._scaled(across, found.across), self._scaled(along, found.along)
-        else:
-            share = self.contact.normal_forces.sum(axis=1) / self.contact.force
-            across, along = found.across * share, found.along * share
-        tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
-        return np.append(across @ tangents, along.sum())
-
-    def _scaled(self, values: Floats, total: float) -> Floats:
-        rest = total - float(values.sum())
-        return values + rest * self.contact.normal_forces.sum(axis=1) / self.contact.force
+        normals = self.patch.state.normals[self.rows]
+        across, along = forces_on_cells(self.forces, self.contact).sum(axis=1).T
+        return np.append(across @ np.stack((-normals[:, 1], normals[:, 0]), axis=1), along.sum())
 
     @property
     def creep_force_on_wheel_N(self) -> Floats:  # noqa: N802
@@ -173,7 +194,7 @@ class RollingPatch:
     @property
     def spin_creepage_per_m(self) -> float:
         """Rotation of the wheel on the rail about its normal over the speed, 1/m, counter-clockwise from above."""
-        return -1e3 * SIDE_SIGN[self.patch.side] * self.forces.motion.spin
+        return -1e3 * SIDE_SIGN[self.patch.side] * self._mean(self.forces.motion.spin)
 
     @property
     def spin_moment_Nm(self) -> float:  # noqa: N802

@@ -1,0 +1,248 @@
+"""Creep forces of a wheelset at a position: creepages of all rows of cells, forces, and how they change.
+
+The slip of the wheel's surface on a rail at rest is ``v + omega x r`` projected on the axes t and z of each row of
+cells: v of the axle's middle, the rotation about the wheel's tilted and yawed axis, and the yaw rate with V / R.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy.ndimage
+
+from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.fast_theories import linear_theory, polach
+from flangeway.contact.rolling.fastsim import fastrip, fastsim
+from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.railway.spatial.rolling.patch_rolling import box_of, contact_in, forces_on_cells
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
+from flangeway.railway.spatial.side_contact import SideState, WheelPose
+from flangeway.railway.spatial.side_newton import SideNewton
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.types import Bools, Floats
+
+FAST: dict[Theory, Callable[[RollingContact, Creepages], CreepForces]] = {
+    "fastsim": fastsim,
+    "fastrip": fastrip,
+    "polach": polach,
+    "linear": linear_theory,
+}
+STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
+"""Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
+N_RESULTANTS = 7
+
+
+class PatchCreep(NamedTuple):
+    """Creep forces of one patch.
+
+    - `inside`: its cells on the side, (n, n_z).
+    - `contact`, `forces`: cells and creep forces.
+    - `points`: of the undeformed wheel on all rows of cells of the side, where it rolls, (n, 2).
+    """
+
+    inside: Bools
+    contact: RollingContact
+    forces: CreepForces
+    points: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class SideCreep:
+    """Creep forces of one side in its right-hand form.
+
+    - `patches`: by falling normal force.
+    - `resultant`: force on the wheel (3,), moment about the axle's middle (3,), and that about the wheel's axis; (7,).
+    - `rows`: forces on rows of cells along t and z, (n, 2).
+    """
+
+    patches: tuple[PatchCreep, ...]
+    resultant: Floats
+    rows: Floats
+
+
+@dataclass(eq=False)
+class WheelsetCreep:
+    """Creep forces while a position is sought.
+
+    - `motion`: how the wheelset rolls.
+    - `rate_rad_s`: rate of rotation about the axle.
+    - `theory`: of the forces.
+    """
+
+    motion: RollingMotion
+    rate_rad_s: float
+    theory: Theory
+    tolerance: float = 1e-4
+    _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
+    _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
+
+    def creepages(
+        self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
+    ) -> Creepages:
+        """Creepages of rows of cells with points and normals, each (n, 2), at a pose of the wheel."""
+        points, normals = rows
+        sign, speed = SIDE_SIGN[side], self.motion.speed_m_s
+        turning = rate * pose.axis
+        yawing = np.array([0.0, -sign * self.motion.turning_rad_s, 0.0])
+        flat = np.zeros((len(points), 1))
+        arms, from_axle = (np.hstack((points - each, flat)) for each in (pose.middle, (pose.x, pose.y)))
+        slip = np.array([sign * self.motion.lateral_velocity_m_s, 0.0, speed])
+        slip = slip + 1e-3 * (np.cross(turning, arms) + np.cross(yawing, from_axle))
+        spin = 1e-3 * (normals @ (turning + yawing)[:2]) / speed
+        s, z = contact.places
+        across = (slip[:, 1] * normals[:, 0] - slip[:, 0] * normals[:, 1]) / speed
+        # at the origin of the patch, from which spin counts
+        return Creepages(slip[:, 2] / speed - spin * s, across - spin * (contact.grid.along[0] - z[0]), spin, speed)
+
+    def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
+        """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
+        patches = []
+        gaps = state.gaps if isinstance(state, SideState) else state.total
+        for inside in patches_of(normal):
+            contact = self._contact(state, normal, gaps, inside)
+            rows = rows_of(state, contact)
+            # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
+            nearest = int(np.abs(state.grid.grid.z - contact.grid.along[0] + contact.places[1][0]).argmin())
+            points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
+            motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
+            key = (state.grid, *box_key(box_of(inside)))
+            patches.append(PatchCreep(inside, contact, self._forces(key, contact, motion), points))
+        return self._side(state, state.pose, tuple(patches))
+
+    def _forces(self, key: tuple[object, ...], contact: RollingContact, motion: Creepages) -> CreepForces:
+        if self.theory != "exact":
+            return FAST[self.theory](contact, mean_of(contact, motion))
+        found = roll(contact, motion, start=self._last.get(key), tolerance=self.tolerance)
+        self._last[key] = found
+        return found
+
+    def _contact(self, state: SideNewton | SideState, normal: Floats, gaps: Floats, inside: Bools) -> RollingContact:
+        friction = self.motion.friction_on(state.normals)
+        if self.theory != "exact":
+            return contact_in(state, normal, gaps, inside, friction, bodies=False)
+        box = box_of(inside)
+        key = (state.grid, *box_key(box))
+        known = self._contacts.get(key)
+        if known is None or known.pressed is not None:
+            known = self._contacts[key] = contact_in(state, normal, gaps, inside, friction)
+            return known
+        return known.under(np.where(inside, normal, 0.0)[box] / known.areas)
+
+    def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
+        """Resultants of the patches' forces at a pose."""
+        total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.cells), 2))
+        for _, contact, found, points in patches:
+            cells, own = forces_on_cells(found, contact), rows_of(state, contact)
+            s, z = contact.places
+            missing = found.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
+            share = contact.normal_forces.sum(axis=1) / contact.force
+            spinning = missing * np.append(share @ state.normals[own], 0.0)
+            ahead = cells[..., 0] @ contact.grid.along
+            total += resultant_of((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
+            rows[own] += cells.sum(axis=1)
+        return SideCreep(patches, total, rows)
+
+    def derivatives(self, side: Side, newton: SideNewton, forces: Floats, by: Floats, found: SideCreep) -> Floats:
+        """Derivatives of `SideCreep.resultant` by x, y, roll, tilt, rate of rotation and yaw, shape (7, 6).
+
+        By differences of FASTSIM, or of the theory itself if it is fast, at forces (m,) with their derivatives by all
+        of these but the rate, (m, 5).
+        """
+        theory: Theory = "fastsim" if self.theory == "exact" else self.theory
+        fast = replace(self, theory=theory)
+        pose, columns = newton.pose, []
+        base = fast.changed(side, newton, pose, forces, self.rate_rad_s, found)
+        for number, step in enumerate(STEPS):
+            change = np.zeros(len(STEPS))
+            change[number] = step * (self.rate_rad_s if number == 4 else 1.0)
+            moved = replace(
+                pose,
+                x=pose.x + change[0],
+                y=pose.y + change[1],
+                roll_rad=pose.roll_rad + change[2],
+                tilt_rad=pose.tilt_rad + change[3],
+                yaw_rad=pose.yaw_rad + change[5],
+            )
+            normal = forces + by @ np.delete(change, 4)
+            new = fast.changed(side, newton, moved, normal, self.rate_rad_s + change[4], found)
+            columns.append((new - base) / change[number])
+        return np.stack(columns, axis=1)
+
+    def changed(
+        self, side: Side, newton: SideNewton, pose: WheelPose, forces: Floats, rate: float, found: SideCreep
+    ) -> Floats:
+        """Resultant of the same patches at another pose, other forces (m,) and another rate."""
+        normal = np.zeros(newton.forces.shape)
+        normal[newton.touching] = np.maximum(forces, 0.0)
+        patches = []
+        friction = self.motion.friction_on(newton.normals)
+        for inside, _, _, points in found.patches:
+            if not normal[inside].any():
+                continue
+            contact = contact_in(newton, normal, newton.total, inside, friction, bodies=False)
+            rows = rows_of(newton, contact)
+            # where the rays along the rail's normals meet the wheel that has moved
+            x, y = (points - newton.pose.middle).T
+            turned = pose.whole_roll - newton.pose.whole_roll
+            moved = pose.middle - newton.pose.middle + turned * np.stack((-y, x), axis=1)
+            met = points + (moved * newton.normals).sum(axis=1)[:, None] * newton.normals
+            motion = self.creepages(side, pose, rate, (met[rows], newton.normals[rows]), contact)
+            patches.append(PatchCreep(inside, contact, FAST[self.theory](contact, mean_of(contact, motion)), met))
+        return self._side(newton, pose, tuple(patches)).resultant
+
+
+def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
+    """Rows of cells of a side that a patch's contact has."""
+    first = int(np.argmin(np.abs(state.grid.grid.cells[:, 0] - contact.grid.bounds[0])))
+    return slice(first, first + len(contact.grid.widths))
+
+
+def box_key(box: tuple[slice, slice]) -> tuple[int, int, int, int]:
+    """Ends of a box."""
+    return box[0].start, box[0].stop, box[1].start, box[1].stop
+
+
+def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
+    """Creepages of a patch from those of its rows."""
+    return motion.mean(contact.places[0], contact.normal_forces.sum(axis=1) / contact.force)
+
+
+def patches_of(normal: Floats) -> list[Bools]:
+    """Separate patches of normal forces (n, n_z), by falling force."""
+    labels, count = scipy.ndimage.label(normal > 0.0, structure=np.ones((3, 3)))
+    found = [labels == number for number in range(1, count + 1)]
+    return sorted(found, key=lambda inside: -float(normal[inside].sum()))
+
+
+def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
+    """See `SideCreep.resultant`.
+
+    - `at`: points and normals of rows, each (n, 2).
+    - `rows`: their forces along t and z, (n, 2).
+    - `ahead`: their sums of z times the forces along t, (n,).
+    - `spinning`: further moment, (3,).
+    """
+    points, normals = at
+    tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+    forces = np.column_stack((rows[:, :1] * tangents, rows[:, 1]))
+    first = ahead @ tangents  # of z f_x and z f_y
+    moments = []
+    for middle in ((pose.x, pose.y), pose.middle):
+        x, y = (points - middle).T
+        turned = (y @ forces[:, 2] - first[1], first[0] - x @ forces[:, 2], x @ forces[:, 1] - y @ forces[:, 0])
+        moments.append(spinning + np.array(turned))
+    return np.concatenate((forces.sum(axis=0), moments[0], [moments[1] @ pose.axis]))
+
+
+def rate_of(motion: RollingMotion, states: Mapping[Side, SideState]) -> float:
+    """Rate of rotation about the axle without creepage at the mean radius of the contacts."""
+    radii = []
+    for side in SIDES:
+        state = states[side]
+        rows = state.forces.sum(axis=1)
+        if rows.any():
+            radii.append(float(np.average(state.pose.middle[1] - state.points[:, 1], weights=rows)))
+    return 1e3 * motion.speed_m_s / float(np.mean(radii))

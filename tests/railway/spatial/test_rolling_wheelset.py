@@ -1,0 +1,185 @@
+"""A wheelset that rolls with friction: equilibrium with creep forces, symmetry, power, and limits that are known."""
+
+import numpy as np
+import pytest
+
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.errors import InputError
+from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.spatial.spatial_result import solve_position
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES
+from flangeway.railway.track.wheelset_problem import Prescribed
+
+COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous"}
+ROLLS = {"speed_km_h": 72.0, "friction": 0.3, "rolling_theory": "fastsim"}
+
+
+def case(**inputs):
+    return SpatialWheelsetCase.from_values(COARSE | inputs)
+
+
+@pytest.fixture(scope="module")
+def wheelset():
+    """Running surfaces on a continuous foundation, with an elastic axle."""
+    problem, model = case().problem(), case().spatial_model()
+    return SpatialWheelset(problem, running_surfaces(problem, model), model)
+
+
+def solved(wheelset, **inputs):
+    one = case(**inputs)
+    model = one.spatial_model()
+    prescribed = Prescribed(one.lateral_mm, one.vertical_mm, one.roll_rad)
+    found = solve_position(wheelset.at(one.load(), prescribed, model.yaw_rad, model.rolling), {})
+    assert found.status.converged, found.status.message
+    return found
+
+
+def resultants(found):
+    return np.array([found.equilibrium.state.rolled.creep[side].resultant for side in SIDES])
+
+
+def test_in_the_middle_of_straight_track_it_rolls_without_longitudinal_forces(wheelset):
+    """Equal wheels: spin alone, whose lateral forces cancel; without friction the position is the same."""
+    found, plain = solved(wheelset, **ROLLS), solved(wheelset)
+    assert found.equilibrium.position.lateral_mm == pytest.approx(0.0, abs=1e-4)
+    left, right = found.rolling
+    assert left.creep_force_on_wheel_N == pytest.approx(right.creep_force_on_wheel_N * (-1, 1, 1), abs=1.0)
+    assert abs(right.creep_force_on_wheel_N[2]) < 10.0
+    # the axle bends: the wheel's axis is not level
+    level = right.patch.ellipse.force @ right.patch.state.pose.axis[:2] / np.linalg.norm(right.patch.ellipse.force)
+    assert right.spin_creepage_per_m == pytest.approx(-1e3 * level / 460.0, rel=0.01)
+    assert right.creep_force_on_wheel_N[0] > 500.0
+    assert plain.rolling == ()
+    assert found.equilibrium.position.vertical_mm == pytest.approx(plain.equilibrium.position.vertical_mm, abs=0.01)
+
+
+@pytest.mark.parametrize("theory", ["exact", "fastsim"])
+def test_a_position_and_its_mirror_image(wheelset, theory):
+    """Lateral position, yaw and curve of the other sign exchange left and right."""
+    inputs = ROLLS | {"rolling_theory": theory}
+    one = solved(wheelset, lateral_mm=2.0, yaw_mrad=1.0, curve_radius_m=800.0, **inputs)
+    other = solved(wheelset, lateral_mm=-2.0, yaw_mrad=-1.0, curve_radius_m=-800.0, **inputs)
+    forces, mirrored = resultants(one), resultants(other)[::-1]
+    assert forces == pytest.approx(mirrored, rel=1e-3, abs=1e-4 * np.abs(forces).max())
+    rolled, opposite = one.equilibrium.state.rolled, other.equilibrium.state.rolled
+    assert rolled.yaw_moment_Nmm == pytest.approx(-opposite.yaw_moment_Nmm, rel=1e-3)
+    # the yaw to the left pushes the wheelset to the left, and what holds it acts to the right
+    assert sum(found.creep_force_on_wheel_N[0] for found in one.rolling) < -10e3
+
+
+def test_power_of_friction_is_the_work_on_the_wheelset(wheelset):
+    """Power of tractions and slip on the cells is that of torque, traction, lateral velocity and yaw rate to 1e-9."""
+    inputs = {"lateral_mm": 2.0, "yaw_mrad": 2.0, "curve_radius_m": 500.0, "torque_kNm": 3.0}
+    moving = {"yaw_rate_mrad_per_s": 5.0, "lateral_velocity_mm_per_s": 20.0}
+    found = solved(wheelset, **ROLLS | {"rolling_theory": "exact"}, **inputs, **moving)
+    motion, rolled = found.wheelset.model.rolling, found.equilibrium.state.rolled
+    work = 0.0
+    for side in SIDES:
+        force, moment, torque = np.split(rolled.creep[side].resultant, [3, 6])
+        sign = SIDE_SIGN[side]
+        work -= force[2] * motion.speed_m_s + sign * force[0] * motion.lateral_velocity_m_s
+        work -= 1e-3 * (rolled.rate_rad_s * float(torque[0]) - sign * moment[1] * motion.turning_rad_s)
+    power = sum(each.power_W for each in found.rolling)
+    assert power > 1000.0
+    assert power == pytest.approx(work, rel=1e-9)
+    for each in found.rolling:
+        assert each.forces.frictional_power == pytest.approx(each.power_W + each.forces.rolling_power, rel=1e-6)
+    assert rolled.torque_Nmm == pytest.approx(-3e6, abs=1e-4 * 200e3 * 460.0)
+    traction = sum(each.creep_force_on_wheel_N[2] for each in found.rolling)
+    assert traction == pytest.approx(3e6 / 460.0, rel=0.05)
+
+
+def test_creepages_do_not_depend_on_the_speed(wheelset):
+    """On straight track all forces are those of another speed, and the rate of rotation grows with it."""
+    slow = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS)
+    fast = solved(wheelset, lateral_mm=3.0, yaw_mrad=1.0, **ROLLS | {"speed_km_h": 216.0})
+    assert resultants(slow) == pytest.approx(resultants(fast), rel=1e-4, abs=10.0)
+    rates = [each.equilibrium.state.rolled.rate_rad_s for each in (slow, fast)]
+    assert rates[1] == pytest.approx(3.0 * rates[0], rel=1e-6)
+
+
+def test_little_friction_is_nearly_none(wheelset):
+    """At a coefficient of 1e-4 position and forces are those without friction; at 0 they are the same."""
+    plain = solved(wheelset, lateral_mm=3.0)
+    found = solved(wheelset, lateral_mm=3.0, **ROLLS | {"friction": 1e-4})
+    one, other = (np.array(each.equilibrium.position.components) for each in (plain, found))
+    assert one == pytest.approx(other, abs=1e-4)
+    assert all(each.used_friction <= 1e-4 * (1.0 + 1e-6) for each in found.rolling)
+    none = solved(wheelset, lateral_mm=3.0, speed_km_h=72.0, friction=0.0)
+    assert none.equilibrium.position == plain.equilibrium.position
+    assert none.rolling == ()
+
+
+def test_the_exact_theory_is_linear_at_small_yaw(wheelset):
+    """The lateral force by a yaw of 0.05 mrad is that of linear theory within 10 %, which coarse cells leave."""
+    slopes = []
+    for theory in ("exact", "linear"):
+        ends = [
+            solved(wheelset, lateral_mm=0.0, yaw_mrad=yaw, **ROLLS | {"rolling_theory": theory, "friction": 0.9})
+            for yaw in (-0.05, 0.05)
+        ]
+        slopes.append(sum(each.creep_force_on_wheel_N[0] for each in ends[1].rolling))
+        slopes[-1] -= sum(each.creep_force_on_wheel_N[0] for each in ends[0].rolling)
+    assert slopes[0] < 0.0
+    assert slopes[0] == pytest.approx(slopes[1], rel=0.1)
+
+
+def test_free_in_a_wide_curve_it_rolls_kinematically(wheelset):
+    """Without yaw stiffness, radii differ by ``r (x_right - x_left) / R`` (Redtenbacher, 1855); the yaw is radial."""
+    curve = {"curve_radius_m": 3000.0, "superelevation_mm": "from-speed"}
+    found = solved(wheelset, **curve, yaw_stiffness_kNm_per_mrad=0.0, **ROLLS)
+    radii = {each.side: each.rolling_radius_mm for each in found.patches}
+    places = {each.side: each.centre_mm[0] for each in found.patches}
+    wanted = 460.0 * (places["right"] - places["left"]) / 3e6
+    assert radii["right"] - radii["left"] == pytest.approx(wanted, rel=0.02)
+    rolled = found.equilibrium.state.rolled
+    assert abs(rolled.yaw_rad) < 1e-4
+    assert abs(rolled.yaw_moment_Nmm) < 1e-5 * 200e3 * 680.0
+    assert found.equilibrium.position.lateral_mm > 0.5
+
+
+def test_the_yaw_follows_its_stiffness(wheelset):
+    """The yaw moment is the stiffness times the yaw beyond the one that guides it."""
+    found = solved(wheelset, lateral_mm=2.0, yaw_mrad=1.0, yaw_stiffness_kNm_per_mrad=20.0, **ROLLS)
+    rolled = found.equilibrium.state.rolled
+    assert rolled.yaw_moment_Nmm == pytest.approx(20e9 * (rolled.yaw_rad - 1e-3), rel=1e-3)
+    assert abs(rolled.yaw_rad - 1e-3) > 1e-6
+
+
+def test_a_flange_in_contact_has_nadals_limit_beside_it(wheelset):
+    """A yaw that points to the right rail pushes the flange on it; L/V stays below the limit."""
+    found = solved(wheelset, yaw_mrad=-4.0, **ROLLS)
+    limit = found.nadal_limit("right")
+    steepest = max(p.contact_angle_rad for p in found.patches if p.side == "right")
+    assert steepest > 0.35
+    assert limit == pytest.approx((np.tan(steepest) - 0.3) / (1.0 + 0.3 * np.tan(steepest)))
+    assert found.lateral_over_vertical("right") > 0.1
+    power = [each.power_W for each in found.rolling if each.patch.side == "right"]
+    assert max(power) > 1e3
+
+
+def test_a_torque_above_friction_is_no_equilibrium(wheelset):
+    """Friction cannot transmit it: the status says so."""
+    one = case(lateral_mm=0.0, torque_kNm=40.0, **ROLLS)
+    model = one.spatial_model()
+    found = solve_position(wheelset.at(one.load(), Prescribed(lateral_mm=0.0), 0.0, model.rolling), {})
+    assert not found.status.converged
+    assert "torque" in found.status.message
+
+
+def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
+    """Rows steeper than 45 degrees have their own coefficient; no speed, and inputs without friction are refused."""
+    one = case(**ROLLS, flange_friction=0.1, kinetic_friction=0.15)
+    friction = one.spatial_model().rolling.friction_on(np.array([[0.0, 1.0], [-0.9, np.sqrt(0.19)]]))
+    np.testing.assert_allclose(friction.limits[0], [0.3, 0.1])
+    np.testing.assert_allclose(friction.limits[1], [0.15, 0.05])
+    for inputs in (
+        {"friction": 0.3},
+        {"friction": 0.3, "speed_km_h": 0.0},
+        {"torque_kNm": 1.0},
+        {"speed_km_h": 80.0},
+    ):
+        with pytest.raises(InputError):
+            case(**inputs).check()
+    assert one.spatial_model().rolling.torque_Nm == 0.0
