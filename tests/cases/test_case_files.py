@@ -176,8 +176,26 @@ def test_every_unit_is_in_its_name():
             "wheel_poisson",
         ),
         *("rail_poisson", "hold", "sleeper_position"),
+        *("friction", "kinetic_friction", "flange_friction"),
     }
-    units = ("_mm", "_MPa", "_N", "_kN", "_rad", "_mrad", "_deg", "_in", "_m", "_t", "_km_h", "_MPa_mm", "_N_mm3")
+    units = (
+        "_mm",
+        "_MPa",
+        "_N",
+        "_kN",
+        "_rad",
+        "_mrad",
+        "_deg",
+        "_in",
+        "_m",
+        "_t",
+        "_km_h",
+        "_MPa_mm",
+        "_N_mm3",
+        "_per_s",
+        "_kNm",
+    )
+    units = (*units, "_kNm_per_mrad")
     for case in CASES.values():
         for _, rows in case.tables_of_inputs():
             for key, _, allowed, _ in rows:

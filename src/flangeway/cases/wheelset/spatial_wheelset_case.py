@@ -83,7 +83,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     title: ClassVar[str] = "A wheelset on two rails in three dimensions"
     essential: ClassVar[tuple[str, ...]] = (
         *("rail", "wheel", "gauge_mm", "rail_inclination", "wheel_radius_mm", "axle_load_kN"),
-        *("superelevation_mm", "yaw_mrad", "speed_km_h", "friction"),
+        *("superelevation_mm", "yaw_mrad"),
     )
 
     model: Literal["spatial", "plane"] = Field(
