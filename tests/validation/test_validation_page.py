@@ -159,7 +159,7 @@ def test_the_command_writes_page_pictures_and_a_summary(call, monkeypatch, tmp_p
     assert (tmp_path / "pages" / "images" / "mine-drawn.png").read_bytes().startswith(b"\x89PNG")
     assert re.search(r"one +1 +1 +1 +passed", out)
     assert re.search(r"two +2 +1 +0 +not passed", out)
-    assert "Second: 1 of 2 numbers with a limit are within. Not passed." in out
+    assert "two: NOT passed with 1 warning, 1 of 2 numbers with a limit are within" in out
     assert "Table 7: depth, left, mm, B, 2.500 for 2; a | reason" in out
     folder = tmp_path / "out" / "reproduce" / "one"
     assert (folder / "line.png").read_bytes().startswith(b"\x89PNG")
