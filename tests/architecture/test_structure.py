@@ -29,7 +29,7 @@ MAX_LINES = {
     "railway.rigid": 1920,
     "railway.wheelset": 1770,
     "railway.positions": 2500,
-    "railway.spatial": 3665,
+    "railway.spatial": 3670,
     "cases": 7015,
     "campaign": 1885,
     "tables": 1426,
@@ -39,7 +39,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 64_541
+MAX_LINES_OF_ALL = 64_546
 MAX_FILES_OF_ALL = 345
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

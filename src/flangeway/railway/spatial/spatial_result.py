@@ -128,16 +128,18 @@ class SpatialResult:
         return float(klingel_wavelength(found, distance, problem.wheelset.tape_radius_mm))
 
     def nadal_limit(self, side: Side) -> float:
-        """Nadal's limit of L/V (1908): ``(tan d - mu) / (1 + mu tan d)`` at the steepest contact angle d of a wheel.
+        """Nadal's limit of L/V (1908): ``(tan d - mu) / (1 + mu tan d)`` at the steepest angle d of a wheel's flange.
 
-        mu is the static coefficient of friction there. nan without friction or contact.
+        mu is the static coefficient of friction there. nan without friction.
         """
-        patches = [each for each in self.rolling if each.patch.side == side]
-        if not patches:
+        motion, surfaces = self.wheelset.model.rolling, self.wheelset.surfaces[side]
+        if motion is None:
             return float("nan")
-        steepest = max(patches, key=lambda each: each.patch.contact_angle_rad)
-        slope, friction = np.tan(steepest.patch.contact_angle_rad), float(steepest.contact.friction.limits[0].max())
-        return float((slope - friction) / (1.0 + friction * slope))
+        # beyond the tip the surface falls
+        slope = float(np.tan(surfaces.wheel.at(surfaces.wheel_stations[:, 0]).angle).max())
+        given = motion.friction.limits[0].max() if motion.flange_friction is None else motion.flange_friction
+        friction = float(given)
+        return (slope - friction) / (1.0 + friction * slope)
 
     def head_motion(self, side: Side) -> tuple[float, float, float, float]:
         """Motion of a rail's head in the track's axes, lateral, vertical and roll, and that of its gauge face outwards.
@@ -257,6 +259,6 @@ def _of_rolling(result: SpatialResult) -> list[str]:
         found += [f"{each.patch.side} side, {each.patch.region}: {notice}" for notice in each.forces.notices]
     for side in SIDES if result.rolling else ():
         ratio, limit = result.lateral_over_vertical(side), result.nadal_limit(side)
-        if ratio > limit > 0.0:
+        if ratio > limit:
             found.append(f"{side} wheel: L/V of {ratio:.2f} above Nadal's limit of {limit:.2f}: its flange may climb")
     return found
