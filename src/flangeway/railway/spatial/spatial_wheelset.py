@@ -138,7 +138,9 @@ class SpatialWheelset:
         if motion.theory != "exact" or not found.status.converged:
             return found
         fine = {side: state.grid for side, state in found.state.sides.items()}
-        return self._rolled(fine, found, progress, replace(creep, theory="exact"), EXACT_RESIDUAL)
+        exact = replace(creep, theory="exact")
+        # the position of the exact theory is another one: patches may have come to the ends of their cells
+        return self._fine(self._rolled(fine, found, progress, exact, EXACT_RESIDUAL), progress, exact)
 
     def _rolled(
         self,
@@ -177,7 +179,8 @@ class SpatialWheelset:
             if all(new is found.state.sides[side].grid for side, new in grids.items()):
                 break
             if creep is not None:
-                found = self._rolled(grids, found, progress, creep, FAST_RESIDUAL)
+                exact = creep.theory == "exact"
+                found = self._rolled(grids, found, progress, creep, EXACT_RESIDUAL if exact else FAST_RESIDUAL)
                 continue
             tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
             contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
