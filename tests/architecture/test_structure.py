@@ -30,16 +30,16 @@ MAX_LINES = {
     "railway.wheelset": 1770,
     "railway.positions": 2500,
     "railway.spatial": 3670,
-    "cases": 7015,
+    "cases": 6965,
     "campaign": 1885,
     "tables": 1426,
-    "report": 7870,
+    "report": 7895,
     "validation": 6800,
     "cli": 1280,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 64_546
+MAX_LINES_OF_ALL = 64_521
 MAX_FILES_OF_ALL = 345
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

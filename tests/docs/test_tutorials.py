@@ -45,6 +45,11 @@ def test_the_curve_is_as_the_page_says(follow, cached):
     assert follow("tutorials/wheelset-in-a-curve.md") == {"python": 2, "sh": 9, "text": 10}
 
 
+def test_creep_forces_are_as_the_page_says(follow, cached):
+    """Every command and script ends well, in its order, and prints the lines that the page shows, to 2 %."""
+    assert follow("tutorials/creep-forces-in-a-curve.md", tolerance=0.02) == {"python": 1, "sh": 4, "text": 5}
+
+
 def test_numbers_in_the_text_are_the_curves():
     """Load, radius, speed, force and superelevation that the text names are the cases' own."""
     text = (DOCS / "tutorials" / "wheelset-in-a-curve.md").read_text(encoding="utf-8")

@@ -11,7 +11,7 @@ from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.report.page.record import Picture
-from flangeway.report.page.tables import Column, SummaryTable, table_across
+from flangeway.report.page.tables import Column, SummaryTable, number, table_across
 from flangeway.report.rolling.creep_curves import curves_figure
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
 from flangeway.report.rolling.shakedown_figure import shakedown_figure
@@ -103,3 +103,22 @@ def rolling_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     caption = f"Rolling: creep forces of the {theory} theory; the stresses below the patches include their tractions"
     names = [f"{p.side} {p.region}" for p in patches]
     return table_across(caption, names, patches, (*ROLLING, *FURTHER_ROLLING))
+
+
+def motion_table(summary: SpatialWheelsetSummary) -> SummaryTable:
+    """How the whole wheelset rolls."""
+    found = summary.rolling
+    assert found is not None
+    rows = (
+        ("speed, km/h", f"{found.speed_km_h:g}"),
+        ("rotation, rad/s", number(found.rate_rad_per_s, 4)),
+        ("yaw, mrad", f"{found.yaw_mrad:z.3f}"),
+        ("moment of contact and creep forces about the vertical, kN m", f"{found.yaw_moment_kNm:z.3f}"),
+        ("torque on the axle, kN m", f"{found.torque_kNm:z.3f}"),
+        ("traction, kN", f"{found.traction_kN:z.3f}"),
+        ("T-gamma of all patches, N", number(found.t_gamma_N, 1)),
+        ("power of the creepages, W", number(found.power_W, 0)),
+        ("kinematic wave (Klingel): length, m", number(found.kinematic_wavelength_m, 2)),
+        ("  frequency, Hz", number(found.kinematic_frequency_Hz, 2)),
+    )
+    return SummaryTable("Motion of the wheelset", ("", "value"), rows)

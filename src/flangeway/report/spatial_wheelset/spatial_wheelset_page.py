@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
+from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
@@ -15,7 +16,7 @@ from flangeway.report.page.tables import Column, SummaryTable, marked, number, t
 from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
 from flangeway.report.spatial_wheelset.rails_along_track import rails_csv, rails_figure, rails_table
 from flangeway.report.spatial_wheelset.rolling_patches import AXES as ROLLING_AXES
-from flangeway.report.spatial_wheelset.rolling_patches import ROLLING, rolling_pictures, rolling_table
+from flangeway.report.spatial_wheelset.rolling_patches import ROLLING, motion_table, rolling_pictures, rolling_table
 from flangeway.report.spatial_wheelset.running_surface_files import (
     PARTS,
     below_table,
@@ -76,7 +77,7 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "as seen from ahead; with yaw, patches lie ahead of the axle or behind it",
     "contact angle": "of the plane normal to the force from the track's plane, positive towards the flange",
     "angle": "from z to the longer semi-axis, positive towards the gauge side",
-    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards; without creep forces",
+    "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
     "stresses": "tension positive",
 }
 
@@ -101,7 +102,7 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
         assumptions=summary.assumptions,
         scene=lambda: pressure_scene(run),
         pictures=[*_pictures(run), *rolling_pictures(run)],
-        chapters={"Rolling": [rolling_table(summary)]} if rolls else {},
+        chapters={"Rolling": [rolling_table(summary), motion_table(summary)]} if rolls else {},
         tables=[
             patches_numbers(summary),
             _position_table(summary),
@@ -198,7 +199,10 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
         patches,
         (*PATCH, *(ROLLING if any(p.rolling for p in patches) else ())),
     )
-    return with_whole(table, whole, [p.side for p in patches], {"L/V": sides, "gauge face outwards, mm": gauge})
+    ratios = {"L/V": sides}
+    if summary.rolling is not None:
+        ratios["  Nadal's limit"] = dict(zip(SIDES, (f"{x:.3f}" for x in summary.rolling.nadal_limits), strict=True))
+    return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge face outwards, mm": gauge})
 
 
 def _at(patch: WheelPatchSummary, name: str) -> tuple[float, float]:
