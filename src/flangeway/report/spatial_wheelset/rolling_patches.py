@@ -105,10 +105,11 @@ def rolling_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     return table_across(caption, names, patches, (*ROLLING, *FURTHER_ROLLING))
 
 
-def motion_table(summary: SpatialWheelsetSummary) -> SummaryTable:
-    """How the whole wheelset rolls."""
+def motion_tables(summary: SpatialWheelsetSummary) -> list[SummaryTable]:
+    """How the whole wheelset rolls, if creep forces are part of its equilibrium."""
     found = summary.rolling
-    assert found is not None
+    if found is None:
+        return []
     rows = (
         ("speed, km/h", f"{found.speed_km_h:g}"),
         ("rotation, rad/s", number(found.rate_rad_per_s, 4)),
@@ -121,4 +122,4 @@ def motion_table(summary: SpatialWheelsetSummary) -> SummaryTable:
         ("kinematic wave (Klingel): length, m", number(found.kinematic_wavelength_m, 2)),
         ("  frequency, Hz", number(found.kinematic_frequency_Hz, 2)),
     )
-    return SummaryTable("Motion of the wheelset", ("", "value"), rows)
+    return [SummaryTable("Motion of the wheelset", ("", "value"), rows)]

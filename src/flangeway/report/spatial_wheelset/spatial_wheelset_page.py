@@ -16,7 +16,7 @@ from flangeway.report.page.tables import Column, SummaryTable, marked, number, t
 from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
 from flangeway.report.spatial_wheelset.rails_along_track import rails_csv, rails_figure, rails_table
 from flangeway.report.spatial_wheelset.rolling_patches import AXES as ROLLING_AXES
-from flangeway.report.spatial_wheelset.rolling_patches import ROLLING, motion_table, rolling_pictures, rolling_table
+from flangeway.report.spatial_wheelset.rolling_patches import ROLLING, motion_tables, rolling_pictures, rolling_table
 from flangeway.report.spatial_wheelset.running_surface_files import (
     PARTS,
     below_table,
@@ -102,7 +102,7 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
         assumptions=summary.assumptions,
         scene=lambda: pressure_scene(run),
         pictures=[*_pictures(run), *rolling_pictures(run)],
-        chapters={"Rolling": [rolling_table(summary), motion_table(summary)]} if rolls else {},
+        chapters={"Rolling": [rolling_table(summary), *motion_tables(summary)]} if rolls else {},
         tables=[
             patches_numbers(summary),
             _position_table(summary),
