@@ -172,7 +172,7 @@ def test_the_command_leaves_tables_and_pictures(call, monkeypatch, tmp_path, fou
     _registered(monkeypatch, elasticity=again)
     status, out, err = call("reproduce", "elasticity", "--quick", "--out", "found")
     assert status == 0, err
-    assert f"{len(found.numbers)} of {len(found.numbers)} numbers with a limit are within. Passed." in out
+    assert f"{len(found.numbers)} of {len(found.numbers)} numbers with a limit are within" in out.splitlines()[0]
     folder = tmp_path / "found" / "elasticity"
     assert {path.name for path in folder.iterdir()} == set(known.files)
     for path in folder.glob("*.png"):
@@ -211,7 +211,7 @@ def test_all_runs_every_one_into_its_folder(call, monkeypatch, tmp_path, second,
     _registered(monkeypatch, one=_made_up(second, asked), two=_made_up(True, asked))
     found, out, _ = call("reproduce", "all", "--quick", "--out", "found")
     assert found == status
-    assert out.count("table.csv") == 2
+    assert out.count("Report: ") == 2
     assert out.count("did not converge") == status
     assert asked == [True, True]
     assert sorted(path.parent.name for path in tmp_path.glob("found/*/table.csv")) == ["one", "two"]
