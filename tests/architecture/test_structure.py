@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 400,
     "problems": 2220,
     "solve": 3090,
-    "contact": 6305,
+    "contact": 6312,
     "post": 1960,
     "railway.profiles": 3670,
     "railway.track": 570,
@@ -35,11 +35,11 @@ MAX_LINES = {
     "tables": 1426,
     "report": 7895,
     "validation": 6800,
-    "cli": 1280,
+    "cli": 1269,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 64_521
+MAX_LINES_OF_ALL = 64_517
 MAX_FILES_OF_ALL = 345
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

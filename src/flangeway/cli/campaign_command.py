@@ -80,7 +80,6 @@ def campaign(
     seconds = time.perf_counter() - begun
     record = campaign_record(wanted, end, table, export or "csv", command_typed(), seconds)
     show.record(record, folder, lambda: [database])
-    show.json(record.summary)
     return end.all_converged
 
 

@@ -155,10 +155,13 @@ class Show:
         with progress_shown() as progress:
             yield progress
 
-    def record(self, record: "Record", folder: Path, others: Callable[[], Sequence[Path]] = tuple) -> bool:
+    def record(
+        self, record: "Record", folder: Path, others: Callable[[], Sequence[Path]] = tuple, *, last: bool = True
+    ) -> bool:
         """Print the numbers, which do not wait for the pictures, write all files, and print where the report is.
 
         - `others`: writes further files afterwards, and returns them.
+        - `last`: whether JSON is that of this record; otherwise `json` prints it for all records.
 
         Returns whether it ended well.
         """
@@ -176,6 +179,8 @@ class Show:
                 console.print(self._times(len(files)), markup=False, soft_wrap=True)
             console.print(f"Report: {folder / REPORT}", markup=False, soft_wrap=True)
         self.marks_s = [time.perf_counter()]
+        if last:
+            self.json(record.summary)
         return record.converged
 
     def files(self, files: Iterable[Path]) -> None:

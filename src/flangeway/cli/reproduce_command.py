@@ -63,7 +63,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
         with show.progress() as progress:
             found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
         record = reproduction.record(key, found, f"flangeway reproduce {key}{' --quick' * quick}")
-        show.record(record, folder / key)
+        show.record(record, folder / key, last=False)
         if page is not None:
             sections.append(make_section(reproduction.chapter, found, page))
         verdicts[key], summaries[key] = Verdict.of(found), record.summary

@@ -121,9 +121,7 @@ def run(name: str, case: "RunnableCase", out: Path | None, show: Show) -> bool:
     refuse_unwritable(folder, case_files(case))
     with show.progress() as progress:
         done = case.run(progress)
-    converged = show.record(case_record(done), folder)
-    show.json(done.summary)
-    return converged
+    return show.record(case_record(done), folder)
 
 
 @_command_on_a_case
@@ -138,9 +136,7 @@ def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> b
     refuse_unwritable(folder, NAMES)
     with show.progress() as progress:
         found = run_halved(wheelset, progress)
-    within = show.record(convergence_record(stem, found, command_typed()), folder)
-    show.json(found.to_json())
-    return within
+    return show.record(convergence_record(stem, found, command_typed()), folder)
 
 
 @app.command()

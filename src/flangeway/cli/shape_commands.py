@@ -86,9 +86,7 @@ def geometry(
         runs = [run_geometry(name, inputs, progress, notices) for inputs, notices in found]
     command = command_typed()
     record = geometries_record(runs, command) if many else geometry_record(runs[0], command)
-    converged = show.record(record, folder)
-    show.json(record.summary)
-    return converged
+    return show.record(record, folder)
 
 
 def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show) -> bool:
@@ -101,9 +99,7 @@ def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show
         done = run_conicity(file, settings)
     folder = out or Path("out", f"geometry-{file.stem}")
     refuse_unwritable(folder, CONICITY_NAMES)
-    converged = show.record(conicity_record(done, command_typed()), folder)
-    show.json(done.summary)
-    return converged
+    return show.record(conicity_record(done, command_typed()), folder)
 
 
 SectionName = Annotated[
@@ -162,7 +158,6 @@ def section(
     with show.progress() as progress:
         done = run_section(drawn, options, progress)
     show.record(section_record(done, case, command=section_command(case)), folder)
-    show.json(done.summary)
     return True
 
 
@@ -264,9 +259,7 @@ def profile(
         if to is not None:
             raise InputError(f"--to {to} for {len(runs)} profiles", "one profile", "convert them one by one")
         refuse_unwritable(folder, BATCH_NAMES)
-        record = profiles_record(runs, command_typed())
-        show.record(record, folder)
-        show.json(record.summary)
+        show.record(profiles_record(runs, command_typed()), folder)
         return True
     (done,) = runs
     conversion = check_profile_folder(done, folder, to)
@@ -275,5 +268,4 @@ def profile(
         return [] if to is None else write_together(to.parent, {to.name: text_writer(conversion)})
 
     show.record(profile_record(done, command_typed()), folder, convert)
-    show.json(done.summary)
     return True

@@ -3,31 +3,17 @@
 import numpy as np
 import pytest
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.errors import InputError
-from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_result import solve_position
-from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
+from tests.railway.spatial.conftest import coarse_case
 
-COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous"}
 ROLLS = {"speed_km_h": 72.0, "friction": 0.3, "rolling_theory": "fastsim"}
 
 
-def case(**inputs):
-    return SpatialWheelsetCase.from_values(COARSE | inputs)
-
-
-@pytest.fixture(scope="module")
-def wheelset():
-    """Running surfaces on a continuous foundation, with an elastic axle."""
-    problem, model = case().problem(), case().spatial_model()
-    return SpatialWheelset(problem, running_surfaces(problem, model), model)
-
-
 def solved(wheelset, **inputs):
-    one = case(**inputs)
+    one = coarse_case(**inputs)
     model = one.spatial_model()
     prescribed = Prescribed(one.lateral_mm, one.vertical_mm, one.roll_rad)
     found = solve_position(wheelset.at(one.load(), prescribed, model.yaw_rad, model.rolling), {})
@@ -162,7 +148,7 @@ def test_a_flange_in_contact_has_nadals_limit_beside_it(wheelset):
 
 def test_a_torque_above_friction_is_no_equilibrium(wheelset):
     """Friction cannot transmit it: the status says so."""
-    one = case(lateral_mm=0.0, torque_kNm=40.0, **ROLLS)
+    one = coarse_case(lateral_mm=0.0, torque_kNm=40.0, **ROLLS)
     model = one.spatial_model()
     found = solve_position(wheelset.at(one.load(), Prescribed(lateral_mm=0.0), 0.0, model.rolling), {})
     assert not found.status.converged
@@ -171,7 +157,7 @@ def test_a_torque_above_friction_is_no_equilibrium(wheelset):
 
 def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
     """Rows steeper than 45 degrees have their own coefficient; no speed, and inputs without friction are refused."""
-    one = case(**ROLLS, flange_friction=0.1, kinetic_friction=0.15)
+    one = coarse_case(**ROLLS, flange_friction=0.1, kinetic_friction=0.15)
     friction = one.spatial_model().rolling.friction_on(np.array([[0.0, 1.0], [-0.9, np.sqrt(0.19)]]))
     np.testing.assert_allclose(friction.limits[0], [0.3, 0.1])
     np.testing.assert_allclose(friction.limits[1], [0.15, 0.05])
@@ -182,5 +168,5 @@ def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
         {"speed_km_h": 80.0},
     ):
         with pytest.raises(InputError):
-            case(**inputs).check()
+            coarse_case(**inputs).check()
     assert one.spatial_model().rolling.torque_Nm == 0.0

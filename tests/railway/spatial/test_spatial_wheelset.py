@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.railway.spatial import spatial_wheelset
 from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_contact import SpatialContact
@@ -16,23 +15,11 @@ from flangeway.railway.track.placements import SIDES, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import Prescribed
 from flangeway.railway.wheelset.residual import loads_of
 from flangeway.railway.wheelset.wheelset_model import build_model
-
-COARSE = {"size_scale": 6.0, "order": 1, "rail_support": "continuous"}
-
-
-def case(**inputs):
-    return SpatialWheelsetCase.from_values(COARSE | inputs)
-
-
-@pytest.fixture(scope="module")
-def wheelset():
-    """Running surfaces on a continuous foundation, with an elastic axle."""
-    problem, model = case().problem(), case().spatial_model()
-    return SpatialWheelset(problem, running_surfaces(problem, model), model)
+from tests.railway.spatial.conftest import coarse_case
 
 
 def solved(wheelset, **inputs):
-    one = case(**inputs)
+    one = coarse_case(**inputs)
     prescribed = Prescribed(one.lateral_mm, one.vertical_mm, one.roll_rad)
     return solve_position(wheelset.at(one.load(), prescribed, 1e-3 * one.yaw_mrad), {})
 
@@ -115,7 +102,7 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
 
 def test_on_fixed_rails_and_a_rigid_axle_it_is_the_contact_of_one_wheel():
     """In the middle of straight track each wheel carries half: pressures of `press_patch` within 2 %."""
-    one = case(rail_support="fixed", axle="rigid", size_scale=1.8)
+    one = coarse_case(rail_support="fixed", axle="rigid", size_scale=1.8)
     problem, model = one.problem(), one.spatial_model()
     found = solve_position(SpatialWheelset(problem, running_surfaces(problem, model), model), {})
     left, right = (next(p for p in found.patches if p.side == side) for side in SIDES)

@@ -89,8 +89,7 @@ class CellForces:
 
     def patches(self) -> list[ContactEllipse]:
         """Separate patches, by falling force."""
-        labels, count = scipy.ndimage.label(self.forces > 0.0, structure=np.ones((3, 3)))
-        found = [self._ellipse(labels == number) for number in range(1, count + 1)]
+        found = [self._ellipse(inside) for inside in separate_patches(self.forces > 0.0)]
         return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
 
     def _ellipse(self, inside: Bools) -> ContactEllipse:
@@ -145,3 +144,9 @@ class CellForces:
         if not least > 0.0 or np.abs(terms @ fit - values).max() > PARABOLIC * approach:
             return None
         return PointContact(float(np.linalg.norm(patch.force)), 1.0 / least, 1.0 / most, modulus)
+
+
+def separate_patches(loaded: Bools) -> list[Bools]:
+    """Cells of each patch of loaded cells (n_cells, n_strips); cells that meet at a corner are of one patch."""
+    labels, count = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
+    return [labels == number for number in range(1, count + 1)]

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.ndimage
 
+from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_body import PatchBody, cast, points_along, stations_of
 from flangeway.errors import InputError
@@ -234,8 +234,7 @@ def grid_of(
             "a patch inside of both surfaces",
             "lower the force, name more edges as contact surfaces, or check the positions of the bodies",
         )
-    labels, n_patches = scipy.ndimage.label(loaded, structure=np.ones((3, 3)))
-    rows = [[(labels == each).sum(axis=axis).max() for axis in (0, 1)] for each in range(1, n_patches + 1)]
+    rows = [[inside.sum(axis=axis).max() for axis in (0, 1)] for inside in separate_patches(loaded)]
     narrowest = np.min(rows, axis=0) * sizes / loaded.shape
     # cells are not smaller than the edges below them, if enough of them fit
     low, high = np.clip(patch + MARGIN * extents[:, None] * [-1.0, 1.0], room[:, :1], room[:, 1:]).T

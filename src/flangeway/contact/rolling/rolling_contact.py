@@ -152,6 +152,12 @@ class RollingContact:
         """Sum of the normal forces."""
         return float(self.normal_forces.sum())
 
+    @property
+    def row_shares(self) -> Floats:
+        """Shares of the rows of cells in the normal force, shape (n_cells,)."""
+        shares: Floats = self.normal_forces.sum(axis=1) / self.force
+        return shares
+
     @cached_property
     def places(self) -> tuple[Floats, Floats]:
         """Lengths s (n_cells,) and z (n_strips,) of the cells from the origin."""

@@ -194,7 +194,7 @@ class GriddedSide:
         """Axes tangent (towards the gauge side), outward normal and z of the rail's cells, rows of (n, 3, 3)."""
         normals = self._at[1]
         frames = np.zeros((len(normals), 3, 3))
-        frames[:, 0, :2] = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+        frames[:, 0, :2] = tangents_of(normals)
         frames[:, 1, :2], frames[:, 2, 2] = normals, 1.0
         return frames
 
@@ -347,11 +347,15 @@ class GriddedSide:
             if across is not None:
                 points = points + self._bending_across[0] @ across
                 turned = turned + self._bending_across[1] @ across
-            along = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
-            normals = normals + turned[:, None] * along
+            normals = normals + turned[:, None] * tangents_of(normals)
             normals = normals / np.linalg.norm(normals, axis=1)[:, None]
         points = points + moved
         gap = wheel_gap(self.surfaces.wheel, pose.middle, pose.axis, points, normals, self.grid.z, guess)
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = np.where(gap.gaps < FAR_MM, gap.gaps + (moved * normals).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
+
+
+def tangents_of(normals: Floats) -> Floats:
+    """Directions along the rail towards the gauge side from outward normals, each (n, 2)."""
+    return np.stack((-normals[:, 1], normals[:, 0]), axis=1)

@@ -13,6 +13,7 @@ from flangeway.railway.rigid.elastic_start import CLIMBED_MM
 from flangeway.railway.spatial.rail_along_track import RailAlongTrack, rail_along_track
 from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.running_surfaces import SpatialModel, running_surfaces
+from flangeway.railway.spatial.side_contact import tangents_of
 from flangeway.railway.spatial.spatial_contact import SpatialState
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.spatial.supported_rail import supported_rail
@@ -87,9 +88,8 @@ class SpatialResult:
             creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
             points = frame.inverse().points(state.grid.surfaces.rail_points(grid.stations[loaded])[0])
             normals = state.normals[loaded]
-            tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
             forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
-            forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents)
+            forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
             rail = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
             on_rail = np.column_stack((forces, -creep[loaded, 1]))
             found[side] = rail_along_track(rail, profile, points, on_rail, placement=frame)
@@ -243,9 +243,9 @@ def solve_position(
 def _rolling(wheelset: SpatialWheelset, state: SpatialState, patches: list[SpatialPatch]) -> tuple[RollingPatch, ...]:
     """Patches with their creep forces."""
     motion, rolled, found = wheelset.model.rolling, state.rolled, []
-    for patch in patches if motion is not None and rolled is not None else ():
-        assert motion is not None
-        assert rolled is not None
+    if motion is None or rolled is None:
+        return ()
+    for patch in patches:
         most = max(rolled.creep[patch.side].patches, key=lambda each: int((each.inside & patch.ellipse.inside).sum()))
         if (most.inside & patch.ellipse.inside).any():
             found.append(RollingPatch(patch, most.forces, most.contact, motion.speed_m_s))

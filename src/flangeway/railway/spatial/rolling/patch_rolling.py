@@ -16,7 +16,7 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.railway.spatial.side_contact import SideState
+from flangeway.railway.spatial.side_contact import SideState, tangents_of
 from flangeway.railway.spatial.side_newton import SideNewton
 from flangeway.railway.spatial.wheel_gap import FAR_MM
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
@@ -114,6 +114,12 @@ def box_of(inside: Bools) -> tuple[slice, slice]:
     return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
 
 
+def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
+    """Rows of cells of a side that a patch's contact has."""
+    first = int(np.argmin(np.abs(state.grid.grid.cells[:, 0] - contact.grid.bounds[0])))
+    return slice(first, first + len(contact.grid.widths))
+
+
 def forces_on_cells(found: CreepForces, contact: RollingContact) -> Floats:
     """Creep forces on the cells (n_cells, n_strips, 2), along t and z.
 
@@ -147,8 +153,7 @@ class RollingPatch:
     @property
     def rows(self) -> slice:
         """Rows of cells of the side that `contact` has."""
-        first = int(np.argmin(np.abs(self.patch.state.grid.grid.cells[:, 0] - self.contact.grid.bounds[0])))
-        return slice(first, first + len(self.contact.grid.widths))
+        return rows_of(self.patch.state, self.contact)
 
     def on_side(self, values: Floats) -> Floats:
         """Values (n_cells, n_strips, ...) of the patch's cells on all cells of the side, 0 elsewhere."""
@@ -169,7 +174,7 @@ class RollingPatch:
         """Creep force on the wheel in the right-hand form of the side."""
         normals = self.patch.state.normals[self.rows]
         across, along = forces_on_cells(self.forces, self.contact).sum(axis=1).T
-        return np.append(across @ np.stack((-normals[:, 1], normals[:, 0]), axis=1), along.sum())
+        return np.append(across @ tangents_of(normals), along.sum())
 
     @property
     def creep_force_on_wheel_N(self) -> Floats:  # noqa: N802
@@ -217,5 +222,5 @@ class RollingPatch:
         return self.speed_m_s * self.forces.t_gamma
 
     def _mean(self, creepages: float | Floats) -> float:
-        share = self.contact.normal_forces.sum(axis=1) / self.contact.force
-        return float(np.broadcast_to(creepages, share.shape) @ share)
+        shares = self.contact.row_shares
+        return float(np.broadcast_to(creepages, shares.shape) @ shares)

@@ -9,17 +9,17 @@ from dataclasses import dataclass, field, replace
 from typing import NamedTuple
 
 import numpy as np
-import scipy.ndimage
 
+from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fast_theories import linear_theory, polach
 from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.railway.spatial.rolling.patch_rolling import box_of, contact_in, forces_on_cells
+from flangeway.railway.spatial.rolling.patch_rolling import box_of, contact_in, forces_on_cells, rows_of
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
-from flangeway.railway.spatial.side_contact import SideState, WheelPose
+from flangeway.railway.spatial.side_contact import SideState, WheelPose, tangents_of
 from flangeway.railway.spatial.side_newton import SideNewton
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.types import Bools, Floats
@@ -138,8 +138,7 @@ class WheelsetCreep:
             cells, own = forces_on_cells(found, contact), rows_of(state, contact)
             s, z = contact.places
             missing = found.moment - float(s @ cells[..., 1].sum(axis=1) - cells[..., 0].sum(axis=0) @ z)
-            share = contact.normal_forces.sum(axis=1) / contact.force
-            spinning = missing * np.append(share @ state.normals[own], 0.0)
+            spinning = missing * np.append(contact.row_shares @ state.normals[own], 0.0)
             ahead = cells[..., 0] @ contact.grid.along
             total += resultant_of((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
             rows[own] += cells.sum(axis=1)
@@ -194,12 +193,6 @@ class WheelsetCreep:
         return self._side(newton, pose, tuple(patches)).resultant
 
 
-def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
-    """Rows of cells of a side that a patch's contact has."""
-    first = int(np.argmin(np.abs(state.grid.grid.cells[:, 0] - contact.grid.bounds[0])))
-    return slice(first, first + len(contact.grid.widths))
-
-
 def box_key(box: tuple[slice, slice]) -> tuple[int, int, int, int]:
     """Ends of a box."""
     return box[0].start, box[0].stop, box[1].start, box[1].stop
@@ -207,14 +200,12 @@ def box_key(box: tuple[slice, slice]) -> tuple[int, int, int, int]:
 
 def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
     """Creepages of a patch from those of its rows."""
-    return motion.mean(contact.places[0], contact.normal_forces.sum(axis=1) / contact.force)
+    return motion.mean(contact.places[0], contact.row_shares)
 
 
 def patches_of(normal: Floats) -> list[Bools]:
     """Separate patches of normal forces (n, n_z), by falling force."""
-    labels, count = scipy.ndimage.label(normal > 0.0, structure=np.ones((3, 3)))
-    found = [labels == number for number in range(1, count + 1)]
-    return sorted(found, key=lambda inside: -float(normal[inside].sum()))
+    return sorted(separate_patches(normal > 0.0), key=lambda inside: -float(normal[inside].sum()))
 
 
 def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
@@ -226,7 +217,7 @@ def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead
     - `spinning`: further moment, (3,).
     """
     points, normals = at
-    tangents = np.stack((-normals[:, 1], normals[:, 0]), axis=1)
+    tangents = tangents_of(normals)
     forces = np.column_stack((rows[:, :1] * tangents, rows[:, 1]))
     first = ahead @ tangents  # of z f_x and z f_y
     moments = []
