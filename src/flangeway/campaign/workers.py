@@ -101,10 +101,10 @@ class LocalWorkers(Generic[Work, Found]):
     def stop(self) -> None:
         """See `Workers`."""
         for worker in self._workers:
-            worker.line.close()
             worker.process.kill()
         for worker in self._workers:
             worker.process.join(STOP_S)
+            worker.line.close()  # not before the end: a worker that finds it closed while it starts would say so
         self._workers.clear()
 
     def _new(self) -> _Worker[Work]:
@@ -155,16 +155,14 @@ def _serve(line: "Connection[Any, Any]", compute: Callable[[Any], Any]) -> None:
     """Compute what comes over the line until it ends; the life of a worker."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the coordinator
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    line.send(READY)
-    while True:
-        try:
+    with suppress(EOFError, ConnectionError):  # the coordinator has ended
+        line.send(READY)
+        while True:
             chunk = line.recv()
-        except EOFError:
-            return
-        try:
-            line.send(compute(chunk))
-        except FlangewayError as reason:
-            line.send(reason)
+            try:
+                line.send(compute(chunk))
+            except FlangewayError as reason:
+                line.send(reason)
 
 
 def _end_with_parent() -> None:
