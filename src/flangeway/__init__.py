@@ -5,6 +5,7 @@ What most scripts need stands here, in the order in which a script uses it:
 - a shape and its mesh: `Outline`, `triangulate`, `dual` (polygons), `read_mesh`, `PolyMesh`, `write_vtu`;
 - elements on it: `Lagrange`, `Virtual`, `Space`;
 - a problem: `Elastic`, `Elasticity` with `Traction`, `BodyForce`, `fixed` and `PrescribedDisplacement`, or `Torsion`;
+  one's own by `flangeway.forms`;
 - its solution: `solve_elasticity`, `solve_torsion`; `recovered_stresses`, `stresses_at`, `plot_mesh`; solutions
   have `plot`, `table`, `to_csv` and `to_dataframe`, and show themselves in notebooks;
 - bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment` or
@@ -14,7 +15,7 @@ What most scripts need stands here, in the order in which a script uses it:
 
 Wrong input is an `InputError`, every error of the package a `FlangewayError`. The packages have the rest, and follow
 the flow of data: `exact`, `geometry`, `mesh`, `formats`, `elements`, `space`, `materials`, `problems`, `solve`,
-`contact`, `post`, `railway`, `cases`, `campaign`, `tables`, `report`, `validation`. All is loaded when it is first
+`contact`, `post`, `forms`, `railway`, `cases`, `campaign`, `tables`, `report`, `validation`. All is loaded when it is first
 used, so that importing this package takes no time.
 """
 
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     __version__: str
     from flangeway import elements as elements
     from flangeway import exact as exact
+    from flangeway import forms as forms
     from flangeway import geometry as geometry
     from flangeway import mesh as mesh
     from flangeway import post as post
@@ -59,7 +61,7 @@ if TYPE_CHECKING:
     from flangeway.solve import solve_elasticity, solve_torsion
     from flangeway.space import Space
 
-_PACKAGES = ("elements", "exact", "geometry", "mesh", "post")
+_PACKAGES = ("elements", "exact", "forms", "geometry", "mesh", "post")
 _HOMES = {
     "cases": ("load_case",),
     "contact": (

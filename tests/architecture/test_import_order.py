@@ -23,6 +23,7 @@ ORDER = (
     "solve",
     "contact",
     "post",
+    "forms",
     "railway.profiles",
     "railway.track",
     "railway.rigid",

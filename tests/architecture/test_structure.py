@@ -11,19 +11,20 @@ MAX_FILES = 20
 """Modules in one folder, ``__init__.py`` not counted."""
 
 MAX_LINES = {
-    "": 600,
+    "": 602,
     "system": 780,
     "exact": 1110,
     "geometry": 1260,
     "mesh": 2505,
     "formats": 1850,
-    "elements": 1380,
-    "space": 710,
+    "elements": 1392,
+    "space": 906,
     "materials": 400,
-    "problems": 2220,
+    "problems": 2215,
     "solve": 3090,
     "contact": 6312,
-    "post": 1960,
+    "post": 1981,
+    "forms": 363,
     "railway.profiles": 3670,
     "railway.track": 570,
     "railway.rigid": 1920,
@@ -39,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 64_517
-MAX_FILES_OF_ALL = 345
+MAX_LINES_OF_ALL = 65_106
+MAX_FILES_OF_ALL = 349
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -75,3 +75,16 @@ def test_the_plane_problem_is_as_the_page_says(follow, tmp_path):
     assert len(names) == 6
     for name in names:
         assert (tmp_path / name).stat().st_size > 0, name
+
+
+def test_your_own_problem_is_as_the_page_says(follow):
+    """The scripts print what the page shows, to 5 % (meshes differ a little between machines)."""
+    assert follow("tutorials/your-own-problem.md", tolerance=0.05) == {"python": 3, "text": 3}
+
+
+def test_the_manufactured_solution_of_the_readme_has_twelve_lines_or_less():
+    """The README's problem of one's own, from its first import to the table of rates, is at most 12 lines."""
+    readme = (DOCS.parent / "README.md").read_text(encoding="utf-8")
+    scripts = re.findall(r"^```python\n(.*?)^```$", readme, flags=re.MULTILINE | re.DOTALL)
+    (script,) = [script for script in scripts if "convergence(problem" in script]
+    assert len([line for line in script.splitlines() if line.strip()]) <= 12

@@ -12,6 +12,7 @@ from flangeway.elements.stabilisation import (
     SpectralStabilisation,
     Stabilisation,
     TraceStabilisation,
+    missed_mass,
 )
 from flangeway.elements.virtual import Virtual
 
@@ -30,5 +31,6 @@ __all__ = [
     "Virtual",
     "cell_matrices",
     "energy_stiffness",
+    "missed_mass",
     "polygon_quadrature",
 ]

@@ -111,9 +111,19 @@ class DiagonalStabilisation(Stabilisation):
         return _weighted_missed(reconstruction, self.factor * weights)
 
 
-def _weighted_missed(reconstruction: Reconstruction, weights: Floats) -> Floats:
-    """``(I - D Pi)^T diag(weights) (I - D Pi)`` with weights (n_local, n_cells)."""
-    missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, reconstruction.value)
+def missed_mass(reconstruction: Reconstruction) -> Floats:
+    """``(I - D Pi)^T (I - D Pi)``, Pi the L2 projection of the value, each unknown with an equal share of the area.
+
+    Products of the values that the projection misses, shape (n_local, n_local, n_cells).
+    """
+    share = np.broadcast_to(reconstruction.areas / reconstruction.n_local, reconstruction.monomial_dofs.shape[::2])
+    return _weighted_missed(reconstruction, share, reconstruction.projected_value)
+
+
+def _weighted_missed(reconstruction: Reconstruction, weights: Floats, projection: Floats | None = None) -> Floats:
+    """``(I - D Pi)^T diag(weights) (I - D Pi)``, weights (n_local, n_cells); the energy projection unless given."""
+    value = reconstruction.value if projection is None else projection
+    missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, value)
     places = np.arange(reconstruction.n_local)
     missed[places, places] += 1.0
     return batched.symmetric_product(missed, missed * weights[:, None])

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from flangeway.checks import check_positive
-from flangeway.elements import Reconstruction, batched, monomials
+from flangeway.elements import Reconstruction, batched, missed_mass, monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
 from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
@@ -276,14 +276,9 @@ class Harmonic:
             factors = factors[self.elasticity.cell_material[batch.cells]]
         for i, added in enumerate((factors * in_plane, factors * in_plane, along)):
             parts[0, :, i, :, i] += added
-        # the L2 projection misses (I - D Pi) u; its nodal values stand for equal shares of the area
-        missed = -np.einsum("iae,ame->ime", reconstruction.monomial_dofs, reconstruction.projected_value)
-        places = np.arange(reconstruction.n_local)
-        missed[places, places] += 1.0
-        share = reconstruction.areas / reconstruction.n_local
+        square = missed_mass(reconstruction)
         if self.revolution:
-            share = share / batch.vertices[:, 0].mean(axis=0)  # the weight r of (u / r)^2
-        square = batched.symmetric_product(missed, missed * share)
+            square /= batch.vertices[:, 0].mean(axis=0)  # the weight r of (u / r)^2
         stress = self.matrices(batch)
         for i, modulus in enumerate((stress[5, 5], stress[4, 4], stress[2, 2])):
             parts[2, :, i, :, i] += modulus * square

@@ -1,12 +1,15 @@
 """Spaces of discrete functions on a mesh."""
 
 from flangeway.space.cell_condensation import CondensedMatrix, InnerUnknowns, assemble_condensed
+from flangeway.space.coefficients import CellCoefficient, Coefficient
 from flangeway.space.functions import interpolate, load_vector
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.space.symmetric import SymmetricMatrix
 
 __all__ = [
     "CellBatch",
+    "CellCoefficient",
+    "Coefficient",
     "CondensedMatrix",
     "InnerUnknowns",
     "Space",

@@ -1,5 +1,7 @@
 """Given functions on a space: interpolation and loads."""
 
+from functools import partial
+
 import numpy as np
 
 from flangeway.elements import Function, polygon_quadrature
@@ -19,7 +21,7 @@ def at_points(function: Function, points: Floats) -> Floats:
     Returns
     -------
     Floats
-        Shape (..., n_cells), or (m, ..., n_cells) for a function with m components.
+        Shape (..., n_cells), or (m, ..., n_cells) for a function with m components, and so on for tensors.
 
     Raises
     ------
@@ -30,7 +32,7 @@ def at_points(function: Function, points: Floats) -> Floats:
     given = points.swapaxes(-1, -2)
     rows = given.reshape(-1, 2)
     values = np.asarray(function(rows), dtype=np.float64)
-    if values.shape[:1] != (len(rows),) or values.ndim > 2:
+    if values.shape[:1] != (len(rows),):
         raise InputError(
             f"a function that gives shape {values.shape} for {len(rows)} points",
             f"({len(rows)},), or ({len(rows)}, m) for m components",
@@ -60,25 +62,33 @@ def interpolate(space: Space, function: Function, degree: int | None = None) -> 
     space
         The space.
     function
-        Takes points (n, 2), gives values (n,).
+        Takes points (n, 2), gives values (n,), or (n, m) for m components.
     degree
         Degree of the quadrature of moments, ``2 k + 2`` by default.
 
     Returns
     -------
     Floats
-        Shape (n_dofs,).
+        Shape (n_dofs,) or (n_dofs, m).
 
     """
     degree = quadrature_degree(space) if degree is None else degree
+    at_nodes = at_points(function, space.nodes.T)
+    if at_nodes.ndim > 1:
+        parts = [interpolate(space, partial(_component, function, i), degree) for i in range(len(at_nodes))]
+        return np.stack(parts, axis=1)
     dofs = np.empty(space.n_dofs)
-    dofs[: space.n_nodes] = at_points(function, space.nodes.T)
+    dofs[: space.n_nodes] = at_nodes
     for batch in space.batches():
         n_interior = batch.element.n_interior()
         if n_interior:
             inside = batch.element.interior_dofs(batch.vertices, function, degree)
             dofs[batch.dofs[-n_interior:]] = inside
     return dofs
+
+
+def _component(function: Function, number: int, points: Floats) -> Floats:
+    return np.asarray(function(points))[:, number]
 
 
 def load_vector(space: Space, function: Function, degree: int | None = None) -> Floats:
@@ -89,23 +99,25 @@ def load_vector(space: Space, function: Function, degree: int | None = None) -> 
     space
         The space.
     function
-        Takes points (n, 2), gives values (n,).
+        Takes points (n, 2), gives values (n,), or (n, m) for m components.
     degree
         Degree of the quadrature of the function times a polynomial, ``2 k + 2`` by default.
 
     Returns
     -------
     Floats
-        Shape (n_dofs,).
+        Shape (n_dofs,) or (n_dofs, m).
 
     """
     degree = quadrature_degree(space) if degree is None else degree
-    load = np.zeros(space.n_dofs)
+    load = None
     for batch in space.batches():
         reconstruction = batch.element.reconstruct(batch.vertices)
         points, weights = cell_quadrature(batch, degree)
         weighted = at_points(function, points) * weights
-        products = np.einsum("aqe,qe->ae", reconstruction.at(points), weighted)
-        local = np.einsum("ae,ame->me", products, reconstruction.projected_value)
-        load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=space.n_dofs)
+        products = np.einsum("aqe,...qe->...ae", reconstruction.at(points), weighted)
+        local = np.einsum("...ae,ame->me...", products, reconstruction.projected_value)
+        load = np.zeros((space.n_dofs, *local.shape[2:])) if load is None else load
+        np.add.at(load, batch.dofs, local)
+    assert load is not None  # a mesh has a cell
     return load

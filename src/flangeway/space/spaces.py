@@ -15,7 +15,7 @@ from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
 from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 Ints = NDArray[np.int32]
 
@@ -157,6 +157,29 @@ class Space:
         start, end = self.mesh.points[self.mesh.edges].swapaxes(0, 1)
         on_edges = start[:, None] + inner[:, None] * (end - start)[:, None]
         return np.concatenate((self.mesh.points, on_edges.reshape(-1, 2)))
+
+    def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> NDArray[np.int64]:
+        """Unknowns of one field on the boundary, in rising order.
+
+        Parameters
+        ----------
+        where
+            Name of an edge set, or a function that says of points (n, 2) which it takes, (n,), such as
+            ``lambda p: p[:, 0] < 1e-9``; None takes the whole boundary.
+
+        """
+        pairs = self.mesh.edge_set(where) if isinstance(where, str) else self.mesh.boundary_edges
+        nodes = np.unique(self.edge_nodes(pairs)).astype(np.int64)
+        if where is None or isinstance(where, str):
+            return nodes
+        taken = np.asarray(where(self.nodes[nodes])) if callable(where) else np.empty(0)
+        if taken.shape != nodes.shape or taken.dtype != bool or not taken.any():
+            raise InputError(
+                f"boundary_dofs({short(where)}), which takes {int(taken.sum())} of {len(nodes)} boundary points",
+                "an edge set, or a function of points (n, 2) that gives a truth value for each and takes one or more",
+                "write it as lambda p: p[:, 0] < 1e-9",
+            )
+        return nodes[taken]
 
     def edge_nodes(self, pairs: NDArray[np.integer]) -> Ints:
         """Nodes of edges given as directed pairs of points (n, 2): shape (n, order + 1), in direction."""

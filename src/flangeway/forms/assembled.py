@@ -1,0 +1,307 @@
+"""Bilinear and linear forms on any space as SciPy arrays, and their solution.
+
+Unknowns of a field of m components are numbered ``m * dof + component``: arrays (n_dofs, m), row by row.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+from scipy.sparse.linalg import eigsh, splu
+
+from flangeway.checks import as_numbers, check_integer
+from flangeway.elements import Function, Reconstruction, missed_mass, monomials
+from flangeway.errors import InputError, short
+from flangeway.problems.edges import EdgeQuadrature, edge_quadrature
+from flangeway.space import CellBatch, CellCoefficient, Coefficient, Space, load_vector
+from flangeway.space.functions import cell_quadrature, quadrature_degree
+from flangeway.types import Bools, Floats
+
+SINGULAR = 1e-14
+"""Pivot over the largest one that is round-off: a motion without energy."""
+SHIFT = 1e-6
+"""Shift of eigenvalues over the ratio of the traces, so that free bodies are no exception."""
+
+
+def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | None = None) -> sp.csr_array:
+    """Integrals of ``grad v : C : grad u``.
+
+    Gradients of virtual functions are their L2 projections onto polynomials of degree k - 1, which keeps the order for
+    coefficients that vary (Beirao da Veiga, Brezzi, Marini and Russo, 2016, "Virtual element method for general
+    second-order elliptic problems on polygonal meshes"); the element's stabilisation is added.
+
+    Parameters
+    ----------
+    space
+        The space.
+    coefficient
+        A number, or a matrix (2, 2) for anisotropy: one field. A matrix (3, 3) of plane elasticity, stresses xx, yy, xy
+        per strain xx, yy, 2 xy: a displacement. Any tensor (m, 2, m, 2), such as ``Elastic(...).stiffness``: m fields.
+        The same for each cell (one more axis in front), by the names of cell sets, or as a function of points (n, 2)
+        with one more axis in front. Symmetric and positive.
+    degree
+        Degree of the quadrature with a function, ``2 k + 2`` by default.
+
+    Returns
+    -------
+    scipy.sparse.csr_array
+        Shape (m n_dofs, m n_dofs).
+
+    Raises
+    ------
+    InputError
+        If the coefficient has another shape, is not symmetric or not positive.
+
+    """
+    given = CellCoefficient.on(space, coefficient, "gradients")
+
+    def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> Floats | None:
+        tensor, weighted = _weighted_mass(given, batch, reconstruction, space.order - 1, degree)
+        gradient = reconstruction.gradient
+        for i, a, j, b in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
+            if (i, a) <= (j, b):
+                right = np.einsum("pqe,qne->pne", weighted(i, a, j, b), gradient[:, b])
+                block = np.einsum("pme,pne->mne", gradient[:, a], right)
+                blocks[i, j] += block
+                if (i, a) != (j, b):
+                    blocks[j, i] += block.swapaxes(0, 1)
+        return batch.element.stabilise(reconstruction, blocks)
+
+    return _assembled(space, given.n_components, matrices)
+
+
+def mass(
+    space: Space, coefficient: Coefficient = 1.0, *, on: str | None = None, degree: int | None = None
+) -> sp.csr_array:
+    """Integrals of ``v . c u``: mass, reaction, or springs along edges.
+
+    Values of virtual functions inside cells are their L2 projections (Ahmad et al., 2013, "Equivalent projectors for
+    virtual element methods"); what these miss is added with equal shares of the area.
+
+    Parameters
+    ----------
+    space
+        The space.
+    coefficient
+        A number for one field, or a symmetric matrix (m, m) for m components; the same for each cell, by the names of
+        cell sets, or as a function, see `stiffness`.
+    on
+        Name of an edge set: integrals along it, of a coefficient that is the same everywhere or a function.
+    degree
+        Degree of the quadrature with a function, ``2 k + 2`` by default.
+
+    Returns
+    -------
+    scipy.sparse.csr_array
+        Shape (m n_dofs, m n_dofs).
+
+    Raises
+    ------
+    InputError
+        If the coefficient has another shape or is not symmetric.
+
+    """
+    given = CellCoefficient.on(space, coefficient, "values")
+    if on is not None:
+        return _edge_mass(space, given, edge_quadrature(space, space.mesh.edge_set(on)))
+
+    def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> None:
+        tensor, weighted = _weighted_mass(given, batch, reconstruction, space.order, degree)
+        value = reconstruction.projected_value
+        missed = None if reconstruction.exact else missed_mass(reconstruction)
+        for i, j in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
+            blocks[i, j] = np.einsum("pme,pne->mne", value, np.einsum("pqe,qne->pne", weighted(i, j), value))
+            if missed is not None:
+                blocks[i, j] += missed * tensor[i, j].mean(axis=0)
+
+    return _assembled(space, given.n_components, matrices)
+
+
+def _weighted_mass(
+    given: CellCoefficient, batch: CellBatch, reconstruction: Reconstruction, order: int, degree: int | None
+) -> tuple[Floats, Callable[..., Floats]]:
+    """Coefficient of cells, and a function: integrals of monomials' products times its entry at given indices."""
+    if given.function is None:
+        exact = monomials.mass(order, reconstruction.moments)
+        tensor = given.at(batch, np.empty((1, 2, 0)))
+        return tensor, lambda *place: exact * tensor[place][0]
+    degree = quadrature_degree(given.space) if degree is None else degree
+    points, weights = cell_quadrature(batch, degree)
+    values = monomials.evaluate(order, reconstruction.frame.local(points))
+    at_points = given.at(batch, points)
+    return at_points, lambda *place: np.einsum("pqe,rqe->pre", values, values * (weights * at_points[place]))
+
+
+def _assembled(
+    space: Space, m: int, matrices: Callable[[CellBatch, Reconstruction, Floats], Floats | None]
+) -> sp.csr_array:
+    """Add up matrices of cells, whose blocks of components a function fills, returning what is added to each field."""
+
+    def of_cells(batch: CellBatch) -> Floats:
+        reconstruction = batch.element.reconstruct(batch.vertices)
+        n = reconstruction.n_local
+        result = np.zeros((n, m, n, m, len(batch.cells)))
+        blocks = result.transpose(1, 3, 0, 2, 4)
+        added = matrices(batch, reconstruction, blocks)
+        if added is not None:
+            for i in range(m):
+                blocks[i, i] += added
+        return result.reshape(m * n, m * n, -1)
+
+    return space.assemble(of_cells, m).full()
+
+
+def _edge_mass(space: Space, given: CellCoefficient, rule: EdgeQuadrature) -> sp.csr_array:
+    n_edges, n_points = rule.weights.shape
+    if given.function is None and given.values is not None and len(given.values) > 1:
+        raise InputError("a coefficient of cells along edges", "a number, a matrix or a function", "give one of these")
+    at_points = given.along(rule.points)
+    local = np.einsum("ijeq,eq,qm,qn->eminj", np.broadcast_to(at_points, (*at_points.shape[:2], n_edges, n_points)),
+                      rule.weights, rule.shapes, rule.shapes)  # fmt: skip
+    m = given.n_components
+    numbers = (m * rule.nodes[:, :, None] + np.arange(m)).reshape(n_edges, -1)
+    rows = np.repeat(numbers, numbers.shape[1], axis=1).ravel()
+    columns = np.tile(numbers, numbers.shape[1]).ravel()
+    size = m * space.n_dofs
+    return sp.coo_array((local.ravel(), (rows, columns)), shape=(size, size)).tocsr()
+
+
+def load(space: Space, function: Function | ArrayLike, *, on: str | None = None, degree: int | None = None) -> Floats:
+    """Integrals of ``v . f`` over the cells, or along edges (a flux or a traction).
+
+    Parameters
+    ----------
+    space
+        The space.
+    function
+        Function of points (n, 2) with values (n,), or (n, m) for m components; or a number, or m numbers.
+    on
+        Name of an edge set; None takes the cells.
+    degree
+        Degree of the quadrature over cells, ``2 k + 2`` by default.
+
+    Returns
+    -------
+    Floats
+        Shape (n_dofs,) or (n_dofs, m).
+
+    """
+    if not callable(function):
+        constant = as_numbers("a load", function)
+        return load(space, lambda points: np.broadcast_to(constant, (len(points), *constant.shape)), on=on)
+    if on is None:
+        return load_vector(space, function, degree)
+    rule = edge_quadrature(space, space.mesh.edge_set(on))
+    values = np.asarray(function(rule.points.reshape(-1, 2)), dtype=np.float64)
+    values = values.reshape(*rule.weights.shape, *values.shape[1:])
+    result = np.zeros((space.n_dofs, *values.shape[2:]))
+    np.add.at(result, rule.nodes, np.einsum("eq,qm,eq...->em...", rule.weights, rule.shapes, values))
+    return result
+
+
+def _free(fixed: NDArray[np.integer] | Bools | None, shape: tuple[int, ...]) -> Bools:
+    """Which unknowns are free, for all components one after the other."""
+    free = np.ones(shape, dtype=np.bool_)
+    chosen = np.asarray([] if fixed is None else fixed)
+    if chosen.size and not (
+        (chosen.dtype == bool and chosen.shape in (shape, shape[:1]))
+        or (chosen.dtype.kind in "iu" and chosen.ndim == 1 and chosen.min() >= 0 and chosen.max() < shape[0])
+    ):
+        raise InputError(
+            f"fixed unknowns {short(chosen)}",
+            f"numbers below {shape[0]}, or truth values of shape {shape[:1]} or {shape}",
+            "take space.boundary_dofs(...)",
+        )
+    if chosen.size:
+        free[chosen] = False
+    return free.ravel()
+
+
+def solve(
+    matrix: sp.sparray, load: Floats, fixed: NDArray[np.integer] | Bools | None = None, values: ArrayLike = 0.0
+) -> Floats:
+    """Solve a linear system with some unknowns given.
+
+    Parameters
+    ----------
+    matrix
+        Sum of forms, shape (m n_dofs, m n_dofs), symmetric or not.
+    load
+        Right-hand side, shape (n_dofs,) or (n_dofs, m).
+    fixed
+        Unknowns of one field that are given, see `Space.boundary_dofs`: all their components. Or truth values of
+        the load's shape.
+    values
+        Their values: a number, or an array of the load's shape, such as from `interpolate`; others are ignored.
+
+    Returns
+    -------
+    Floats
+        All unknowns, shape of the load.
+
+    Raises
+    ------
+    InputError
+        If the matrix does not fit the load, or is singular: motions without energy are left.
+
+    """
+    if matrix.shape != (load.size, load.size):
+        raise InputError(
+            f"a matrix of shape {matrix.shape} and a load of shape {load.shape}",
+            "as many rows as the load has numbers",
+            "use the same space and the same number of components for both",
+        )
+    free = _free(fixed, load.shape)
+    found = np.broadcast_to(np.asarray(values, dtype=np.float64), load.shape).flatten()
+    found[free] = 0.0
+    remaining = load.ravel() - matrix @ found
+    try:
+        factor = splu(sp.csc_array(matrix)[free][:, free], permc_spec="MMD_AT_PLUS_A")
+        pivots = np.abs(factor.U.diagonal())
+    except RuntimeError:  # an exact zero
+        pivots = np.zeros(1)
+    if not pivots.min(initial=np.inf) > SINGULAR * pivots.max(initial=0.0):
+        raise InputError("a singular matrix", "forms without motions of zero energy", "fix unknowns, or add a mass")
+    solved = factor.solve(remaining[free])
+    found[free] = solved
+    return found.reshape(load.shape)
+
+
+def modes(
+    space: Space,
+    stiffness: sp.sparray,
+    mass: sp.sparray,
+    number: int = 6,
+    fixed: NDArray[np.integer] | Bools | None = None,
+) -> tuple[Floats, Floats]:
+    """Lowest eigenvalues of ``K u = lambda M u``: free vibration with the angular frequencies ``sqrt(lambda)``.
+
+    Parameters
+    ----------
+    space
+        The space.
+    stiffness, mass
+        Symmetric, the mass positive; see `stiffness` and `mass`.
+    number
+        Number of eigenvalues.
+    fixed
+        Unknowns that are zero, see `solve`.
+
+    Returns
+    -------
+    tuple of Floats
+        Eigenvalues (number,) in rising order, and modes (number, n_dofs) or (number, n_dofs, m), ``u . M u = 1``.
+
+    """
+    m = stiffness.shape[0] // space.n_dofs
+    shape = (space.n_dofs,) if m == 1 else (space.n_dofs, m)
+    free = _free(fixed, shape)
+    check_integer("modes", "number", number, 1, int(free.sum()) - 1)
+    parts = [sp.csc_array(each)[free][:, free] for each in (stiffness, mass)]
+    shift = -SHIFT * parts[0].trace() / parts[1].trace()
+    found, vectors = eigsh(parts[0], number, parts[1], sigma=shift, v0=np.ones(int(free.sum())))
+    order = np.argsort(found)
+    result = np.zeros((number, stiffness.shape[0]))
+    result[:, free] = vectors[:, order].T
+    return found[order], result.reshape(number, *shape)
