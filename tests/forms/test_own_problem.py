@@ -80,7 +80,7 @@ def test_the_form_of_elasticity_is_that_of_the_elastic_body(polygons, element):
 
 @pytest.mark.parametrize("order", [1, 2, 3])
 def test_a_linear_displacement_with_reaction_tractions_and_springs_is_found_exactly(polygons, order):
-    """No unknown is fixed: volume forces, tractions on all sides and springs on one give the displacement, round-off."""
+    """No unknown is fixed: volume forces, tractions on all sides and springs on one give the displacement."""
     space = Space(polygons, Virtual(order))
     slope = np.array([[0.1, 0.2], [-0.3, 0.4]])
     stress = np.einsum("ijkl,kl->ij", MATERIAL.stiffness, slope)
