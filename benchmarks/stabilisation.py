@@ -39,7 +39,7 @@ from flangeway.geometry import Placement, square
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, dual, triangulate
 from flangeway.post import displacements_at
-from flangeway.problems import BodyForce, Elasticity, PrescribedDisplacement
+from flangeway.problems import Body, BodyForce, Elasticity, PrescribedDisplacement
 from flangeway.solve import StepSettings, solve_elasticity
 from flangeway.space import Space
 from flangeway.validation.hertz.hertz_reproduced import SurfacePressure, published_case
@@ -198,6 +198,7 @@ def _hertz(order: int, candidate: Stabilisation) -> tuple[float, float]:
     model = build_bodies(case.bodies())
     contact, sides = model.contacts[0], []
     for side in (contact.secondary, contact.primary):
+        assert isinstance(side.part.body, Body)
         body = replace(side.part.body, element=Virtual(order, candidate))
         sides.append(replace(side, part=replace(side.part, body=body)))
     motion = {sides[0].part: Placement(0.0, (0.0, -case.indentation_mm))}

@@ -20,8 +20,8 @@ MAX_LINES = {
     "elements": 1392,
     "space": 906,
     "materials": 400,
-    "problems": 2215,
-    "solve": 3090,
+    "problems": 2743,
+    "solve": 3151,
     "contact": 6312,
     "post": 1981,
     "forms": 363,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 65_106
-MAX_FILES_OF_ALL = 349
+MAX_LINES_OF_ALL = 65_695
+MAX_FILES_OF_ALL = 351
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

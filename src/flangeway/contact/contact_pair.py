@@ -1,6 +1,5 @@
 """Contact between two surfaces."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,7 +9,6 @@ from flangeway.contact.enforcement import Enforcement
 from flangeway.contact.pairs import Pairing
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
-from flangeway.materials import Material
 from flangeway.types import Floats
 
 PAIRINGS = "NodeToSegment(...) or SegmentToSegment(...)"
@@ -67,8 +65,9 @@ class Contact:
                 "one thickness for both",
                 "give both bodies the length over which they touch",
             )
-        hypotheses = [_materials(side)[0].hypothesis for side in (self.secondary, self.primary)]
-        if hypotheses[0] != hypotheses[1]:
+        known = [side.part.body.hypothesis for side in (self.secondary, self.primary)]
+        hypotheses = [each for each in known if each is not None]
+        if len(set(hypotheses)) > 1:
             raise InputError(
                 f"a contact of {self._names} in {' and '.join(word.replace('_', ' ') for word in hypotheses)}",
                 "both in plane strain, or both in plane stress",
@@ -91,18 +90,9 @@ class Contact:
     @property
     def suggested_penalty(self) -> float:
         """Ten times the larger stiffness over the mean length of the secondary edges, a pressure per length."""
-        stiffest = max(
-            float(material.matrix.diagonal().max())
-            for surface in (self.secondary, self.primary)
-            for material in _materials(surface)
-        )
+        stiffest = max(surface.part.body.modulus for surface in (self.secondary, self.primary))
         return 10.0 * stiffest / float(np.mean(self.secondary.edge_lengths))
 
     @property
     def _names(self) -> str:
         return f"{self.secondary.part.name!r} on {self.primary.part.name!r}"
-
-
-def _materials(surface: Surface) -> tuple[Material, ...]:
-    material = surface.part.body.material
-    return tuple(material.values()) if isinstance(material, Mapping) else (material,)

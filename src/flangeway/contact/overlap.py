@@ -220,7 +220,8 @@ def body_overlaps(
     Returns
     -------
     tuple of BodyOverlap
-        One for each pair that overlaps, also where it is explained.
+        One for each pair that overlaps, also where it is explained. A boundary that is not closed has no inside: pairs
+        with such a body are left out.
 
     """
     lin = state.linearisation
@@ -232,7 +233,7 @@ def body_overlaps(
     for number, (part, field) in enumerate(zip(system.parts, fields, strict=True)):
         first, last = response.offsets[number : number + 2]
         nodes = system.surface_nodes[number].nodes
-        points = part.body.space.nodes
+        points = part.body.nodes
         at = state.placements[number].points(points + field[: len(points)])
         at[nodes] = state.positions[first:last]
         boundaries.append(part_boundary(part, at))
@@ -240,21 +241,23 @@ def body_overlaps(
     explained = [system.explained(lin, state.forces, number, moved) for number in range(len(system.contacts))]
     found = []
     for (one, first_side), (other, other_side) in itertools.combinations(zip(system.parts, boundaries, strict=True), 2):
+        if not (one.body.boundary_is_closed and other.body.boundary_is_closed):
+            continue
         law = _between(system, one, other, explained)
         deepest = deepest_intrusion(first_side, other_side)
         if deepest is not None:
-            allowed = deepest.allowed + law + ROUND_OFF * min(one.body.elasticity.size, other.body.elasticity.size)
+            allowed = deepest.allowed + law + ROUND_OFF * min(one.body.size, other.body.size)
             found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))
     return tuple(found)
 
 
 def part_boundary(part: Part, positions: Floats) -> Boundary:
     """Boundary of a part whose nodes are at positions in space, shape (n_nodes, 2)."""
-    edges = part.body.mesh.boundary_edges
-    nodes = part.body.space.edge_nodes(edges)
+    edges = part.body.boundary_edges
+    nodes = part.body.edge_nodes(edges)
     if part.placement.mirrored:
         edges, nodes = edges[:, ::-1], nodes[:, ::-1]
-    drawn = part.placement.points(part.body.mesh.points)[edges]
+    drawn = part.placement.points(part.body.nodes)[edges]
     return Boundary.of(drawn, positions[nodes], (edges[:, 0].astype(np.int64), edges[:, 1].astype(np.int64)))
 
 

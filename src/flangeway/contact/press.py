@@ -135,7 +135,7 @@ class ContactSolution(Result):
         """Contact forces on the nodes of a part in space, shape (n_nodes, 2)."""
         number = self._number(part)
         first, last = self.response.offsets[number : number + 2]
-        forces = np.zeros((part.body.space.n_nodes, 2))
+        forces = np.zeros_like(part.body.nodes)
         forces[self.system.surface_nodes[number].nodes] = self.state.nodal_forces[first:last]
         return forces
 
@@ -143,6 +143,10 @@ class ContactSolution(Result):
         """Elastic displacements of a part in its own frame, for stresses and pictures."""
         number = self._number(part)
         return ElasticField(part.body.elasticity, self._fields[number])
+
+    def unknowns(self, part: Part) -> Floats:
+        """Displacements of a part in its own frame, in the order of its body's stiffness matrix, shape (n,)."""
+        return part.body.unknowns(self._fields[self._number(part)])
 
     def _number(self, part: Part) -> int:
         if part not in self.system.parts:

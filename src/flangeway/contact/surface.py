@@ -100,7 +100,7 @@ class Surface:
         chain = ordered_pairs(self._on_the_left(edges), self._name)
         starts = chain_starts(chain)
         if len(starts) > 1:
-            starts_text = ", ".join(f"({x:g}, {y:g})" for x, y in self.part.body.mesh.points[chain[starts[:4], 0]])
+            starts_text = ", ".join(f"({x:g}, {y:g})" for x, y in self.part.body.nodes[chain[starts[:4], 0]])
             raise InputError(
                 f"{self._name} of {len(starts)} chains, which start at {starts_text}",
                 "one chain of edges that follow each other",
@@ -117,16 +117,19 @@ class Surface:
 
     def _on_the_left(self, edges: NDArray[np.integer]) -> NDArray[np.int32]:
         """Edges turned so that the body is on their left."""
-        mesh = self.part.body.mesh
-        numbers, outer = mesh.edge_numbers(edges), mesh.boundary_edges
-        keys = mesh.edge_numbers(outer)
+        body = self.part.body
+        body.edge_nodes(edges)  # refuses what is no edge
+        outer = body.boundary_edges
+        numbers, keys = (
+            each.min(axis=1).astype(np.int64) * len(body.nodes) + each.max(axis=1) for each in (edges, outer)
+        )
         order = np.argsort(keys)
         places = order[np.minimum(np.searchsorted(keys, numbers, sorter=order), len(order) - 1)]
         inner = keys[places] != numbers
         if inner.any():
             a, b = edges[inner.argmax()]
             raise InputError(
-                f"{self._name} with the edge ({a}, {b}) near {point_text(mesh.points[a])}, which is inside the body",
+                f"{self._name} with the edge ({a}, {b}) near {point_text(body.nodes[a])}, which is inside the body",
                 "edges of the boundary",
                 "choose among mesh.boundary_edges",
             )
@@ -135,7 +138,7 @@ class Surface:
     @cached_property
     def edge_nodes(self) -> NDArray[np.int32]:
         """Nodes of each edge so that the placed body lies on the left, shape (n_edges, order + 1)."""
-        nodes = self.part.body.space.edge_nodes(self.edges)
+        nodes = self.part.body.edge_nodes(self.edges)
         return nodes[::-1, ::-1] if self.part.placement.mirrored else nodes
 
     @cached_property
@@ -156,14 +159,14 @@ class Surface:
     def corners(self) -> Bools:
         """Which edges end at a sharp convex corner of the undeformed body where another one follows: (n_edges,)."""
         ends = self.edge_places[:, [0, -1]]
-        points = self.part.placement.points(self.part.body.space.nodes[self.nodes])
+        points = self.part.placement.points(self.part.body.nodes[self.nodes])
         turns = turns_of(points[ends], np.roll(np.arange(len(ends)), -1))
         return (turns > CORNER) & (ends[:, 1] == np.roll(ends[:, 0], -1))
 
     @cached_property
     def shifts(self) -> Floats:
         """From the nodes to the closest points of the curve, in the body's frame, shape (n_nodes, 2)."""
-        return self._to_curve(self.part.body.space.nodes[self.nodes])
+        return self._to_curve(self.part.body.nodes[self.nodes])
 
     @cached_property
     def bends(self) -> Complex | None:
@@ -175,7 +178,7 @@ class Surface:
         """
         if self.curve is None or self.nodes_only or self.edge_nodes.shape[1] > 2:
             return None
-        ends = (self.part.body.space.nodes[self.nodes] + self.shifts)[self.edge_places]
+        ends = (self.part.body.nodes[self.nodes] + self.shifts)[self.edge_places]
         bends = as_complex(self._to_curve(ends.mean(axis=1))) / as_complex(ends[:, 1] - ends[:, 0])
         return bends if np.abs(bends).max() > STRAIGHT else None
 
@@ -193,7 +196,7 @@ class Surface:
     @cached_property
     def undeformed_edges(self) -> Floats:
         """Points of `contact_places` of each edge of the mesh in the body's frame, shape (n_edges, order + 1, 2)."""
-        edges: Floats = self.part.body.space.nodes[self.edge_nodes]
+        edges: Floats = self.part.body.nodes[self.edge_nodes]
         if self.bends is None:
             return edges
         start, end = as_complex(edges).T
@@ -208,7 +211,7 @@ class Surface:
         depth = np.zeros(len(self.edge_nodes))
         if self.curve is not None and (self.bends is not None or self.edge_nodes.shape[1] > 2):
             return depth
-        ends = as_complex(self.part.body.mesh.points[self.edge_nodes[:, [0, -1]]])
+        ends = as_complex(self.part.body.nodes[self.edge_nodes[:, [0, -1]]])
         chords = ends[:, 1] - ends[:, 0]
         turns = np.angle(chords / np.roll(chords, 1))  # at the start of each edge
         if ends[0, 0] != ends[-1, 1]:
@@ -241,7 +244,7 @@ class Surface:
         apart = np.linalg.norm(self.shifts, axis=1)
         allowed = FAR * float(self.edge_lengths.mean())
         if apart.max() > allowed:
-            x, y = self.part.body.space.nodes[self.nodes[apart.argmax()]]
+            x, y = self.part.body.nodes[self.nodes[apart.argmax()]]
             raise InputError(
                 f"{self._name} whose node at ({x:g}, {y:g}) is {apart.max():.3g} from its curve",
                 f"at most {allowed:.3g}, a quarter of the mean edge",
@@ -251,14 +254,14 @@ class Surface:
     @cached_property
     def edge_lengths(self) -> Floats:
         """Undeformed lengths of the edges, shape (n_edges,)."""
-        points = self.part.body.mesh.points
+        points = self.part.body.nodes
         lengths: Floats = np.linalg.norm(points[self.edge_nodes[:, -1]] - points[self.edge_nodes[:, 0]], axis=1)
         return lengths
 
     @cached_property
     def hats(self) -> Hats:
         """Hat functions on the edges' ends, for averages of the gap."""
-        points = self.part.body.mesh.points
+        points = self.part.body.nodes
         ends = points[self.edge_nodes[:, [0, -1]]]
         following = np.roll(np.arange(len(ends)), -1)
         starts_anew = np.abs(np.roll(turns_of(ends, following), 1)) > ROUGH
@@ -277,7 +280,7 @@ class Surface:
 
     def sagittas(self, edges: Floats) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""
-        drawn = self.part.placement.points(self.part.body.mesh.points[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
+        drawn = self.part.placement.points(self.part.body.nodes[self.edge_nodes[:, [0, -1]]].reshape(-1, 2))
         joints = self.edge_nodes[:, 0].astype(np.int64), self.edge_nodes[:, -1].astype(np.int64)
         return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints)
 

@@ -162,10 +162,7 @@ class ContactSystem:
         law = self.contacts[number].enforcement
         tolerated = law.tolerance() if np.isfinite(law.tolerance()) else 0.0
         given = float((lin.compliances[mine] * forces[mine]).max(initial=0.0)) if tolerated == 0.0 else tolerated
-        sizes = [
-            surface.part.body.elasticity.size
-            for surface in (self.contacts[number].secondary, self.contacts[number].primary)
-        ]
+        sizes = [surface.part.body.size for surface in (self.contacts[number].secondary, self.contacts[number].primary)]
         return (1.0 + ROUND_OFF) * given + BETWEEN_NODES * moved + ROUND_OFF * min(sizes)
 
     def _guarded_nodes(self, number: int, previous: Linearisation | None) -> tuple[Bools, Bools]:

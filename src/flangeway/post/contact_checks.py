@@ -1,6 +1,6 @@
 """What makes a contact pressure wrong or rough although the iteration converged."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +12,6 @@ from flangeway.contact.pairs import Pairs
 from flangeway.contact.system import ROUND_OFF
 from flangeway.mesh import PolyMesh
 from flangeway.post.pressure import FEWEST_SEGMENTS, PressurePatch, pressure_remark
-from flangeway.problems import Body
 from flangeway.solve import ContactState
 
 SMALL_PENETRATION = 0.05
@@ -139,14 +138,8 @@ def _facet_depth(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> f
 
 def _sinking(contact: Contact, patch: PressurePatch) -> float:
     """Maximum pressure times half width over the modulus of contact."""
-    softness = sum(_softness(surface.part.body) for surface in (contact.secondary, contact.primary))
+    softness = sum(surface.part.body.softness for surface in (contact.secondary, contact.primary))
     return float(patch.pressures.max()) * patch.half_width * softness
-
-
-def _softness(body: Body) -> float:
-    """Strain per stress in the softest direction and material: (1 - nu^2) / E in plane strain."""
-    materials = body.material.values() if isinstance(body.material, Mapping) else (body.material,)
-    return max(float(np.linalg.inv(material.matrix[:3, :3]).diagonal()[:2].max()) for material in materials)
 
 
 def _cut(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> list[Surface]:
@@ -165,13 +158,13 @@ def _cut(contact: Contact, pairs: Pairs, loaded: NDArray[np.int64]) -> list[Surf
 
 def _goes_on(surface: Surface, *, forwards: bool) -> bool:
     """Whether the boundary has a further edge beyond an end, hardly turned against the last one."""
-    mesh = surface.part.body.mesh
+    body = surface.part.body
     own = surface.edges[-1 if forwards else 0]
-    outer = mesh.boundary_edges
+    outer = body.boundary_edges
     beyond = outer[outer[:, 0] == own[1]] if forwards else outer[outer[:, 1] == own[0]]
     if len(beyond) != 1 or (surface.edges == beyond[0]).all(axis=1).any():
         return False
-    (ax, ay), (bx, by) = (mesh.points[edge[1]] - mesh.points[edge[0]] for edge in (own, beyond[0]))
+    (ax, ay), (bx, by) = (body.nodes[edge[1]] - body.nodes[edge[0]] for edge in (own, beyond[0]))
     return bool(abs(np.arctan2(ax * by - ay * bx, ax * bx + ay * by)) < MAX_TURN)
 
 

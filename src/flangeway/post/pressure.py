@@ -240,7 +240,7 @@ def _patch(
     share = force / force.sum()
 
     secondary, primary = contact.secondary, contact.primary
-    on_secondary = secondary.part.body.space.nodes[secondary.nodes[nodes]]
+    on_secondary = secondary.part.body.nodes[secondary.nodes[nodes]]
     on_primary = pairs.opposite_points(primary.undeformed_edges)[group]
     touched = np.isin(pairs.rows, group).any(axis=1)
     starts = np.flatnonzero(np.diff(keys, prepend=-1))

@@ -1,20 +1,22 @@
 """A linear elastic body that is held along named parts of its boundary."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import check_positive
 from flangeway.elements import Element
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry import Placement
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
+from flangeway.problems.linear_body import LinearBody
+from flangeway.problems.stiffness_body import StiffnessBody
 from flangeway.space import CondensedMatrix, Space, SymmetricMatrix
 from flangeway.types import Floats
 
@@ -23,11 +25,8 @@ Components = Literal["x", "y", "xy"]
 
 
 @dataclass(frozen=True, eq=False)
-class Body:
-    """An elastic body in its own frame, in which its held edges do not move.
-
-    The body is linear in that frame. Placing the frame in space, and moving it if the edges are a handle, costs nothing
-    and strains nothing, however large the motion.
+class Body(LinearBody):
+    """A meshed elastic body in its own frame, in which its held edges do not move; see `LinearBody`.
 
     Parameters
     ----------
@@ -99,13 +98,59 @@ class Body:
         return Elasticity(Space(self.mesh, self.element), self.material, self.thickness, name=self.name)
 
     @property
-    def space(self) -> Space:
-        """Space of one displacement component."""
-        return self.elasticity.space
+    def nodes(self) -> Floats:
+        """See `LinearBody.nodes`."""
+        return self.space.nodes
+
+    @property
+    def boundary_edges(self) -> NDArray[np.int32]:
+        """See `LinearBody.boundary_edges`."""
+        return self.mesh.boundary_edges
+
+    def edge_nodes(self, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
+        """See `LinearBody.edge_nodes`."""
+        return self.space.edge_nodes(pairs)
+
+    @property
+    def size(self) -> float:
+        """See `LinearBody.size`."""
+        return self.elasticity.size
+
+    @property
+    def modulus(self) -> float:
+        """See `LinearBody.modulus`."""
+        return max(float(material.matrix.diagonal().max()) for material in self.elasticity.materials)
+
+    @property
+    def softness(self) -> float:
+        """See `LinearBody.softness`."""
+        compliances = [np.linalg.inv(material.matrix[:3, :3]).diagonal() for material in self.elasticity.materials]
+        return max(float(each[:2].max()) for each in compliances)
+
+    @property
+    def hypothesis(self) -> str | None:
+        """See `LinearBody.hypothesis`."""
+        return self.elasticity.materials[0].hypothesis
+
+    @property
+    def held_by(self) -> str:
+        """See `LinearBody.held_by`."""
+        return short(self.held)
+
+    @property
+    def content(self) -> tuple[object, ...]:
+        """See `LinearBody.content`."""
+        mesh, supports = self.mesh, dict(self.supports)
+        held = {name: mesh.edge_sets[name] for name in supports if isinstance(name, str)}
+        parts = held, dict(mesh.cell_sets), self.element, self.material, supports, self.thickness
+        return mesh.points, mesh.cell_offsets, mesh.cell_points, *parts
 
     @cached_property
     def free(self) -> NDArray[np.bool_]:
-        """Which unknowns at nodes are free to move in the body's frame, shape (2 n_nodes,)."""
+        """Which unknowns at nodes are free to move in the body's frame, shape (2 n_nodes,).
+
+        Those inside cells are condensed.
+        """
         free = np.ones((self.space.n_nodes, 2), dtype=np.bool_)
         for where, components in self.supports.items():
             if isinstance(where, str):
@@ -131,31 +176,24 @@ class Body:
         at_nodes[self.free] = values
         return self._condensed.recover(at_nodes)
 
-    @property
-    def free_nodes(self) -> NDArray[np.int32]:
-        """Node of each free unknown, shape (n_free,): the unknowns of a node are ordered together."""
-        return (np.flatnonzero(self.free) // 2).astype(np.int32)
+    def unknowns(self, field: Floats) -> Floats:
+        """See `LinearBody.unknowns`; the matrix is that of `Elasticity.stiffness`."""
+        return field.ravel()
 
-    def free_numbers(self, nodes: NDArray[np.integer]) -> NDArray[np.int32]:
-        """Numbers among the free unknowns of nodes' components, -1 for one that is held, shape (2 n_nodes,).
-
-        Raises
-        ------
-        InputError
-            If both components of a node are held: nothing could answer to a contact there.
-
-        """
-        free = self.free.reshape(-1, 2)
-        fixed = ~free[nodes].any(axis=1)
-        if fixed.any():
-            x, y = self.space.nodes[nodes[fixed.argmax()]]
-            raise InputError(
-                f"body {self.name!r}: a contact surface that touches the held edges {self.held!r} at ({x:g}, {y:g})",
-                "surfaces apart from them",
-                "shorten the surface or hold the body elsewhere",
-            )
-        numbers = np.where(free, (np.cumsum(free) - 1).reshape(-1, 2), -1)
-        return numbers[nodes].ravel().astype(np.int32)
+    @staticmethod
+    def from_stiffness(
+        name: str,
+        stiffness: Any,
+        coordinates: ArrayLike,
+        surfaces: Mapping[str, Sequence[int]],
+        *,
+        order: int = 1,
+        rows: ArrayLike | None = None,
+        held: ArrayLike = (),
+        thickness: float = 1.0,
+    ) -> StiffnessBody:
+        """Return a body of a stiffness matrix that another program has assembled; `StiffnessBody` has the arguments."""
+        return StiffnessBody(name, stiffness, coordinates, surfaces, order, rows, held, thickness)
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,5 +212,5 @@ class Part:
     """
 
     name: str
-    body: Body
+    body: LinearBody
     placement: Placement = field(default_factory=Placement)

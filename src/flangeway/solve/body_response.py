@@ -16,7 +16,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.geometry import Placement
-from flangeway.problems import Body
+from flangeway.problems import LinearBody
 from flangeway.types import Floats, Ints
 
 
@@ -36,14 +36,14 @@ class SurfaceNodes:
 
     """
 
-    body: Body
+    body: LinearBody
     nodes: NDArray[np.int32]
     shifts: Floats | None = None
 
     @property
     def points(self) -> Floats:
         """Points of the surface in the body's frame, shape (n, 2)."""
-        points: Floats = self.body.space.nodes[self.nodes]
+        points: Floats = self.body.nodes[self.nodes]
         return points if self.shifts is None else points + self.shifts
 
 

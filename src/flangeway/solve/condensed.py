@@ -10,15 +10,19 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 
 from flangeway._core import Cholesky
-from flangeway.problems import Body
+from flangeway.problems import LinearBody
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components
-from flangeway.solve.linear import factorise
+from flangeway.solve.linear import factorise, indefinite
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.system.memory_limits import refuse_beyond_memory
 from flangeway.types import Floats, Ints
 
 DENSE_COPIES = 6
 """Dense matrices of the surface's unknowns that exist at a time while the flexibility is made."""
+
+
+ZERO_PIVOT, EPS = 1e-13, float(np.finfo(np.float64).eps)
+"""Pivot over the diagonal entry that it began as which rounding leaves of a zero, as in the sparse factorisation."""
 
 
 class CondensedBody:
@@ -43,7 +47,7 @@ class CondensedBody:
         self.body = body
         self._numbers = body.free_numbers(surface.nodes)
         self._loose = np.flatnonzero(self._numbers >= 0)
-        key = body_key("flexibility", body, surface.nodes) if cache is not None else None
+        key = content_key("flexibility", *body.content, surface.nodes) if cache is not None else None
         if cache is None or key is None:
             flexibility: NDArray[np.float64] = self._computed()["flexibility"]
         else:
@@ -58,7 +62,14 @@ class CondensedBody:
     def _computed(self) -> dict[str, Floats]:
         n = len(self._loose)
         refuse_beyond_memory(f"the flexibility of a surface with {n} unknowns", DENSE_COPIES * 8 * n**2)
-        factor = cho_factor(self._factor.schur(), lower=True)
+        stiffness = self.body.stiffness
+        diagonal = stiffness.values[stiffness.indptr[self._numbers[self._loose]]]
+        try:
+            factor = cho_factor(self._factor.schur(), lower=True)
+        except np.linalg.LinAlgError as error:
+            raise indefinite(self.body) from error
+        if (factor[0].diagonal() ** 2 <= max(ZERO_PIVOT, 2.0 * stiffness.n * EPS) * diagonal).any():
+            raise indefinite(self.body)
         inverse = cho_solve(factor, np.eye(n))
         flexibility: Floats = np.zeros((len(self._numbers), len(self._numbers)))
         flexibility[np.ix_(self._loose, self._loose)] = (inverse + inverse.T) / 2.0
@@ -76,24 +87,6 @@ class CondensedBody:
         return np.stack([self.body.field(values) for values in free.T])
 
 
-def body_key(kind: str, body: Body, *parts: object) -> str | None:
-    """Key of what a body's mesh, elements, material, thickness and held edges determine, and some parts."""
-    mesh = body.mesh
-    return content_key(
-        kind,
-        mesh.points,
-        mesh.cell_offsets,
-        mesh.cell_points,
-        {name: mesh.edge_sets[name] for name in body.supports if isinstance(name, str)},
-        dict(mesh.cell_sets),
-        body.element,
-        body.material,
-        dict(body.supports),
-        body.thickness,
-        *parts,
-    )
-
-
 class CondensedBodies(BodyResponse):
     """Placed bodies through the flexibilities of their surfaces.
 
@@ -109,7 +102,7 @@ class CondensedBodies(BodyResponse):
 
     def __init__(self, surfaces: Sequence[SurfaceNodes], cache: Cache | None = None) -> None:
         super().__init__(surfaces)
-        unique: dict[tuple[Body, bytes], CondensedBody] = {}
+        unique: dict[tuple[LinearBody, bytes], CondensedBody] = {}
         self._condensed: list[CondensedBody] = []
         for surface in self.surfaces:
             key = (surface.body, surface.nodes.tobytes())

@@ -6,10 +6,14 @@ import numpy as np
 import scipy.sparse as sp
 
 from flangeway.errors import InputError, short
-from flangeway.problems import Body, Elasticity, PrescribedDisplacement
+from flangeway.geometry.arrays import point_text
+from flangeway.problems import Body, Elasticity, LinearBody, PrescribedDisplacement
 from flangeway.problems.supports import axes
 from flangeway.solve.constraints import SupportConstraints, find_constraints
 from flangeway.types import Floats, Ints
+
+ENERGY = 1e-13
+"""Energy of a rigid motion over that of the stiffness's diagonal alone, below which it is rounding."""
 
 FREE = 1e-9
 """Singular value of the constraints, over the maximum, below which a motion is free."""
@@ -44,8 +48,15 @@ def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) ->
     )
 
 
-def refuse_floating(body: Body) -> None:
-    """Raise `InputError` with the motion that a body's held edges and points leave free."""
+def refuse_floating(body: LinearBody) -> None:
+    """Raise `InputError` with the motion that what is held of a body leaves free.
+
+    Of a body given by its stiffness matrix it is a rigid motion, of all or of unknowns that nothing couples to the
+    others, that has no strain energy.
+    """
+    if not isinstance(body, Body):
+        _refuse_without_energy(body)
+        return
     supports = [
         PrescribedDisplacement(where, 0.0 if "x" in components else None, 0.0 if "y" in components else None)
         for where, components in body.supports.items()
@@ -59,6 +70,38 @@ def refuse_floating(body: Body) -> None:
             "a body in contact whose held edges and points fix both translations and the rotation of its every piece",
             f"hold more of it in Body(held=...), now {short(body.held)}; contact alone holds nothing",
         ) from reason
+
+
+def _refuse_without_energy(body: LinearBody) -> None:
+    stiffness, nodes = body.stiffness.full(), body.free_nodes
+    components = np.flatnonzero(body.free) % 2
+    centre = body.nodes.mean(axis=0)
+    n_pieces, pieces = sp.csgraph.connected_components(stiffness, directed=False)
+    for piece in range(n_pieces):
+        here = np.flatnonzero((pieces == piece) & (nodes < len(body.nodes)))
+        arm = (body.nodes[nodes[here]] - centre) / body.size
+        along_x = components[here] == 0
+        motions = np.column_stack((along_x, ~along_x, np.where(along_x, -arm[:, 1], arm[:, 0]))).astype(np.float64)
+        part = stiffness[here][:, here]
+        weights = np.sqrt(part.diagonal())[:, None]
+        # unit motions by the work that the diagonal alone would do
+        left, values, right = np.linalg.svd(weights * motions, full_matrices=False)
+        there = values > FREE * values.max(initial=0.0)
+        units = left[:, there] / weights
+        energies, shares = np.linalg.eigh(units.T @ (part @ units))
+        loose = energies <= ENERGY
+        described = _described(right[there].T @ (shares[:, loose] / values[there, None]), centre, body.size)
+        if loose.any():
+            which = (
+                ""
+                if n_pieces == 1
+                else f", its piece with node {nodes[here[0]]} at {point_text(body.nodes[nodes[here[0]]])},"
+            )
+            raise InputError(
+                f"body {body.name!r}{which} {described}: its stiffness has no energy in that motion",
+                "a stiffness in which what is held fixes both translations and the rotation of every piece",
+                f"hold more of it with held=..., now {body.held_by}; contact alone holds nothing",
+            )
 
 
 class _Rows:

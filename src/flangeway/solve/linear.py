@@ -1,11 +1,12 @@
 """Sparse factorisation with errors that name the body, in the memory that there is."""
 
 import numpy as np
+import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway._core import Cholesky, FactorTooLargeError, Ldlt, NotPositiveDefiniteError
 from flangeway.errors import InputError, short
-from flangeway.problems import Body
+from flangeway.problems import Body, LinearBody
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.status import Status
 from flangeway.space import SymmetricMatrix
@@ -14,6 +15,9 @@ from flangeway.types import Floats
 
 SMALL_RESIDUAL = 1e-8
 """Residual over the forces that it is the difference of, above which a solution is not accepted."""
+
+JUST_BELOW = 1e-7
+"""Energy over the maximum entry, within which it counts as zero in an error about a stiffness."""
 
 NO_UNKNOWNS = np.empty(0, dtype=np.int32)
 NO_UNKNOWNS.setflags(write=False)
@@ -51,7 +55,7 @@ def ldlt(matrix: SymmetricMatrix, groups: NDArray[np.int32]) -> Ldlt:
         raise out_of_memory(f"the factorisation of {matrix.n} unknowns", error.args[1]) from error
 
 
-def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
+def factorise(body: LinearBody, trailing: NDArray[np.int32]) -> Cholesky:
     """Factorise the stiffness of a body's free unknowns, the trailing ones last for their Schur complement.
 
     An `InputError` if the body is not held, or its material or mesh leaves a motion without stiffness.
@@ -61,11 +65,30 @@ def factorise(body: Body, trailing: NDArray[np.int32]) -> Cholesky:
         return cholesky(body.stiffness, body.free_nodes, trailing)
     except NotPositiveDefiniteError as error:
         unknown = int(error.args[1])
-        node, component = body.free_nodes[unknown], np.flatnonzero(body.free)[unknown] % 2
-        x, y = body.space.nodes[node]
+        if not isinstance(body, Body):
+            raise indefinite(body) from error
         raise InputError(
-            f"body {body.name!r} can move without strain: nothing holds node {node} at ({x:g}, {y:g}) "
-            f"in {'xy'[component]}",
+            f"body {body.name!r} can move without strain: nothing holds {body.named(unknown)}",
             "a body whose held edges fix both translations and the rotation",
             f"hold at least one edge of the body (now {short(body.held)}) and check that its mesh is one piece",
         ) from error
+
+
+def indefinite(body: LinearBody) -> InputError:
+    """Error of a stiffness that is not positive definite, with the motion of least energy."""
+    stiffness = body.stiffness.full()
+    most = float(stiffness.diagonal().max())
+    start = np.ones(stiffness.shape[0])
+    energies, motions = sp.linalg.eigsh(stiffness, k=1, sigma=-JUST_BELOW * most, v0=start)
+    energy = float(energies[0]) / most
+    if energy > JUST_BELOW:  # a negative one is further away
+        energies, motions = sp.linalg.eigsh(stiffness, k=1, which="SA", v0=start, tol=1e-3)
+        energy = float(energies[0]) / most
+    words = "negative" if energy < -JUST_BELOW else "zero"
+    most_moved = body.named(int(np.abs(motions[:, 0]).argmax()))
+    return InputError(
+        f"body {body.name!r}: its stiffness has {words} energy ({energy:.1e} of its maximum entry) in a motion that "
+        f"is largest at {most_moved}",
+        "a positive definite matrix of the unknowns that are not held",
+        "assemble without pressures, multipliers and mechanisms such as hourglass modes, or hold what moves freely",
+    )

@@ -7,9 +7,10 @@ import numpy as np
 import scipy.sparse as sp
 
 from flangeway._core import Ldlt
+from flangeway.problems import Body
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components, turning
 from flangeway.solve.free_motions import refuse_floating
-from flangeway.solve.linear import ldlt
+from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats, Ints
 
@@ -33,6 +34,8 @@ class SparseBodies(BodyResponse):
         super().__init__(surfaces)
         for body in dict.fromkeys(surface.body for surface in self.surfaces):
             refuse_floating(body)
+            if not isinstance(body, Body):  # what is not held of a mesh leaves rigid motions free, and no others
+                factorise(body, NO_UNKNOWNS)
         blocks = [surface.body.stiffness.full() for surface in self.surfaces]
         sizes = [block.shape[0] for block in blocks]
         self._starts = np.concatenate(([0], np.cumsum(sizes)))
@@ -46,7 +49,7 @@ class SparseBodies(BodyResponse):
         groups, first = [], 0
         for surface in self.surfaces:
             groups.append(first + surface.body.free_nodes)
-            first += surface.body.space.n_dofs
+            first += len(surface.body.free) // 2
         self._groups = np.concatenate(groups).astype(np.int32)
 
     @property

@@ -21,7 +21,7 @@ from flangeway.geometry.arrays import Point
 from flangeway.geometry.region import Region
 from flangeway.geometry.segments import Segment
 from flangeway.mesh import PolyMesh, Refinement, dual, edges_halved, triangulate
-from flangeway.problems import Body
+from flangeway.problems import LinearBody
 from flangeway.types import Floats
 
 UNITS_MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "ft": 304.8}
@@ -320,9 +320,9 @@ def edges_at(
     return pairs[inside]
 
 
-def free_edges(body: Body, pairs: Ints) -> Ints:
+def free_edges(body: LinearBody, pairs: Ints) -> Ints:
     """Edges without a point that is fixed in both components, where no contact force could act."""
-    nodes = body.space.edge_nodes(pairs)
+    nodes = body.edge_nodes(pairs)
     loose: NDArray[np.bool_] = np.asarray(body.free.reshape(-1, 2).any(axis=1))
     return pairs[loose[nodes].all(axis=1)]
 

@@ -215,14 +215,14 @@ def _carried_through(model: BodiesModel) -> list[str]:
     errors = []
     for one, other in {(each.secondary.part, each.primary.part) for each in model.contacts}:
         pair = (one, other)
-        ends = [moved_part(part, model.motion, 1.0).points(part.body.mesh.points) for part in pair]
-        starts = [part.placement.points(part.body.mesh.points) for part in pair]
+        ends = [moved_part(part, model.motion, 1.0).points(part.body.space.mesh.points) for part in pair]
+        starts = [part.placement.points(part.body.space.mesh.points) for part in pair]
         travel = sum(float(np.hypot(*(end - start).T).max()) for start, end in zip(starts, ends, strict=True))
         smallest = min(float(np.ptp(start, axis=0).min()) for start in starts)
         n_stops = min(int(np.ceil(travel / (SHARE_OF_BODY * smallest))), MOST_STOPS)
         for stop in range(1, n_stops):
             share = stop / n_stops
-            meshes = [part.body.mesh.placed(moved_part(part, model.motion, share)) for part in pair]
+            meshes = [part.body.space.mesh.placed(moved_part(part, model.motion, share)) for part in pair]
             if deepest_overlap(*meshes) is not None:
                 errors.append(
                     f"{one.name} and {other.name} overlap after {100.0 * share:.3g} % of the motion and do not "

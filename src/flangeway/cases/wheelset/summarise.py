@@ -236,7 +236,7 @@ def _bodies(result: WheelsetResult) -> list[MeshSummary]:
     parts = result.model.parts.items()
     return [
         MeshSummary(
-            *(body.name, body.stiffness.n, body.mesh.n_cells, body.space.n_nodes),
+            *(body.name, body.stiffness.n, body.space.mesh.n_cells, body.space.n_nodes),
             sorted(name for name, part in parts if part.body is body),
         )
         for body in result.model.bodies

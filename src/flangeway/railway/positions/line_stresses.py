@@ -14,7 +14,7 @@ from flangeway.elements.monomials import Frame
 from flangeway.mesh import PolyMesh
 from flangeway.post import Stresses
 from flangeway.post.lines import NEAR, OUTSIDE
-from flangeway.problems import Body
+from flangeway.problems import LinearBody
 from flangeway.space import CellBatch
 from flangeway.types import Bools, Floats, Ints
 
@@ -49,14 +49,14 @@ class LineStresses:
     - `n_nodes`: number of the nodes of its surface.
     """
 
-    def __init__(self, body: Body, n_nodes: int) -> None:
+    def __init__(self, body: LinearBody, n_nodes: int) -> None:
         self._body = body
         self._columns = FieldColumns(n_nodes, body.space.n_dofs)
         groups: dict[tuple[int, int], list[CellBatch]] = {}
         for batch in body.space.batches():
             groups.setdefault((id(batch.element), len(batch.vertices)), []).append(batch)
         self._batches = [_joined(group) for group in groups.values()]
-        self._batch_of, self._place_in = np.full((2, body.mesh.n_cells), OUTSIDE)
+        self._batch_of, self._place_in = np.full((2, body.space.mesh.n_cells), OUTSIDE)
         for number, batch in enumerate(self._batches):
             self._batch_of[batch.cells], self._place_in[batch.cells] = number, np.arange(len(batch.cells))
 
@@ -68,7 +68,7 @@ class LineStresses:
         - `superposed`: whether fields are superposed from those of unit forces, which pays for hundreds of lines over
           all calls.
         """
-        cells = cells_along(self._body.mesh, lines.starts, lines.directions, lines.depths)
+        cells = cells_along(self._body.space.mesh, lines.starts, lines.directions, lines.depths)
         shear = np.full(cells.size, np.nan)
         stretches = _Stretches.of(cells)
         chosen = self._chosen(stretches)

@@ -10,7 +10,7 @@ import numpy as np
 
 from flangeway.post import pressure_patches
 from flangeway.post.pressure import CONSTRAINTS_APART, oscillation_of, pressure_remark
-from flangeway.problems import Body
+from flangeway.problems import LinearBody
 from flangeway.railway.positions.line_stresses import Lines, LineStresses
 from flangeway.railway.positions.positions_newton import PositionSide
 from flangeway.railway.positions.prepared_wheelset import PreparedWheelset
@@ -158,7 +158,7 @@ class LoadedPatch:
     rail: Floats
 
 
-Key = tuple[Body, bytes]
+Key = tuple[LinearBody, bytes]
 """A body and its surface nodes: twins that are placed elsewhere share what is known of it."""
 
 _kept: WeakKeyDictionary[CondensedBodies, dict[Key, LineStresses]] = WeakKeyDictionary()
@@ -208,7 +208,9 @@ def lines_below(prepared: PreparedWheelset, role: Role, side: Side, patches: Seq
     problem = prepared.model.problem
     profile = problem.wheelset.wheel_of(side) if role == "wheel" else problem.track.rail_of(side)
     points = np.array([each.wheel_point_mm if role == "wheel" else each.rail_point_mm for each in patches])
-    starts, inward = inward_from(profile.running_surface, prepared.model.parts[f"{role}-{side}"].body.mesh, points)
+    starts, inward = inward_from(
+        profile.running_surface, prepared.model.parts[f"{role}-{side}"].body.space.mesh, points
+    )
     lengths = DEPTH * np.array([each.half_width_mm for each in patches])
     return Lines(starts, inward, np.linspace(0.0, lengths, N_POINTS, axis=1))
 

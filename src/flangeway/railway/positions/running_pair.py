@@ -41,7 +41,7 @@ class BoundaryNodes:
     @classmethod
     def of(cls, surface: Surface) -> Self:
         """Boundary of the body of a running surface."""
-        mesh = surface.part.body.mesh
+        mesh = surface.part.body.space.mesh
         edges = mesh.boundary_edges.astype(np.int64)
         nodes, ends = np.unique(edges, return_inverse=True)
         first, second = ends.reshape(-1, 2).T

@@ -9,7 +9,7 @@ from flangeway.contact.patch.patch_body import Axis, PatchBody
 from flangeway.contact.patch.patch_contact import PatchContact, press_patch
 from flangeway.contact.patch.patch_grid import grid_about
 from flangeway.geometry import Placement
-from flangeway.problems import Elasticity, Harmonic
+from flangeway.problems import Body, Elasticity, Harmonic
 from flangeway.railway.track.placements import Side
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 
@@ -70,5 +70,6 @@ def spatial_patch(
 
 def _body(surface: Surface, placement: Placement, axis: Axis | None = None) -> PatchBody:
     body = surface.part.body
+    assert isinstance(body, Body)  # wheels and rails are meshed
     problem = Harmonic(Elasticity(body.space, body.material, name=body.name), held=dict.fromkeys(body.supports, "xyz"))
     return PatchBody(problem, surface.edges.astype(np.int64), surface.curve, placement, axis)

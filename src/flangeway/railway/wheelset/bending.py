@@ -90,7 +90,7 @@ def rail_bending(result: WheelsetResult, side: Side) -> RailBending:
     track = result.model.problem.track
     profile, body, placement = track.rail_of(side), result.model.parts[name].body, result.placements[name]
     displacement = result.displacements[name]
-    mesh = body.mesh
+    mesh = body.space.mesh
     centre, shift, turn = head_motion(mesh, displacement[: mesh.n_points], profile)
 
     def moved(point: Floats) -> Floats:

@@ -14,7 +14,6 @@ from flangeway.railway.wheelset.plane_contact import PlaneContact
 from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, ContactState, Status, solve_contact
-from flangeway.solve.condensed import body_key
 from flangeway.system.disk_cache import Arrays, Cache, content_key
 from flangeway.types import Floats
 
@@ -38,7 +37,7 @@ class EquilibriumCache:
     def _key(self) -> str | None:
         """Key of all that determines them; None without a cache, or where there is no such key."""
         model, problem = self.model, self.model.problem
-        bodies = [body_key("equilibrium", part.body) for part in model.system.parts]
+        bodies = [content_key("equilibrium", *part.body.content) for part in model.system.parts]
         if self.cache is None or any(key is None for key in bodies):
             return None
         contacts = [

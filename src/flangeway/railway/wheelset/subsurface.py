@@ -58,7 +58,7 @@ def stresses_below(
     check_positive("stresses_below", "depth_mm", depth, "a positive length in mm", "leave it out")
     surface, point = _place(result, patch, body)
     part = result.model.parts[f"{body}-{patch.side}"]
-    (start,), (inward,) = inward_from(surface, part.body.mesh, point[None])
+    (start,), (inward,) = inward_from(surface, part.body.space.mesh, point[None])
     end = start + depth * inward
     field = ElasticField(part.body.elasticity, result.displacements[part.name])
     return stresses_along(field, (start[0], start[1]), (end[0], end[1]), n_points)

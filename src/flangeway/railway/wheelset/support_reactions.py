@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.problems import Body
+from flangeway.problems import LinearBody
 from flangeway.railway.track.placements import Side
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 from flangeway.types import Floats
@@ -114,7 +114,7 @@ def _contact_forces(result: WheelsetResult) -> list[tuple[NDArray[np.int32], Flo
     return [(surface.nodes, force) for surface, force in zip(surfaces, forces, strict=True)]
 
 
-def _middle(body: Body, held: NDArray[np.int64]) -> Floats:
+def _middle(body: LinearBody, held: NDArray[np.int64]) -> Floats:
     """Middle of the held nodes' box, in the body's frame."""
     points = body.space.nodes[held]
     middle: Floats = (points.min(axis=0) + points.max(axis=0)) / 2.0

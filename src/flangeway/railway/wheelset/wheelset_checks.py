@@ -119,7 +119,7 @@ def _beyond_linear(model: WheelsetModel, displacements: Mapping[str, Floats]) ->
     """Compare the maximum displacement of each rail with its height."""
     warnings = []
     for side in SIDES:
-        points = model.parts[f"rail-{side}"].body.mesh.points
+        points = model.parts[f"rail-{side}"].body.space.mesh.points
         way = float(np.linalg.norm(displacements[f"rail-{side}"], axis=1).max())
         share = way / float(np.ptp(points[:, 1]))
         if share > MAX_DEFLECTION:
@@ -159,7 +159,7 @@ def _beyond_yield(
 
 def below_contacts(model: WheelsetModel, patches: Iterable[WheelRailPatch], name: str) -> Bools:
     """Return which cells of a part lie below one of its contacts, within `BELOW` half widths, shape (n_cells,)."""
-    mesh = model.parts[name].body.mesh
+    mesh = model.parts[name].body.space.mesh
     near = np.zeros(mesh.n_cells, dtype=np.bool_)
     for patch in patches:
         if name.endswith(patch.side):
@@ -171,7 +171,7 @@ def below_contacts(model: WheelsetModel, patches: Iterable[WheelRailPatch], name
 
 def above_the_web(model: WheelsetModel, name: str) -> Bools:
     """Return which cells of a part belong to a rail's head, as far down as its running surface, or to a wheel."""
-    mesh = model.parts[name].body.mesh
+    mesh = model.parts[name].body.space.mesh
     if name.startswith("wheel"):
         return np.ones(mesh.n_cells, dtype=np.bool_)
     side: Side = "left" if name.endswith("left") else "right"

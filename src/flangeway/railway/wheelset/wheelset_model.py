@@ -12,7 +12,7 @@ from flangeway.contact import Contact, ContactSystem, Surface
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Contour, Placement
 from flangeway.post import PressurePatch
-from flangeway.problems import Body, Part
+from flangeway.problems import LinearBody, Part
 from flangeway.railway.profiles.measures import conforming, relative_curvature
 from flangeway.railway.rigid.elastic_start import RigidStart, rigid_start
 from flangeway.railway.track.discretisation import ROLES, Role
@@ -51,17 +51,17 @@ class WheelsetModel:
         return self.rigid_start.motion
 
     @property
-    def wheel(self) -> Body:
+    def wheel(self) -> LinearBody:
         """Body of the right wheel."""
         return self.parts["wheel-right"].body
 
     @property
-    def rail(self) -> Body:
+    def rail(self) -> LinearBody:
         """Body of the right rail."""
         return self.parts["rail-right"].body
 
     @cached_property
-    def bodies(self) -> tuple[Body, ...]:
+    def bodies(self) -> tuple[LinearBody, ...]:
         """All bodies, wheels first, each once."""
         names = ("wheel-right", "wheel-left", "rail-right", "rail-left")
         return tuple(dict.fromkeys(self.parts[name].body for name in names))
@@ -130,7 +130,7 @@ def build_model(
         problem, _with_wide(start.near_points(), start.close_points(), width), math.inf if whole else width + BENDING_MM
     )
     wheelset, track = problem.wheelset, problem.track
-    bodies: dict[tuple[Role, int], tuple[Body, NDArray[np.int32], Contour]] = {}
+    bodies: dict[tuple[Role, int], tuple[LinearBody, NDArray[np.int32], Contour]] = {}
     parts, edges, curves = {}, {}, {}
     for side in SIDES:
         for role in ROLES:

@@ -73,7 +73,7 @@ def part_fields(result: WheelsetResult) -> Iterator[PartFields]:
         zip((part.name for part in model.system.parts), model.placements(model.rigid_position), strict=True)
     )
     for name, part in model.parts.items():
-        placement, mesh = result.placements[name], part.body.mesh
+        placement, mesh = result.placements[name], part.body.space.mesh
         displacement = result.displacements[name]
         yield PartFields(
             name,

@@ -1,0 +1,339 @@
+"""A linear body of a stiffness matrix that another program has assembled."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import scipy.sparse as sp
+from numpy.typing import ArrayLike, NDArray
+
+from flangeway.checks import as_numbers, check_positive
+from flangeway.errors import InputError, short
+from flangeway.geometry.arrays import cross_product, point_text
+from flangeway.mesh.meeting import meeting
+from flangeway.problems.linear_body import LinearBody
+from flangeway.space import SymmetricMatrix
+from flangeway.types import Bools, Floats, Ints
+
+SYMMETRIC = 1e-9
+"""Difference of two entries across the diagonal, over the maximum entry, that rounding explains."""
+
+NEAR = 3.0
+"""Distance of a node from an edge, over its length, within which it shows the side of the body."""
+
+
+@dataclass(frozen=True, eq=False)
+class StiffnessBody(LinearBody):
+    """A plane body given by its stiffness matrix; forces on it need no load vector, stresses are not known here.
+
+    Parameters
+    ----------
+    name
+        Name for messages and results.
+    matrix
+        Symmetric stiffness K, any sparse matrix of SciPy or an array, shape (n, n), forces over displacements for the
+        whole thickness. It may be without the unknowns that are held, and have more than those of nodes, such as those
+        inside cells.
+    coordinates
+        Nodes in the body's frame, shape (n_nodes, 2).
+    surfaces
+        By name, the numbers of the nodes along each surface where contact can happen, the body on the left, middle
+        nodes included; a closed one ends with its first node. Overlap is measured on whole boundaries: give them
+        closed where the mesh has them, and take the edges near the contact for a `Surface`.
+    order
+        Order of the elements, 1 or 2: the nodes of an edge less one.
+    rows
+        Row of K of the x and the y component of each node, -1 where K is without it because it is held, shape
+        (n_nodes, 2). Left out: ``2 * node + component``.
+    held
+        Rows of K that do not move.
+    thickness
+        Length out of the plane over which surfaces touch.
+
+    Raises
+    ------
+    InputError
+        If the matrix is not symmetric, has another size, a diagonal that is not positive or numbers that are not
+        finite; if a surface has unknown nodes, crosses or touches itself, or has the body on its right. Motions without
+        strain are found where the matrix is factorised.
+
+    """
+
+    name: str
+    matrix: Any
+    coordinates: ArrayLike
+    surfaces: Mapping[str, Sequence[int]]
+    order: int = 1
+    rows: ArrayLike | None = None
+    held: ArrayLike = ()
+    thickness: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_positive(self._owner, "thickness", self.thickness, "a positive length", "take 1 for forces per length")
+        if self.order not in (1, 2):
+            raise InputError(
+                f"{self._owner} of order {short(self.order)}", "1 or 2", "give edges of two or three nodes"
+            )
+        self._check_matrix()
+        self._check_places()
+        if not self.surfaces:
+            raise InputError(f"{self._owner} without surfaces", "at least one", "name the nodes along its boundary")
+        for surface in self.surfaces:
+            self._check_surface(surface)
+
+    @property
+    def _owner(self) -> str:
+        return f"Body.from_stiffness({self.name!r})"
+
+    @cached_property
+    def _matrix(self) -> sp.csr_array:
+        try:
+            matrix = sp.csr_array(self.matrix)
+            kind = matrix.dtype.kind
+        except (TypeError, ValueError) as reason:
+            raise InputError(f"{self._owner} of {short(self.matrix)}", "a matrix", "give a SciPy matrix") from reason
+        if kind not in "iuf" or matrix.shape[0] != matrix.shape[1]:
+            raise InputError(
+                f"{self._owner} of a matrix of shape {matrix.shape} and type {matrix.dtype}",
+                "a square matrix of real numbers",
+                "give the stiffness of all unknowns, or of those that are not held",
+            )
+        matrix = matrix.astype(np.float64)
+        matrix.sum_duplicates()
+        return matrix
+
+    @cached_property
+    def nodes(self) -> Floats:
+        """See `LinearBody.nodes`."""
+        nodes = as_numbers(f"{self._owner}: coordinates", self.coordinates)
+        if nodes.ndim != 2 or nodes.shape[1] != 2 or not len(nodes) or not np.isfinite(nodes).all():
+            raise InputError(
+                f"{self._owner} with coordinates of shape {nodes.shape}, {int((~np.isfinite(nodes)).sum())} not finite",
+                "finite numbers, shape (n_nodes, 2)",
+                "give one row a node (transpose what has one column a node)",
+            )
+        return nodes
+
+    @cached_property
+    def _places(self) -> Ints:
+        """Row of K of each unknown (n_dofs, 2), -1 for none; after the nodes those that belong to no node."""
+        n, nodes = self._matrix.shape[0], self.nodes
+        given: Any = self.rows
+        if given is None and n != 2 * len(nodes):
+            raise InputError(
+                f"{self._owner} of a matrix of {n} rows with coordinates of {len(nodes)} nodes",
+                f"{2 * len(nodes)} rows, two a node",
+                "give rows=..., those of each node's components (n_nodes, 2), -1 where one is held",
+            )
+        places = np.arange(n).reshape(-1, 2) if given is None else np.asarray(given)
+        used = places[places >= 0] if places.dtype.kind in "iu" else np.empty(0, dtype=np.int64)
+        if places.dtype.kind not in "iu" or places.shape != nodes.shape or places.max(initial=-1) >= n:
+            raise InputError(
+                f"{self._owner} with rows of shape {places.shape}, up to {short(places.max(initial=-1))}",
+                f"numbers of rows below {n}, or -1, shape {nodes.shape}",
+                "correct the numbers",
+            )
+        rows, counts = np.unique(used, return_counts=True)
+        if (counts > 1).any():
+            row = rows[counts.argmax()]
+            first, second = np.argwhere(places == row)[:2, 0]
+            raise InputError(
+                f"{self._owner} with row {row} for node {first} and node {second}", "a row a component", "correct one"
+            )
+        inner = np.setdiff1d(np.arange(n), rows)
+        inner = np.append(inner, np.full(len(inner) % 2, -1)).reshape(-1, 2)
+        return np.concatenate((places, inner)).astype(np.int64)
+
+    @cached_property
+    def free(self) -> Bools:
+        """See `LinearBody.free`."""
+        held = np.asarray(self.held)
+        n = self._matrix.shape[0]
+        if held.size and (held.dtype.kind not in "iu" or held.min() < 0 or held.max() >= n):
+            raise InputError(f"{self._owner} with held={short(self.held)}", f"rows from 0 to {n - 1}", "correct them")
+        places = self._places.ravel()
+        return (places >= 0) & ~np.isin(places, held)
+
+    @cached_property
+    def stiffness(self) -> SymmetricMatrix:
+        """See `LinearBody.stiffness`."""
+        rows = self._places.ravel()[self.free]
+        return SymmetricMatrix.from_full(self._matrix[rows][:, rows])
+
+    def field(self, values: Floats) -> Floats:
+        """See `LinearBody.field`."""
+        field = np.zeros(len(self.free))
+        field[self.free] = values
+        return field.reshape(-1, 2)
+
+    def unknowns(self, field: Floats) -> Floats:
+        """See `LinearBody.unknowns`; those that are held are zero."""
+        there = self._places >= 0
+        result = np.zeros(self._matrix.shape[0])
+        result[self._places[there]] = field[there]
+        return result
+
+    @cached_property
+    def modulus(self) -> float:
+        """The maximum diagonal entry of K over the thickness, as large as the modulus of plane elements."""
+        return float(self._matrix.diagonal().max()) / self.thickness
+
+    @property
+    def softness(self) -> float:
+        """One over `modulus`."""
+        return 1.0 / self.modulus
+
+    @property
+    def hypothesis(self) -> None:
+        """Not known."""
+        return None
+
+    @property
+    def held_by(self) -> str:
+        """See `LinearBody.held_by`."""
+        missing = int((self._places[: len(self.nodes)] < 0).sum())
+        return f"({np.asarray(self.held).size} rows of K, and {missing} unknowns that K is without)"
+
+    @property
+    def content(self) -> tuple[object, ...]:
+        """See `LinearBody.content`."""
+        matrix = self.stiffness
+        return matrix.indptr, matrix.indices, matrix.values, self._places, self.free, self.nodes
+
+    @cached_property
+    def edge_sets(self) -> dict[str, NDArray[np.int32]]:
+        """Ends of the edges of each surface, the body on their left, shape (n_edges, 2)."""
+        return {name: chain[:, [0, -1]] for name, chain in self._chains.items()}
+
+    @cached_property
+    def boundary_edges(self) -> NDArray[np.int32]:
+        """See `LinearBody.boundary_edges`; those of all surfaces."""
+        return self._edges[:, [0, -1]]
+
+    def edge_nodes(self, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
+        """See `LinearBody.edge_nodes`."""
+        keys, wanted = (np.sort(each, axis=1) @ [len(self.nodes), 1] for each in (self.boundary_edges, pairs))
+        order = np.argsort(keys)
+        found = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
+        missing = keys[found] != wanted
+        if missing.any():
+            a, b = pairs[missing.argmax()]
+            raise InputError(
+                f"{self._owner}: the edge ({a}, {b})",
+                f"an edge of one of its surfaces: {', '.join(self.surfaces)}",
+                "take body.edge_sets[name], or rows of it",
+            )
+        edges = self._edges[found]
+        turned = edges[:, 0] != pairs[:, 0]
+        edges[turned] = edges[turned, ::-1]
+        return edges
+
+    @cached_property
+    def _chains(self) -> dict[str, NDArray[np.int32]]:
+        """Nodes of each surface's edges, (n_edges, order + 1)."""
+        return {name: self._chain(name) for name in self.surfaces}
+
+    @cached_property
+    def _edges(self) -> NDArray[np.int32]:
+        every = np.concatenate(list(self._chains.values()))
+        _, first = np.unique(every[:, [0, -1]], axis=0, return_index=True)
+        return every[np.sort(first)]
+
+    def _chain(self, name: str) -> NDArray[np.int32]:
+        line, n = np.asarray(self.surfaces[name]), len(self.nodes)
+        allowed = f"a chain of at least {self.order + 1} numbers of nodes, 0 to {n - 1}"
+        if self.order == 2:
+            allowed += ", an odd number of them with the middle nodes"
+        is_line = line.ndim == 1 and line.dtype.kind in "iu"
+        if not is_line or len(line) <= self.order or (len(line) - 1) % self.order:
+            raise InputError(f"{self._owner} with surface {name!r} of shape {line.shape}", allowed, "correct it")
+        if line.min() < 0 or line.max() >= n:
+            wrong = line[(line < 0) | (line >= n)][0]
+            raise InputError(f"{self._owner}: surface {name!r} has node {wrong}", allowed, "count nodes from 0")
+        inner = line[:-1] if line[0] == line[-1] else line
+        nodes, counts = np.unique(inner, return_counts=True)
+        if (counts > 1).any():
+            node = nodes[counts.argmax()]
+            raise InputError(
+                f"{self._owner}: surface {name!r} passes node {node} at {point_text(self.nodes[node])} twice",
+                "each node once; the last may be the first one of a closed surface",
+                "give two surfaces, or remove the node",
+            )
+        starts = np.arange(0, len(line) - 1, self.order)
+        return line[starts[:, None] + np.arange(self.order + 1)].astype(np.int32)
+
+    def _check_matrix(self) -> None:
+        matrix = self._matrix
+        if not np.isfinite(matrix.data).all():
+            at = int(np.argmin(np.isfinite(matrix.data)))
+            row = int(np.searchsorted(matrix.indptr, at, side="right")) - 1
+            raise InputError(
+                f"{self._owner}: K[{row}, {matrix.indices[at]}] is {matrix.data[at]}", "finite numbers", "correct it"
+            )
+        apart = sp.coo_array(matrix - matrix.T)
+        most = float(np.abs(matrix.data).max(initial=0.0))
+        if np.abs(apart.data).max(initial=0.0) > SYMMETRIC * most:
+            i, j = (int(each[np.abs(apart.data).argmax()]) for each in apart.coords)
+            raise InputError(
+                f"{self._owner}: K[{i}, {j}] is {matrix[i, j]:.6g} and K[{j}, {i}] is {matrix[j, i]:.6g}",
+                "a symmetric matrix: each work of a force on another's displacement is mutual",
+                "give the stiffness before rows are changed for supports, and name held rows with held=...",
+            )
+
+    def _check_places(self) -> None:
+        rows = self._places.ravel()[self.free]
+        diagonal = self._matrix.diagonal()[rows]
+        if len(rows) == 0:
+            raise InputError(f"{self._owner}: all unknowns are held", "some that move", "hold less of the body")
+        if diagonal.min() <= 0.0:
+            number = int(diagonal.argmin())
+            raise InputError(
+                f"{self._owner}: K[{rows[number]}, {rows[number]}] is {diagonal[number]:.6g}, of {self.named(number)}",
+                "a positive definite matrix of the unknowns that are not held",
+                "a multiplier or an unknown without stiffness is no displacement: eliminate it, or hold it",
+            )
+
+    def _check_surface(self, name: str) -> None:
+        edges = self._chains[name]
+        pairs = np.stack((edges[:, :-1], edges[:, 1:]), axis=2).reshape(-1, 2)
+        found = meeting(self.nodes, pairs)
+        if len(found.crossing) or len(found.on):
+            a, b = pairs[found.crossing[0] if len(found.crossing) else [found.on[0], found.of[0]]]
+            raise InputError(
+                f"{self._owner}: surface {name!r} {'crosses' if len(found.crossing) else 'touches'} itself with the "
+                f"edges ({a[0]}, {a[1]}) and ({b[0]}, {b[1]}) near {point_text(self.nodes[a[0]])}",
+                "a line along the boundary that passes each place once",
+                "put its nodes in their order along the boundary",
+            )
+        if self._side(edges) < 0.0:
+            raise InputError(
+                f"{self._owner}: surface {name!r} has the body on its right",
+                "nodes in the order in which the body is on the left, counter-clockwise around the outside",
+                f"turn it: surfaces={{{name!r}: nodes[::-1]}}",
+            )
+
+    def _side(self, edges: NDArray[np.int32]) -> float:
+        """Positive where most nodes that the stiffness couples to a chain's edges are on its left, negative: right."""
+        owner = np.empty(self._matrix.shape[0], dtype=np.int64)
+        there = self._places >= 0
+        owner[self._places[there]] = np.nonzero(there)[0]
+        ends = np.stack((edges[:, [0, -1]], edges[:, [-1, 0]]), axis=1).reshape(-1, 2)  # each end of each edge
+        forward = np.tile([1.0, -1.0], len(edges))
+        votes = 0.0
+        for component in range(2):
+            rows = self._places[ends[:, 0], component]
+            coupled = sp.coo_array(self._matrix[rows[rows >= 0]])
+            end, near = np.flatnonzero(rows >= 0)[coupled.row], owner[coupled.col]
+            inner = (near < len(self.nodes)) & ~np.isin(near, edges)
+            end, near = end[inner], near[inner]
+            chord = self.nodes[ends[end, 1]] - self.nodes[ends[end, 0]]
+            apart = self.nodes[near] - self.nodes[ends[end, 0]]
+            close = np.linalg.norm(apart, axis=1) <= NEAR * np.linalg.norm(chord, axis=1)
+            votes += float((np.sign(cross_product(chord, apart)) * forward[end])[close].sum())
+        if votes == 0.0 and edges[0, 0] == edges[-1, -1]:
+            x, y = self.nodes[edges[:, 0]].T
+            around = np.allclose([np.ptp(x), np.ptp(y)], np.ptp(self.nodes, axis=0))
+            votes = float(around) * float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum())
+        return votes

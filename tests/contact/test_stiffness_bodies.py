@@ -1,0 +1,241 @@
+"""Bodies given by a stiffness matrix: the same contact as that of our own mesh, and what is refused."""
+
+from typing import Any
+
+import numpy as np
+import pytest
+import scipy.sparse as sp
+
+from flangeway.contact import Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface, press
+from flangeway.elements import Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, rectangle_grid
+from flangeway.problems import Body, Part, StiffnessBody
+
+STEEL = Elastic(210e3, 0.3)
+LOWER = rectangle_grid(3.0, 1.0, 7, 3, origin=(-1.5, -1.0))
+UPPER = rectangle_grid(1.0, 1.0, 4, 3, origin=(-0.5, 0.0))
+
+
+def around(mesh: PolyMesh, body: Body) -> list[int]:
+    """Nodes of the closed boundary, from the lower left corner."""
+    edges = body.edge_nodes(mesh.boundary_edges)
+    following = {int(edge[0]): edge for edge in edges}
+    line = [int(edges[0, 0])]
+    while len(line) == 1 or line[-1] != line[0]:
+        line += following[line[-1]][1:].tolist()
+    return line
+
+
+def foreign(body: Body, *, seed: int = 0, only_free: bool = False, inner: bool = False) -> StiffnessBody:
+    """The body's stiffness with its nodes and unknowns in a random order, as another program may number them."""
+    rng = np.random.default_rng(seed)
+    matrix = sp.csr_array(
+        (body.elasticity.stiffness() if inner else body.elasticity.condensed_stiffness().matrix).full()
+    )
+    n_nodes, n = len(body.nodes), matrix.shape[0]
+    node_order, order = rng.permutation(n_nodes), rng.permutation(n)
+    place = np.argsort(order)  # row of each unknown
+    rows = place[: 2 * n_nodes].reshape(-1, 2)
+    free = np.ones(n, dtype=bool)
+    free[: 2 * n_nodes] = body.free[: 2 * n_nodes]
+    held: Any = place[np.flatnonzero(~free)]
+    matrix = matrix[order][:, order]
+    if only_free:
+        kept = np.setdiff1d(np.arange(n), held)
+        number = np.full(n, -1)
+        number[kept] = np.arange(len(kept))
+        matrix, rows, held = matrix[kept][:, kept], number[rows], ()
+    mine = np.argsort(node_order)
+    line = mine[around(body.mesh, body)]
+    return Body.from_stiffness(
+        body.name,
+        matrix,
+        body.nodes[node_order],
+        {"boundary": line.tolist()},
+        order=body.space.order,
+        rows=rows[node_order],
+        held=held,
+        thickness=body.thickness,
+    )
+
+
+def surface(part: Part, low: float, high: float) -> Surface:
+    """The part's edges between two heights of its own frame."""
+    edges = part.body.boundary_edges
+    heights = part.body.nodes[edges][:, :, 1]
+    return Surface(part, edges[((heights >= low) & (heights <= high)).all(axis=1)])
+
+
+def pressed(lower: Any, upper: Any, pairing: Any, enforcement: Any, **options: Any) -> Any:
+    """Two blocks, the upper one turned with the ground and mirrored, pressed upon the lower one."""
+    ground = Placement(0.4, (2.0, 1.0))
+    parts = [Part("lower", lower, ground), Part("upper", upper, Placement(0.43, (2.0, 1.0), mirrored=True))]
+    contact = Contact(surface(parts[1], 0.0, 0.0), surface(parts[0], 0.0, 0.0), pairing, enforcement)
+    down = ground.vectors([[0.0, -0.02]])[0]
+    return parts, press([contact], {parts[1]: Placement(0.0, (float(down[0]), float(down[1])))}, **options)
+
+
+CASES = {
+    "linear": (Lagrange(1), SegmentToSegment(), Multiplier(), {}),
+    "quadratic": (Lagrange(2), NodeToSegment(), Penalty(1e7, per="length"), {"only_free": True}),
+    "virtual": (Virtual(2), SegmentToSegment(), Multiplier(), {"inner": True}),
+}
+
+
+@pytest.mark.parametrize("path", ["condensed", "sparse"])
+@pytest.mark.parametrize("case", CASES)
+def test_a_matrix_in_any_order_gives_the_contact_of_its_mesh(case: str, path: Any) -> None:
+    """Forces, displacements and nodal forces equal those of the meshes, whatever the numbering and the placement."""
+    element, pairing, enforcement, how = CASES[case]
+    own = [
+        Body("lower", LOWER, element, STEEL, "bottom", 2.0),
+        Body("upper", UPPER, element, STEEL, {"top": "xy"}, 2.0),
+    ]
+    (lower, upper), expected = pressed(*own, pairing, enforcement)
+    given = [foreign(body, seed=number, **how) for number, body in enumerate(own)]
+    parts, found = pressed(*given, pairing, enforcement, path=path)
+    assert expected.status.converged
+    assert found.status.converged, found.status.message
+    assert np.abs(expected.forces).max() > 100.0
+    np.testing.assert_allclose(found.forces, expected.forces, rtol=1e-10)
+    for part, mine in zip((lower, upper), parts, strict=True):
+        same = [np.abs(mine.body.nodes - node).sum(axis=1).argmin() for node in part.body.nodes]
+        forces = expected.nodal_forces(part)
+        np.testing.assert_allclose(found.nodal_forces(mine)[same], forces, atol=1e-10 * np.abs(forces).max())
+        field = expected.unknowns(part).reshape(-1, 2)[: len(same)]
+        given = np.asarray(mine.body.rows)[same]
+        moved = np.where(given >= 0, found.unknowns(mine)[given], 0.0)
+        np.testing.assert_allclose(moved, field, atol=1e-10 * np.abs(field).max())
+
+
+def test_the_displacements_of_all_unknowns_are_in_equilibrium_with_the_nodal_forces() -> None:
+    """K u gives the contact forces on the unknowns that are not held, turned into the body's frame."""
+    bodies = [foreign(Body(name, mesh, Virtual(2), STEEL, held), inner=True)
+              for name, mesh, held in (("lower", LOWER, "bottom"), ("upper", UPPER, "top"))]  # fmt: skip
+    parts, found = pressed(*bodies, SegmentToSegment(), Multiplier())
+    for part in parts:
+        body = part.body
+        moved = body.matrix @ found.unknowns(part)
+        expected = np.zeros(len(moved))
+        # the motion of the upper part is a shift, which turns no axes
+        expected[np.asarray(body.rows)] = found.nodal_forces(part) @ part.placement.matrix
+        loose = np.setdiff1d(np.arange(len(moved)), body.held)
+        np.testing.assert_allclose(moved[loose], expected[loose], atol=1e-9 * np.abs(expected).max())
+
+
+def test_stresses_and_meshes_are_refused_with_what_there_is() -> None:
+    """A body of a matrix has no elements here: the message says what to take."""
+    body = foreign(Body("lower", LOWER, Lagrange(1), STEEL, "bottom"))
+    (lower, _), found = pressed(body, Body("upper", UPPER, Lagrange(1), STEEL, "top"), SegmentToSegment(), Multiplier())
+    with pytest.raises(InputError, match=r"stresses of body 'lower'.*(?s:.*)solution.unknowns"):
+        found.field(lower)
+
+
+def good() -> dict[str, Any]:
+    """A body that is right."""
+    body = Body("block", LOWER, Lagrange(1), STEEL, "bottom")
+    matrix = body.elasticity.stiffness().full()
+    held = np.flatnonzero(~body.free)
+    top = LOWER.edge_sets["top"]
+    return {
+        "stiffness": matrix,
+        "coordinates": LOWER.points,
+        "surfaces": {"top": [*top[:, 0].tolist(), int(top[-1, 1])]},
+        "held": held,
+    }
+
+
+def made(**changes: Any) -> StiffnessBody:
+    """The right body with some arguments changed."""
+    return Body.from_stiffness("block", **{**good(), **changes})
+
+
+def unsymmetric() -> Any:
+    matrix = good()["stiffness"].tolil()
+    matrix[3, 2] += 1.0
+    return matrix
+
+
+def with_nan() -> Any:
+    matrix = good()["stiffness"].toarray()
+    matrix[5, 4] = np.nan
+    return matrix
+
+
+REFUSED = {
+    "unsymmetric": (lambda: {"stiffness": unsymmetric()}, r"K\[2, 3\] is .* and K\[3, 2\] is"),
+    "nan": (lambda: {"stiffness": with_nan()}, r"K\[5, 4\] is nan"),
+    "complex": (lambda: {"stiffness": good()["stiffness"] * 1j}, "real numbers"),
+    "not square": (lambda: {"stiffness": good()["stiffness"][:, :10]}, "square matrix"),
+    "no matrix": (lambda: {"stiffness": "K.mtx"}, "a matrix"),
+    "too few nodes": (lambda: {"coordinates": LOWER.points[:-1]}, "64 rows with coordinates of 31 nodes"),
+    "transposed": (lambda: {"coordinates": LOWER.points.T}, r"shape \(2, 32\)"),
+    "point not finite": (lambda: {"coordinates": np.full((32, 2), np.inf)}, "64 not finite"),
+    "rows beyond": (lambda: {"rows": np.arange(1, 65).reshape(-1, 2)}, "numbers of rows below 64"),
+    "row twice": (lambda: {"rows": np.zeros((32, 2), dtype=int)}, "row 0 for node 0 and node 0"),
+    "held beyond": (lambda: {"held": [64]}, "rows from 0 to 63"),
+    "all held": (lambda: {"held": np.arange(64)}, "all unknowns are held"),
+    "indefinite on the diagonal": (lambda: {"stiffness": -good()["stiffness"]}, "positive definite"),
+    "no surface": (lambda: {"surfaces": {}}, "without surfaces"),
+    "surface not in K": (lambda: {"surfaces": {"top": [30, 31, 32]}}, "surface 'top' has node 32"),
+    "surface of one node": (lambda: {"surfaces": {"top": [30]}}, "at least 2 numbers"),
+    "middle nodes missing": (lambda: {"order": 2, "surfaces": {"top": [31, 30, 29, 28]}}, "odd number"),
+    "node twice": (lambda: {"surfaces": {"top": [31, 30, 31, 29]}}, "passes node 31"),
+    "crossing": (lambda: {"surfaces": {"top": [31, 22, 23, 30]}}, r"'top' crosses itself with the edges \(31, 22\)"),
+    "touching": (lambda: {"surfaces": {"top": [31, 29, 22, 30]}}, "'top' touches itself"),
+    "on the right": (lambda: {"surfaces": {"top": good()["surfaces"]["top"][::-1]}}, r"nodes\[::-1\]"),
+    "clockwise": (lambda: {"surfaces": {"all": around(LOWER, Body("b", LOWER, Lagrange(1), STEEL, "top"))[::-1]}},
+                  r"'all' has the body on its right"),
+    "order 3": (lambda: {"order": 3}, "1 or 2"),
+    "thickness": (lambda: {"thickness": -1.0}, "positive length"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_what_is_wrong_is_refused_with_its_place(what: str) -> None:
+    """Each wrong argument is an error that names where."""
+    change, message = REFUSED[what]
+    with pytest.raises(InputError, match=message):
+        made(**change())
+
+
+def hourglass() -> Any:
+    """A stiffness with a motion without energy that is not rigid."""
+    matrix = good()["stiffness"].toarray()
+    free = np.setdiff1d(np.arange(64), good()["held"])
+    mode = np.random.default_rng(0).standard_normal(len(free))
+    mode[-1] = 9.0
+    mode /= np.linalg.norm(mode)
+    inside = matrix[np.ix_(free, free)]
+    away = np.eye(len(free)) - np.outer(mode, mode)
+    matrix[np.ix_(free, free)] = away @ inside @ away
+    return matrix, np.outer(mode, mode), free
+
+
+def negative() -> Any:
+    """The same with a motion of negative energy."""
+    matrix, outer, free = hourglass()
+    matrix[np.ix_(free, free)] -= 1e4 * outer
+    return matrix
+
+
+@pytest.mark.parametrize("path", ["condensed", "sparse"])
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda: {"held": ()}, "can slide in x, slide in y and turn"),
+        (lambda: {"held": good()["held"][::2]}, r"can slide in y and turn about \(0, -1\): its stiffness"),
+        (lambda: {"held": good()["held"][:2]}, r"can turn about \(-1.5, -1\)"),
+        (lambda: {"stiffness": hourglass()[0]}, "zero energy .* largest at node 31 at .* in y"),
+        (lambda: {"stiffness": negative()}, "negative energy .* largest at node 31 at .* in y"),
+    ],
+)  # fmt: skip
+def test_motions_without_energy_are_named(change: Any, message: str, path: Any) -> None:
+    """Rigid and other motions that the stiffness leaves free, or drives, are named before the iteration."""
+    body = made(**change())
+    upper = Body("upper", UPPER, Lagrange(1), STEEL, "top")
+    with pytest.raises(InputError, match=message):
+        pressed(body, upper, SegmentToSegment(), Multiplier(), path=path)
