@@ -15,7 +15,7 @@ MAX_LINES = {
     "system": 780,
     "exact": 1110,
     "geometry": 1260,
-    "mesh": 2505,
+    "mesh": 2844,
     "formats": 1850,
     "elements": 1392,
     "space": 906,

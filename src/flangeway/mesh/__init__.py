@@ -1,16 +1,20 @@
 """Meshes of polygons: triangulation, dual polygons, refinement, checks and files."""
 
+from flangeway.mesh.agglomeration import agglomerated
 from flangeway.mesh.dual import dual, dual_section
 from flangeway.mesh.gmsh_mesher import triangulate, triangulate_section
 from flangeway.mesh.mesh_checks import check, conforming, edges_halved
 from flangeway.mesh.polymesh import PolyMesh
+from flangeway.mesh.quadtree import quadtree
 from flangeway.mesh.refine import doerfler_marking, refined
 from flangeway.mesh.sizing import Refinement, long_meshes_reported
 from flangeway.mesh.structured import rectangle_grid
+from flangeway.mesh.voronoi import voronoi
 
 __all__ = [
     "PolyMesh",
     "Refinement",
+    "agglomerated",
     "check",
     "conforming",
     "doerfler_marking",
@@ -18,8 +22,10 @@ __all__ = [
     "dual_section",
     "edges_halved",
     "long_meshes_reported",
+    "quadtree",
     "rectangle_grid",
     "refined",
     "triangulate",
     "triangulate_section",
+    "voronoi",
 ]

@@ -1,0 +1,125 @@
+"""Voronoi polygons, quadtrees and agglomerated polygons: sound meshes on which virtual elements pass the patch test."""
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Virtual
+from flangeway.errors import InputError
+from flangeway.forms import interpolate, load, solve, stiffness
+from flangeway.geometry import circle, polygon, square
+from flangeway.mesh import agglomerated, check, quadtree, rectangle_grid, triangulate, voronoi
+from flangeway.space import Space
+
+PENTAGON = polygon([(0.0, 0.0), (2.0, 0.0), (4.0, 0.0), (5.0, 2.0), (2.0, 4.0)], ["a", "b", "c", "d", "e"])
+
+
+def near_corner(centres, sides):
+    return np.hypot(*centres.T) < 1.5 * sides
+
+
+MESHES = {
+    "voronoi": lambda: voronoi(square(1.0, (0.5, 0.5)), 30, iterations=2),
+    "voronoi of random points": lambda: voronoi(square(1.0, (0.5, 0.5)), 30, iterations=0),
+    "voronoi in a pentagon": lambda: voronoi(PENTAGON, 25),
+    "quadtree": lambda: quadtree(1.0, 1.0, 2, 2, finer=near_corner, levels=4),
+    "agglomerated triangles": lambda: agglomerated(triangulate(square(1.0), size=0.12), 20),
+    "agglomerated squares": lambda: agglomerated(rectangle_grid(1.0, 1.0, 8, 8, cells="quadrilaterals"), 12),
+}
+AREAS = dict.fromkeys(MESHES, 1.0) | {"voronoi in a pentagon": PENTAGON.area}
+
+
+@pytest.mark.parametrize("name", MESHES)
+def test_the_mesh_is_sound_and_the_patch_test_is_passed(name):
+    """Cells are simple and fill the area; polynomials of degree k are found to round-off, k = 1 to 3."""
+    mesh = MESHES[name]()
+    check(mesh, region_area=AREAS[name])
+    for order in (1, 2, 3):
+
+        def exact(p, order=order):
+            return (0.3 * p[:, 0] + 0.5 * p[:, 1]) ** order + p[:, 0]
+
+        def source(p, order=order):
+            return (
+                -0.34 * order * (order - 1) * (0.3 * p[:, 0] + 0.5 * p[:, 1]) ** (order - 2)
+                if order > 1
+                else 0 * p.T[0]
+            )
+
+        space = Space(mesh, Virtual(order))
+        wanted = interpolate(space, exact)
+        found = solve(stiffness(space), load(space, source), space.boundary_dofs(), wanted)
+        np.testing.assert_allclose(found, wanted, atol=1e-10 * np.abs(wanted).max())
+
+
+def test_voronoi_cells_are_nearest_to_their_points():
+    """Every vertex of a cell is as near to the cell's point as to the nearest one; sides have the outline's names."""
+    points = np.random.default_rng(3).random((20, 2))
+    mesh = voronoi(square(1.0, (0.5, 0.5)), points, iterations=0)
+    apart = np.linalg.norm(mesh.points[:, None] - points, axis=2)
+    for cell in range(20):
+        own = mesh.cell_points[mesh.cell_offsets[cell] : mesh.cell_offsets[cell + 1]]
+        np.testing.assert_allclose(apart[own, cell], apart[own].min(axis=1), atol=1e-12)
+    assert sorted(voronoi(PENTAGON, 9).edge_sets) == ["a", "b", "c", "d", "e"]
+    assert np.linalg.norm(voronoi(PENTAGON, 9).points - [2.0, 0.0], axis=1).min() == 0.0
+
+
+def test_iterations_of_lloyd_make_cells_even():
+    """The ratio of extreme areas and the distance of points from centroids fall."""
+    before, after = (voronoi(square(1.0), 60, iterations=n).cell_areas for n in (0, 15))
+    assert after.max() / after.min() < 2.0 < before.max() / before.min()
+
+
+def test_a_quadtree_is_fine_where_the_function_says():
+    """Sides halve from level to level towards the corner; cells beside finer ones have more than four points."""
+    mesh = MESHES["quadtree"]()
+    assert mesh.cell_areas.min() == pytest.approx(0.25 * 4.0**-4)
+    assert mesh.n_cells == 4 + 3 * 4
+    assert sorted(np.unique(mesh.cell_sizes)) == [4, 5]
+    steep = quadtree(1.0, 1.0, 2, 1, finer=lambda c, _: c[:, 0] < 0.5, levels=3)
+    assert steep.cell_sizes.max() == 4 + 7
+    counts = {name: len(pairs) for name, pairs in steep.edge_sets.items()}
+    assert counts == {
+        "bottom": 9,
+        "right": 1,
+        "top": 9,
+        "left": 8,
+    }
+
+
+def test_agglomerated_polygons_keep_area_sets_and_the_boundary():
+    """Of 100 triangles ten polygons are left or some more; a cell set keeps its area, an edge set its edges."""
+    mesh = triangulate(circle(1.0), size=0.2)
+    mesh = mesh.with_cell_set("left", mesh.cell_centroids[:, 0] < 0.0)
+    joined = agglomerated(mesh, 10)
+    check(joined, region_area=mesh.cell_areas.sum())
+    assert joined.n_cells == 10
+    for part in (joined, mesh):
+        assert part.cell_areas[part.cell_set("left")].sum() == pytest.approx(
+            mesh.cell_areas[mesh.cell_set("left")].sum()
+        )
+    assert len(joined.edge_set("circle")) == len(mesh.edge_set("circle"))
+    assert agglomerated(mesh, 1).n_cells == 2
+    ring = agglomerated(rectangle_grid(3.0, 3.0, 3, 3).with_cell_set("hole", [8, 9]), 1)
+    check(ring, region_area=9.0)
+    assert ring.n_cells > 2  # a ring would have a hole
+
+
+WRONG = {
+    "arcs or reentrant": lambda: voronoi(circle(1.0), 5),
+    "arcs or reentrant corners": lambda: voronoi(polygon([(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)]), 5),
+    "inside the outline": lambda: voronoi(square(1.0), [(5.0, 0.0), (0.1, 0.1)]),
+    "at one place": lambda: voronoi(square(1.0), [(0.1, 0.1), (0.1, 0.1)]),
+    "number of cells": lambda: voronoi(square(1.0), 0),
+    "iterations": lambda: voronoi(square(1.0), 4, iterations=-1),
+    "truth value": lambda: quadtree(1.0, 1.0, 2, 2, finer=lambda c, _: c),
+    "levels": lambda: quadtree(1.0, 1.0, 2, 2, finer=near_corner, levels=99),
+    "width": lambda: quadtree(0.0, 1.0, 2, 2, finer=near_corner),
+    "cells": lambda: agglomerated(rectangle_grid(1.0, 1.0, 2, 2), 9),
+}
+
+
+@pytest.mark.parametrize("words", WRONG)
+def test_wrong_input_is_named(words):
+    """Each error says what was wrong."""
+    with pytest.raises(InputError, match=words):
+        WRONG[words]()
