@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 65_695
-MAX_FILES_OF_ALL = 351
+MAX_LINES_OF_ALL = 66_034
+MAX_FILES_OF_ALL = 354
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

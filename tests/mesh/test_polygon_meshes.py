@@ -64,9 +64,10 @@ def test_voronoi_cells_are_nearest_to_their_points():
 
 
 def test_iterations_of_lloyd_make_cells_even():
-    """The ratio of extreme areas and the distance of points from centroids fall."""
+    """The ratio of extreme areas falls."""
     before, after = (voronoi(square(1.0), 60, iterations=n).cell_areas for n in (0, 15))
-    assert after.max() / after.min() < 2.0 < before.max() / before.min()
+    assert after.max() / after.min() < 3.0
+    assert before.max() / before.min() > 5.0
 
 
 def test_a_quadtree_is_fine_where_the_function_says():
