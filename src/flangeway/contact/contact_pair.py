@@ -7,6 +7,7 @@ import numpy as np
 from flangeway.checks import is_finite, refused
 from flangeway.contact.enforcement import Enforcement
 from flangeway.contact.pairs import Pairing
+from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Floats
@@ -17,7 +18,7 @@ ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...)"
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Frictionless contact between two surfaces.
+    """Contact between two surfaces, without friction or with Coulomb's.
 
     Parameters
     ----------
@@ -30,14 +31,15 @@ class Contact:
     enforcement
         How the condition of no penetration is enforced.
     friction
-        Coefficient of friction: only 0 can be solved.
+        Coefficient of Coulomb's friction, >= 0, or a `Friction` with one such coefficient. Slip is counted from the
+        last converged step, so the answer depends on the path of the motion; see `press`.
 
     Raises
     ------
     InputError
         If the surfaces belong to one part or to parts of different thickness or hypothesis, if the pairing and the
-        enforcement do not go together, if a penalty has no value (the message suggests one for these bodies), or for
-        friction.
+        enforcement do not go together, if a penalty has no value (the message suggests one for these bodies), or if
+        the friction is no number >= 0 or falls with the slip velocity, which statics does not know.
 
     """
 
@@ -45,7 +47,7 @@ class Contact:
     primary: Surface
     pairing: Pairing
     enforcement: Enforcement
-    friction: float = 0.0
+    friction: float | Friction = 0.0
 
     def __post_init__(self) -> None:
         kinds = {"pairing": (Pairing, PAIRINGS), "enforcement": (Enforcement, ENFORCEMENTS)}
@@ -73,12 +75,7 @@ class Contact:
                 "both in plane strain, or both in plane stress",
                 "take one hypothesis for both materials",
             )
-        if not (is_finite(self.friction) and self.friction == 0.0):
-            raise InputError(
-                f"Contact(friction={short(self.friction)}) of {self._names}",
-                "0: contact is frictionless",
-                "leave friction out; tangential forces are not modelled",
-            )
+        self._refuse_bad_friction()
         mean_area = float(np.mean(self.node_areas))
         self.enforcement.check(self.pairing, self.suggested_penalty, mean_area, self._names)
 
@@ -92,6 +89,24 @@ class Contact:
         """Ten times the larger stiffness over the mean length of the secondary edges, a pressure per length."""
         stiffest = max(surface.part.body.modulus for surface in (self.secondary, self.primary))
         return 10.0 * stiffest / float(np.mean(self.secondary.edge_lengths))
+
+    @property
+    def friction_coefficient(self) -> float:
+        """Coefficient of friction, the same at every point and slip."""
+        return float(self.friction.limits[0][0]) if isinstance(self.friction, Friction) else float(self.friction)
+
+    def _refuse_bad_friction(self) -> None:
+        given = f"Contact(friction={short(self.friction)}) of {self._names}"
+        law = self.friction
+        if isinstance(law, Friction):
+            if not law.constant or len(law.limits[0]) != 1:
+                raise InputError(
+                    given,
+                    "one coefficient that does not depend on the slip velocity: bodies move slowly here",
+                    "give a number; flangeway rolls with other laws",
+                )
+        elif not (is_finite(law) and law >= 0.0):
+            raise InputError(given, "a number >= 0", "leave friction out for contact without it")
 
     @property
     def _names(self) -> str:

@@ -304,12 +304,12 @@ class PiecePoints(_Arrays):
         nothing = np.zeros_like(other_slopes)
         self.slopes, self.bends = _beside(slopes, nothing), _beside(bends, nothing)
         self.other_slopes = _beside(np.zeros_like(values), other_slopes)
-        apart = _beside(-values, self.other_values)
+        self.eta, self.apart = eta, _beside(-values, self.other_values)
         self.moved = (1.0 - parts)[:, None] * self.start.rate[:, None] + parts[:, None] * self.end.rate[:, None]
         self.turn = self.slopes * (self.n / self.m)[..., None] + (self.bend_n / self.m)[..., None] * self.moved
-        self.slide = apart * (-self.t / reach)[..., None] + (self.m / reach)[..., None] * self.moved
+        self.slide = self.apart * (-self.t / reach)[..., None] + (self.m / reach)[..., None] * self.moved
         self.slide -= (self.gap / reach)[..., None] * self.turn
-        self.rate = apart * self.n[..., None] + rise[..., None] * self.slide
+        self.rate = self.apart * self.n[..., None] + rise[..., None] * self.slide
 
     @property
     def hats(self) -> Floats:
@@ -322,15 +322,59 @@ class PiecePoints(_Arrays):
 
         These include the changes of the hats at the moving points and of the pieces' widths.
         """
+        return self._integrals(self.gap, self.rate)
+
+    def slips(self, secondary: Floats, primary: Floats) -> tuple[Floats, Floats, Floats]:
+        """Integrals of the slip since earlier positions of the edges' nodes, each (p, order + 1, 2), see `Slides`.
+
+        The second and third result are as those of `gaps`: derivatives of the first, and unit tangential forces.
+        """
+        own, other = _Edges(secondary), _Edges(primary)
+        point, slope, bend = (own.values(number, self.xi) for number in range(3))
+        m = np.abs(slope)
+        t = slope / m
+        apart, across = point - other.values(0, self.eta), _dot(-1j * t, bend) / m
+        by_xi, by_eta = m + across * _dot(-1j * t, apart), -_dot(t, other.values(1, self.eta))
+        rates = by_xi[..., None] * self.moved + by_eta[..., None] * self.slide
+        return *self._integrals(_dot(t, apart), rates), self.hats @ _components(self.directions)
+
+    @property
+    def directions(self) -> Complex:
+        """Derivatives of the rate of slip by the nodes' velocities at fixed points of the secondary, (p, q, d)."""
+        turned = (self.gap / self.m * self.n)[..., None] * self.slopes
+        return np.asarray(self.apart * self.t[..., None] + turned)
+
+    def turns(self, factors: Floats) -> Floats:
+        """Derivatives of the sums of factors (p, 2) times the two unit tangential forces, shape (p, 2 d, 2 d)."""
+        slope = factors[:, 1:] - factors[:, :1]
+        weights = self.weights * (factors[:, :1] * (1.0 - self.xi) + factors[:, 1:] * self.xi)
+        measure, g, directions = weights * self.width, self.gap / self.m, self.directions
+        stretch = (
+            self.slopes * (self.t / self.m)[..., None] + (_dot(self.t, self.bend) / self.m)[..., None] * self.moved
+        )
+        by_moved = (measure * g * self.n)[..., None] * self.bends - (measure * self.t)[..., None] * self.slopes
+        by_moved += (self.weights * self.width * slope)[..., None] * directions
+        by_turn = (measure * self.n)[..., None] * self.apart - (measure * g * self.t)[..., None] * self.slopes
+        along = (measure * self.n / self.m)[..., None] * self.slopes
+        by_slide = (measure * self.t)[..., None] * self.other_slopes
+        by_width = (weights[..., None] * directions).sum(axis=1, keepdims=True)
+        left = by_moved, by_turn, along, -self.gap[..., None] * along, by_slide, by_width
+        widening = (self.end.rate - self.start.rate)[:, None]
+        right = self.moved, self.turn, self.rate, stretch, self.slide, widening
+        one, other = (_components(np.concatenate(each, axis=1)) for each in (left, right))
+        return np.asarray(one.swapaxes(1, 2) @ other)
+
+    def _integrals(self, points: Floats, rates: Complex) -> tuple[Floats, Floats]:
+        """Integrals with the hats of values at the points (p, q), and their derivatives, by the values' rates."""
         hats = self.hats
-        values = (hats * self.gap[:, None]).sum(axis=-1)
-        share = self.weights * self.gap
+        values = (hats * points[:, None]).sum(axis=-1)
+        share = self.weights * points
         by_width = np.stack(((share * (1.0 - self.xi)).sum(axis=-1), (share * self.xi).sum(axis=-1)), axis=1)
         to_end = self.width * np.stack(
             ((share * (1.0 - self.parts)).sum(axis=-1), (share * self.parts).sum(axis=-1)), 1
         )
         slopes = np.array([-1.0, 1.0])
-        gradients = hats @ _components(self.rate)
+        gradients = hats @ _components(rates)
         gradients += (slopes * to_end[:, :1] - by_width)[..., None] * _components(self.start.rate)[:, None]
         gradients += (slopes * to_end[:, 1:] + by_width)[..., None] * _components(self.end.rate)[:, None]
         return values, gradients

@@ -6,8 +6,9 @@ found when the pairing's own equations are solved. From then on they are guarded
 whichever side the node is on. Its gap is invariant to rigid motions, so the forces on both sides are in equilibrium.
 """
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 
@@ -22,6 +23,7 @@ from flangeway.contact.node_to_segment import (
     guarded_margins,
 )
 from flangeway.contact.pairs import Pairs
+from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface, node_normals
 from flangeway.types import Bools, Floats, Ints
 
@@ -54,21 +56,42 @@ class GuardedPairs(Pairs):
     @cached_property
     def gradients(self) -> Floats:
         """See `Pairs.gradients`."""
-        first, *others = (part.gradients for part in self.parts)
-        fills = [np.zeros((len(each), first.shape[1] - 1, *first.shape[2:])) for each in others]
-        return np.concatenate((first, *(np.concatenate(each, axis=1) for each in zip(others, fills, strict=True))))
+        return _of_terms([part.gradients for part in self.parts])
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `Pairs.curvatures`."""
+        return self._on_terms([part.curvatures for part in self.parts], forces)
+
+    def slides(self, points: Floats, before: Floats) -> Slides:
+        """See `Pairs.slides`."""
+        ends = np.cumsum([len(part.rows) for part in self.parts])[:-1]
+        given = zip(self.parts, np.split(points, ends), np.split(before, ends), strict=True)
+        found = [part.slides(*its) for part, *its in given]
+        turns = partial(self._on_terms, [each.turns for each in found])
+        slips = np.concatenate([each.slips for each in found])
+        rates, directions = (_of_terms([getattr(each, name) for each in found]) for name in ("rates", "directions"))
+        return Slides(slips, rates, directions, turns)
+
+    def _on_terms(
+        self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats
+    ) -> tuple[Ints, Floats]:
+        """Terms under load, and second derivatives, by the functions of each part."""
         ends = np.cumsum([len(part.keys) for part in self.parts])
         firsts = np.cumsum([0, *(len(part.rows) for part in self.parts)])
-        found = [part.curvatures(mine) for part, mine in zip(self.parts, np.split(forces, ends[:-1]), strict=True)]
+        found = [second(mine) for second, mine in zip(seconds, np.split(forces, ends[:-1]), strict=True)]
         terms = [first + each[0] for first, each in zip(firsts, found, strict=False)]
         return np.concatenate(terms), np.concatenate([each[1] for each in found])
 
     def opposite_points(self, edges: Floats) -> Floats:
         """See `Pairs.opposite_points`."""
         return np.concatenate([part.opposite_points(edges) for part in self.parts])
+
+
+def _of_terms(gradients: Sequence[Floats]) -> Floats:
+    """Derivatives of the terms of all parts, each (p, r, w, 2), with the most rows r of a part."""
+    first, *others = gradients
+    fills = [np.zeros((len(each), first.shape[1] - 1, *first.shape[2:])) for each in others]
+    return np.concatenate((first, *(np.concatenate(each, axis=1) for each in zip(others, fills, strict=True))))
 
 
 def guarded(

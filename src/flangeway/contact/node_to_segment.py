@@ -9,6 +9,7 @@ from flangeway.checks import are_finite, check_positive
 from flangeway.contact.kinematics import NodeEdgeGaps, closest_parameters, node_edge_gaps, shape_functions
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import leads_out, nearest_edges
+from flangeway.contact.slip import Slides, node_edge_slides
 from flangeway.contact.surface import COLLINEAR, Surface, node_normals, turns_of
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
@@ -41,17 +42,34 @@ class NodePairs(Pairs):
     @property
     def gradients(self) -> Floats:
         """See `Pairs.gradients`."""
-        result = np.zeros((len(self.slots), self.width, 2))
-        np.put_along_axis(result, self.slots[:, :, None], self.kinematics.gradients, axis=1)
-        return result[:, None]
+        return self._on_points(self.kinematics.gradients)
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `Pairs.curvatures`."""
+        return self._on_terms(forces, self.kinematics.hessians)
+
+    def slides(self, points: Floats, before: Floats) -> Slides:
+        """See `Pairs.slides`."""
+        each = np.arange(len(self.slots))[:, None]
+        edges, was = points[each, self.slots[:, 1:]], before[each, self.slots]
+        gaps, parameters = self.kinematics.gaps, self.kinematics.parameters
+        slips, *by_points, turns = node_edge_slides(edges, gaps, parameters, was[:, 0], was[:, 1:])
+        rates, directions = (self._on_points(found.reshape(*self.slots.shape, 2)) for found in by_points)
+        return Slides(slips, rates, directions, lambda forces: self._on_terms(forces, turns))
+
+    def _on_points(self, gradients: Floats) -> Floats:
+        """Derivatives by the node and the edge's nodes (m, order + 2, 2) as those by the term's points."""
+        result = np.zeros((len(self.slots), self.width, 2))
+        np.put_along_axis(result, self.slots[:, :, None], gradients, axis=1)
+        return result[:, None]
+
+    def _on_terms(self, forces: Floats, hessians: Floats) -> tuple[Ints, Floats]:
+        """Terms under load, and second derivatives by the node and the edge's nodes as those by the term's points."""
         loaded = np.flatnonzero(forces)
         dofs = (2 * self.slots[loaded][:, :, None] + np.arange(2)).reshape(len(loaded), 2 * self.slots.shape[1])
         result = np.zeros((len(loaded), 2 * self.width, 2 * self.width))
         each = np.arange(len(loaded))[:, None, None]
-        result[each, dofs[:, :, None], dofs[:, None, :]] = self.kinematics.hessians[loaded]
+        result[each, dofs[:, :, None], dofs[:, None, :]] = hessians[loaded]
         return loaded, forces[loaded, None, None] * result
 
     def opposite_points(self, edges: Floats) -> Floats:

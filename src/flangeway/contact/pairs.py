@@ -6,7 +6,9 @@ from typing import ClassVar
 
 import numpy as np
 
+from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
+from flangeway.errors import InputError
 from flangeway.types import Bools, Floats, Ints
 
 
@@ -66,6 +68,14 @@ class Pairs(ABC):
     @abstractmethod
     def opposite_points(self, edges: Floats) -> Floats:
         """Points that the constraints touch on primary edges with points ``edges`` (n_edges, order + 1, 2): (m, 2)."""
+
+    def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (for subclasses)
+        """Slips since an earlier position, by the positions of the terms' points now and then, each (p, w, 2)."""
+        raise InputError(
+            f"friction of constraints {type(self).__name__}",
+            "a pairing whose constraints have slips",
+            "write Pairs.slides, or take NodeToSegment or SegmentToSegment",
+        )
 
 
 class Pairing(ABC):

@@ -38,7 +38,7 @@ class LoadStep:
     Parameters
     ----------
     share
-        Share of the motion, 0 < share <= 1.
+        Share of the motion, 0 < share <= 1; of a path of motions 1.5 is the middle of the second one.
     state
         The solution there.
 
@@ -122,14 +122,47 @@ class ContactSolution(Result):
         result = np.zeros((len(self.system.contacts), 2, 3))
         positions = lin.points(self.state.positions)
         for number, (pairs, terms) in enumerate(zip(lin.pairs, lin.term_points, strict=True)):
-            normal = self.state.forces[lin.starts[number] : lin.starts[number + 1]]
-            at_terms = np.einsum("pr,prwi->pwi", normal[pairs.rows], pairs.gradients)
-            points = positions[terms]
+            mine, points = slice(*lin.starts[number : number + 2]), positions[terms]
+            at_terms = np.einsum("pr,prwi->pwi", self.state.forces[mine][pairs.rows], pairs.gradients)
+            if (friction := self.state.friction) is not None and lin.coefficients[mine].any():
+                directions = pairs.slides(points, points).directions
+                at_terms += np.einsum("pr,prwi->pwi", friction.forces[mine][pairs.rows], directions)
             moments = points[..., 0] * at_terms[..., 1] - points[..., 1] * at_terms[..., 0]
             each = np.concatenate((at_terms, moments[..., None]), axis=-1)
             width = pairs.secondary_members.shape[1]
             result[number] = each[:, :width].sum(axis=(0, 1)), each[:, width:].sum(axis=(0, 1))
         return result
+
+    @property
+    def friction_table(self) -> ResultTable:
+        """Each closed constraint: its place, forces, pressure, tangential traction, slip in the last step, and state.
+
+        Tangential forces are those on the secondary, tractions the same over the area, and slips those of the
+        secondary, positive along the primary's edges, whose body is on their left.
+        """
+        lin, friction = self.state.linearisation, self.state.friction
+        assert isinstance(lin, ContactLinearisation)
+        closed = self.state.forces > 0.0
+        numbers = np.repeat(np.arange(len(lin.pairs)), np.diff(lin.starts))
+        points = np.zeros((len(closed), 2))
+        for number, (contact, pairs) in enumerate(zip(self.system.contacts, lin.pairs, strict=True)):
+            places = self.system.nodes_of(contact.secondary)[pairs.nodes]
+            points[lin.starts[number] : lin.starts[number + 1]] = self.state.positions[places]
+        areas = np.concatenate([pairs.areas for pairs in lin.pairs])
+        nothing = np.zeros(len(closed))
+        tangential, slips = (nothing, nothing) if friction is None else (friction.forces, friction.slips)
+        sticks = nothing > 0.0 if friction is None else friction.sticks
+        columns = {
+            "contact": numbers, "x": points[:, 0], "y": points[:, 1], "normal_force": self.state.forces,
+            "tangential_force": tangential, "pressure": self.state.forces / areas, "traction": tangential / areas,
+            "slip": slips, "sticks": sticks,
+        }  # fmt: skip
+        return ResultTable({name: values[closed] for name, values in columns.items()})
+
+    @property
+    def dissipated_work(self) -> Floats:
+        """Work that friction dissipated in each of the steps, >= 0, shape (n_steps,)."""
+        return np.array([0.0 if step.state.friction is None else step.state.friction.work for step in self.steps])
 
     def nodal_forces(self, part: Part) -> Floats:
         """Contact forces on the nodes of a part in space, shape (n_nodes, 2)."""
@@ -165,9 +198,9 @@ class ContactSolution(Result):
 
 def press(
     contacts: Sequence[Contact],
-    motion: Mapping[Part, Placement],
+    motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]],
     *,
-    steps: StepSettings | None = None,
+    steps: StepSettings | Sequence[StepSettings] | None = None,
     path: Literal["condensed", "sparse"] = "condensed",
     response: BodyResponse | None = None,
     settings: NewtonSettings | None = None,
@@ -184,9 +217,12 @@ def press(
         Contacts among the parts.
     motion
         Rigid motion in space of each part that moves, after its own placement. At a share of the path its angle and
-        its shift are that share.
+        its shift are that share. A sequence of them is a path: press, then push, then reverse; each follows those
+        before it. With friction the result depends on the path, and slip is counted from one step to the next, from
+        the first placements on: a point that closes in a step has slipped since the step began.
     steps
-        Sizes of the load steps; left out: one step, halved where it does not converge.
+        Sizes of the load steps; left out: one step, halved where it does not converge. A sequence of them is one for
+        each motion of the path.
     path
         ``"condensed"``: on the surfaces alone. ``"sparse"``: on all unknowns, the same answer.
     response
@@ -199,32 +235,56 @@ def press(
     Raises
     ------
     InputError
-        If a moved part has no contact, a motion is mirrored, or the path is unknown.
+        If a moved part has no contact, a motion is mirrored, there are not as many step sizes as motions, or the path
+        is unknown.
 
     """
     system = ContactSystem(contacts)
-    _refuse_bad_motion(system, motion)
+    motions = [motion] if isinstance(motion, Mapping) else list(motion)
+    _refuse_bad_motions(system, motions)
+    settings_of = list(steps) if isinstance(steps, Sequence) else [steps] * len(motions)
+    if len(settings_of) != len(motions):
+        raise InputError(
+            f"press(steps=...) of {len(settings_of)} motions for a path of {len(motions)}",
+            "one StepSettings for all motions, or one for each",
+            "give as many as there are motions",
+        )
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
-    for name, value, kind in (("steps", steps, StepSettings), ("settings", settings, NewtonSettings)):
+    optional = [("steps", each, StepSettings) for each in settings_of]
+    for name, value, kind in (*optional, ("settings", settings, NewtonSettings)):
         if not isinstance(value, kind | None):
             raise refused("press", name, value, f"{kind.__name__}(...)", "leave it out")
     response = response or PATHS[path](system.surface_nodes)
     done: list[LoadStep] = []
 
-    def solve_at(share: float, start: ContactState | None) -> ContactState:
-        placements = tuple(
-            _share_of(motion[part], share).after(part.placement) if part in motion else part.placement
-            for part in system.parts
-        )
-        state = solve_contact(response, system, placements, start=start, settings=settings)
-        if state.status.converged:
-            done.append(LoadStep(share, state))
-        progress(f"{100.0 * share:.4g} % of the motion: {state.status.message}")
-        return state
+    placed = tuple(part.placement for part in system.parts)
+    origin = response.reference(placed)
+    depths = _penetrations(system, origin)
+    reached: ContactState | None = None
+    for number, (leg, sizes) in enumerate(zip(motions, settings_of, strict=True)):
 
-    depths = _penetrations(system, response.reference(tuple(part.placement for part in system.parts)))
-    state = follow(solve_at, None, steps)
+        def solve_at(
+            share: float,
+            start: ContactState | None,
+            leg: Mapping[Part, Placement] = leg,
+            number: int = number,
+            placed: tuple[Placement, ...] = placed,
+        ) -> ContactState:
+            placements = _moved(system.parts, placed, leg, share)
+            state = solve_contact(response, system, placements, start=start, settings=settings, origin=origin)
+            if state.status.converged:
+                done.append(LoadStep(number + share, state))
+            which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
+            progress(f"{100.0 * share:.4g} % of {which}: {state.status.message}")
+            return state
+
+        reached = follow(solve_at, reached, sizes)
+        placed = _moved(system.parts, placed, leg, 1.0)
+        if not reached.status.converged:
+            break
+    assert reached is not None
+    state = reached
     if state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
     elif state.status.converged:
@@ -235,8 +295,24 @@ def press(
     return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
 
 
-def _refuse_bad_motion(system: ContactSystem, motion: Mapping[Part, Placement]) -> None:
-    for part, moved in motion.items():
+def _moved(
+    parts: Sequence[Part], placed: Sequence[Placement], motion: Mapping[Part, Placement], share: float
+) -> tuple[Placement, ...]:
+    """Placements after a share of a motion."""
+    return tuple(
+        _share_of(motion[part], share).after(before) if part in motion else before
+        for part, before in zip(parts, placed, strict=True)
+    )
+
+
+def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, Placement]]) -> None:
+    if not motions or not all(isinstance(each, Mapping) for each in motions):
+        raise InputError(
+            f"press(motion={short(motions)})",
+            "a motion {part: Placement(...)}, or a path of at least one",
+            "write [{part: Placement(...)}, {part: Placement(...)}]",
+        )
+    for part, moved in (each for motion in motions for each in motion.items()):
         if not isinstance(part, Part) or not isinstance(moved, Placement):
             raise InputError(
                 f"motion={{{short(part)}: {short(moved)}}}",

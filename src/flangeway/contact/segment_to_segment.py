@@ -7,16 +7,18 @@ hat is the mean of the gap weighted with it (Puso and Laursen, 2004, Comput. Met
 biorthogonal function of the same edge (Wohlmuth, 2000, SIAM J. Numer. Anal. 38).
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import ClassVar, Literal
 
 import numpy as np
 
 from flangeway.checks import check_positive
-from flangeway.contact.edge_pieces import PieceIntegrals, Pieces, find_pieces, integrate
+from flangeway.contact.edge_pieces import PieceIntegrals, PiecePoints, Pieces, find_pieces, integrate
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.search import candidate_pairs, leads_out
+from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Bools, Floats, Ints
@@ -50,16 +52,36 @@ class SegmentPairs(Pairs):
     @cached_property
     def gradients(self) -> Floats:
         """See `Pairs.gradients`."""
-        gradients: Floats = np.einsum("prs,psd->prd", self.weights, self.integrals.gradients)
+        return self._on_points(self.integrals.gradients)
+
+    def _on_points(self, integrals: Floats) -> Floats:
+        """What the derivatives of the integrals with the hats (p, 2, d) add to those of the constraints."""
+        gradients: Floats = np.einsum("prs,psd->prd", self.weights, integrals)
         return gradients.reshape(*gradients.shape[:2], gradients.shape[2] // 2, 2)
 
     def curvatures(self, forces: Floats) -> tuple[Ints, Floats]:
         """See `Pairs.curvatures`."""
+        return self._on_terms(forces, PiecePoints.hessians)
+
+    def _on_terms(self, forces: Floats, second: Callable[[PiecePoints, Floats], Floats]) -> tuple[Ints, Floats]:
+        """Pieces under load, and their second derivatives by forces on the two hats."""
         on_hats = np.einsum("pr,prs->ps", forces[self.rows], self.weights)
         loaded = np.flatnonzero(on_hats.any(axis=1))
-        points = self.integrals.points
-        assert points is not None
-        return loaded, points.take(loaded).hessians(on_hats[loaded])
+        return loaded, second(self._points.take(loaded), on_hats[loaded])
+
+    @property
+    def _points(self) -> PiecePoints:
+        assert self.integrals.points is not None
+        return self.integrals.points
+
+    def slides(self, points: Floats, before: Floats) -> Slides:  # noqa: ARG002 (the pieces know where they are)
+        """See `Pairs.slides`."""
+        n_secondary = self.secondary_members.shape[1]
+        values, rates, directions = self._points.slips(before[:, :n_secondary], before[:, n_secondary:])
+        slips = np.zeros(len(self.keys))
+        np.add.at(slips, self.rows, np.einsum("prs,ps->pr", self.weights, values))
+        turns = partial(self._on_terms, second=PiecePoints.turns)
+        return Slides(slips, self._on_points(rates), self._on_points(directions), turns)
 
     def opposite_points(self, edges: Floats) -> Floats:
         """See `Pairs.opposite_points`."""

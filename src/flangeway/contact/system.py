@@ -1,8 +1,9 @@
 """The system of all contacts among some parts, as the solver uses it."""
 
 import itertools
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.guards import corners_on_corners, guarded, key_starts, penetrating
 from flangeway.contact.pairs import Pairs
+from flangeway.contact.slip import Slides
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError
 from flangeway.problems import Part
@@ -34,7 +36,7 @@ class ContactLinearisation:
         The pairs of each contact.
     starts
         First constraint of each contact, and the number of all.
-    nodes, keys, partners, gaps, jacobian, compliances, tolerances
+    nodes, keys, partners, gaps, jacobian, compliances, tolerances, coefficients
         See `flangeway.solve.Linearisation`.
     term_points
         Numbers among the touched points of those of each contact's terms, arrays (p, w).
@@ -54,18 +56,40 @@ class ContactLinearisation:
     jacobian: sp.csr_array
     compliances: Floats
     tolerances: Floats
+    coefficients: Floats
     term_points: tuple[Ints, ...]
     guarded_nodes: tuple[tuple[Bools, Bools], ...]
     spread: sp.csr_array | None = None
 
     def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap`` over the constraints."""
+        return self._second([pairs.curvatures for pairs in self.pairs], forces)
+
+    def slides(self, positions: Floats, before: Floats) -> "ContactSlides":
+        """Slips since earlier positions (n_nodes, 2) of the surface nodes, which are at others now."""
+        now, was = self.points(positions), self.points(before)
+        found = []
+        for number, (pairs, terms) in enumerate(zip(self.pairs, self.term_points, strict=True)):
+            if self.coefficients[self.starts[number] : self.starts[number + 1]].any():
+                found.append(pairs.slides(now[terms], was[terms]))
+            else:
+                found.append(_no_slides(pairs))
+        sizes = 2 * len(now), self.spread
+        jacobian, directions = (
+            _jacobian(self.starts, self.pairs, self.term_points, each, *sizes)
+            for each in ([slides.rates for slides in found], [slides.directions for slides in found])
+        )
+        slips = np.concatenate([slides.slips for slides in found])
+        return ContactSlides(slips, jacobian, directions, partial(self._second, [slides.turns for slides in found]))
+
+    def _second(self, seconds: Sequence[Callable[[Floats], tuple[Ints, Floats]]], forces: Floats) -> sp.csr_array:
+        """Sum of ``force * second derivative`` by a function of each contact, which has those of its terms."""
         rows, columns, values = [], [], []
-        for number, pairs in enumerate(self.pairs):
+        for number, second in enumerate(seconds):
             mine = forces[self.starts[number] : self.starts[number + 1]]
             if not mine.any():
                 continue
-            loaded, found = pairs.curvatures(mine)
+            loaded, found = second(mine)
             dofs = _components(self.term_points[number][loaded]).reshape(len(loaded), -1)
             rows.append(np.broadcast_to(dofs[:, :, None], found.shape).ravel())
             columns.append(np.broadcast_to(dofs[:, None, :], found.shape).ravel())
@@ -81,6 +105,16 @@ class ContactLinearisation:
         """Positions of the touched points by those of all surface nodes (n_nodes, 2), shape (n, 2)."""
         touched = positions[self.nodes]
         return touched if self.spread is None else (self.spread @ touched.ravel()).reshape(-1, 2)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSlides:
+    """Slips of all contacts; see `flangeway.solve.linearisation.Sliding`."""
+
+    slips: Floats
+    jacobian: sp.csr_array
+    directions: sp.csr_array
+    curvature: Callable[[Floats], sp.csr_array]
 
 
 class ContactSystem:
@@ -233,21 +267,13 @@ class ContactSystem:
         starts = np.concatenate(([0], np.cumsum([len(pairs.keys) for pairs in all_pairs])))
         points = np.unique(np.concatenate([member.ravel() for member in members]))
         places = tuple(np.searchsorted(points, member) for member in members)
-        rows, columns, values = [], [], []
-        for start, pairs, place in zip(starts, all_pairs, places, strict=False):
-            gradients = pairs.gradients
-            rows.append(np.broadcast_to(start + pairs.rows[:, :, None, None], gradients.shape).ravel())
-            columns.append(np.broadcast_to(_components(place)[:, None], gradients.shape).ravel())
-            values.append(gradients.ravel())
-        entries = (np.concatenate(rows), np.concatenate(columns))
-        shape = (int(starts[-1]), 2 * len(points))
-        jacobian = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=shape))
         nodes, spread = points, None
         if self._spread is not None:
             rows_of_points = self._spread[_components(points).ravel()]
             nodes = np.unique(rows_of_points.indices // 2).astype(np.int64)
             spread = sp.csr_array(rows_of_points[:, _components(nodes).ravel()])
-            jacobian = sp.csr_array(jacobian @ spread)
+        gradients = [pairs.gradients for pairs in all_pairs]
+        jacobian = _jacobian(starts, all_pairs, places, gradients, 2 * len(points), spread)
         laws = [contact.enforcement for contact in self.contacts]
         return ContactLinearisation(
             tuple(all_pairs),
@@ -259,6 +285,7 @@ class ContactSystem:
             jacobian,
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.tolerance()) for law, p in zip(laws, all_pairs, strict=True)]),
+            np.repeat([contact.friction_coefficient for contact in self.contacts], np.diff(starts)),
             places,
             guarded_nodes,
             spread,
@@ -291,6 +318,31 @@ class ContactSystem:
         rows = np.broadcast_to(_components(np.arange(count - n))[:, None, :, None], turns.shape)
         middles = sp.coo_array((turns.ravel(), (rows.ravel(), columns.ravel())), shape=(2 * (count - n), 2 * n))
         return numbers, sp.csr_array(sp.vstack((sp.eye_array(2 * n), middles)))
+
+
+def _jacobian(
+    starts: Ints,
+    all_pairs: Sequence[Pairs],
+    places: Sequence[Ints],
+    all_gradients: Sequence[Floats],
+    n: int,
+    spread: sp.csr_array | None,
+) -> sp.csr_array:
+    """Derivatives of all constraints by the touched nodes, from those (p, r, w, 2) of each contact's terms."""
+    rows, columns, values = [], [], []
+    for start, pairs, place, gradients in zip(starts[:-1], all_pairs, places, all_gradients, strict=True):
+        rows.append(np.broadcast_to(start + pairs.rows[:, :, None, None], gradients.shape).ravel())
+        columns.append(np.broadcast_to(_components(place)[:, None], gradients.shape).ravel())
+        values.append(gradients.ravel())
+    entries = (np.concatenate(rows), np.concatenate(columns))
+    found = sp.csr_array(sp.coo_array((np.concatenate(values), entries), shape=(int(starts[-1]), n)))
+    return found if spread is None else sp.csr_array(found @ spread)
+
+
+def _no_slides(pairs: Pairs) -> Slides:
+    """Those of a contact without friction."""
+    nothing = np.zeros(pairs.gradients.shape)
+    return Slides(np.zeros(len(pairs.keys)), nothing, nothing, pairs.curvatures)
 
 
 def _refuse_twice(first: Contact, second: Contact) -> None:

@@ -88,7 +88,9 @@ class BodyResponse(ABC):
         """
 
     @abstractmethod
-    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
+    def respond(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
+    ) -> Floats:
         """Solve ``(K + G) u = loads`` with both sides on the touched nodes.
 
         Parameters
@@ -96,9 +98,11 @@ class BodyResponse(ABC):
         rotations, touched
             As in `displacements`.
         geometric
-            Symmetric stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
+            Stiffness G to be added on the touched nodes, shape (2 n_touched, 2 n_touched).
         loads
             Right-hand sides, shape (2 n_touched, m).
+        symmetric
+            Whether G is symmetric; with friction it is not.
 
         Returns
         -------
@@ -173,9 +177,11 @@ class LoadedBodies(BodyResponse):
         """See `BodyResponse.displacements`; those by the loads are in the bodies' reference."""
         return self._unloaded.displacements(rotations, touched, forces)
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
+    def respond(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
+    ) -> Floats:
         """See `BodyResponse.respond`."""
-        return self._unloaded.respond(rotations, touched, geometric, loads)
+        return self._unloaded.respond(rotations, touched, geometric, loads, symmetric=symmetric)
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`; with the displacements by the loads."""

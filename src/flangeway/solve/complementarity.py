@@ -19,7 +19,7 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
     for _ in range(MAX_CHANGES):
         pressure = np.zeros(len(offset))
         if active.any():
-            pressure[active] = _equations(matrix[np.ix_(active, active)], -offset[active])
+            pressure[active] = equations(matrix[np.ix_(active, active)], -offset[active])
         slack = matrix @ pressure + offset
         changed = np.where(active, pressure > 0.0, slack < 0.0)
         if (changed == active).all():
@@ -28,7 +28,7 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
     return _least_squares(matrix, offset)
 
 
-def _equations(matrix: Floats, right: Floats) -> Floats:
+def equations(matrix: Floats, right: Floats) -> Floats:
     """Solution of equations, the least one where constraints repeat each other.
 
     NumPy's solver and not SciPy's: each has its own threads, and where both wake in turn they wait for each other.

@@ -138,11 +138,13 @@ class CondensedBodies(BodyResponse):
                 result[mine] = (local[first:last].ravel() @ flexibility).reshape(-1, 2)
         return np.matmul(rotations, result[..., None])[..., 0]
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
+    def respond(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
+    ) -> Floats:
         """See `BodyResponse.respond`.
 
         With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns of loaded pairs,
-        so by Woodbury's formula only a system of their number is solved. F and G are symmetric.
+        so by Woodbury's formula only a system of their number is solved. F is symmetric.
         """
         free = np.zeros(loads.shape)
         blocks = self._blocks(rotations, touched)
@@ -155,13 +157,13 @@ class CondensedBodies(BodyResponse):
         place[bent] = np.arange(len(bent))
         starts = np.append(0, geometric.indptr[bent + 1])
         inner = sp.csr_array((geometric.data, place[geometric.indices], starts), shape=(len(bent), len(bent)))
-        matrix = np.empty(inner.shape)
+        matrix, columns = np.empty(inner.shape), inner if symmetric else sp.csr_array(inner.T)
         bodies = []
         for here, flexibility in blocks:
             mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
             among = bent[mine] - here.start
             rows = flexibility[among]
-            matrix[:, mine] = _rows_transposed(inner, mine) @ rows[:, among]
+            matrix[:, mine] = _rows_transposed(columns, mine) @ rows[:, among]
             bodies.append((here, mine, rows))
         matrix[np.diag_indices(len(bent))] += 1.0
         bend = np.linalg.solve(matrix, inner @ free[bent])

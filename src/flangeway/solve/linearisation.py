@@ -39,8 +39,34 @@ class Linearisation(Protocol):
     def tolerances(self) -> Floats:
         """Maximum penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached."""
 
+    @property
+    def coefficients(self) -> Floats:
+        """Coefficients of friction, shape (m,)."""
+
     def curvature(self, forces: Floats) -> sp.csr_array:
         """Sum of ``force * second derivative of the gap``, shape (2 n_touched, 2 n_touched)."""
+
+    def slides(self, positions: Floats, before: Floats) -> "Sliding":
+        """Slips from earlier positions (n_nodes, 2) of the surface nodes to those of the linearisation."""
+
+
+class Sliding(Protocol):
+    """Slips of the constraints of a linearisation about its positions, and the directions of tangential forces."""
+
+    @property
+    def slips(self) -> Floats:
+        """Slips, shape (m,)."""
+
+    @property
+    def jacobian(self) -> sp.csr_array:
+        """Derivatives of the slips, shape (m, 2 n_touched)."""
+
+    @property
+    def directions(self) -> sp.csr_array:
+        """Nodal forces of unit tangential forces, which do the work of the slips, shape (m, 2 n_touched)."""
+
+    def curvature(self, forces: Floats) -> sp.csr_array:
+        """Derivatives of the nodal forces of tangential forces (m,), not symmetric, (2 n_touched, 2 n_touched)."""
 
 
 class Constraints(Protocol):

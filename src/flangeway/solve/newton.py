@@ -12,6 +12,15 @@ the sign of the errata). Once the active set has settled this is Newton's method
 
 Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead, and the forces p0
 are corrected to those found until it is (Uzawa's method).
+
+With friction, tangential forces q are added. The slips w since the last converged step are linearised as the gaps are,
+with ``S = dw/du``, and their forces act along T, so that the linear problem is
+
+    (K + G) u' = B^T p' + T^T q' + G u,   |q'| <= mu p',   w + S (u' - u) + C q' + e = 0 or against q' at the limit,
+
+with Coulomb's law in place of the complementarity (`flangeway.solve.coulomb`). The geometric stiffness has the turn of
+the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as for the gaps; e is the slip ``-C q`` that
+it had let back before.
 """
 
 from dataclasses import dataclass, field
@@ -21,9 +30,10 @@ import scipy.sparse as sp
 
 from flangeway.checks import check_integer, check_tolerance
 from flangeway.geometry import Placement
-from flangeway.solve import complementarity
+from flangeway.solve import complementarity, coulomb
 from flangeway.solve.body_response import BodyResponse
-from flangeway.solve.linearisation import Constraints, Linearisation, contact_loads
+from flangeway.solve.coulomb import FrictionState
+from flangeway.solve.linearisation import Constraints, Linearisation, Sliding, contact_loads
 from flangeway.solve.status import Status
 from flangeway.types import Floats
 
@@ -83,7 +93,7 @@ class Iteration:
     n_active
         Number of constraints under force.
     changed
-        Keys of the constraints that came under force, left it, or changed their partner.
+        Keys of the constraints that came under force, left it, changed their partner, or between stick and slip.
     correction
         Number of corrections of the forces before it.
 
@@ -118,6 +128,8 @@ class ContactState:
         Forces on the surface nodes, shape (n_nodes, 2).
     history
         One entry an iteration.
+    friction
+        Tangential forces and slips of the constraints; None without friction.
 
     """
 
@@ -129,6 +141,7 @@ class ContactState:
     forces: Floats
     nodal_forces: Floats
     history: tuple[Iteration, ...] = field(default=())
+    friction: FrictionState | None = None
 
 
 def solve_contact(
@@ -138,6 +151,7 @@ def solve_contact(
     *,
     start: ContactState | None = None,
     settings: NewtonSettings | None = None,
+    origin: Floats | None = None,
 ) -> ContactState:
     """Find the contact forces of placed bodies.
 
@@ -151,9 +165,13 @@ def solve_contact(
         Placement of each body.
     start
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
-        bodies have moved by little since, the first iteration also takes its linearisation.
+        bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
+        converged step before: slip is counted from its positions.
     settings
         Limits of the iteration.
+    origin
+        Positions of the surface nodes from which slip is counted without a start, shape (n_nodes, 2); left out: those
+        of the placed bodies before deformation.
 
     Returns
     -------
@@ -162,9 +180,10 @@ def solve_contact(
 
     """
     settings = settings or NewtonSettings()
-    state = _solved(_Run(response, constraints, placements, settings, start))
+    given = response, constraints, placements, settings, start, origin
+    state = _solved(_Run(*given))
     if not state.status.converged and state.history and state.history[-1].changed:
-        damped = _solved(_Run(response, constraints, placements, settings, start, damped=True))
+        damped = _solved(_Run(*given, damped=True))
         return damped if damped.status.converged else state
     return state
 
@@ -190,6 +209,7 @@ class _Run:
         placements: tuple[Placement, ...],
         settings: NewtonSettings,
         start: ContactState | None,
+        origin: Floats | None,
         *,
         damped: bool = False,
     ) -> None:
@@ -198,13 +218,18 @@ class _Run:
         self.rotations = response.rotations(placements)
         self.reference = response.reference(placements)
         self.history: list[Iteration] = []
+        self.start, self.before = start, self.reference if origin is None else origin
+        friction = None
+        if start is not None:
+            self.before, friction = start.positions, start.friction
         if start is not None and _is_near(start, self.reference):
             # the first iteration uses the gaps of the start
             self.displacements = start.positions - self.reference
             self.current, self.forces = start.linearisation, start.forces
+            previous = self.current
         else:
             self.displacements = np.zeros_like(self.reference)
-            previous: Linearisation | None = None
+            previous = None
             forces = np.zeros(0)
             if start is not None:
                 previous, forces = start.linearisation, start.forces
@@ -212,6 +237,8 @@ class _Run:
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
             self.current = constraints.linearise(self.reference + self.displacements, previous)
             self.forces = _carried(previous, forces, self.current)
+        self.tangential = _carried(previous, friction.forces if friction else np.zeros(len(self.forces)), self.current)
+        self.slides = self._slides(self.current, self.displacements)
         self.correct()
 
     def solve(self) -> ContactState:
@@ -236,18 +263,21 @@ class _Run:
         more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, maximum)
         if more is None:
             return False
-        self.forces = _carried(self.current, self.forces, more)
-        self.current = more
+        self.forces, self.tangential = (_carried(self.current, each, more) for each in (self.forces, self.tangential))
+        self.current, self.slides = more, self._slides(more, self.displacements)
         self.correct()
         return True
 
     def correct(self) -> None:
         """Take the forces found as those about which a tolerated penetration gives."""
-        self.anchor = (self.current, self.forces)
+        self.anchor = (self.current, self.forces, self.tangential)
 
     def excess(self) -> float:
         """Maximum penetration, or gap under force, over the tolerated one."""
         gaps = np.where(self.forces > 0.0, np.abs(self.current.gaps), -self.current.gaps)
+        if self.slides is not None and np.isfinite(self.current.tolerances).any():
+            # what the law lets back of the slips
+            gaps = np.maximum(gaps, np.abs(self._let_back(self.current, self.tangential)))
         return float((gaps / self.current.tolerances).max(initial=0.0))
 
     def penetration_is_tolerated(self) -> bool:
@@ -262,18 +292,25 @@ class _Run:
                     "the linear complementarity problem has no solution: the tangent is not positive definite; take "
                     "smaller steps, a finer mesh or a softer penalty"
                 )
-            moved, new_forces, applied = step
+            moved, new_forces, new_tangential, applied = step
             halved = self.damped and iteration >= HALVE_AFTER and iteration % 2 == 0
             if halved:
                 moved = (self.displacements + moved) / 2.0
             after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= SETTLE_AFTER)
-            carried = _carried(self.current, new_forces, after)
+            carried, tangential = (_carried(self.current, each, after) for each in (new_forces, new_tangential))
+            slides = self._slides(after, moved)
             scale = max(float(np.abs(moved).max(initial=0.0)), 1e-300)
             change = float(np.abs(moved - self.displacements).max(initial=0.0)) / scale
-            residual = _residual(after, self._gaps(after), carried, applied, scale)
-            changed = _changed(self.current, self.forces, after, carried)
+            nodal = _nodal(after, carried, slides, tangential, len(self.reference))
+            residual = _residual(after, self._gaps(after), carried, nodal - applied, applied, scale)
+            if slides is not None:
+                slips = self._slips(after, slides) + self._let_back(after, tangential)
+                beyond, wrong = coulomb.violation(carried, tangential, slips, after.coefficients)
+                residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
+            changed = _changed(self.current, (self.forces, self.tangential), after, (carried, tangential))
             self.history.append(Iteration(change, residual, int((carried > 0).sum()), changed, correction))
             self.displacements, self.current, self.forces = moved, after, carried
+            self.tangential, self.slides = tangential, slides
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
             if residual <= max(self.settings.tolerance, floor) and not halved:
@@ -282,35 +319,72 @@ class _Run:
 
     def _gaps(self, lin: Linearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
-        anchored = np.where(np.isfinite(lin.tolerances), _carried(*self.anchor, lin), 0.0)
-        return lin.gaps - lin.compliances * anchored
+        return lin.gaps - lin.compliances * self._anchored(self.anchor[1], lin)
 
-    def _step(self, *, bend: bool) -> tuple[Floats, Floats, Floats] | None:
-        """One iteration: new displacements, new contact forces and the nodal forces in equilibrium with them.
+    def _anchored(self, forces: Floats, lin: Linearisation) -> Floats:
+        """Forces of the anchor where they are corrected."""
+        return np.where(np.isfinite(lin.tolerances), _carried(self.anchor[0], forces, lin), 0.0)
+
+    def _slides(self, lin: Linearisation, displacements: Floats) -> Sliding | None:
+        """Slips since the last step, where there is friction."""
+        if len(lin.keys) == 0 or not lin.coefficients.any():
+            return None
+        return lin.slides(self.reference + displacements, self.before)
+
+    def _slips(self, lin: Linearisation, slides: Sliding) -> Floats:
+        """Slips since the last step, with the elastic ones of it."""
+        if self.start is None or self.start.friction is None:
+            return slides.slips
+        elastic = _carried(self.start.linearisation, self.start.friction.elastic, lin)
+        return np.asarray(slides.slips + elastic)
+
+    def _let_back(self, lin: Linearisation, tangential: Floats) -> Floats:
+        """What the compliance of the law takes from the slips."""
+        return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
+
+    def _step(self, *, bend: bool) -> tuple[Floats, Floats, Floats, Floats] | None:
+        """One iteration: new displacements, contact forces, tangential ones, and nodal forces in equilibrium with them.
 
         Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
         """
         current, displacements = self.current, self.displacements
         nodes, jacobian = current.nodes, current.jacobian
         if len(nodes) == 0:
-            return np.zeros_like(displacements), self.forces, np.zeros_like(displacements)
+            return np.zeros_like(displacements), self.forces, self.tangential, np.zeros_like(displacements)
         at_nodes = displacements[nodes].ravel()
         n = 2 * len(nodes)
         geometric = current.curvature(-self.forces) if bend else sp.csr_array((n, n))
-        loads = contact_loads(jacobian, (geometric @ at_nodes)[:, None])
-        answer = self.response.respond(self.rotations, nodes, geometric, loads)
+        directions, compliances, violations = jacobian, current.compliances, self._gaps(current)
+        if (slides := self.slides) is not None:
+            geometric = geometric + slides.curvature(-self.tangential) if bend else geometric
+            directions, jacobian = (
+                sp.csr_array(sp.vstack((jacobian, own))) for own in (slides.directions, slides.jacobian)
+            )
+            compliances = np.tile(compliances, 2)
+            slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
+            violations = np.concatenate((violations, slips))
+        loads = contact_loads(directions, (geometric @ at_nodes)[:, None])
+        answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
         at_gaps = jacobian @ answer
-        matrix = at_gaps[:, :-1] + np.diag(current.compliances)
-        offset = self._gaps(current) - jacobian @ at_nodes + at_gaps[:, -1]
-        guess = self.forces > 0.0 if self.forces.any() else offset < 0.0
-        new_forces = complementarity.solve((matrix + matrix.T) / 2.0, offset, guess)
+        matrix = at_gaps[:, :-1] + np.diag(compliances)
+        offset = violations - jacobian @ at_nodes + at_gaps[:, -1]
+        if slides is None:
+            guess = self.forces > 0.0 if self.forces.any() else offset < 0.0
+            new_forces = complementarity.solve((matrix + matrix.T) / 2.0, offset, guess)
+        else:
+            both = np.concatenate((self.forces, self.tangential))
+            new_forces = coulomb.solve(matrix, offset, current.coefficients, both)
         if new_forces is None:
             return None
         moved = answer[:, :-1] @ new_forces + answer[:, -1]
-        carried_load = (jacobian.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
+        carried_load = (directions.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
         applied = np.zeros_like(displacements)
         applied[nodes] = carried_load
-        return self.response.displacements(self.rotations, nodes, carried_load), new_forces, applied
+        displacements = self.response.displacements(self.rotations, nodes, carried_load)
+        if slides is None:
+            return displacements, new_forces, self.tangential, applied
+        normal, tangential = np.split(new_forces, 2)
+        return displacements, normal, tangential, applied
 
     def _explain(self) -> str:
         last = self.history[-1]
@@ -326,6 +400,11 @@ class _Run:
         return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}; {advice}"
 
     def result(self, message: str, *, converged: bool) -> ContactState:
+        friction = None
+        if (slides := self.slides) is not None:
+            slips, let_back = self._slips(self.current, slides), self._let_back(self.current, self.tangential)
+            given = self.forces, self.tangential, slips, let_back
+            friction = coulomb.friction_state(*given, self.current.coefficients)
         return ContactState(
             Status(converged, message, len(self.history)),
             self.placements,
@@ -333,8 +412,9 @@ class _Run:
             self.reference + self.displacements,
             self.current,
             self.forces,
-            _nodal(self.current, self.forces, len(self.reference)),
+            _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference)),
             tuple(self.history),
+            friction,
         )
 
 
@@ -361,28 +441,38 @@ def _carried(before: Linearisation | None, forces: Floats, after: Linearisation)
     return result
 
 
-def _nodal(lin: Linearisation, forces: Floats, n_nodes: int) -> Floats:
+def _nodal(lin: Linearisation, forces: Floats, slides: Sliding | None, tangential: Floats, n_nodes: int) -> Floats:
     result = np.zeros((n_nodes, 2))
     result[lin.nodes] = (lin.jacobian.T @ forces).reshape(-1, 2)
+    if slides is not None:
+        result[lin.nodes] += (slides.directions.T @ tangential).reshape(-1, 2)
     return result
 
 
-def _residual(lin: Linearisation, gaps: Floats, forces: Floats, applied: Floats, scale: float) -> float:
+def _residual(
+    lin: Linearisation, gaps: Floats, forces: Floats, unbalanced: Floats, applied: Floats, scale: float
+) -> float:
     """Worst of: residual of nodal forces over the total force; violation of the law over the displacements."""
     # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
     total = max(float(forces.sum()), float(np.abs(applied).max(initial=0.0)))
     if total == 0.0:
         return float(np.maximum(-gaps, 0.0).max(initial=0.0)) / scale
-    residual = float(np.abs(_nodal(lin, forces, len(applied)) - applied).max()) / total
+    residual = float(np.abs(unbalanced).max()) / total
     slack = gaps + lin.compliances * forces
     violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
     return max(residual, float(violation.max(initial=0.0)) / scale)
 
 
-def _changed(before: Linearisation, forces: Floats, after: Linearisation, new_forces: Floats) -> tuple[int, ...]:
-    """Keys of active constraints that came, went, or changed their partner."""
+def _changed(
+    before: Linearisation, forces: tuple[Floats, Floats], after: Linearisation, new_forces: tuple[Floats, Floats]
+) -> tuple[int, ...]:
+    """Keys of active constraints that came, went, changed their partner, or between stick and slip."""
     pairs = []
-    for lin, values in ((before, forces), (after, new_forces)):
+    for lin, (values, tangential) in ((before, forces), (after, new_forces)):
         active = values > 0.0
-        pairs.append(set(zip(lin.keys[active].tolist(), lin.partners[active].tolist(), strict=True)))
-    return tuple(sorted({key for key, _ in pairs[0] ^ pairs[1]}))
+        signs = np.where(
+            np.abs(tangential) >= (1.0 - coulomb.AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0
+        )
+        each = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
+        pairs.append(set(zip(*each, strict=True)))
+    return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))

@@ -5,6 +5,7 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
+from scipy.sparse.linalg import splu
 
 from flangeway._core import Ldlt
 from flangeway.problems import Body
@@ -65,7 +66,9 @@ class SparseBodies(BodyResponse):
         solution = self._solve(turn.T @ at_nodes.ravel())
         return (turn @ np.append(solution, 0.0)[self._unknowns]).reshape(-1, 2)
 
-    def respond(self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array) -> Floats:
+    def respond(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, loads: sp.csr_array, *, symmetric: bool = True
+    ) -> Floats:
         """See `BodyResponse.respond`."""
         turn, size = turning(rotations[touched]), self.n_unknowns
         unknowns = self._unknowns[components(touched)]
@@ -76,7 +79,9 @@ class SparseBodies(BodyResponse):
         rhs = np.zeros((size + 1, loads.shape[1]))
         rhs[unknowns] = (turn.T @ loads).toarray()
         solution = np.zeros_like(rhs)
-        solution[:-1] = self._factor(self._stiffness + added).solve(rhs[:-1])
+        tangent = self._stiffness + added
+        factor = self._factor(tangent) if symmetric else splu(sp.csc_array(tangent))
+        solution[:-1] = factor.solve(rhs[:-1])
         return turn @ solution[unknowns]
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
