@@ -159,7 +159,7 @@ def test_a_motion_without_contact_says_so(press) -> None:
             lambda s, p: Contact(s, p, SegmentToSegment(), AugmentedLagrange(None, "length", 1e-6)),
             "start with AugmentedLagrange\\(",
         ),
-        (lambda s, p: Contact(s, p, NodeToSegment(), Multiplier(), friction=0.3), "frictionless"),
+        (lambda s, p: Contact(s, p, NodeToSegment(), Multiplier(), friction=-0.3), "a number >= 0"),
         (lambda s, _: Contact(s, s, NodeToSegment(), Multiplier()), "with itself"),
         (lambda _s, _p: SegmentToSegment(reach=-1.0), "positive length"),
         (lambda _s, _p: SegmentToSegment(depth=0.0), "positive length"),

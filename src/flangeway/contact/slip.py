@@ -77,7 +77,7 @@ def node_edge_slides(
     slopes, bends = (np.concatenate((zeros, each), axis=1) for each in values[1:3])
 
     def along(shapes: Floats, direction: Floats) -> Floats:
-        return np.asarray((shapes[:, :, None] * direction[:, None, :]).reshape(len(shapes), -1))
+        return np.asarray((shapes[:, :, None] * direction[:, None, :]).reshape(len(shapes), 2 * shapes.shape[1]))
 
     def outer(one: Floats, other: Floats) -> Floats:
         return np.asarray(one[:, :, None] * other[:, None, :])

@@ -24,7 +24,7 @@ AT_LIMIT = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
-class FrictionState:
+class CoulombState:
     """Friction of m constraints at the end of a step.
 
     Parameters
@@ -51,7 +51,7 @@ class FrictionState:
 
 def friction_state(
     normal: Floats, tangential: Floats, slips: Floats, let_back: Floats, coefficients: Floats
-) -> FrictionState:
+) -> CoulombState:
     """State of constraints by forces, and by slips since the last step with its elastic ones, each (m,).
 
     ``let_back`` (m,) is what the law of contact adds to the slips: compliance times tangential force.
@@ -62,7 +62,7 @@ def friction_state(
     # a slip that is round-off may have the sign of the force
     slipped = np.where(slipped * tangential > 0.0, 0.0, slipped)
     elastic = np.where(closed, slips - slipped, 0.0)
-    return FrictionState(tangential, slipped, elastic, sticks, float(-(tangential * slipped).sum()))
+    return CoulombState(tangential, slipped, elastic, sticks, float(-(tangential * slipped).sum()))
 
 
 def violation(normal: Floats, tangential: Floats, slips: Floats, coefficients: Floats) -> tuple[float, float]:

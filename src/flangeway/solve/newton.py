@@ -32,7 +32,7 @@ from flangeway.checks import check_integer, check_tolerance
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity, coulomb
 from flangeway.solve.body_response import BodyResponse
-from flangeway.solve.coulomb import FrictionState
+from flangeway.solve.coulomb import CoulombState
 from flangeway.solve.linearisation import Constraints, Linearisation, Sliding, contact_loads
 from flangeway.solve.status import Status
 from flangeway.types import Floats
@@ -141,7 +141,7 @@ class ContactState:
     forces: Floats
     nodal_forces: Floats
     history: tuple[Iteration, ...] = field(default=())
-    friction: FrictionState | None = None
+    friction: CoulombState | None = None
 
 
 def solve_contact(

@@ -1,0 +1,283 @@
+"""Coulomb friction of bodies in the plane: derivatives of slip, stick and slip, paths, and bad inputs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from flangeway import Body, Elastic, Lagrange, Part, Placement
+from flangeway.contact import AugmentedLagrange, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface
+from flangeway.contact import press as press_parts
+from flangeway.contact.edge_pieces import find_pieces, integrate
+from flangeway.contact.kinematics import node_edge_gaps
+from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.slip import node_edge_slides
+from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.errors import InputError
+from flangeway.mesh import rectangle_grid
+from flangeway.solve import NewtonSettings, StepSettings, coulomb
+
+PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]
+LAWS = [Penalty(1e6, per="length"), AugmentedLagrange(1e7, per="length", penetration=1e-8), Multiplier()]
+MU = 0.3
+STEP = 1e-6
+
+
+def block(name: str, width: float, n_edges: int, held: float, bottom: float, order: int = 1, turn: float = 0.0) -> Part:
+    """A block of steel of 10 mm height, held at one side, turned about the origin."""
+    mesh = rectangle_grid(width, 10.0, n_edges, 2, origin=(-width / 2.0, bottom))
+    supports = {(float(x), float(y)): "xy" for x, y in mesh.points if y == held}
+    body = Body(name, mesh, Lagrange(order), Elastic(210e3, 0.3), supports)
+    return Part(name, body, Placement(turn))
+
+
+def side(part: Part) -> Surface:
+    """The side at y = 0."""
+    edges, points = part.body.mesh.boundary_edges, part.body.mesh.points
+    return Surface(part, edges[(points[edges][:, :, 1] == 0.0).all(axis=1)])
+
+
+def blocks(pairing=PAIRINGS[0], law=LAWS[2], friction=MU, *, order: int = 1, turn: float = 0.0) -> Contact:
+    """A block of 10 mm on one of 20 mm."""
+    upper = block("upper", 10.0, 4, 10.0, 0.0, order, turn)
+    return Contact(side(upper), side(block("lower", 20.0, 7, -10.0, -10.0, order, turn)), pairing, law, friction)
+
+
+def pushed(contact: Contact, *motions: tuple[float, float], turn: float = 0.0, **options):
+    """Press along a path of shifts of the secondary part, in axes that are turned."""
+    shift = [Placement(turn).points(np.array([motion]))[0] for motion in motions]
+    path = [{contact.secondary.part: Placement(0.0, (float(x), float(y)))} for x, y in shift]
+    return press_parts([contact], path, **options)
+
+
+def law_error(solution) -> float:
+    """Worst violation of Coulomb's law in any step by forces, slips and states, over the maximum force."""
+    worst = 0.0
+    for step in solution.steps:
+        normal, friction = step.state.forces, step.state.friction
+        limits = step.state.linearisation.coefficients * normal
+        beyond = np.abs(friction.forces) - limits
+        at_limit = np.where(friction.slips != 0.0, np.abs(beyond), 0.0)
+        worst = max(worst, beyond.max(initial=0.0), at_limit.max(initial=0.0))
+        assert (friction.forces * friction.slips <= 0.0).all()
+        assert (friction.slips[friction.sticks] == 0.0).all()
+    return worst / max(solution.state.forces.max(initial=0.0), 1e-300)
+
+
+@pytest.mark.parametrize("order", [1, 2, 3])
+def test_derivatives_of_the_slip_of_a_node(order: int) -> None:
+    """Rates of the slip and turns of the tangential force agree with central differences to 1e-8."""
+    position = gauss_lobatto(order + 1)[0]
+    edge = np.stack((3.0 * position, 0.2 * position - 0.3 * position * (1.0 - position)), axis=1)
+    now = np.concatenate(([[1.3, -0.2]], edge))
+    before = now + 0.1 * np.random.default_rng(order).normal(size=now.shape)
+
+    def slides(numbers: np.ndarray):
+        points = numbers.reshape(-1, 2)
+        gaps = node_edge_gaps(points[:1], points[None, 1:])
+        return node_edge_slides(points[None, 1:], gaps.gaps, gaps.parameters, before[:1], before[None, 1:])
+
+    _, rates, _, turns = slides(now.ravel())
+    for number, change in enumerate(STEP * np.eye(now.size)):
+        ahead, behind = slides(now.ravel() + change), slides(now.ravel() - change)
+        assert rates[0, number] == pytest.approx((ahead[0] - behind[0])[0] / (2 * STEP), abs=1e-8)
+        np.testing.assert_allclose(turns[0, :, number], (ahead[2] - behind[2])[0] / (2 * STEP), atol=1e-8)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_derivatives_of_the_mean_slip_of_a_segment(order: int) -> None:
+    """The same for slips averaged over a piece whose ends move."""
+    position = gauss_lobatto(order + 1)[0]
+    own = np.stack((3.0 * position, 0.2 * position - 0.3 * position * (1.0 - position)), axis=1)
+    other = np.stack((2.9 - 2.0 * position, -0.1 - 0.2 * position + 0.1 * position * (1.0 - position)), axis=1)
+    now = np.concatenate((own, other))
+    before = (now + 0.1 * np.random.default_rng(order).normal(size=now.shape))[None]
+    factors = np.array([[0.7, -0.4]])
+
+    def slides(numbers: np.ndarray):
+        points, n = numbers.reshape(1, -1, 2), order + 1
+        pieces = find_pieces(points[:, :n], points[:, n:], (np.array([0]), np.array([0])), 9.0, 9.0)
+        found = integrate(pieces, points[:, :n], points[:, n:], np.array([3.0]), second=True).points
+        return found.slips(before[:, :n], before[:, n:]), found.turns(factors)[0]
+
+    (_, rates, _), turns = slides(now.ravel())
+    for number, change in enumerate(STEP * np.eye(now.size)):
+        ahead, behind = slides(now.ravel() + change)[0], slides(now.ravel() - change)[0]
+        np.testing.assert_allclose(rates[0, :, number], (ahead[0] - behind[0])[0] / (2 * STEP), atol=1e-8)
+        np.testing.assert_allclose(turns[:, number], (factors @ (ahead[2] - behind[2])[0])[0] / (2 * STEP), atol=1e-8)
+
+
+def test_a_slip_over_several_edges_is_the_way_along_them() -> None:
+    """A node that passes joints of a straight line, stretched and turned meanwhile, has slipped by the earlier way."""
+    before = np.stack((np.array([0.0, 1.0, 1.7, 3.0]), np.zeros(4)), axis=1)
+    now = Placement(0.4, (2.0, 1.0)).points(1.1 * before)
+    for edge, share in ((0, 0.3), (1, 0.5), (2, 0.9)):
+        ends = now[None, [edge, edge + 1]]
+        node = ends[:, 0] + share * (ends[:, 1] - ends[:, 0])
+        gaps = node_edge_gaps(node, ends)
+        was = np.array([[0.2, -0.1]])
+        slip = node_edge_slides(ends, gaps.gaps, gaps.parameters, was, before[None, [edge, edge + 1]])[0][0]
+        way = before[edge, 0] + share * (before[edge + 1, 0] - before[edge, 0]) - 0.2
+        assert slip == pytest.approx(way, abs=1e-12)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["nodes", "segments", "dual"])
+def test_a_block_sticks_slips_and_returns(pairing, law, imbalance) -> None:
+    """Pressed, pushed until all slips, and back: forces in the cone, friction mu N in the end, either way."""
+    solution = pushed(blocks(pairing, law), (0.0, -0.01), (0.02, 0.0), (-0.04, 0.0), steps=StepSettings(0.5, 0.5))
+    assert solution.status.converged, solution.status.message
+    assert max(step.state.status.iterations for step in solution.steps) <= 30
+    assert law_error(solution) < 1e-10
+    assert imbalance(solution) < 1e-12
+    for share, sign in ((2.0, -1.0), (3.0, 1.0)):
+        state = next(step.state for step in solution.steps if step.share == share)
+        assert state.friction.forces.sum() == pytest.approx(-sign * MU * state.forces.sum(), rel=1e-9)
+        along, across = replace(solution, state=state).forces[0]
+        assert along == pytest.approx(sign * MU * across, rel=5e-3)  # the surface is not quite straight
+    assert (solution.dissipated_work >= 0.0).all()
+    assert solution.dissipated_work[-1] > 0.0
+    assert not np.array(solution.friction_table.columns["sticks"]).any()
+
+
+def test_sliding_dissipates_the_work_of_the_friction() -> None:
+    """Steps of steady sliding over several edges dissipate mu N times the way, to 2 % on this coarse mesh."""
+    contact = blocks(PAIRINGS[1])
+    solution = pushed(contact, (0.0, -0.01), (0.02, 0.0), (3.5, 0.0), steps=StepSettings(0.25, 0.25))
+    assert solution.status.converged, solution.status.message
+    for step, work in list(zip(solution.steps, solution.dissipated_work, strict=True))[-4:]:
+        force = replace(solution, state=step.state).forces[0, 0]
+        assert work == pytest.approx(-force * 3.5 / 4.0, rel=0.02)
+
+
+@pytest.mark.parametrize("pairing", PAIRINGS[:2], ids=["nodes", "segments"])
+def test_all_unknowns_and_any_axes_give_the_same_forces(pairing) -> None:
+    """The sparse path, and bodies turned by 2 rad, agree with the condensed one to 1e-9; order 2."""
+    path = (0.0, -0.01), (0.004, 0.0), (-0.003, 0.0)
+    found = pushed(blocks(pairing, order=2), *path)
+    sparse = pushed(blocks(pairing, order=2), *path, path="sparse")
+    turned = pushed(blocks(pairing, order=2, turn=2.0), *path, turn=2.0)
+    assert found.status.converged, found.status.message
+    assert found.state.friction.sticks.any()
+    assert (found.state.friction.slips != 0.0).any()
+    for other in (sparse, turned):
+        for one, same in (
+            (found.state.forces, other.state.forces),
+            (found.state.friction.forces, other.state.friction.forces),
+        ):
+            np.testing.assert_allclose(one, same, atol=1e-9 * found.state.forces.max())
+    np.testing.assert_allclose(turned.forces[0], Placement(2.0).points(found.forces)[0], atol=1e-8 * found.forces.max())
+
+
+def test_convergence_is_quadratic() -> None:
+    """Bodies that turn by much while they slide: each of the last iterations squares the error, down to round-off."""
+    contact = blocks(law=LAWS[2], friction=0.6)
+    solution = pushed(contact, (0.0, -0.5), (0.5, 0.0), steps=StepSettings(0.5, 0.5))
+    assert solution.status.converged, solution.status.message
+    residuals = [each.residual for each in solution.state.history]
+    assert len(residuals) <= 6
+    large = [each for each in residuals if each > 1e-7]
+    assert residuals[len(large)] < 100.0 * large[-1] ** 2 + 1e-11
+
+
+def test_no_friction_is_friction_of_nothing() -> None:
+    """A coefficient of 0 gives the frictionless forces to the last digit, a tiny one nearly."""
+    free, zero, tiny = (pushed(blocks(friction=mu), (0.0, -0.01), (0.001, 0.0)) for mu in (0.0, Friction(0.0), 1e-9))
+    np.testing.assert_array_equal(free.state.forces, zero.state.forces)
+    np.testing.assert_allclose(free.state.forces, tiny.state.forces, rtol=1e-7)
+    assert free.state.friction is None
+    assert free.dissipated_work.tolist() == [0.0, 0.0]
+    assert not np.array(free.friction_table.columns["traction"]).any()
+
+
+def test_a_law_of_friction_is_its_coefficient() -> None:
+    """`Friction(0.3)` and 0.3 are the same."""
+    one, other = (pushed(blocks(friction=law), (0.0, -0.01), (0.01, 0.0)) for law in (MU, Friction(MU)))
+    np.testing.assert_array_equal(one.forces, other.forces)
+
+
+@settings(max_examples=12, deadline=None)
+@given(
+    mu=st.floats(0.01, 1.2),
+    path=st.lists(st.tuples(st.floats(-0.02, 0.02), st.floats(-0.006, 0.006)), min_size=1, max_size=3),
+    pairing=st.sampled_from(PAIRINGS),
+    law=st.sampled_from(LAWS),
+)
+def test_random_paths(mu, path, pairing, law, imbalance) -> None:
+    """Whatever the path: what converged has forces within the cone, dissipation >= 0 and equilibrium."""
+    solution = pushed(blocks(pairing, law, mu), (0.0, -0.008), *path)
+    assert solution.status.converged, solution.status.message
+    assert law_error(solution) < 1e-9
+    assert (solution.dissipated_work >= 0.0).all()
+    assert imbalance(solution) < 1e-10
+
+
+def random_case(seed: int, n: int) -> tuple[np.ndarray, np.ndarray]:
+    """A positive definite matrix that is nearly symmetric, and an offset."""
+    rng = np.random.default_rng(seed)
+    root = rng.normal(size=(2 * n, 2 * n))
+    matrix = root @ root.T / n + np.eye(2 * n)
+    return matrix + 1e-3 * rng.normal(size=matrix.shape), rng.normal(size=2 * n)
+
+
+@settings(max_examples=50, deadline=None)
+@given(seed=st.integers(0, 10**6), n=st.integers(1, 12), mu=st.floats(0.0, 0.6))
+def test_forces_satisfy_coulombs_law(seed: int, n: int, mu: float) -> None:
+    """For random matrices: complementarity of forces and gaps, and friction against slip at its limit."""
+    matrix, offset = random_case(seed, n)
+    forces = coulomb.solve(matrix, offset, np.full(n, mu), np.zeros(2 * n))
+    assert forces is not None
+    gaps, slips = np.split(matrix @ forces + offset, 2)
+    normal, tangential = np.split(forces, 2)
+    assert normal.min() >= 0.0
+    assert gaps.min() > -1e-9
+    assert np.abs(normal * gaps).max() < 1e-9
+    assert (np.abs(tangential) <= mu * normal + 1e-9).all()
+    limit = mu * normal
+    assert np.abs(tangential - np.clip(tangential - slips, -limit, limit)).max() < 1e-9
+
+
+def test_sweeps_find_what_guesses_that_go_round_do_not(monkeypatch) -> None:
+    """With one change of the guess allowed, Gauss-Seidel's sweeps lead to the same forces."""
+    matrix, offset = random_case(3, 6)
+    given_ = matrix, offset, np.full(6, 0.4), np.zeros(12)
+    expected = coulomb.solve(*given_)
+    monkeypatch.setattr(coulomb, "MAX_CHANGES", 1)
+    np.testing.assert_allclose(coulomb.solve(*given_), expected, atol=1e-9)
+
+
+def test_what_did_not_converge_says_so() -> None:
+    """One iteration is not enough: no slip is taken as final."""
+    found = pushed(blocks(), (0.0, -0.5), (0.5, 0.0), settings=NewtonSettings(max_iterations=1))
+    assert not found.status.converged
+    assert "not converged" in found.status.message
+
+
+@pytest.mark.parametrize(
+    ("friction", "words"),
+    [
+        (-0.1, "a number >= 0"),
+        ("0.3", "a number >= 0"),
+        (float("nan"), "a number >= 0"),
+        (None, "a number >= 0"),
+        (Friction(0.3, 0.2, 1.0), "does not depend on the slip velocity"),
+        (Friction(np.array([0.3, 0.2])), "one coefficient"),
+    ],
+)
+def test_wrong_friction_is_refused(friction, words: str) -> None:
+    """The message names what is allowed."""
+    with pytest.raises(InputError, match=words):
+        blocks(friction=friction)
+
+
+def test_contradictory_steps_are_refused() -> None:
+    """No motion, and step sizes for another number of motions."""
+    contact = blocks()
+    with pytest.raises(InputError, match="at least one"):
+        press_parts([contact], [])
+    with pytest.raises(InputError, match="2 motions for a path of 1"):
+        pushed(contact, (0.0, -0.01), steps=[StepSettings(), StepSettings()])
+    with pytest.raises(InputError, match="StepSettings"):
+        pushed(contact, (0.0, -0.01), steps=[0.5])
