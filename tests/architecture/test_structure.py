@@ -21,8 +21,8 @@ MAX_LINES = {
     "space": 906,
     "materials": 400,
     "problems": 2743,
-    "solve": 3151,
-    "contact": 6312,
+    "solve": 3458,
+    "contact": 6673,
     "post": 1981,
     "forms": 363,
     "railway.profiles": 3670,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 66_034
-MAX_FILES_OF_ALL = 354
+MAX_LINES_OF_ALL = 66_702
+MAX_FILES_OF_ALL = 356
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
