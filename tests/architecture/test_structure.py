@@ -16,13 +16,13 @@ MAX_LINES = {
     "exact": 1110,
     "geometry": 1260,
     "mesh": 2844,
-    "formats": 1850,
+    "formats": 1980,
     "elements": 1392,
     "space": 906,
     "materials": 400,
     "problems": 2743,
-    "solve": 3458,
-    "contact": 6673,
+    "solve": 3472,
+    "contact": 6681,
     "post": 1981,
     "forms": 363,
     "railway.profiles": 3670,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 66_702
-MAX_FILES_OF_ALL = 356
+MAX_LINES_OF_ALL = 66_854
+MAX_FILES_OF_ALL = 357
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

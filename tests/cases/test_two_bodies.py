@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from flangeway.cases import load_case
-from flangeway.cases.bodies.bodies_shape import part_of_mesh
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.errors import InputError
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.formats import read_mesh
+from flangeway.formats.mesh_repair import part_of_mesh
 from flangeway.mesh import rectangle_grid
 from flangeway.report.case_outputs import write_case
 from flangeway.solve import Status, solve_contact

@@ -16,7 +16,7 @@ from flangeway.space import Space
 
 DOCS = Path(__file__).parents[2] / "docs"
 PAGES = {
-    "how-to/read-a-mesh.md": {"python": 3, "text": 2},
+    "how-to/read-a-mesh.md": {"python": 4, "text": 3},
     "how-to/refine-adaptively.md": {"python": 2, "text": 2},
     "how-to/nearly-incompressible.md": {"python": 2, "text": 2},
 }

@@ -1,13 +1,17 @@
 """An independent program on the same triangles: scikit-fem."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 
+from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, Surface, press
 from flangeway.elements import Lagrange
-from flangeway.geometry import square
+from flangeway.geometry import Arc, Line, Outline, Placement, rectangle, square
 from flangeway.materials import Elastic
-from flangeway.mesh import triangulate
-from flangeway.problems import BodyForce, Elasticity, Traction, fixed
+from flangeway.mesh import PolyMesh, Refinement, triangulate
+from flangeway.post import check_contact, pressure_patches
+from flangeway.problems import Body, BodyForce, Elasticity, Part, StiffnessBody, Traction, fixed
 from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 
@@ -52,3 +56,66 @@ def test_same_displacements(order: int) -> None:
     assert apart.min(axis=1).max() < 1e-12
     assert len(np.unique(nodes)) == problem.space.n_nodes
     assert np.abs(ours[nodes] - theirs).max() < 1e-10 * np.abs(theirs).max()
+
+
+RADIUS, SINKING = 50.0, 0.05
+STEEL = Elastic(210e3, 0.3)
+ARC = Arc((-RADIUS, RADIUS), (RADIUS, RADIUS), (0.0, RADIUS), counter_clockwise=True)
+ROLLER = Outline.from_segments([ARC, Line((RADIUS, RADIUS), (-RADIUS, RADIUS))], ["arc", "cut"])
+ZONE = np.array([[-1.5, 0.0], [1.5, 0.0]])
+
+
+def rolled(bodies: Any, edges: Any) -> ContactSolution:
+    """A roller and a block as bodies, pressed together along edges (n, 2) near the contact."""
+    parts = [Part(name, body) for name, body in zip(("roller", "block"), bodies, strict=True)]
+    surfaces = [Surface(parts[0], edges[0], curve=ROLLER), Surface(parts[1], edges[1])]
+    contact = Contact(*surfaces, SegmentToSegment(), Multiplier())
+    return press([contact], {parts[0]: Placement(0.0, (0.0, -SINKING))})
+
+
+def from_scikit_fem(name: str, mesh: PolyMesh, order: int, held_set: str) -> StiffnessBody:
+    """The body with scikit-fem's stiffness, nodes and numbers, its whole boundary a closed surface."""
+    theirs = skfem.MeshTri(mesh.points.T.copy(), mesh.cell_points.reshape(-1, 3).T.astype(np.int64).copy())
+    basis = skfem.Basis(theirs, skfem.ElementVector({1: skfem.ElementTriP1, 2: skfem.ElementTriP2}[order]()))
+    stiffness = skfem.asm(helpers.linear_elasticity(*helpers.lame_parameters(STEEL.young, STEEL.poisson)), basis)
+    rows = np.hstack([basis.nodal_dofs, basis.facet_dofs]).T if order == 2 else basis.nodal_dofs.T
+    facets = {tuple(ends): mesh.n_points + number for number, ends in enumerate(theirs.facets.T.tolist())}
+    following = dict(mesh.boundary_edges.tolist())
+    line = [int(mesh.boundary_edges[0, 0])]
+    while len(line) == 1 or line[-1] != line[0]:
+        start, end = line[-1], following[line[-1]]
+        line += [facets[min(start, end), max(start, end)], end] if order == 2 else [end]
+    held = rows[np.unique(mesh.edge_sets[held_set])].ravel()
+    if order == 2:
+        middles = [facets[min(edge), max(edge)] for edge in mesh.edge_sets[held_set].tolist()]
+        held = np.append(held, rows[middles].ravel())
+    places = basis.doflocs[:, rows[:, 0]].T
+    return Body.from_stiffness(name, stiffness, places, {"boundary": line}, order=order, rows=rows, held=held)
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_same_contact_of_a_roller_on_a_block(order: int) -> None:
+    """Forces, pressures and displacements with scikit-fem's stiffness are those of our own mesh to 1e-10."""
+    block = rectangle(100.0, 60.0, centre=(0.0, -30.0))
+    meshes = [
+        triangulate(outline, size=16.0, refinements=(Refinement(ZONE, size, 0.5),))
+        for outline, size in ((ROLLER, 0.2), (block, 0.23))
+    ]
+    edges = []
+    for mesh, name in zip(meshes, ("arc", "top"), strict=True):
+        middles = mesh.points[mesh.edge_sets[name]].mean(axis=1)
+        edges.append(mesh.edge_sets[name][(np.abs(middles) < (1.5, 0.5)).all(axis=1)])
+    given = list(zip(("roller", "block"), meshes, ("cut", "bottom"), strict=True))
+    ours = rolled([Body(name, mesh, Lagrange(order), STEEL, held) for name, mesh, held in given], edges)
+    theirs = rolled([from_scikit_fem(name, mesh, order, held) for name, mesh, held in given], edges)
+    assert ours.status.converged
+    assert theirs.status.message == ours.status.message
+    np.testing.assert_allclose(theirs.forces[0, 1], ours.forces[0, 1], rtol=1e-10)
+    (own,), (other,) = (pressure_patches(each.system, each.state) for each in (ours, theirs))
+    np.testing.assert_allclose(other.pressures, own.pressures, atol=1e-10 * own.pressures.max())
+    assert check_contact(theirs.system, theirs.state, [other], ["roller on block"]).errors == ()
+    for part, mine in zip(theirs.system.parts, ours.system.parts, strict=True):
+        moved = theirs.unknowns(part)[np.asarray(part.body.rows)]
+        field = ours.field(mine).displacements
+        count = meshes[theirs.system.parts.index(part)].n_points
+        np.testing.assert_allclose(moved[:count], field[:count], atol=1e-10 * np.abs(field).max())

@@ -23,10 +23,14 @@ from flangeway.solve import (
     SparseBodies,
     Status,
     StepSettings,
+    condensed_bytes,
     follow,
     solve_contact,
 )
 from flangeway.types import Floats
+
+MOST_DENSE = 4e9
+"""Bytes of dense matrices up to which bodies are condensed to their surfaces where nothing else is said."""
 
 PATHS: dict[str, Callable[..., BodyResponse]] = {"condensed": CondensedBodies, "sparse": SparseBodies}
 
@@ -201,7 +205,7 @@ def press(
     motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]],
     *,
     steps: StepSettings | Sequence[StepSettings] | None = None,
-    path: Literal["condensed", "sparse"] = "condensed",
+    path: Literal["condensed", "sparse"] | None = None,
     response: BodyResponse | None = None,
     settings: NewtonSettings | None = None,
     progress: Callable[[str], None] = lambda _: None,
@@ -224,7 +228,9 @@ def press(
         Sizes of the load steps; left out: one step, halved where it does not converge. A sequence of them is one for
         each motion of the path.
     path
-        ``"condensed"``: on the surfaces alone. ``"sparse"``: on all unknowns, the same answer.
+        ``"condensed"``: on the surfaces alone. ``"sparse"``: on all unknowns, the same answer. Left out: condensed
+        where its dense matrices need less than 4 GB while they are made, up to about 8,000 unknowns on the surfaces
+        of a body; else sparse.
     response
         The bodies of an earlier `press` of the same contacts, in place of ``path``.
     settings
@@ -249,6 +255,8 @@ def press(
             "one StepSettings for all motions, or one for each",
             "give as many as there are motions",
         )
+    if path is None:
+        path = "condensed" if condensed_bytes(system.surface_nodes) <= MOST_DENSE else "sparse"
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
     optional = [("steps", each, StepSettings) for each in settings_of]

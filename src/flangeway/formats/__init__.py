@@ -1,5 +1,6 @@
-"""Files of other programs: outlines in DXF, CSV and TOML, meshes of Gmsh, Abaqus and VTU, and their repair."""
+"""Files of other programs: outlines (DXF, CSV, TOML), meshes (Gmsh, Abaqus, VTU), stiffness matrices (CalculiX)."""
 
+from flangeway.formats.calculix_matrix import CalculixMatrix, read_calculix_matrix
 from flangeway.formats.drawn_section import UNITS, DrawnSection, PartMaterial
 from flangeway.formats.mesh_files import read_mesh, write_vtu, write_vtu_lines
 from flangeway.formats.mesh_repair import MeshFile
@@ -7,9 +8,11 @@ from flangeway.formats.outline_files import read_section
 
 __all__ = [
     "UNITS",
+    "CalculixMatrix",
     "DrawnSection",
     "MeshFile",
     "PartMaterial",
+    "read_calculix_matrix",
     "read_mesh",
     "read_section",
     "write_vtu",

@@ -1,7 +1,7 @@
 """Linear solvers, condensation, Newton's method for contact, and adaptive steps."""
 
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes
-from flangeway.solve.condensed import CondensedBodies
+from flangeway.solve.condensed import CondensedBodies, condensed_bytes
 from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasticity
 from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.linearisation import Constraints, Linearisation
@@ -31,6 +31,7 @@ __all__ = [
     "SurfaceNodes",
     "TorsionSolution",
     "compliance_table",
+    "condensed_bytes",
     "follow",
     "solve_contact",
     "solve_elasticity",

@@ -87,6 +87,12 @@ class CondensedBody:
         return np.stack([self.body.field(values) for values in free.T])
 
 
+def condensed_bytes(surfaces: Sequence[SurfaceNodes]) -> int:
+    """Bytes of the dense matrices of `CondensedBodies` at their peak: one that is made beside all that are kept."""
+    counts = {(id(each.body), each.nodes.tobytes()): 2 * len(each.nodes) for each in surfaces}
+    return 8 * (DENSE_COPIES * max(counts.values()) ** 2 + sum(n**2 for n in counts.values()))
+
+
 class CondensedBodies(BodyResponse):
     """Placed bodies through the flexibilities of their surfaces.
 

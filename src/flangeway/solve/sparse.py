@@ -15,6 +15,9 @@ from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats, Ints
 
+ENTRIES_AT_ONCE = 20_000_000
+"""Numbers of right-hand sides that are solved together, so that loads on a long surface need no more memory."""
+
 
 class SparseBodies(BodyResponse):
     """Placed bodies through sparse factorisations of all free unknowns, anew for every tangent.
@@ -76,13 +79,17 @@ class SparseBodies(BodyResponse):
         rows, columns = unknowns[local.row], unknowns[local.col]
         loose = (rows >= 0) & (columns >= 0)
         added = sp.coo_array((local.data[loose], (rows[loose], columns[loose])), shape=(size, size))
-        rhs = np.zeros((size + 1, loads.shape[1]))
-        rhs[unknowns] = (turn.T @ loads).toarray()
-        solution = np.zeros_like(rhs)
-        tangent = self._stiffness + added
+        tangent, turned = self._stiffness + added, sp.csc_array(turn.T @ loads)
         factor = self._factor(tangent) if symmetric else splu(sp.csc_array(tangent))
-        solution[:-1] = factor.solve(rhs[:-1])
-        return turn @ solution[unknowns]
+        answer = np.empty((len(unknowns), loads.shape[1]))
+        at_once = max(1, ENTRIES_AT_ONCE // size)
+        for first in range(0, loads.shape[1], at_once):
+            rhs = np.zeros((size + 1, min(at_once, loads.shape[1] - first)))
+            rhs[unknowns] = turned[:, first : first + at_once].toarray()
+            rhs[:-1] = factor.solve(rhs[:-1])
+            rhs[-1] = 0.0
+            answer[:, first : first + at_once] = turn @ rhs[unknowns]
+        return answer
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""

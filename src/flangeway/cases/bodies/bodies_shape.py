@@ -13,7 +13,6 @@ from flangeway.cases.bodies.bodies_tables import BodyTable, DiscTable, FineTable
 from flangeway.cases.case import Box, closest
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, read_section
-from flangeway.formats.mesh_repair import DrawnMesh, repaired_mesh
 from flangeway.formats.outline_files import ENDINGS
 from flangeway.formats.outline_toml import outline_region
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, circle, rectangle
@@ -175,9 +174,7 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             if name not in known:
                 sets = f"cell sets of the file: {', '.join(known) or 'it has none'}"
                 raise InputError(f"{key}.cells = {name!r}", sets, closest(name, known) if known else "leave cells out")
-        mesh = part_of_mesh(mesh, np.concatenate([mesh.cell_sets[name] for name in wanted]))
-        cells = np.split(mesh.cell_points.astype(np.int64), mesh.cell_offsets[1:-1])
-        joined = repaired_mesh(DrawnMesh(mesh.points, cells, mesh.cell_sets, mesh.edge_sets))
+        joined = read.part(*wanted)
         found += [f"body {body.name}: {notice}" for notice in joined.notices]
         mesh = joined.mesh
     found = [f"{Path(str(body.file)).name}: {notice}" for notice in found]
@@ -189,31 +186,6 @@ def _mesh_of_file(body: BodyTable, key: str, notices: list[str]) -> PolyMesh:
             'set method = "vem"',
         )
     return _scaled(mesh, UNITS_MM[body.unit or "mm"])
-
-
-def part_of_mesh(mesh: PolyMesh, cells: NDArray[np.integer]) -> PolyMesh:
-    """Mesh of some cells, with what is left of the sets; edges between them and the others are boundary."""
-    keep = np.unique(cells)
-    sizes = mesh.cell_sizes[keep]
-    starts = mesh.cell_offsets[keep].astype(np.int64)
-    offsets = np.concatenate(([0], np.cumsum(sizes)))
-    entries = np.repeat(starts - offsets[:-1], sizes) + np.arange(offsets[-1])
-    points, corners = np.unique(mesh.cell_points[entries], return_inverse=True)
-    number = np.full(mesh.n_points, -1)
-    number[points] = np.arange(len(points))
-    row = np.full(mesh.n_cells, -1)
-    row[keep] = np.arange(len(keep))
-    bare = PolyMesh(mesh.points[points], offsets.astype(np.int32), corners.astype(np.int32))
-    outer = {(int(a), int(b)) for a, b in np.sort(bare.boundary_edges, axis=1)}
-    edge_sets = {}
-    for name, pairs in mesh.edge_sets.items():
-        mine = number[pairs]
-        inside = [row for row in mine.tolist() if min(row) >= 0 and (min(row), max(row)) in outer]
-        if inside:
-            edge_sets[name] = np.array(inside, dtype=np.int32)
-    cell_sets = {name: row[members][row[members] >= 0] for name, members in mesh.cell_sets.items()}
-    cell_sets = {name: members for name, members in cell_sets.items() if len(members)}
-    return PolyMesh(bare.points, bare.cell_offsets, bare.cell_points, cell_sets, edge_sets)
 
 
 def _scaled_outline(outline: Outline, factor: float) -> Outline:
