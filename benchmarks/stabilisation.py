@@ -178,7 +178,7 @@ def _smooth(mesh: PolyMesh, element: Virtual, poisson: float) -> tuple[float, fl
     totals = np.zeros(4)
     for batch in space.batches():
         reconstruction, stresses = problem.cell_stresses(batch, found)
-        points, weights = polygon_quadrature(batch.vertices, 2 * element.order + 2)
+        points, weights = polygon_quadrature(batch.outline, 2 * element.order + 2)
         flat = points.swapaxes(1, 2).reshape(-1, 2)
         values = reconstruction.at(points)
         computed = np.einsum("aqe,ame,mei->qei", values, reconstruction.projected_value, found[batch.dofs])

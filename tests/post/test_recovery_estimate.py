@@ -57,7 +57,7 @@ def cell_errors(recovery: RecoveredStresses) -> np.ndarray:
     compliance = np.linalg.inv(MATERIAL.matrix[:3, :3])
     for batch in solution.problem.space.batches():
         reconstruction, coefficients = solution.problem.cell_stresses(batch, solution.displacements)
-        points, weights = polygon_quadrature(batch.vertices, 8)
+        points, weights = polygon_quadrature(batch.outline, 8)
         values = reconstruction.at(points)[: coefficients.shape[1]]
         computed = np.einsum("sae,aqe->qes", coefficients[:3], values)
         wanted = stress(points.swapaxes(1, 2).reshape(-1, 2)).reshape(computed.shape)

@@ -1,15 +1,18 @@
 """Lagrange triangles of order k (Moherdaui 2021, 3.2.3: T3, T6, and T10)."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
+from typing import ClassVar
 
 import numpy as np
 
 from flangeway.checks import check_integer
-from flangeway.elements import monomials
+from flangeway.elements import batched, monomials
+from flangeway.elements.curved_cells import CurvedPolygons, outline_frame
 from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.quadrature import gauss_lobatto, triangle
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
+from flangeway.elements.stabilisation import mean_modulus
 from flangeway.errors import InputError
 from flangeway.types import Floats
 
@@ -23,6 +26,9 @@ class Lagrange(Element):
     Edges carry Gauss-Lobatto points, so that triangles and virtual elements of one order share their edges'
     unknowns (for k <= 2 these are the usual nodes); order 3 has the centroid as one more node.
 
+    Triangles with curved edges are isoparametric. Their strains are projected onto polynomials of degree k - 1 in space
+    as those of every element, and what the projection misses is added with the mean modulus.
+
     Parameters
     ----------
     order
@@ -31,6 +37,7 @@ class Lagrange(Element):
     """
 
     order: int
+    curved: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         advice = "choose one of these, or Virtual(order) for higher orders"
@@ -51,6 +58,8 @@ class Lagrange(Element):
 
     def reconstruct(self, vertices: Floats) -> Reconstruction:
         """Write the shape functions as polynomials; see `Element.reconstruct`."""
+        if vertices.ndim == 4:
+            return _isoparametric(vertices)
         n_cells = vertices.shape[-1]
         value, moments, dofs = _reference(self.order)
         first, second = vertices[1] - vertices[0], vertices[2] - vertices[0]
@@ -74,14 +83,14 @@ class Lagrange(Element):
         """Value at the centroid for order 3; see `Element.interior_dofs`."""
         if not self.n_interior():
             return np.empty((0, vertices.shape[-1]))
-        return function(vertices.mean(axis=0).T)[None]
+        centre = _nodes(vertices)[-1] if vertices.ndim == 4 else vertices.mean(axis=0)
+        return function(centre.T)[None]
 
-    def stabilise(
-        self,
-        reconstruction: Reconstruction,
-        consistency: Floats,
-    ) -> None:
-        """Nothing: the reconstruction is exact."""
+    def stabilise(self, reconstruction: Reconstruction, consistency: Floats) -> Floats | None:
+        """Nothing where the reconstruction is exact; the energy that it misses where edges are curved."""
+        if reconstruction.missed is None:
+            return None
+        return reconstruction.missed * mean_modulus(reconstruction, consistency)
 
 
 def _for_all(array: Floats, n_cells: int) -> Floats:
@@ -111,3 +120,47 @@ def _reference(order: int) -> tuple[Floats, Floats, Floats]:
     points, weights = triangle(2 * order)
     moments: Floats = monomials.evaluate(2 * order, (points - centroid).T) @ weights
     return value, moments, dofs
+
+
+def _nodes(outline: Floats) -> Floats:
+    """Nodes of isoparametric triangles, (n_local, 2, n_cells).
+
+    The node inside is where quadratic functions of the nodes on the edges put it, so that it follows the edges to the
+    order that cubic elements need (Ciarlet and Raviart, 1972).
+    """
+    inner = outline[:, 1:].reshape(-1, *outline.shape[2:])
+    nodes = [outline[:, 0], inner]
+    if outline.shape[1] == HIGHEST_ORDER:
+        nodes.append((5.0 * inner.sum(axis=0) - 4.0 * outline[:, 0].sum(axis=0))[None] / 18.0)
+    return np.concatenate(nodes)
+
+
+def _isoparametric(outline: Floats) -> Reconstruction:
+    """Triangles with curved edges, integrated on the reference triangle."""
+    order, nodes = outline.shape[1], _nodes(outline)
+    geometry = CurvedPolygons.of_outline(outline, outline_frame(outline))
+    value, _, _ = _reference(order)
+    places, weights = triangle(order * order + 3 * order)
+    local = (places - 1.0 / 3.0).T
+    shapes = np.einsum("aq,aj->qj", monomials.evaluate(order, local), value)
+    slopes = np.einsum("aq,xab,bj->xqj", monomials.evaluate(order - 1, local), monomials.derivatives(order), value)
+    # cofactors of the Jacobian times the derivatives on the reference triangle are derivatives in space times areas
+    columns = np.einsum("xqj,jie->xqie", slopes, nodes)
+    jacobian = columns[0, :, 0] * columns[1, :, 1] - columns[0, :, 1] * columns[1, :, 0]
+    by_x = slopes[0][:, :, None] * columns[1, :, None, 1] - slopes[1][:, :, None] * columns[0, :, None, 1]
+    by_y = slopes[1][:, :, None] * columns[0, :, None, 0] - slopes[0][:, :, None] * columns[1, :, None, 0]
+    gradients = np.stack((by_x, by_y)) * weights[:, None, None]
+    at = monomials.evaluate(order, geometry.frame.local(np.einsum("qj,jie->qie", shapes, nodes)))
+    gradient_moments = np.einsum("aqe,iqje->aije", at[: n_monomials(order - 1)], gradients)
+    value_moments = np.einsum("aqe,qe,qj->aje", at, jacobian * weights[:, None], shapes)
+    gram, energy_moments = geometry.energy_matrices(gradient_moments)
+    projected = np.empty_like(value_moments)
+    batched.solve(gram, energy_moments, out=projected[1:])
+    projected[0] = value_moments[0] - np.einsum("ae,aje->je", geometry.moments[1 : len(at)], projected[1:])
+    projected[0] /= geometry.moments[0]
+    dofs = monomials.evaluate(order, geometry.frame.local(nodes)).swapaxes(0, 1)
+    found = Reconstruction(
+        order, geometry.frame, projected, geometry.moments, dofs, gradient_moments, energy_moments, value_moments
+    )
+    energy = np.einsum("iqje,iqme,qe->jme", gradients, gradients, 1.0 / (jacobian * weights[:, None]))
+    return replace(found, missed=energy - found.gradient_energy(found.gradient, np.ones(outline.shape[-1])))

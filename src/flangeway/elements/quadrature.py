@@ -59,3 +59,28 @@ def triangle(degree: int) -> tuple[Floats, Floats]:
     weights = np.outer(u_weights, v_weights).ravel()
     points, weights = _read_only(points, weights)
     return points, weights
+
+
+def edge_shapes(order: int, places: Floats) -> Floats:
+    """Lagrange's polynomials of the Gauss-Lobatto points at places (n,) in [0, 1], shape (n, order + 1)."""
+    nodes = gauss_lobatto(order + 1)[0]
+    own = np.eye(order + 1, dtype=np.bool_)
+    apart = np.where(own, 1.0, nodes[:, None] - nodes)
+    factors = np.where(own, 1.0, (places[:, None, None] - nodes) / apart)
+    shapes: Floats = factors.prod(axis=2)
+    return shapes
+
+
+@cache
+def edge_rule(order: int, n_points: int) -> tuple[Floats, Floats, Floats]:
+    """Gauss weights (n_points,), and there `edge_shapes` and their derivatives, (n_points, order + 1) each."""
+    places, weights = gauss(n_points)
+    shapes, nodes = edge_shapes(order, places), gauss_lobatto(order + 1)[0]
+    # derivatives at the nodes by barycentric weights (Berrut and Trefethen, 2004, eq. 9.4), interpolated
+    apart = nodes[:, None] - nodes + np.eye(order + 1)
+    factors = 1.0 / apart.prod(axis=1)
+    derivatives = factors / factors[:, None] / apart
+    np.fill_diagonal(derivatives, 0.0)
+    np.fill_diagonal(derivatives, -derivatives.sum(axis=1))
+    weights, shapes, slopes = _read_only(weights, shapes, shapes @ derivatives)
+    return weights, shapes, slopes

@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import ClassVar
 
 import numpy as np
 
@@ -43,6 +44,11 @@ class Reconstruction:
     energy_moments
         Integrals of the gradient times those of the monomials from degree 1, the matrix B of Moherdaui (2021, 3.60)
         without its first row, shape (n_monomials(k) - 1, n_local, n_cells); None for the same elements.
+    value_moments
+        Integrals of the value times the monomials of degree k, shape as `value`, where they are known. None: those up
+        to degree k - 2 are the last degrees of freedom.
+    missed
+        Integrals of products of what `gradient` misses, (n_local, n_local, n_cells), where they are known.
 
     """
 
@@ -53,6 +59,8 @@ class Reconstruction:
     monomial_dofs: Floats
     gradient_moments: Floats | None = None
     energy_moments: Floats | None = None
+    value_moments: Floats | None = None
+    missed: Floats | None = None
 
     @property
     def exact(self) -> bool:
@@ -126,9 +134,11 @@ class Reconstruction:
         space (Ahmad et al., 2013, "Equivalent projectors for virtual element methods"), the moments of
         `value`. For k = 1 and 2 both projections agree (Moherdaui 2021, 3.80).
         """
-        if self.exact or self.order <= 2:
+        if self.exact or (self.order <= 2 and self.value_moments is None):
             return self.value
         mass = monomials.mass(self.order, self.moments)
+        if self.value_moments is not None:
+            return batched.solve(mass, self.value_moments)
         rhs = np.einsum("abe,bme->ame", mass, self.value)
         n_inner = n_monomials(self.order - 2)
         rhs[:n_inner] = 0.0
@@ -151,6 +161,8 @@ class Element(ABC):
     """A finite or virtual element of some order; its subclasses are final."""
 
     order: int
+    curved: ClassVar[bool] = False
+    """Whether cells may have curved edges: arrays of vertices may then be outlines, (n_vertices, order, 2, n_cells)."""
 
     @abstractmethod
     def n_interior(self) -> int:

@@ -24,7 +24,7 @@ class Stabilisation(ABC):
         """Matrices of cells; arguments and result as in `Element.stabilise`."""
 
 
-def _mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
+def mean_modulus(reconstruction: Reconstruction, consistency: Floats) -> Floats:
     """Mean modulus, shape (n_cells,): the energy of the coordinates x and y, whose gradients every projection keeps.
 
     For a scalar problem it is the problem's own modulus.
@@ -53,7 +53,7 @@ class IdentityStabilisation(Stabilisation):
 
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
-        scale = self.factor * _mean_modulus(reconstruction, consistency)
+        scale = self.factor * mean_modulus(reconstruction, consistency)
         return _identity_plus(reconstruction, _half_of_missed(reconstruction, scale), scale)
 
     def energy_stiffness(self, reconstruction: Reconstruction, energy_moments: Floats, moduli: Floats) -> Floats:
@@ -107,7 +107,7 @@ class DiagonalStabilisation(Stabilisation):
     def matrices(self, reconstruction: Reconstruction, consistency: Floats) -> Floats:
         """Matrices of cells; see `Stabilisation.matrices`."""
         diagonal = np.einsum("cciie->ie", consistency) / len(consistency)
-        weights = np.maximum(diagonal, _mean_modulus(reconstruction, consistency))
+        weights = np.maximum(diagonal, mean_modulus(reconstruction, consistency))
         return _weighted_missed(reconstruction, self.factor * weights)
 
 

@@ -1,12 +1,14 @@
 """The virtual element of order k on simple polygons (Moherdaui 2021, 3.3.1 to 3.3.5 and 3.3.7)."""
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
 from flangeway.checks import check_integer, refused
 from flangeway.elements import monomials
-from flangeway.elements.monomials import n_monomials
+from flangeway.elements.curved_cells import CurvedPolygons, outline_frame
+from flangeway.elements.monomials import Frame, n_monomials
 from flangeway.elements.polygon_quadrature import polygon_quadrature
 from flangeway.elements.projection import Polygons, principal_frame
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
@@ -20,6 +22,9 @@ HIGHEST_ORDER = 10
 @dataclass(frozen=True)
 class Virtual(Element):
     """Virtual element: polynomials of degree k on the edges, moments up to degree k - 2 inside.
+
+    Curved edges are polynomials of degree k through points of the true curve, and functions polynomials of the same
+    parameter: linear functions are exact, and the error in energy decreases like h^k (docs/theory/elements.md).
 
     The value is reconstructed by the projection that is orthogonal in energy (Beirao da Veiga et al., 2013; Moherdaui,
     2021, 3.58 to 3.66), and the gradient either as that polynomial's or by its own L2 projection onto polynomials of
@@ -47,6 +52,7 @@ class Virtual(Element):
 
     order: int
     stabilisation: Stabilisation | None = None
+    curved: ClassVar[bool] = True
 
     def __post_init__(self) -> None:
         allowed = f"orders 1 to {HIGHEST_ORDER}; above, monomials lose all digits"
@@ -65,7 +71,11 @@ class Virtual(Element):
 
     def reconstruct(self, vertices: Floats) -> Reconstruction:
         """Project on each polygon; see `Element.reconstruct`."""
-        cells = Polygons.of(vertices, self.order, principal_frame(vertices))
+        frame = _frame(vertices)
+        if vertices.ndim == 4:
+            cells: Polygons = CurvedPolygons.of_outline(vertices, frame)
+        else:
+            cells = Polygons.of(vertices, self.order, frame)
         boundary = cells.boundary_values()
         gradient_moments = cells.gradient_moments(boundary)
         dofs = cells.monomial_dofs(boundary)
@@ -78,7 +88,7 @@ class Virtual(Element):
             return np.empty((0, vertices.shape[-1]))
         points, weights = polygon_quadrature(vertices, degree + self.order - 2)
         values = function(points.swapaxes(-1, -2).reshape(-1, 2)).reshape(weights.shape)
-        local = principal_frame(vertices).local(points)
+        local = _frame(vertices).local(points)
         products = np.einsum("aqe,qe->ae", monomials.evaluate(self.order - 2, local), values * weights)
         return products / weights.sum(axis=0)
 
@@ -91,3 +101,7 @@ class Virtual(Element):
         if self.stabilisation is not None:
             return self.stabilisation
         return IdentityStabilisation() if n_components == 1 else SpectralStabilisation()
+
+
+def _frame(vertices: Floats) -> Frame:
+    return principal_frame(vertices) if vertices.ndim == 3 else outline_frame(vertices)

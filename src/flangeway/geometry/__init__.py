@@ -7,6 +7,7 @@ from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section, nested_regions
 from flangeway.geometry.segments import Arc, Line, Segment, crossing_shares
 from flangeway.geometry.shapes import circle, polygon, rectangle, square
+from flangeway.geometry.splines import Spline
 
 __all__ = [
     "Arc",
@@ -20,6 +21,7 @@ __all__ = [
     "Region",
     "Section",
     "Segment",
+    "Spline",
     "as_point",
     "as_points",
     "circle",

@@ -1,6 +1,7 @@
 """Meshes of polygons: triangulation, dual polygons, refinement, checks and files."""
 
 from flangeway.mesh.agglomeration import agglomerated
+from flangeway.mesh.curved import curved
 from flangeway.mesh.dual import dual, dual_section
 from flangeway.mesh.gmsh_mesher import triangulate, triangulate_section
 from flangeway.mesh.mesh_checks import check, conforming, edges_halved
@@ -17,6 +18,7 @@ __all__ = [
     "agglomerated",
     "check",
     "conforming",
+    "curved",
     "doerfler_marking",
     "dual",
     "dual_section",

@@ -9,6 +9,8 @@ from scipy.spatial import cKDTree
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.mesh.curved import Curves, curved
+from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Floats, Ints
@@ -16,7 +18,7 @@ from flangeway.types import Floats, Ints
 BYTES_A_TRIANGLE = 420  # of the construction; measured 170 to 450
 
 
-def dual(mesh: PolyMesh) -> PolyMesh:
+def dual(mesh: PolyMesh, *, outline: Curves | None = None) -> PolyMesh:
     """Return the polygons about the points of a mesh of triangles.
 
     The polygon of a point is made of the centroids of its triangles and, on the boundary, of the
@@ -24,7 +26,7 @@ def dual(mesh: PolyMesh) -> PolyMesh:
     the dual belongs to point i of `mesh`. The dual's points are the centroids, then the middles
     of the boundary edges, then the boundary points, each in the order of `mesh`. A boundary edge
     (a, b) becomes (a, m), (m, b) in its edge sets. A cell set is carried along if every point has
-    either all or none of its triangles in it.
+    either all or none of its triangles in it. Curved edges stay on their curves.
 
     Source: Moherdaui (2021), section 3.3.6, with the order of the points by angle.
 
@@ -32,6 +34,8 @@ def dual(mesh: PolyMesh) -> PolyMesh:
     ----------
     mesh
         Counter-clockwise triangles.
+    outline
+        All curves of the boundary: edges on its arcs become curved first, see `flangeway.mesh.curved`.
 
     Returns
     -------
@@ -49,11 +53,14 @@ def dual(mesh: PolyMesh) -> PolyMesh:
     """
     refuse_large_mesh(f"the dual polygons of {mesh.n_cells:,} triangles", BYTES_A_TRIANGLE * mesh.n_cells)
     _refuse_unfit(mesh)
+    if outline is not None:
+        mesh = curved(mesh, outline)
     n_triangles, n_points = mesh.n_cells, mesh.n_points
     centroids = mesh.points[mesh.cell_points.reshape(-1, 3)].mean(axis=1)
     rim = _sorted_rim(mesh)
     n_rim = len(rim)
-    points = np.vstack([centroids, mesh.points[rim].mean(axis=1), mesh.points[rim[:, 0]]])
+    middles = mesh.points[rim].mean(axis=1) if mesh.curves is None else mesh.edge_middles(mesh.edge_numbers(rim))
+    points = np.vstack([centroids, middles, mesh.points[rim[:, 0]]])
     leaving = np.full(n_points, -1, dtype=np.int64)
     reaching = np.full(n_points, -1, dtype=np.int64)
     leaving[rim[:, 0]] = np.arange(n_rim)
@@ -72,7 +79,20 @@ def dual(mesh: PolyMesh) -> PolyMesh:
     cell_points[start + 1] = n_triangles + leaving[on_rim]
     cell_points[end - 1] = n_triangles + reaching[on_rim]
     edge_sets = {name: _halved_edges(pairs, leaving, n_triangles, n_rim) for name, pairs in mesh.edge_sets.items()}
-    return PolyMesh(points, offsets, cell_points, _carried_sets(mesh), edge_sets)
+    curves = None if mesh.curves is None else _halved_curves(mesh.curves, rim, leaving, n_triangles)
+    return PolyMesh(points, offsets, cell_points, _carried_sets(mesh), edge_sets, curves)
+
+
+def _halved_curves(curves: EdgeCurves, rim: IntArray, leaving: Ints, n_triangles: int) -> EdgeCurves | None:
+    """Return the curved edges of the boundary in halves, as points of the dual; those inside are none of its edges."""
+    n_points = len(leaving)
+    rows = {low * n_points + high: row for row, (low, high) in enumerate(np.sort(rim, axis=1).tolist())}
+    middles = np.array([rows.get(low * n_points + high, -1) for low, high in np.sort(curves.pairs, axis=1).tolist()])
+    outer = curves.taken(middles >= 0)
+    if outer is None:
+        return None
+    corners = np.append(n_triangles + len(rim) + leaving, n_triangles + np.arange(len(rim))).astype(np.int32)
+    return outer.halved(n_points + middles[middles >= 0]).renumbered(corners)
 
 
 def _refuse_unfit(mesh: PolyMesh) -> None:
@@ -183,7 +203,8 @@ def dual_section(mesh: PolyMesh) -> PolyMesh:
     middles = glued.points[glued.boundary_edges].mean(axis=1)
     for name, pairs in mesh.edge_sets.items():
         start, end = mesh.points[pairs].swapaxes(0, 1)
-        halves = np.vstack([0.75 * start + 0.25 * end, 0.25 * start + 0.75 * end])
+        middle = mesh.edge_middles(mesh.edge_numbers(pairs))
+        halves = np.vstack([start + middle, end + middle]) / 2.0
         glued = glued.with_edge_set(name, glued.boundary_edges[cKDTree(middles).query(halves)[1]])
     return glued
 
@@ -192,9 +213,15 @@ def _extracted(mesh: PolyMesh, name: str, cells: IntArray) -> PolyMesh:
     """Return the triangles of one cell set as a separate mesh."""
     used, corners = np.unique(mesh.cell_points.reshape(-1, 3)[cells], return_inverse=True)
     offsets = np.arange(len(cells) + 1, dtype=np.int32) * 3
+    curves = mesh.curves
+    if curves is not None:
+        # an edge belongs to the part if a triangle of it has it
+        own = np.isin(mesh.edge_numbers(curves.pairs), mesh.cell_edges.reshape(-1, 3)[cells])
+        curves = curves.taken(own)
     return PolyMesh(
-        mesh.points[used], offsets, corners.astype(np.int32).ravel(), {name: np.arange(len(cells), dtype=np.int32)}
-    )
+        mesh.points[used], offsets, corners.astype(np.int32).ravel(), {name: np.arange(len(cells), dtype=np.int32)},
+        curves=None if curves is None else curves.renumbered(np.searchsorted(used, np.arange(mesh.n_points))),
+    )  # fmt: skip
 
 
 def _glued(mesh: PolyMesh, tolerance: float) -> PolyMesh:
@@ -205,4 +232,8 @@ def _glued(mesh: PolyMesh, tolerance: float) -> PolyMesh:
     for low, high in sorted(pairs.tolist(), reverse=True):
         first[high] = low
     kept, numbers = np.unique(first, return_inverse=True)
-    return PolyMesh(mesh.points[kept], mesh.cell_offsets, numbers[mesh.cell_points].astype(np.int32), mesh.cell_sets)
+    curves = None if mesh.curves is None else mesh.curves.renumbered(numbers)
+    if curves is not None:  # of an interface both parts have the edges
+        curves = curves.taken(np.unique(np.sort(curves.pairs, axis=1), axis=0, return_index=True)[1])
+    corners = numbers[mesh.cell_points].astype(np.int32)
+    return PolyMesh(mesh.points[kept], mesh.cell_offsets, corners, mesh.cell_sets, curves=curves)

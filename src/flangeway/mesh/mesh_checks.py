@@ -4,6 +4,7 @@ from collections.abc import Collection, Iterable
 from weakref import WeakSet
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
@@ -340,3 +341,39 @@ def edges_halved(mesh: PolyMesh, edge_set: str) -> PolyMesh:
         },
         edge_sets,
     )
+
+
+def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -> None:
+    """Refuse cells with curved edges that cross themselves, or are turned inside out; see `check`.
+
+    - `cells`: cells with curved edges.
+    - `order`: of the elements: the more points of a curve belong to an edge.
+    """
+    curves = mesh.curves
+    assert curves is not None
+    n_inner = 4 * order - 1
+    inside = curves.points(np.arange(1, n_inner + 1) / (n_inner + 1))
+    offsets = mesh.cell_offsets.astype(np.int64)
+    counts = mesh.cell_sizes[cells]
+    entries = np.arange(counts.sum()) + np.repeat(offsets[cells] - (np.cumsum(counts) - counts), counts)
+    row = mesh.curve_rows[mesh.cell_edges[entries]]
+    bent = np.flatnonzero(row >= 0)
+    numbers = mesh.n_points + row[bent, None] * n_inner + np.arange(n_inner)
+    backwards = mesh.cell_points[entries[bent]] != curves.pairs[row[bent], 0]
+    numbers[backwards] = numbers[backwards, ::-1]
+    corners = np.insert(mesh.cell_points[entries].astype(np.int64), np.repeat(bent + 1, n_inner), numbers.ravel())
+    more = np.bincount(np.repeat(np.arange(len(cells)), counts)[bent], minlength=len(cells))
+    points = np.vstack((mesh.points, inside.reshape(-1, 2)))
+    used, local = np.unique(corners, return_inverse=True)
+    try:
+        _check_cells(PolyMesh(points[used], offsets_of(counts + n_inner * more), local.astype(np.int32)))
+    except InputError as error:
+        if len(cells) > 1:  # which of them
+            for cell in cells:
+                check_curved_cells(mesh, np.array([cell]), order)
+        raise InputError(
+            f"{_cell(mesh, int(cells[0]))} with a curved edge that leaves it: between its points it crosses another "
+            "edge, or turns the cell inside out",
+            "arcs and splines that stay inside the cells beside them",
+            "refine the mesh at the curve, or take mesh.straight()",
+        ) from error

@@ -1,7 +1,7 @@
 """Mesh of polygons in the plane: points, ragged cells, named sets of cells and boundary edges."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from types import MappingProxyType
 from typing import Any
@@ -21,6 +21,7 @@ from flangeway.mesh.connectivity import (
     row_numbers,
     rows_reversed,
 )
+from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.types import Bools, Floats, Ints
 
 
@@ -80,6 +81,8 @@ class PolyMesh:
     edge_sets
         Pairs of points (m, 2) by name: boundary edges in either direction. They are stored with the body on the left,
         in order along the boundary.
+    curves
+        Edges that are curved, see `EdgeCurves` and `flangeway.mesh.curved`. None: all are straight.
 
     Raises
     ------
@@ -92,6 +95,7 @@ class PolyMesh:
     cell_points: IntArray
     cell_sets: Mapping[str, IntArray] = field(default_factory=dict)
     edge_sets: Mapping[str, IntArray] = field(default_factory=dict)
+    curves: EdgeCurves | None = None
 
     def __post_init__(self) -> None:
         """Check shapes and ranges; store read-only copies."""
@@ -144,7 +148,7 @@ class PolyMesh:
 
     def __reduce__(self) -> tuple[Any, ...]:
         sets = (dict(self.cell_sets), dict(self.edge_sets))  # read-only views cannot be pickled
-        return PolyMesh, (self.points, self.cell_offsets, self.cell_points, *sets)
+        return PolyMesh, (self.points, self.cell_offsets, self.cell_points, *sets, self.curves)
 
     # counts and connections
 
@@ -274,7 +278,42 @@ class PolyMesh:
     @cached_property
     def cell_areas(self) -> Floats:
         """Areas (n_cells,), negative for clockwise cells."""
-        return _frozen(0.5 * np.add.reduceat(self._cross, self.cell_offsets[:-1]))
+        areas = 0.5 * np.add.reduceat(self._cross, self.cell_offsets[:-1])
+        if self.curves is not None:
+            cells, signs, _, beside, _ = self._beside
+            np.add.at(areas, cells, signs * beside)
+        return _frozen(areas)
+
+    @cached_property
+    def _beside(self) -> tuple[Ints, Floats, Ints, Floats, Floats]:
+        """Sides of cells with curved edges: cell, sign, row in `curves`; and what `EdgeCurves.beside` gives them."""
+        assert self.curves is not None
+        row = self.curve_rows[self.cell_edges]
+        entries = np.flatnonzero(row >= 0)
+        rows = row[entries]
+        areas, moments = self.curves.beside(self.points)
+        signs = np.where(self.cell_points[entries] == self.curves.pairs[rows, 0], 1.0, -1.0)
+        return row_numbers(self.cell_offsets)[entries], signs, rows, areas[rows], moments[rows]
+
+    @cached_property
+    def curve_rows(self) -> Ints:
+        """Row in `curves` of each edge, -1 for straight ones (n_edges,)."""
+        rows = np.full(self.n_edges, -1, dtype=np.int64)
+        if self.curves is not None:
+            rows[self.edge_numbers(self.curves.pairs)] = np.arange(len(self.curves.pairs))
+        return rows
+
+    def edge_middles(self, edges: NDArray[np.integer]) -> Floats:
+        """Middles (m, 2) of edges given by their numbers, on curved edges in the middle of the curve."""
+        middles: Floats = self.points[self.edges[edges]].mean(axis=1)
+        rows = self.curve_rows[edges]
+        if self.curves is not None and (rows >= 0).any():
+            middles[rows >= 0] = self.curves.points([0.5], rows[rows >= 0])[:, 0]
+        return middles
+
+    def straight(self) -> "PolyMesh":
+        """Return the mesh with the same points and straight edges."""
+        return self._changed(curves=None)
 
     @cached_property
     def cell_centroids(self) -> Floats:
@@ -283,6 +322,10 @@ class PolyMesh:
         weighted = (a + a[self._following]) * self._cross[:, None]
         sums = np.add.reduceat(weighted, self.cell_offsets[:-1], axis=0)
         first = self.points[self.cell_points[self.cell_offsets[:-1]]]
+        if self.curves is not None:
+            cells, signs, rows, areas, moments = self._beside
+            offset = self.points[self.curves.pairs[rows, 0]] - first[cells]
+            np.add.at(sums, cells, 6.0 * signs[:, None] * (moments + areas[:, None] * offset))
         return _frozen(first + sums / (6.0 * self.cell_areas[:, None]))
 
     @cached_property
@@ -367,7 +410,7 @@ class PolyMesh:
     def _changed(self, **changes: Any) -> "PolyMesh":
         fields = {
             name: changes.get(name, getattr(self, name))
-            for name in ("points", "cell_offsets", "cell_points", "cell_sets", "edge_sets")
+            for name in ("points", "cell_offsets", "cell_points", "cell_sets", "edge_sets", "curves")
         }
         return PolyMesh(**fields)
 
@@ -429,6 +472,8 @@ class PolyMesh:
         if placement.mirrored:
             changes["cell_points"] = self.cell_points[rows_reversed(self.cell_offsets)]
             changes["edge_sets"] = {n: e[::-1, ::-1] for n, e in self.edge_sets.items()}
+        if self.curves is not None:
+            changes["curves"] = self.curves.transformed(placement)
         return self._changed(**changes)
 
     def merged(self, other: "PolyMesh") -> "PolyMesh":
@@ -437,12 +482,16 @@ class PolyMesh:
         Sets with the same name are united.
         """
         n_points, n_cells, n_corners = self.n_points, self.n_cells, len(self.cell_points)
+        curves = [] if self.curves is None else [self.curves]
+        if other.curves is not None:
+            curves.append(replace(other.curves, pairs=other.curves.pairs + np.int32(n_points)))
         return PolyMesh(
             np.vstack([self.points, other.points]),
             np.append(self.cell_offsets, other.cell_offsets[1:] + n_corners),
             np.append(self.cell_points, other.cell_points + n_points),
             _united(self.cell_sets, {n: c + n_cells for n, c in other.cell_sets.items()}),
             _united(self.edge_sets, {n: e + n_points for n, e in other.edge_sets.items()}),
+            united(curves) if curves else None,
         )
 
 

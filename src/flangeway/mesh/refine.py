@@ -1,8 +1,6 @@
 """Refinement of triangles and polygons, of all cells or of some."""
 
-from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -10,23 +8,13 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers, check_integer, is_finite, refused
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.geometry.contour import Contour
-from flangeway.geometry.region import Region, Section
-from flangeway.geometry.segments import Arc
 from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.mesh.curved import Curves, snapped_points
+from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.kernel import cell_centres, star_parts
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.memory_limits import refuse_large_mesh
 from flangeway.types import Bools, Floats, Ints
-
-Curves: TypeAlias = Contour | Region | Section | Iterable[Contour]
-"""What has arcs: an outline or open chain, a region, a section, or several outlines."""
-
-NEAR = 1.0
-"""Distance from an arc, over the shorter boundary edge at the point, up to which the point belongs on it.
-
-As large as that, since the middle of a coarse chord is far from its arc; the nearest curve decides.
-"""
 
 BYTES_A_TRIANGLE = 740
 BYTES_A_POLYGON = 2400  # of the construction, for each cell that is refined; measured
@@ -61,7 +49,7 @@ def refined(
         Refine also the cells with a side on which more points would hang, until there is none. No limit by default.
     outline
         All curves of the boundary: its points near an arc, new ones and old ones, are moved onto it. Without it new
-        points lie on the straight edges.
+        points lie on the edges: curved ones stay on their curves (see `flangeway.mesh.curved`), then without this.
 
     Raises
     ------
@@ -208,7 +196,7 @@ def _crowded(mesh: PolyMesh, sides: Sides, split: Bools, most_hanging: int) -> B
 def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
     if outline is not None:
         points = snapped_points(mesh, outline)
-        mesh = PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets)
+        mesh = PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, mesh.curves)
     if mesh.cell_areas.min() <= 0.0:
         place = mesh.points[mesh.cell_points[mesh.cell_offsets[mesh.cell_areas.argmin()]]]
         raise InputError(
@@ -217,11 +205,6 @@ def _finished(mesh: PolyMesh, outline: Curves | None) -> PolyMesh:
             "check the mesh" if outline is None else "refine the cells at the boundary first, or leave out the outline",
         )
     return mesh
-
-
-def _middles(mesh: PolyMesh, edges: Ints) -> Floats:
-    middles: Floats = mesh.points[mesh.edges[edges]].mean(axis=1)
-    return middles
 
 
 def _halved_sets(mesh: PolyMesh, split: Bools) -> dict[str, IntArray]:
@@ -239,6 +222,14 @@ def _halved_sets(mesh: PolyMesh, split: Bools) -> dict[str, IntArray]:
     return sets
 
 
+def _halved_curves(mesh: PolyMesh, split: Bools) -> EdgeCurves | None:
+    """Curved edges with the new points."""
+    if mesh.curves is None:
+        return None
+    edges = mesh.edge_numbers(mesh.curves.pairs)
+    return mesh.curves.halved(np.where(split[edges], (mesh.n_points + np.cumsum(split) - 1)[edges], -1))
+
+
 @dataclass(frozen=True, eq=False)
 class _Division:
     """What is cut how: the cells of `seen` among the marked ones about centres, the other marked ones by diagonals."""
@@ -254,7 +245,7 @@ class _Division:
     def mesh(self) -> PolyMesh:
         old = self.old
         with_centre = np.flatnonzero(self.marked & self.seen & (self.n_sides > 3))
-        middles = _middles(old, np.flatnonzero(self.split))
+        middles = old.edge_middles(np.flatnonzero(self.split))
         points = np.vstack([old.points, middles, self.centres[with_centre]])
         parents, counts, corners = self._rows(points, with_centre)
         order = np.argsort(parents, kind="stable")
@@ -267,7 +258,8 @@ class _Division:
             inside = np.zeros(old.n_cells, dtype=bool)
             inside[cells] = True
             cell_sets[name] = np.flatnonzero(inside[owner]).astype(np.int32)
-        return PolyMesh(points, offsets, corners[places], cell_sets, _halved_sets(old, self.split))
+        halves = _halved_sets(old, self.split), _halved_curves(old, self.split)
+        return PolyMesh(points, offsets, corners[places], cell_sets, *halves)
 
     def _rows(self, points: Floats, with_centre: Ints) -> tuple[Ints, Ints, IntArray]:
         """New cells: old cell and number of points of each, and their points one after the other."""
@@ -335,49 +327,13 @@ def _refined_triangles(mesh: PolyMesh) -> PolyMesh:
     triangles = np.column_stack([a, ab, ca, ab, b, bc, ca, bc, c, ab, bc, ca]).reshape(-1, 3)
     split = np.ones(mesh.n_edges, dtype=bool)
     return PolyMesh(
-        np.vstack([mesh.points, _middles(mesh, np.arange(mesh.n_edges))]),
+        np.vstack([mesh.points, mesh.edge_middles(np.arange(mesh.n_edges))]),
         np.arange(len(triangles) + 1, dtype=np.int32) * 3,
         triangles.astype(np.int32).ravel(),
         {name: np.add.outer(4 * cells, np.arange(4)).ravel() for name, cells in mesh.cell_sets.items()},
         _halved_sets(mesh, split),
+        _halved_curves(mesh, split),
     )
-
-
-def _loops(curves: Curves) -> list[Contour]:
-    if isinstance(curves, Contour):
-        return [curves]
-    if isinstance(curves, Region):
-        return list(curves.loops)
-    if isinstance(curves, Section):
-        return [loop for region in curves.regions for loop in region.loops]
-    return list(curves)
-
-
-def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
-    """Return the mesh's points (n_points, 2) with those of the boundary that are near an arc moved onto it.
-
-    Points at the ends of arcs, and those nearer to a line, stay; so all curves of the boundary must be given. Near
-    means within the length of the boundary edges there.
-    """
-    pairs = mesh.boundary_edges
-    lengths = np.hypot(*(mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]).T)
-    shortest = np.full(mesh.n_points, np.inf)
-    for column in (0, 1):
-        np.minimum.at(shortest, pairs[:, column], lengths)
-    rim = np.unique(pairs)
-    points = mesh.points.copy()
-    nearest = NEAR * shortest[rim]
-    for loop in _loops(curves):
-        number, place, distance = loop.closest(mesh.points[rim])
-        nearer = distance < nearest
-        nearest[nearer] = distance[nearer]
-        points[rim[nearer]] = mesh.points[rim[nearer]]
-        for which in np.unique(number[nearer]).tolist():
-            segment = loop.segments[which]
-            inside = nearer & (number == which) & (place > 1e-9) & (place < 1.0 - 1e-9)
-            if isinstance(segment, Arc) and inside.any():
-                points[rim[inside]] = segment.point(place[inside])
-    return points
 
 
 def doerfler_marking(cell_errors: ArrayLike, share: float = 0.5) -> IntArray:

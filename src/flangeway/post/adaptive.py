@@ -9,7 +9,7 @@ import numpy as np
 from flangeway.elements import polygon_quadrature
 from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh, doerfler_marking, refined
-from flangeway.mesh.refine import Curves
+from flangeway.mesh.curved import Curves
 from flangeway.post.recovery import recovered_stresses
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ElasticitySolution, Status
@@ -179,7 +179,7 @@ def stress_errors(
     squares = np.zeros(2)
     for batch in problem.space.batches():
         reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
-        points, weights = polygon_quadrature(batch.vertices, degree)
+        points, weights = polygon_quadrature(batch.outline, degree)
         values = np.einsum("sae,aqe->sqe", stress[:3], reconstruction.at(points)[: stress.shape[1]])
         wanted = exact(np.moveaxis(points, 1, -1).reshape(-1, 2)).T.reshape(3, *weights.shape)
         for i, field in enumerate((wanted - values, wanted)):

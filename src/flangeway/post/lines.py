@@ -85,7 +85,7 @@ def displacements_at(solution: ElasticField, points: ArrayLike) -> Floats:
     given = np.asarray(points, dtype=np.float64)
 
     def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         local = solution.displacements[batch.dofs]
         return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, local)
 

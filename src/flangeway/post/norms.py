@@ -69,7 +69,7 @@ def error_norms(
     fields = dofs.reshape(space.n_dofs, -1)
     totals = np.zeros(6)
     for batch in space.batches():
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         points, weights = cell_quadrature(batch, degree)
         monomials = reconstruction.at(points)
         local = fields[batch.dofs]

@@ -44,7 +44,7 @@ class RecoveredStresses(Result):
         squares = np.empty(problem.space.mesh.n_cells)
         for batch in problem.space.batches():
             reconstruction, stress = problem.cell_stresses(batch, self.solution.displacements)
-            points, weights = polygon_quadrature(batch.vertices, 2 * reconstruction.order)
+            points, weights = polygon_quadrature(batch.outline, 2 * reconstruction.order)
             values = reconstruction.at(points)[: stress.shape[1]]
             difference = self._at(batch.cells, points) - np.einsum("sae,aqe->sqe", stress, values)
             weights = weights * problem.depth(points.swapaxes(1, 2))
@@ -138,7 +138,7 @@ def recovered_stresses(solution: ElasticField) -> RecoveredStresses:
     for batch in problem.space.batches():
         reconstruction, stress = problem.cell_stresses(batch, solution.displacements)
         mass = problem.strains(batch, reconstruction).mass
-        points, weights = polygon_quadrature(batch.vertices, 2 * order)
+        points, weights = polygon_quadrature(batch.outline, 2 * order)
         if problem.axisymmetric:
             weights = weights * points[:, 0]
         weighted = reconstruction.at(points)[: len(mass)] * weights

@@ -241,7 +241,7 @@ class Elasticity:
 
         Both without the depth.
         """
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         n = reconstruction.n_local
         result = np.zeros((n, 2, n, 2, len(batch.cells)))
         by_component = result.transpose(1, 3, 0, 2, 4)
@@ -288,7 +288,7 @@ class Elasticity:
         """Strain energy of the held body's thermal stresses."""
         energy = 0.0
         for batch in self.space.batches() if self.thermal_loads else ():
-            reconstruction = batch.element.reconstruct(batch.vertices)
+            reconstruction = batch.element.reconstruct(batch.outline)
             mass = self.strains(batch, reconstruction).mass
             moments = self.cell_temperature(batch, reconstruction, self.thermal_loads)
             squares = np.einsum("ae,ae->e", moments, batched.solve(mass, moments[:, None])[:, 0])
@@ -305,7 +305,7 @@ class Elasticity:
     ) -> Floats:
         """Weighted integrals of the rise of temperature times monomials of degree k - 1, (n_monomials, n_cells)."""
         order = reconstruction.order
-        points, weights = polygon_quadrature(batch.vertices, 2 * order + 1)
+        points, weights = polygon_quadrature(batch.outline, 2 * order + 1)
         rows = points.swapaxes(1, 2)
         change = np.zeros(weights.shape)
         for load in loads:
@@ -366,7 +366,7 @@ class Elasticity:
             xx, yy, xy, zz (zz: out of the plane, or the hoop stress), shape (4, n_monomials(k - 1), n_cells).
 
         """
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         strains = self.strains(batch, reconstruction)
         local = displacement.reshape(-1, 2)[batch.dofs]
         derivatives = np.einsum("asme,mei->isae", strains.coefficients, local)

@@ -117,7 +117,7 @@ def _edge_forces(problem: LoadedProblem, edges: str, traction: Callable[[Floats,
     rule = edge_quadrature(problem.space, problem.space.mesh.edge_set(edges))
     n_edges, n_points, _ = rule.points.shape
     points = rule.points.reshape(-1, 2)
-    values = traction(points, np.repeat(rule.normals, n_points, axis=0)).reshape(n_edges, n_points, 2)
+    values = traction(points, rule.normals.reshape(-1, 2)).reshape(n_edges, n_points, 2)
     weights = rule.weights * problem.depth(rule.points)
     at_nodes = np.einsum("eq,eqi,qm->emi", weights, values, rule.shapes)
     forces = np.zeros((problem.space.n_dofs, 2))
@@ -235,8 +235,8 @@ def _volume_forces(problem: LoadedProblem, value: Vector, factors: Floats) -> Fl
         here = factors[batch.cells]
         if not here.any():
             continue
-        reconstruction = batch.element.reconstruct(batch.vertices)
-        points, weights = polygon_quadrature(batch.vertices, degree)
+        reconstruction = batch.element.reconstruct(batch.outline)
+        points, weights = polygon_quadrature(batch.outline, degree)
         rows = points.swapaxes(1, 2)
         values = vector_at("a force per volume", value, rows.reshape(-1, 2)).reshape(rows.shape)
         weights = weights * problem.depth(rows) * here
@@ -280,7 +280,7 @@ class TemperatureChange(Load):
         """See `Load.forces`."""
         forces = np.zeros((problem.space.n_dofs, 2))
         for batch in problem.space.batches():
-            reconstruction = batch.element.reconstruct(batch.vertices)
+            reconstruction = batch.element.reconstruct(batch.outline)
             local = problem.thermal_forces(batch, reconstruction, [self])
             for component in range(2):
                 forces[:, component] += np.bincount(batch.dofs.ravel(), local[component].ravel(), minlength=len(forces))

@@ -153,11 +153,11 @@ class NonlinearBody(Item):
     def _points(self) -> tuple[_Points, ...]:
         found = []
         for batch in self.problem.space.batches():
-            reconstruction = batch.element.reconstruct(batch.vertices)
+            reconstruction = batch.element.reconstruct(batch.outline)
             coefficients = self.problem.strains(batch, reconstruction).coefficients
             # products of two strains of degree k - 1, about an axis times the radius
             degree = max(2 * (reconstruction.order - 1) + self.problem.axisymmetric, 1)
-            places, weights = polygon_quadrature(batch.vertices, degree)
+            places, weights = polygon_quadrature(batch.outline, degree)
             rates = np.einsum("aqe,asme->sqme", reconstruction.at(places)[: len(coefficients)], coefficients)
             rows = places.swapaxes(1, 2)
             stabilisation = self.problem.cell_stabilisation(batch)

@@ -7,8 +7,8 @@ import numpy as np
 
 from flangeway.elements import Reconstruction, batched, monomials
 from flangeway.elements.monomials import exponents, index, n_monomials
-from flangeway.elements.quadrature import gauss
-from flangeway.problems.edges import edge_shapes
+from flangeway.elements.polygon_quadrature import edge_points
+from flangeway.elements.quadrature import edge_rule, gauss
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 
@@ -109,18 +109,27 @@ def _times_radius(moments: Floats, degree: int, radius: Floats) -> Floats:
 
 def _boundary_moments(batch: CellBatch, reconstruction: Reconstruction) -> Floats:
     """Integrals of r times monomials of degree k - 1 times traces times the normal, (n, 2, n_local, n_cells)."""
-    order, vertices = reconstruction.order, batch.vertices
+    order, vertices, curved = reconstruction.order, batch.vertices, batch.outline.ndim == 4
     n_vertices, _, n_cells = vertices.shape
-    places, weights = gauss(order + 1)
-    shapes = edge_shapes(order, places)
+    # degree k of r, k - 1 of the normal, k of the trace, and k - 1 times k of the monomials
+    n_points = (order * (order + 2) + 1) // 2 if curved else order + 1
+    places, (weights, shapes, slopes) = gauss(n_points)[0], edge_rule(order, n_points)
     along = np.roll(vertices, -1, axis=0) - vertices
     normals = np.stack((along[:, 1], -along[:, 0]), axis=1)
     result = np.zeros((n_monomials(order - 1), 2, reconstruction.n_local, n_cells))
     for edge in range(n_vertices):
         points = vertices[edge] + places[:, None, None] * along[edge]
+        if curved:
+            nodes = edge_points(batch.outline)[edge]
+            points, tangents = (np.einsum("qj,jie->qie", each, nodes) for each in (shapes, slopes))
         values = monomials.evaluate(order - 1, reconstruction.frame.local(points))
-        traces = np.einsum("aqe,qe,q,qn->ane", values, points[:, 0], weights, shapes)
+        if curved:
+            right = np.stack((tangents[:, 1], -tangents[:, 0])) * weights[:, None]
+            traces = np.einsum("aqe,qe,iqe,qn->aine", values, points[:, 0], right, shapes, optimize=True)
+        else:
+            traces = np.einsum("aqe,qe,q,qn->ane", values, points[:, 0], weights, shapes)
+            traces = traces[:, None] * normals[edge][None, :, None]
         inner = n_vertices + edge * (order - 1) + np.arange(order - 1)
         local = np.concatenate(([edge], inner, [(edge + 1) % n_vertices]))
-        result[:, :, local] += traces[:, None] * normals[edge][None, :, None]
+        result[:, :, local] += traces
     return result

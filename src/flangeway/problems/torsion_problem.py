@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from flangeway.checks import check_positive
 from flangeway.elements import Reconstruction, energy_stiffness, monomials
 from flangeway.elements.monomials import Frame, n_monomials
-from flangeway.elements.quadrature import gauss_lobatto
+from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
@@ -58,6 +58,11 @@ def boundary_of(mesh: PolyMesh) -> SectionBoundary:
         local = mesh.points - mesh.points[group[0, 0]]
         start, end = local[group[:, 0]], local[group[:, 1]]
         area = float(np.sum(cross_product(start, end))) / 2.0
+        if mesh.curves is not None:
+            rows = mesh.curve_rows[mesh.edge_numbers(group)]
+            on_curve = rows >= 0
+            forward = mesh.curves.pairs[rows[on_curve], 0] == group[on_curve, 0]
+            area += float(np.where(forward, 1.0, -1.0) @ mesh.curves.beside(mesh.points)[0][rows[on_curve]])
         if area > 0.0:
             outer.append(group)
         else:
@@ -168,7 +173,7 @@ class Torsion:
 
     def cell_stiffness(self, batch: CellBatch) -> Floats:
         """Stiffness of cells: consistency (Moherdaui 2021, 3.69) plus stabilisation, (n_local, n_local, n_cells)."""
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         moduli = self.cell_moduli[batch.cells]
         if self.formulation == "prandtl":
             moduli = 1.0 / moduli
@@ -204,6 +209,12 @@ class Torsion:
         linear = np.einsum("ex,ex->e", along, along) * jumps[edges]
         first, second = _edge_integrals(space.order)
         local = constant[:, None] * first + linear[:, None] * second
+        if mesh.curves is not None and space.order > 1:
+            curved = np.flatnonzero(mesh.curve_rows[edges] >= 0)
+            own = space.nodes[space.edge_nodes(pairs[curved])] - self.centre
+            weights, shapes, slopes = edge_rule(space.order, 3 * space.order // 2 + 1)
+            along = np.einsum("eqx,eqx->eq", shapes @ own, slopes @ own)
+            local[curved] = jumps[edges[curved], None] * ((along * weights) @ shapes)
         nodes = space.edge_nodes(pairs).ravel()
         return np.asarray(np.bincount(nodes, local.ravel(), minlength=space.n_dofs), dtype=np.float64)
 
@@ -216,7 +227,7 @@ class Torsion:
                 areas = self.space.mesh.cell_areas[batch.cells]
                 local = np.broadcast_to(2.0 * areas / len(batch.dofs), batch.dofs.shape)
             else:
-                reconstruction = batch.element.reconstruct(batch.vertices)
+                reconstruction = batch.element.reconstruct(batch.outline)
                 value = reconstruction.projected_value
                 local = 2.0 * np.einsum("ae,ame->me", reconstruction.moments[: len(value)], value)
             load += np.bincount(batch.dofs.ravel(), local.ravel(), minlength=n_dofs)
@@ -272,7 +283,7 @@ class Torsion:
             ``tau_zy``, shape (2, n_monomials(degree), n_cells).
 
         """
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         gradient = np.einsum("aime,me->iae", self.cell_gradient(reconstruction), function[batch.dofs])
         if self.formulation == "prandtl":
             return reconstruction, np.stack((gradient[1], -gradient[0]))

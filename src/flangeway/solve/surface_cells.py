@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from flangeway._core import NotPositiveDefiniteError
-from flangeway.elements.quadrature import gauss
+from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
-from flangeway.problems.edges import edge_shapes
 from flangeway.problems.harmonic import Harmonic, at_wavenumber
 from flangeway.solve.linear import cholesky
 from flangeway.space import InnerUnknowns, SymmetricMatrix

@@ -114,14 +114,14 @@ def _remove_means(problem: Torsion, function: Floats, cell_parts: NDArray[np.int
     integrals = np.empty(space.mesh.n_cells)
     batches = list(space.batches())
     for batch in batches:
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         value = np.einsum("ame,me->ae", reconstruction.projected_value, function[batch.dofs])
         integrals[batch.cells] = np.einsum("ae,ae->e", reconstruction.moments[: len(value)], value)
     integrals *= problem.cell_moduli
     means = np.bincount(cell_parts, integrals) / np.maximum(np.bincount(cell_parts, weights), np.finfo(float).tiny)
     shift = np.zeros(space.n_dofs)
     for batch in batches:
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         shift[batch.dofs] = reconstruction.monomial_dofs[:, 0] * means[cell_parts[batch.cells]]
     function -= shift
 

@@ -51,7 +51,7 @@ def at_points(function: Function, points: Floats) -> Floats:
 
 def cell_quadrature(batch: CellBatch, degree: int) -> tuple[Floats, Floats]:
     """Points (n_points, 2, n_cells) inside cells and weights (n_points, n_cells)."""
-    return polygon_quadrature(batch.vertices, degree)
+    return polygon_quadrature(batch.outline, degree)
 
 
 def interpolate(space: Space, function: Function, degree: int | None = None) -> Floats:
@@ -82,7 +82,7 @@ def interpolate(space: Space, function: Function, degree: int | None = None) -> 
     for batch in space.batches():
         n_interior = batch.element.n_interior()
         if n_interior:
-            inside = batch.element.interior_dofs(batch.vertices, function, degree)
+            inside = batch.element.interior_dofs(batch.outline, function, degree)
             dofs[batch.dofs[-n_interior:]] = inside
     return dofs
 
@@ -112,7 +112,7 @@ def load_vector(space: Space, function: Function, degree: int | None = None) -> 
     degree = quadrature_degree(space) if degree is None else degree
     load = None
     for batch in space.batches():
-        reconstruction = batch.element.reconstruct(batch.vertices)
+        reconstruction = batch.element.reconstruct(batch.outline)
         points, weights = cell_quadrature(batch, degree)
         weighted = at_points(function, points) * weights
         products = np.einsum("aqe,...qe->...ae", reconstruction.at(points), weighted)

@@ -13,6 +13,7 @@ from flangeway.elements import Element
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
+from flangeway.mesh.mesh_checks import check_curved_cells
 from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
 from flangeway.types import Bools, Floats
@@ -37,6 +38,8 @@ class CellBatch:
         Counter-clockwise vertices, shape (n_vertices, 2, n_cells).
     dofs
         Unknowns of one field, shape (n_local, n_cells).
+    outline
+        Vertices, and where cells have curved edges the points inside the edges too, (n_vertices, order, 2, n_cells).
 
     """
 
@@ -44,6 +47,7 @@ class CellBatch:
     cells: NDArray[np.int64]
     vertices: Floats
     dofs: Ints
+    outline: Floats
 
     def vector_dofs(self, n_components: int) -> Ints:
         """Unknowns of a field with components, numbered ``n_components * dof + component``."""
@@ -97,6 +101,25 @@ class Space:
         for element, cells in self._regions:
             for n_vertices in np.unique(np.diff(self.mesh.cell_offsets)[cells]):
                 element.check_cells(int(n_vertices))
+            if self._curved[cells].any() and not element.curved:
+                raise InputError(
+                    f"{type(element).__name__} on cells with curved edges",
+                    "Virtual(order), or Lagrange(order) on triangles",
+                    "choose one of these, or take mesh.straight()",
+                )
+        if self._curved.any():
+            check_curved_cells(self.mesh, np.flatnonzero(self._curved), self.order)
+
+    @cached_property
+    def _curved(self) -> NDArray[np.bool_]:
+        """Which cells have edges that are curved for elements of this order, (n_cells,)."""
+        curved = np.zeros(self.mesh.n_cells, dtype=np.bool_)
+        if self.order > 1 and self.mesh.curves is not None:
+            curved[self.mesh.edge_cells[self.mesh.edge_numbers(self.mesh.curves.pairs)]] = True
+            # the cell outside of the boundary has the number -1, that of the last
+            last = self.mesh.cell_edges[self.mesh.cell_offsets[-2] :]
+            curved[-1] = (self.mesh.curve_rows[last] >= 0).any()
+        return curved
 
     @cached_property
     def _regions(self) -> tuple[tuple[Element, NDArray[np.int64]], ...]:
@@ -156,6 +179,12 @@ class Space:
         inner = gauss_lobatto(self.order + 1)[0][1:-1]
         start, end = self.mesh.points[self.mesh.edges].swapaxes(0, 1)
         on_edges = start[:, None] + inner[:, None] * (end - start)[:, None]
+        curves = self.mesh.curves
+        if curves is not None and self.order > 1:
+            forward = curves.pairs[:, 0] < curves.pairs[:, 1]
+            on_curves = curves.points(inner)
+            on_curves[~forward] = on_curves[~forward, ::-1]  # Gauss-Lobatto points are symmetric
+            on_edges[self.mesh.edge_numbers(curves.pairs)] = on_curves
         return np.concatenate((self.mesh.points, on_edges.reshape(-1, 2)))
 
     def boundary_dofs(self, where: str | Callable[[Floats], Bools] | None = None) -> NDArray[np.int64]:
@@ -199,12 +228,13 @@ class Space:
         mesh = self.mesh
         counts = np.diff(mesh.cell_offsets)
         for element, region in self._regions:
-            for n_vertices in np.unique(counts[region]):
-                cells = region[counts[region] == n_vertices]
-                n_local = int(n_vertices) * self.order + element.n_interior()
-                step = min(MOST_CELLS_PER_BATCH, max(ENTRIES_PER_BATCH // n_local**2, 100))
-                for start in range(0, len(cells), step):
-                    yield self._batch(element, int(n_vertices), cells[start : start + step])
+            for part in (region[~self._curved[region]], region[self._curved[region]]):
+                for n_vertices in np.unique(counts[part]):
+                    cells = part[counts[part] == n_vertices]
+                    n_local = int(n_vertices) * self.order + element.n_interior()
+                    step = min(MOST_CELLS_PER_BATCH, max(ENTRIES_PER_BATCH // n_local**2, 100))
+                    for start in range(0, len(cells), step):
+                        yield self._batch(element, int(n_vertices), cells[start : start + step])
 
     def _batch(self, element: Element, n_vertices: int, cells: NDArray[np.int64]) -> CellBatch:
         mesh = self.mesh
@@ -218,7 +248,13 @@ class Space:
             parts.append(self._interior_offsets[cells][:, None] + np.arange(element.n_interior()))
         dofs = np.ascontiguousarray(np.concatenate(parts, axis=1).T.astype(np.int32))
         vertices = np.ascontiguousarray(np.moveaxis(mesh.points[corners], 0, -1))
-        return CellBatch(element, cells, vertices, dofs)
+        outline = vertices
+        if self._curved[cells[0]]:
+            own = dofs[: n_vertices * self.order].T
+            inner = own[:, n_vertices:].reshape(len(cells), n_vertices, -1)
+            points = self.nodes[np.concatenate((own[:, :n_vertices, None], inner), axis=2)]
+            outline = np.ascontiguousarray(np.moveaxis(points, 0, -1))
+        return CellBatch(element, cells, vertices, dofs, outline)
 
     def assemble(self, cell_matrices: Callable[[CellBatch], Floats], n_components: int) -> SymmetricMatrix:
         """Add up symmetric matrices of cells.

@@ -52,9 +52,9 @@ class LineStresses:
     def __init__(self, body: LinearBody, n_nodes: int) -> None:
         self._body = body
         self._columns = FieldColumns(n_nodes, body.space.n_dofs)
-        groups: dict[tuple[int, int], list[CellBatch]] = {}
+        groups: dict[tuple[int, int, int], list[CellBatch]] = {}
         for batch in body.space.batches():
-            groups.setdefault((id(batch.element), len(batch.vertices)), []).append(batch)
+            groups.setdefault((id(batch.element), len(batch.vertices), batch.outline.ndim), []).append(batch)
         self._batches = [_joined(group) for group in groups.values()]
         self._batch_of, self._place_in = np.full((2, body.space.mesh.n_cells), OUTSIDE)
         for number, batch in enumerate(self._batches):
@@ -96,7 +96,8 @@ class LineStresses:
             if len(here):
                 places = self._place_in[stretches.cells[here]]
                 dofs = batch.dofs[:, places]
-                cells = CellBatch(batch.element, batch.cells[places], batch.vertices[..., places], dofs)
+                shapes = batch.vertices[..., places], dofs, batch.outline[..., places]
+                cells = CellBatch(batch.element, batch.cells[places], *shapes)
                 chosen.append(_Chosen(here, cells, dofs + self._body.space.n_dofs * stretches.lines[here]))
         return chosen
 
@@ -155,6 +156,7 @@ def _joined(batches: list[CellBatch]) -> CellBatch:
         np.concatenate([batch.cells for batch in batches]),
         np.concatenate([batch.vertices for batch in batches], axis=-1),
         np.concatenate([batch.dofs for batch in batches], axis=-1),
+        np.concatenate([batch.outline for batch in batches], axis=-1),
     )
 
 

@@ -15,11 +15,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flangeway.elements import Lagrange
+from flangeway.elements.quadrature import edge_shapes
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.mesh import triangulate
 from flangeway.problems import Harmonic
-from flangeway.problems.edges import edge_quadrature, edge_shapes
+from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.harmonic import mean_and_rotation
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.railway.spatial.rail_supports import RailSupport, rail_problem

@@ -127,8 +127,8 @@ def _packed(mesh: PolyMesh) -> Arrays:
 
 
 def _unpacked(arrays: Arrays) -> PolyMesh:
-    sets = [
+    cell_sets, edge_sets = (
         {str(name): np.asarray(arrays[f"{kind}_{number}"]) for number, name in enumerate(arrays[f"{kind}_names"])}
         for kind in ("cell", "edge")
-    ]
-    return PolyMesh(arrays["points"], arrays["cell_offsets"], arrays["cell_points"], *sets)
+    )
+    return PolyMesh(arrays["points"], arrays["cell_offsets"], arrays["cell_points"], cell_sets, edge_sets)

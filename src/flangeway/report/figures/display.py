@@ -87,7 +87,7 @@ class Display:
         """Values (n, m) of a continuous function with unknowns (n_dofs, m): on edges its own, inside the projection."""
 
         def polynomials(batch: CellBatch) -> tuple[Reconstruction, Floats]:
-            reconstruction = batch.element.reconstruct(batch.vertices)
+            reconstruction = batch.element.reconstruct(batch.outline)
             return reconstruction, np.einsum("ame,mei->iae", reconstruction.projected_value, dofs[batch.dofs])
 
         values = self.evaluate(polynomials, dofs.shape[1])

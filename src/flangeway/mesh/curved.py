@@ -1,0 +1,132 @@
+"""Edges of a mesh put on the curves that were drawn, and the checks of such edges."""
+
+from collections.abc import Iterable
+from typing import TypeAlias
+
+import numpy as np
+
+from flangeway.errors import InputError
+from flangeway.geometry.contour import Contour
+from flangeway.geometry.region import Region, Section
+from flangeway.geometry.segments import Line, Segment
+from flangeway.geometry.splines import Spline
+from flangeway.mesh.edge_curves import EdgeCurves
+from flangeway.mesh.polymesh import PolyMesh
+from flangeway.types import Floats, Ints
+
+Curves: TypeAlias = Contour | Spline | Region | Section | Iterable[Contour | Spline]
+"""What has curves: an outline or open chain, a spline, a region, a section, or several of the first two."""
+
+NEAR = 1.0
+"""Distance from an arc, over the shorter boundary edge at the point, up to which the point belongs on it.
+
+As large as that, since the middle of a coarse chord is far from its arc; the nearest curve decides.
+"""
+
+ON_CURVE = 1e-6  # distance of both ends of an edge from a curve, over its length, up to which it can lie on it
+
+
+def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
+    """Return the mesh with curved edges where curves were drawn: on its boundary, and between its cell sets.
+
+    Points of the boundary near an arc or a spline are moved onto it, as by ``refined(..., outline=...)``. Then every
+    edge with both ends on one of them follows it, unless a line of the curves is nearer to its middle. `dual` and
+    `refined` put new points on the curves. Elements of order 2 or more use them: an edge of order k is the polynomial
+    of degree k through its nodes, which are on the curve.
+
+    Parameters
+    ----------
+    mesh
+        Any mesh whose points on the boundary are on or near the curves.
+    curves
+        All curves of the boundary, lines among them.
+
+    Raises
+    ------
+    InputError
+        If no edge lies on a curve.
+    """
+    points = snapped_points(mesh, curves)
+    sets = np.full(mesh.n_cells, -1, dtype=np.int64)
+    for place, cells in enumerate(mesh.cell_sets.values()):
+        sets[cells] = place
+    one, other = mesh.edge_cells.T
+    edges = np.flatnonzero((other < 0) | (sets[one] != sets[other]))
+    pairs = mesh.edges[edges]
+    start, end = points[pairs[:, 0]], points[pairs[:, 1]]
+    lengths = np.hypot(*(end - start).T)
+    found: tuple[Segment | Spline, ...] = tuple(each for loop in _loops(curves) for each in _segments(loop))
+    best, number, places = np.full(len(edges), np.inf), np.full(len(edges), -1), np.zeros((len(edges), 2))
+    for which, segment in enumerate(found):
+        (at_start, off_start), (at_end, off_end) = segment.closest(start), segment.closest(end)
+        near = np.flatnonzero(np.maximum(off_start, off_end) <= ON_CURVE * lengths)
+        off = segment.closest((start[near] + end[near]) / 2.0)[1]
+        nearer = near[off < best[near]]
+        best[nearer], number[nearer] = off[off < best[near]], which
+        places[nearer] = np.column_stack((at_start[nearer], at_end[nearer]))
+    kept = [which for which, segment in enumerate(found) if not isinstance(segment, Line)]
+    rank = np.full(len(found) + 1, -1)
+    rank[kept] = np.arange(len(kept))
+    on = rank[number] >= 0
+    if not on.any():
+        raise InputError(
+            "curves on which no edge of the mesh lies",
+            "the arcs and splines of the outline that was meshed",
+            "give the outline in the frame of the mesh, or leave it out where all sides are straight",
+        )
+    ends = _unwrapped(found, number, places)[on]
+    table = EdgeCurves(pairs[on], tuple(found[which] for which in kept), rank[number[on]], ends)
+    return PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, table)
+
+
+def _segments(loop: Contour | Spline) -> tuple[Segment | Spline, ...]:
+    return loop.segments if isinstance(loop, Contour) else (loop,)
+
+
+def _unwrapped(found: tuple[Segment | Spline, ...], number: Ints, places: Floats) -> Floats:
+    """Parameters (n, 2) of edges that pass the end of a closed spline, continued beyond it."""
+    for which, segment in enumerate(found):
+        if isinstance(segment, Spline) and segment.closed:
+            mine = number == which
+            places[mine, 1] -= np.round(places[mine, 1] - places[mine, 0])
+    return places
+
+
+def _loops(curves: Curves) -> list[Contour | Spline]:
+    if isinstance(curves, Contour | Spline):
+        return [curves]
+    if isinstance(curves, Region):
+        return list(curves.loops)
+    if isinstance(curves, Section):
+        return [loop for region in curves.regions for loop in region.loops]
+    return list(curves)
+
+
+def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:
+    """Return the mesh's points (n_points, 2) with those of the boundary that are near an arc moved onto it.
+
+    Points at the ends of arcs, and those nearer to a line, stay; so all curves of the boundary must be given. Near
+    means within the length of the boundary edges there.
+    """
+    pairs = mesh.boundary_edges
+    lengths = np.hypot(*(mesh.points[pairs[:, 1]] - mesh.points[pairs[:, 0]]).T)
+    shortest = np.full(mesh.n_points, np.inf)
+    for column in (0, 1):
+        np.minimum.at(shortest, pairs[:, column], lengths)
+    rim = np.unique(pairs)
+    points = mesh.points.copy()
+    nearest = NEAR * shortest[rim]
+    for loop in _loops(curves):
+        if isinstance(loop, Contour):
+            number, place, distance = loop.closest(mesh.points[rim])
+        else:
+            number, (place, distance) = np.zeros(len(rim), dtype=np.int32), loop.closest(mesh.points[rim])
+        nearer = distance < nearest
+        nearest[nearer] = distance[nearer]
+        points[rim[nearer]] = mesh.points[rim[nearer]]
+        for which in np.unique(number[nearer]).tolist():
+            segment = _segments(loop)[which]
+            inside = nearer & (number == which) & (place > 1e-9) & (place < 1.0 - 1e-9)
+            if not isinstance(segment, Line) and inside.any():
+                points[rim[inside]] = segment.point(place[inside])
+    return points

@@ -1,0 +1,121 @@
+"""Meshes whose edges lie on the curves that were drawn."""
+
+import pickle
+
+import numpy as np
+import pytest
+
+from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Arc, Line, Outline, Placement, Spline, circle, rectangle
+from flangeway.mesh import PolyMesh, curved, dual, refined, triangulate
+from flangeway.space import Space
+
+OUTER, HOLE = circle(1.0), circle(0.4)
+AREA = np.pi * 0.84
+
+
+def ring() -> PolyMesh:
+    return triangulate(OUTER, size=0.5, holes=[HOLE])
+
+
+def off_circles(mesh: PolyMesh) -> float:
+    radii = np.hypot(*mesh.points[np.unique(mesh.boundary_edges)].T)
+    return float(np.minimum(np.abs(radii - 1.0), np.abs(radii - 0.4)).max())
+
+
+def test_duals_and_refinements_stay_on_the_curves_with_the_exact_area() -> None:
+    """Areas of curved cells sum up to that of the ring, new points are on its circles, all boundary edges curved."""
+    mesh = curved(ring(), [OUTER, HOLE])
+    some = refined(mesh, np.arange(6))
+    for each in (mesh, dual(mesh), dual(ring(), outline=[OUTER, HOLE]), refined(mesh), refined(dual(mesh)), some):
+        assert each.cell_areas.sum() == pytest.approx(AREA, rel=1e-10)
+        assert off_circles(each) < 1e-12
+        assert len(each.curves.pairs) == len(each.boundary_edges)
+    assert abs(ring().cell_areas.sum() / AREA - 1.0) > 1e-3
+
+
+def test_centroids_are_those_of_the_curved_cells() -> None:
+    """The first moments of the cells sum up to that of a disc off the origin."""
+    disc = circle(1.0, (3.0, -2.0))
+    mesh = curved(triangulate(disc, size=0.8), disc)
+    moments = mesh.cell_areas @ mesh.cell_centroids
+    assert moments == pytest.approx(np.pi * np.array([3.0, -2.0]), rel=1e-9)
+
+
+def test_curves_are_kept_by_placements_merging_sets_and_pickles() -> None:
+    """A mirrored and turned copy beside the mesh has the same area on curves; so have copies with sets and pickles."""
+    mesh = curved(ring(), [OUTER, HOLE])
+    moved = mesh.placed(Placement(rotation_rad=0.3, translation=(5.0, 1.0), mirrored=True))
+    both = mesh.merged(moved).with_cell_set("one", [0])
+    for each, n_times in ((moved, 1), (both, 2), (pickle.loads(pickle.dumps(both)), 2)):
+        assert each.cell_areas.sum() == pytest.approx(n_times * AREA, rel=1e-10)
+    assert mesh.straight().curves is None
+
+
+def test_a_chord_that_was_drawn_stays_straight() -> None:
+    """Of half a disc the diameter is a line, though its ends lie on the arc."""
+    half = Outline((Arc((1.0, 0.0), (-1.0, 0.0), (0.0, 0.0), True), Line((-1.0, 0.0), (1.0, 0.0))), ("arc", "line"))
+    mesh = curved(triangulate(half, size=0.7), half)
+    assert mesh.cell_areas.sum() == pytest.approx(np.pi / 2.0, rel=1e-10)
+    assert len(mesh.curves.pairs) == len(mesh.edge_set("arc"))
+
+
+def test_nodes_of_edges_lie_on_the_arc_and_those_of_straight_edges_where_they_were() -> None:
+    """All nodes of the boundary are on the circles for every order; the others do not move."""
+    mesh = curved(ring(), [OUTER, HOLE])
+    for order in (2, 5):
+        space, before = Space(mesh, Virtual(order)), Space(ring(), Virtual(order))
+        nodes = np.unique(space.edge_nodes(mesh.boundary_edges))
+        radii = np.hypot(*space.nodes[nodes].T)
+        assert np.minimum(np.abs(radii - 1.0), np.abs(radii - 0.4)).max() < 1e-12
+        others = np.setdiff1d(np.arange(space.n_nodes), nodes)
+        assert np.abs(space.nodes[others] - before.nodes[others]).max() < 1e-9
+
+
+def test_a_spline_is_smooth_and_its_closest_points_are_exact() -> None:
+    """A closed spline through 12 points of a circle is the circle to 1e-3; closest points are square to the tangent."""
+    angle = np.linspace(0.0, 2.0 * np.pi, 13)
+    points = np.stack((np.cos(angle), np.sin(angle)), axis=1)
+    points[-1] = points[0]
+    spline = Spline(points)
+    assert spline.closed
+    given = np.random.default_rng(1).normal(size=(50, 2))
+    s, distance = spline.closest(given)
+    assert np.abs(distance - np.abs(np.hypot(*given.T) - 1.0)).max() < 1e-3
+    along = spline.point(s + 1e-6) - spline.point(s - 1e-6)
+    assert np.abs(((given - spline.point(s)) * along).sum(axis=1)).max() < 1e-10
+    mesh = curved(triangulate(OUTER, size=0.5), spline)
+    assert mesh.cell_areas.sum() == pytest.approx(np.pi, rel=2e-3)
+
+
+def two_triangles() -> PolyMesh:
+    return PolyMesh.from_cells([[0.0, 0.0], [1.0, 0.0], [0.9, 0.25], [0.1, 0.25]], [[0, 1, 2], [0, 2, 3]])
+
+
+@pytest.mark.parametrize("depth", [0.3, 2.0])
+def test_an_arc_that_leaves_its_cell_is_refused_with_the_place(depth: float) -> None:
+    """An arc that bends through the cell's other edges, a little or far, is named with its cell."""
+    radius = (0.25 + depth**2) / (2.0 * depth)
+    arc = Arc((1.0, 0.0), (0.0, 0.0), (0.5, depth - radius), True)
+    mesh = curved(two_triangles(), [Spline(arc.point(np.linspace(0.0, 1.0, 9))), rectangle(0.8, 1.0, (0.1, -0.75))])
+    with pytest.raises(InputError, match=r"cell 0 near .* with a curved edge that leaves it"):
+        Space(mesh, Virtual(2))
+    assert Space(mesh, Virtual(1)).n_dofs == 4  # edges of order 1 are chords
+
+
+def test_curves_without_edges_and_elements_without_curves_are_refused() -> None:
+    """An outline elsewhere, a spline of three points, and an element for straight edges say what to do."""
+    with pytest.raises(InputError, match="on which no edge of the mesh lies"):
+        curved(ring(), circle(9.0))
+    with pytest.raises(InputError, match="through 3 points"):
+        Spline([[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
+    with pytest.raises(InputError, match="twice in a row"):
+        Spline([[0.0, 0.0], [1.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
+
+    class Straight(Lagrange):
+        curved = False
+
+    assert issubclass(Straight, Element)
+    with pytest.raises(InputError, match="Straight on cells with curved edges"):
+        Space(curved(ring(), [OUTER, HOLE]), Straight(2))
