@@ -14,15 +14,15 @@ MAX_LINES = {
     "": 602,
     "system": 780,
     "exact": 1110,
-    "geometry": 1260,
-    "mesh": 2844,
+    "geometry": 1353,
+    "mesh": 3169,
     "formats": 1980,
-    "elements": 1392,
-    "space": 906,
+    "elements": 1605,
+    "space": 942,
     "materials": 400,
-    "problems": 2743,
+    "problems": 2766,
     "solve": 3472,
-    "contact": 6681,
+    "contact": 6684,
     "post": 1981,
     "forms": 363,
     "railway.profiles": 3670,
@@ -30,7 +30,7 @@ MAX_LINES = {
     "railway.rigid": 1920,
     "railway.wheelset": 1770,
     "railway.positions": 2500,
-    "railway.spatial": 3670,
+    "railway.spatial": 3671,
     "cases": 6965,
     "campaign": 1885,
     "tables": 1426,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 66_854
-MAX_FILES_OF_ALL = 357
+MAX_LINES_OF_ALL = 67_548
+MAX_FILES_OF_ALL = 361
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

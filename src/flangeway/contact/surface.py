@@ -206,7 +206,8 @@ class Surface:
     def facet_depth(self) -> Floats:
         """Distance of each edge from the smooth curve that it seems to belong to, shape (n_edges,).
 
-        See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a drawn curve, or are curved in the mesh.
+        See `chord_depths`; pieces of one straight line are one chord. Zero for edges that follow a drawn curve, or that
+        are curved in the mesh.
         """
         depth = np.zeros(len(self.edge_nodes))
         if self.curve is not None and (self.bends is not None or self.edge_nodes.shape[1] > 2):
@@ -227,9 +228,8 @@ class Surface:
         # a chain's first and last line have one turn each
         before, after = np.where(np.isnan(before), after, before), np.where(np.isnan(after), before, after)
         depth[:] = chord_depths(lengths, before, after, ROUGH)[line]
-        mesh = self.part.body.mesh
-        if mesh.curves is not None and self.edge_nodes.shape[1] > 2:
-            depth[mesh.curve_rows[mesh.edge_numbers(self.edge_nodes[:, [0, -1]])] >= 0] = 0.0
+        across = (as_complex(self.part.body.nodes[self.edge_nodes]) - ends[:, :1]) / chords[:, None]
+        depth[np.abs(across.imag).max(axis=1) > STRAIGHT] = 0.0
         return depth
 
     def _to_curve(self, points: Floats) -> Floats:
