@@ -11,7 +11,7 @@ MAX_FILES = 20
 """Modules in one folder, ``__init__.py`` not counted."""
 
 MAX_LINES = {
-    "": 602,
+    "": 742,
     "system": 780,
     "exact": 1110,
     "geometry": 1353,
@@ -31,17 +31,17 @@ MAX_LINES = {
     "railway.wheelset": 1770,
     "railway.positions": 2500,
     "railway.spatial": 3671,
-    "cases": 6965,
+    "cases": 7059,
     "campaign": 1885,
     "tables": 1426,
-    "report": 7895,
+    "report": 8015,
     "validation": 6800,
-    "cli": 1269,
+    "cli": 1296,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 67_548
-MAX_FILES_OF_ALL = 361
+MAX_LINES_OF_ALL = 67_929
+MAX_FILES_OF_ALL = 363
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -59,6 +59,21 @@ def test_a_table_gives_a_row_each_and_is_combined_with_lists(tmp_path, separator
     assert above.identity == campaign.identity
 
 
+def test_inputs_in_us_units_vary(tmp_path):
+    """Lists and tables may have US units; the rows are those of the same metric inputs, whatever the results' units."""
+    text = 'case = "wheelset-tangent"\n[inputs]\n{}\n[vary]\n{}\ntable = "rows.csv"\n'
+    metric = read(tmp_path, text.format("gauge_mm = 1435.1", "lateral_mm = [0, 2.54]"), rows_csv="axle_load_kN\n150\n")
+    us = read(
+        tmp_path,
+        text.format('gauge_in = 56.5\nunits = "us"', "lateral_in = [0, 0.1]"),
+        rows_csv=f"axle_load_kip\n{150 / 4.4482216152605!r}\n",
+    )
+    assert us.keys == ("axle_load_kip", "lateral_in")
+    assert us.rows[1].varied["axle_load_kip"] == pytest.approx(150 / 4.4482216152605)
+    assert [row.case.axle_load_kN for row in us.rows] == pytest.approx([150.0, 150.0])
+    assert [row.bodies for row in us.rows] == [row.bodies for row in metric.rows]
+
+
 def test_a_case_file_is_a_base_and_inputs_inside_its_tables_vary(tmp_path):
     """A case file gives inputs; those of a body vary by its name; profiles are found beside the campaign's file."""
     base = 'case = "wheelset-tangent"\ngauge_mm = 1602\naxle_load_kN = 120\n'

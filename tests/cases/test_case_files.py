@@ -13,6 +13,7 @@ from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import FORMAT, check_case, read_case
 from flangeway.cases.case_template import toml_value
 from flangeway.errors import InputError
+from flangeway.units import us_key
 
 COARSE = {
     "wheelset": {"size_scale": 4.0, "rail_support": "fixed"},
@@ -149,7 +150,8 @@ def test_the_schema_has_every_key_with_its_range():
     by_name = {each["properties"]["case"]["const"]: each for each in found["oneOf"]}
     assert set(by_name) == set(CASES)
     for name, case in CASES.items():
-        assert set(by_name[name]["properties"]) == {"flangeway", "case", *case.model_fields}
+        us = {unit.name for unit in map(us_key, case.model_fields) if unit}
+        assert set(by_name[name]["properties"]) == {"flangeway", "case", *case.model_fields} | us
         assert by_name[name]["additionalProperties"] is False
         assert all("description" in value for value in by_name[name]["properties"].values())
     assert by_name["cook"]["properties"]["level"]["maximum"] == 6

@@ -56,6 +56,7 @@ def test_every_input_reaches_the_problem():
     }
     files_only |= {"wheel_tape_mm", "left_wheel_tape_mm", "rail_position_mm", "left_rail_position_mm"}
     files_only |= {"wheel_angle_deg", "left_wheel_angle_deg"}
+    files_only |= {"units"}  # of results
     assert set(changes) | set(together) | files_only == set(WheelsetTangentCase.model_fields)
     default = repr(WheelsetTangentCase().problem())
     for key, value in changes.items():

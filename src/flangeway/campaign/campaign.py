@@ -12,7 +12,7 @@ from typing import Any
 
 from flangeway.campaign.columns import POSITION_KEYS, WHEELSET_SHEAR_COLUMNS, Model, wheelset_columns
 from flangeway.campaign.varying import VALUES_ALLOWED, flattened, grid, read_table, refuse_too_many, values_of
-from flangeway.cases.case import RunnableCase, closest
+from flangeway.cases.case import RunnableCase, Table, closest
 from flangeway.cases.case_file import FILE_KEYS, is_case_file, read_case
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
@@ -48,7 +48,7 @@ class Row:
     @cached_property
     def content(self) -> dict[str, Any]:
         """All inputs, files by their content: their folder does not matter."""
-        return {"case": self.case.name, **_by_content(self.case.model_dump(mode="json"))}
+        return {"case": self.case.name, **_by_content(self.case.model_dump(mode="json", exclude={"units"}))}
 
     @cached_property
     def identity(self) -> str:
@@ -401,6 +401,8 @@ def _read(case: RunnableCase, key: str, value: Any) -> Any:
         if isinstance(found, list | tuple):
             known = {str(number): item for number, item in enumerate(found, 1)}
             found = (known | {getattr(item, "name", None): item for item in found}).get(name)
-        else:
-            found = getattr(found, name, None)
+        elif isinstance(found, Table):
+            metric, unit = found.input_named(name)
+            found = getattr(found, metric, None)
+            found = unit.of(found) if unit else found
     return found if isinstance(found, float | int) else value

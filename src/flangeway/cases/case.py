@@ -8,7 +8,7 @@ from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
 
 import annotated_types as at
-from pydantic import BaseModel, ConfigDict, Strict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, PrivateAttr, Strict, ValidationError, model_validator
 from pydantic.fields import FieldInfo
 
 from flangeway.cases.summary import Summary
@@ -17,6 +17,7 @@ from flangeway.errors import InputError, short
 from flangeway.solve import Status
 from flangeway.system.file_content import toml_data
 from flangeway.types import Key
+from flangeway.units import Units, UsUnit, in_us_units, same_quantity, us_key
 
 Progress = Callable[[str], None]
 
@@ -67,11 +68,28 @@ class Table(BaseModel):
     @model_validator(mode="before")
     @classmethod
     def _typed(cls, values: Any) -> Any:
-        """Read what is `GivenText`, and take tuples and NumPy's numbers as Python's lists and numbers."""
+        """Read what is `GivenText`, take tuples and NumPy's numbers as Python's, and US units as metric ones."""
         if not isinstance(values, Mapping):
             return values
-        fields = cls.model_fields
-        return {key: _typed(value, fields[key].annotation) if key in fields else value for key, value in values.items()}
+        found: dict[str, Any] = {}
+        for key, value in values.items():
+            name, unit = cls.input_named(key)
+            if name not in cls.model_fields or (unit and (name in values or name in found)):  # unknown, or given twice
+                found[key] = value
+                continue
+            read = _typed(value, cls.model_fields[name].annotation)
+            found[name] = unit.to_metric(read) if unit else read
+        return found
+
+    @classmethod
+    def input_named(cls, key: str) -> tuple[str, UsUnit | None]:
+        """Name of the input that a key means, and the US unit that the key has; the key itself if there is none."""
+        if key not in cls.model_fields:
+            for name in cls.model_fields:
+                unit = us_key(name)
+                if unit is not None and unit.name == key:
+                    return name, unit
+        return key, None
 
 
 class Case(Table):
@@ -82,6 +100,11 @@ class Case(Table):
 
     name: ClassVar[str]
     title: ClassVar[str]
+    units: Units = Field(
+        "metric", description="units of results; the units of inputs are those in their keys, axle_load_kN or _kip"
+    )
+    _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
+
     essential: ClassVar[tuple[str, ...]] = ()  # keys that are set in a new case file; the others are there as comments
     example: ClassVar[Mapping[str, Any]] = {}  # values of a new case file where they are not the defaults
 
@@ -104,14 +127,20 @@ class Case(Table):
         """
         try:
             _refuse_huge(values, where)
-            return cls(**values)
+            case = cls(**values)
         except ValidationError as reason:
             raise _input_error(cls, reason, values, where) from None
+        case._us_keys |= _us_keys(cls, values)
+        return case
+
+    def as_written(self, message: str) -> str:
+        """Return a message with the inputs that were given in US units in them, or all of it if results are to be."""
+        return in_us_units(message, None if self.units == "us" else self._us_keys)
 
     @classmethod
-    def tables_of_inputs(cls) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+    def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[tuple[str, str, str, str]]]]:
         """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
-        return _inputs_of(cls, "")
+        return _inputs_of(cls, "", units)
 
 
 class RunnableCase(Case):
@@ -135,16 +164,18 @@ class RunnableCase(Case):
         """
 
 
-def _inputs_of(table: type[Table], path: str) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
+def _inputs_of(table: type[Table], path: str, units: Units) -> list[tuple[str, list[tuple[str, str, str, str]]]]:
     rows, inner = [], []
     for key, field in table.model_fields.items():
-        default = "needed" if field.is_required() else _text(field.get_default(call_default_factory=True))
+        unit, meaning = us_key(key) if units == "us" else None, field.description or ""
+        default = "needed" if field.is_required() else _default_text(field, unit)
         kind = table_in(field.annotation)
         if kind is not None:
             several = "[]" if any(get_origin(each) is list for each in alternatives(field.annotation)) else ""
-            inner += _inputs_of(kind, f"{path}{key}{several}.")
+            inner += _inputs_of(kind, f"{path}{key}{several}.", units)
             default = default if field.is_required() else "none"
-        rows.append((key, default, allowed(field), field.description or ""))
+        name, meaning = (unit.name if unit else key), (in_us_units(meaning) if units == "us" else meaning)
+        rows.append((name, default, allowed(field, unit), meaning))
     return [(path.rstrip("."), rows), *inner]
 
 
@@ -170,15 +201,15 @@ def grouped(rows: list[tuple[str, str, str, str]]) -> dict[str, list[tuple[str, 
     found: dict[str, list[tuple[str, str, str, str]]] = {}
     caption = ""
     for row in rows:
-        caption = GROUPS.get(row[0], caption)
+        caption = next((text for key, text in GROUPS.items() if row[0] == key or same_quantity(key, row[0])), caption)
         found.setdefault(caption, []).append(row)
     return found
 
 
-def allowed(field: FieldInfo) -> str:
-    """Say in words what a field accepts."""
+def allowed(field: FieldInfo, unit: UsUnit | None = None) -> str:
+    """Say in words what a field accepts, or its key in a US unit."""
     bounds = [
-        f"{word} {getattr(limit, attribute):g}"
+        f"{word} {(unit.of if unit else float)(getattr(limit, attribute)):g}"
         for kind, attribute, word in _BOUNDS
         for limit in field.metadata
         if isinstance(limit, kind)
@@ -303,11 +334,22 @@ def _read(text: GivenText, kinds: tuple[Any, ...]) -> Any:
     return str(text)
 
 
-def _advice(key: str, field: FieldInfo) -> str:
-    if field.is_required():
-        return f"give {key}: {field.description}"
+def _default_text(field: FieldInfo, unit: UsUnit | None) -> str:
     default = field.get_default(call_default_factory=True)
-    return f"leave {key} out for the default {_text(default)} ({field.description})"
+    return f"{unit.of(default):.6g}" if unit and is_number(default) else _text(default)
+
+
+def merged(values: Mapping[str, Any], over: Mapping[str, Any]) -> dict[str, Any]:
+    """Return inputs with others over them, which also replace the same quantities in the other units."""
+    kept = {key: value for key, value in values.items() if not any(same_quantity(key, new) for new in over)}
+    return {**kept, **over}
+
+
+def _advice(key: str, field: FieldInfo, unit: UsUnit | None) -> str:
+    meaning = in_us_units(field.description or "") if unit else field.description
+    if field.is_required():
+        return f"give {key}: {meaning}"
+    return f"leave {key} out for the default {_default_text(field, unit)} ({meaning})"
 
 
 def _input_error(
@@ -317,28 +359,60 @@ def _input_error(
     faults: dict[Key, tuple[Any, type[Table], FieldInfo | None]] = {}
     for error in reason.errors(include_url=False, include_context=False):
         key, table, field = _found(case, error["loc"])
-        faults.setdefault(key, (error, table, field))
+        faults.setdefault(_written(values, key), (error, table, field))
     for key, (error, table, field) in [*faults.items()][:MAX_REPORTED]:
         name, text = str(key[-1]) if key else "", key_text(key)
+        last = next((item for item in reversed(key) if isinstance(item, str)), "")
+        unit = table.input_named(last)[1]
         if error["type"] == "missing" and field is not None:
             given.append(f"{where(key[:-1])}no {text}")
             allow.append(f"{name} is {allowed(field)}")
-            advice.append(_advice(name, field))
+            advice.append(_advice(name, field, None))
+        elif field is None and unit is not None:
+            given.append(f"{where(key)}{text}, and the same quantity in another unit")
+            allow.append("one of them")
+            advice.append(f"leave {name} or the other one out")
         elif field is None:
-            known = list(table.model_fields)
+            known = sorted(table.model_fields, key="units".__eq__)  # the last one of the list
+            us = [each.name for each in map(us_key, known) if each]
             inside = key_text(key[:-1])
             given.append(f"{where(key)}there is no input called {short(name)}{f' in {inside}' if inside else ''}")
             allow.append(f"the inputs of {inside or case.name}: {', '.join(known)}")
             new = RENAMED.get(name)
-            advice.append(f"{name} is now {new}" if new in known else closest(name, known))
+            advice.append(f"{name} is now {new}" if new in known else closest(name, [*known, *us]))
         else:
-            last = next(item for item in reversed(key) if isinstance(item, str))
             given.append(f"{where(key)}{text} = {short(_at(values, key, error['input']))}")
-            allow.append(f"{last} is {allowed(field)}")
-            advice.append(_advice(last, field))
+            allow.append(f"{last} is {allowed(field, unit)}")
+            advice.append(_advice(last, field, unit))
     if len(faults) > MAX_REPORTED:
         given.append(f"and {len(faults) - MAX_REPORTED} more")
     return InputError("; ".join(given), "; ".join(dict.fromkeys(allow)), "; ".join(dict.fromkeys(advice)))
+
+
+def _written(values: Any, key: Key) -> Key:
+    """Path of an input with its keys as they were written, which may have US units."""
+    found: list[str | int] = []
+    for item in key:
+        if isinstance(values, Mapping) and item not in values:
+            item = next((name for name in values if same_quantity(str(item), str(name))), item)  # noqa: PLW2901
+        found.append(item)
+        values = _at(values, (item,), None)
+    return tuple(found)
+
+
+def _us_keys(table: type[Table], values: Mapping[str, Any]) -> set[str]:
+    """Return the inputs, those of tables inside too, that are given in US units."""
+    found = set()
+    for key, value in values.items():
+        name, unit = table.input_named(key)
+        found |= {name} if unit else set()
+        kinds = alternatives(table.model_fields[name].annotation)
+        by_name = isinstance(value, Mapping) and any(get_origin(kind) is dict for kind in kinds)
+        inner = table_in(table.model_fields[name].annotation)
+        for each in value.values() if by_name else value if isinstance(value, list) else [value]:
+            if inner is not None and isinstance(each, Mapping):
+                found |= _us_keys(inner, each)
+    return found
 
 
 def _at(values: Any, key: Key, otherwise: Any) -> Any:

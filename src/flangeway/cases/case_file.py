@@ -8,7 +8,7 @@ from typing import Any
 from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
-from flangeway.cases.case import RunnableCase, closest, key_text
+from flangeway.cases.case import RunnableCase, closest, key_text, merged
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.cases.spatial.spatial_presets import CraneWheelCase, CrossedCylindersCase, RollerCase
@@ -133,10 +133,9 @@ def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
     try:
         case.check()
     except InputError as reason:
-        if file is None:
-            raise
-        place = CaseText.read(Path(file)).place(_key_in(reason.given))
-        raise InputError(f"{place}{reason.given}", reason.allowed, reason.advice) from reason
+        given, allowed, advice = map(case.as_written, (reason.given, reason.allowed, reason.advice))
+        place = "" if file is None else CaseText.read(Path(file)).place(_key_in(given))
+        raise InputError(f"{place}{given}", allowed, advice) from reason
 
 
 def _key_in(message: str) -> Key:
@@ -229,13 +228,10 @@ class CaseText(TomlFile):
 
 def _set(values: dict[str, Any], settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return the values with some replaced, those inside tables named by points."""
-    found: dict[str, Any] = dict(values)
+    found = merged(values, {name: value for name, value in settings.items() if "." not in name})
     for name, value in settings.items():
-        path = name.split(".")
-        if len(path) > 1:
-            _set_inside(found, path, value, name)
-        else:
-            found[name] = value
+        if "." in name:
+            _set_inside(found, name.split("."), value, name)
     return found
 
 
@@ -250,7 +246,9 @@ def _set_inside(values: dict[str, Any], path: list[str], value: Any, name: str) 
             known = {key: key for key in place}
         last = number == len(path) - 1
         if isinstance(place, dict) and last:
-            place[item] = value
+            new = merged(place, {item: value})
+            place.clear()
+            place.update(new)
             return
         if item not in known or last:
             raise InputError(

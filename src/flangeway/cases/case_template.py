@@ -10,15 +10,16 @@ from pydantic.fields import FieldInfo
 
 from flangeway.cases.case import RunnableCase, Table, allowed, table_in
 from flangeway.cases.case_file import CASES, FILE_KEYS, FORMAT
+from flangeway.units import Units, UsUnit, in_us_units, us_key
 
 WIDTH = 110
 
 
-def write_template(case: type[RunnableCase]) -> str:
+def write_template(case: type[RunnableCase], units: Units = "metric") -> str:
     """Return the text of a case file.
 
     Keys that most users change are set, the others are comments with their defaults: the file computes the same as
-    the case without inputs.
+    the case without inputs, up to round-off where its keys have US units.
     """
     lines = [
         f"# {case.title}.",
@@ -32,11 +33,14 @@ def write_template(case: type[RunnableCase]) -> str:
     plain = {key: field for key, field in case.model_fields.items() if table_in(field.annotation) is None}
     for key, field in plain.items():
         active = key in case.essential or key in case.example
-        lines += ["", *_entry(key, field, case.example.get(key, _default(field)), active=active)]
+        value = case.example.get(key, _default(field))
+        if key == "units" and units == "us":
+            value, active = units, True
+        lines += ["", *_entry(key, field, value, units, active=active)]
     for key, field in case.model_fields.items():
         table = table_in(field.annotation)
         if table is not None:
-            lines += _tables(key, field, table, case.example.get(key))
+            lines += _tables(key, field, table, case.example.get(key), units)
     return "\n".join(lines) + "\n"
 
 
@@ -56,7 +60,7 @@ def write_case_file(case: RunnableCase) -> str:
     return "\n".join([*lines, *tables]) + "\n"
 
 
-def _tables(key: str, field: FieldInfo, table: type[Table], example: Any) -> list[str]:
+def _tables(key: str, field: FieldInfo, table: type[Table], example: Any, units: Units) -> list[str]:
     """Tables of one key: those of the example, or one as a comment."""
     lines = ["", "", f"# {field.description}."]
     several = isinstance(_default(field), list) or isinstance(example, list)
@@ -65,26 +69,45 @@ def _tables(key: str, field: FieldInfo, table: type[Table], example: Any) -> lis
     for number, item in enumerate(items):
         lines += ["", header] if number else [header]
         if number:
-            lines += [f"{name} = {toml_value(value)}" for name, value in item.items()]
+            lines += [_line(name, value, units) for name, value in item.items()]
             continue
         for name, entry in table.model_fields.items():
             active = name in item
-            lines += ["", *_entry(name, entry, item.get(name, _default(entry)), active=active)]
+            lines += ["", *_entry(name, entry, item.get(name, _default(entry)), units, active=active)]
     if not items:
         lines.append(f"# {header}")
         for name, entry in table.model_fields.items():
-            lines += ["#", *_entry(name, entry, _default(entry), active=False)]
+            lines += ["#", *_entry(name, entry, _default(entry), units, active=False)]
     return lines
 
 
-def _entry(key: str, field: FieldInfo, value: Any, *, active: bool) -> list[str]:
+def _entry(key: str, field: FieldInfo, value: Any, units: Units, *, active: bool) -> list[str]:
     """Comment and line of a key."""
-    lines = _wrapped(f"{field.description} ({allowed(field)})")
-    if active:
-        return [*lines, f"{key} = {toml_value(value)}"]
+    unit = us_key(key) if units == "us" else None
+    meaning = in_us_units(field.description or "") if units == "us" else field.description
+    lines = _wrapped(f"{meaning} ({allowed(field, unit)})")
     if value is None or value == []:
-        return [*lines, f"# {key} ="]
-    return [*lines, f"# {key} = {toml_value(value)}"]
+        return [*lines, f"# {unit.name if unit else key} ="]
+    return [*lines, ("" if active else "# ") + _line(key, value, units)]
+
+
+def _line(key: str, value: Any, units: Units) -> str:
+    """Line of a key with a value."""
+    values = {key: value} if units == "metric" else _with_us_keys({key: value})
+    return "".join(f"{name} = {toml_value(each)}" for name, each in values.items())
+
+
+def _with_us_keys(value: Any) -> Any:
+    """Return tables, also those in lists, with keys and numbers in US units."""
+    if isinstance(value, list):
+        return [_with_us_keys(each) for each in value]
+    if not isinstance(value, Mapping):
+        return value
+    units = {key: us_key(key) for key in value}
+    return {
+        unit.name if unit else key: unit.of(value[key]) if unit else _with_us_keys(value[key])
+        for key, unit in units.items()
+    }
 
 
 def _wrapped(text: str) -> list[str]:
@@ -129,6 +152,7 @@ def schema() -> dict[str, Any]:
     for name, case in CASES.items():
         described = case.model_json_schema()
         definitions |= described.pop("$defs", {})
+        _add_us_keys(described)
         choices.append(
             {
                 "title": case.title,
@@ -139,12 +163,42 @@ def schema() -> dict[str, Any]:
                     **described["properties"],
                 },
                 "required": ["case", *described.get("required", [])],
+                **{key: described[key] for key in ("allOf",) if key in described},
                 "additionalProperties": False,
             }
         )
+    for definition in definitions.values():
+        _add_us_keys(definition)
     return {
         "$schema": "https://json-schema.org/draft/2020-12/schema",
         "title": "Case file of flangeway",
         "oneOf": choices,
         "$defs": definitions,
+    }
+
+
+_BOUNDS = ("minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum")
+
+
+def _add_us_keys(table: dict[str, Any]) -> None:
+    """Add the keys with US units to the description of a table, of which each or the metric one is needed."""
+    units = {key: unit for key in table.get("properties", {}) if (unit := us_key(key))}
+    for key, unit in units.items():
+        table["properties"].setdefault(unit.name, _in_us(table["properties"][key], unit))
+    needed = [key for key in table.get("required", []) if key in units]
+    if needed:
+        table["required"] = [key for key in table["required"] if key not in units]
+        table["allOf"] = [{"anyOf": [{"required": [name]} for name in (key, units[key].name)]} for key in needed]
+
+
+def _in_us(described: Any, unit: UsUnit) -> Any:
+    """Return the description of an input with its limits in a US unit, and without its default."""
+    if isinstance(described, list):
+        return [_in_us(each, unit) for each in described]
+    if not isinstance(described, dict):
+        return described
+    return {
+        key: unit.of(value) if key in _BOUNDS else in_us_units(value) if key == "description" else _in_us(value, unit)
+        for key, value in described.items()
+        if key not in ("default", "title")
     }

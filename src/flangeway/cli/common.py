@@ -21,6 +21,7 @@ from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
 if TYPE_CHECKING:
     from flangeway.cases.summary import Summary
     from flangeway.report.page.record import Record
+    from flangeway.units import Units as UnitSystem
 
 STARTED_S = time.perf_counter()
 Progress = Callable[[str], None]
@@ -44,6 +45,18 @@ Unit = Annotated[
     str | None,
     typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
 ]
+Units = Annotated[
+    str | None,
+    typer.Option("--units", metavar="[metric|us]", help="Units of tables, tiles and CSV files.", show_default=False),
+]
+
+
+def units_given(name: str | None) -> "UnitSystem | None":
+    """Return the units that an option names."""
+    for known in (None, "metric", "us"):
+        if name == known:
+            return known
+    raise InputError(f"--units {name}", "metric or us", "choose one of these")
 
 
 def completion(names: Callable[[], Iterable[str]], *endings: str) -> Callable[[str], list[str]]:
@@ -143,6 +156,7 @@ class Show:
     quiet: bool
     as_json: bool
     pictures: bool
+    units: "UnitSystem | None" = None
     marks_s: list[float] = field(default_factory=lambda: [STARTED_S])
 
     @contextmanager
@@ -167,7 +181,9 @@ class Show:
         """
         from flangeway.report.page.html_page import write_record  # noqa: PLC0415
         from flangeway.report.page.record import REPORT, print_record  # noqa: PLC0415
+        from flangeway.report.page.us_record import in_units  # noqa: PLC0415
 
+        record = in_units(record, self.units or "metric")
         console = stdout()
         if not self.as_json:
             print_record(console, record, quiet=self.quiet)
@@ -211,6 +227,7 @@ SHOWN = {
     ],
     "as_json": Annotated[bool, typer.Option("--json", help="Print the numbers as JSON, and nothing else.")],
     "no_pictures": Annotated[bool, typer.Option("--no-pictures", help="Draw no pictures; the report has none.")],
+    "units": Units,
 }
 
 
@@ -219,15 +236,18 @@ def shows_results(command: Callable[..., bool]) -> Callable[..., None]:
     signature = inspect.signature(command)
     own = [each for each in signature.parameters.values() if each.name != "show"]
     more = [
-        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
+        inspect.Parameter(
+            name, inspect.Parameter.KEYWORD_ONLY, default=None if kind is Units else False, annotation=kind
+        )
         for name, kind in SHOWN.items()
     ]
 
     @functools.wraps(command)
     def wrapped(**given: Any) -> None:
-        quiet, as_json, no_pictures = (given.pop(name) for name in SHOWN)
+        quiet, as_json, no_pictures, units = (given.pop(name) for name in SHOWN)
         with errors_as_exit_status():
-            raise typer.Exit(DONE if command(**given, show=Show(quiet, as_json, not no_pictures)) else FAILED)
+            show = Show(quiet, as_json, not no_pictures, units_given(units))
+            raise typer.Exit(DONE if command(**given, show=show) else FAILED)
 
     wrapped.__signature__ = signature.replace(parameters=[*own, *more], return_annotation=None)  # type: ignore[attr-defined]
     wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *more]}

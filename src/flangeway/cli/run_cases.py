@@ -11,6 +11,7 @@ from flangeway.cli.app import app
 from flangeway.cli.common import (
     Out,
     Show,
+    Units,
     case_names,
     command_typed,
     completion,
@@ -20,6 +21,7 @@ from flangeway.cli.common import (
     settings_of,
     shows_results,
     stdout,
+    units_given,
 )
 from flangeway.errors import InputError
 
@@ -106,7 +108,9 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         show: Show,
     ) -> bool:
         named = {"method": method, "order": order, "size_scale": size_scale, "primary": primary}
-        return work(case, _case(case, set_, **named, crown_radius_in=crown_radius), out, show)
+        inputs = _case(case, set_, **named, crown_radius_in=crown_radius, units=show.units)
+        show.units = inputs.units
+        return work(case, inputs, out, show)
 
     return work
 
@@ -140,7 +144,7 @@ def converge(name: str, case: "RunnableCase", out: Path | None, show: Show) -> b
 
 
 @app.command()
-def cases(case: ListedName = None) -> None:
+def cases(case: ListedName = None, units: Units = None) -> None:
     """List the cases, or the inputs of one, with defaults and what is allowed."""
     with errors_as_exit_status():
         from rich.table import Column, Table  # noqa: PLC0415
@@ -155,8 +159,9 @@ def cases(case: ListedName = None) -> None:
             console.print("`flangeway cases NAME` lists the inputs of one of them.", markup=False)
             return
         kind = find_case(case)
+        system = units_given(units) or "metric"
         console.print(f"{kind.name}: {kind.title}", style="bold", markup=False)
-        for path, rows in kind.tables_of_inputs():
+        for path, rows in kind.tables_of_inputs(system):
             for caption, members in {path: rows}.items() if path else grouped(rows).items():
                 console.print(f"\n{caption}" if caption else "", style="bold", markup=False)
                 table = Table(Column(no_wrap=True), "", box=None, pad_edge=False, show_header=False)
@@ -167,13 +172,13 @@ def cases(case: ListedName = None) -> None:
 
 
 @app.command()
-def init(name: NewName, to: To = None) -> None:
+def init(name: NewName, to: To = None, units: Units = None) -> None:
     """Write a case file to begin with: every key with its meaning, unit, range and default."""
     with errors_as_exit_status():
         from flangeway.cases import find_case, write_template  # noqa: PLC0415
         from flangeway.system.output_folder import text_writer, write_together  # noqa: PLC0415
 
-        text = write_template(find_case(name))
+        text = write_template(find_case(name), units_given(units) or "metric")
         file = to or Path(f"{name}.toml")
         _refuse_existing(file, "choose another name with --to, or remove it")
         write_together(file.parent, {file.name: text_writer(text)})

@@ -79,6 +79,7 @@ def geometry(
         values = settings | dict(pair)
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
         inputs.load()
+        show.units = show.units or inputs.units
         found.append((inputs, notices))
     many = len(found) > 1
     refuse_unwritable(folder, BATCH_NAMES if many else NAMES)
@@ -152,7 +153,7 @@ def section(
     drawn = find_section(name_or_file, unit=unit, mirrored=mirror)
     options = SectionOptions(size, order, method, poisson)
     inputs = {"section": name_or_file, "unit": unit, "half": mirror, "method": method, "order": order}
-    case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson})
+    case = TorsionCase.from_values({**inputs, "size": size, "poisson": poisson, "units": show.units or "metric"})
     folder = out or Path("out", f"section-{Path(name_or_file).stem}")
     refuse_unwritable(folder, (*NAMES, REPORT, SUMMARY))
     with show.progress() as progress:

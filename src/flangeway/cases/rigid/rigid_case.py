@@ -6,7 +6,7 @@ from typing import Any, ClassVar, Literal
 
 from pydantic import Field
 
-from flangeway.cases.case import closest
+from flangeway.cases.case import closest, merged
 from flangeway.cases.case_file import CaseText
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
@@ -105,7 +105,7 @@ def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
             f"one of: {', '.join(GEOMETRY_CASES)}; a case file; or a file of a rolling radius difference",
             closest(name, list(GEOMETRY_CASES)),
         )
-    return GeometryCase.from_values({**GEOMETRY_CASES[name][1], **values})
+    return GeometryCase.from_values(merged(GEOMETRY_CASES[name][1], values))
 
 
 def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
@@ -124,11 +124,13 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
             f"a wheelset: {', '.join((OWN_NAME, *GEOMETRY_CASES))}",
             "`flangeway run` computes the other cases",
         )
-    unused = [key for key in given if key not in GeometryCase.model_fields and key in WheelsetCase.model_fields]
+    own, known = (kind.model_fields for kind in (GeometryCase, WheelsetCase))
+    unused = [key for key in given if (name_of := WheelsetCase.input_named(key)[0]) in known and name_of not in own]
     used = {key: value for key, value in given.items() if key not in unused}
     base = GEOMETRY_CASES[name][1] if name != OWN_NAME else {}
     case = GeometryCase.from_values(
-        {**base, **text.resolved(used), **values}, lambda key: "" if key and key[0] in values else text.place(key)
+        merged(merged(base, text.resolved(used)), values),
+        lambda key: "" if key and key[0] in values else text.place(key),
     )
     notice = f"not used by the geometry: {', '.join(unused)}"
     return case, (notice,) if unused else ()

@@ -102,7 +102,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     )
     axle_load_kN: float = Field(200.0, gt=0.0, le=1e5, description="weight on the wheelset, pressing on the rails")
     superelevation_base_mm: float | None = Field(
-        None, gt=0.0, description="width over which superelevation is measured (default: gauge_mm + 65)"
+        None, gt=0.0, description="width over which superelevation is measured (default: the gauge and 65 mm)"
     )
     yaw_mrad: float = Field(
         0.0, ge=-200.0, le=200.0, description="yaw of the axle, positive where the right wheel is ahead"

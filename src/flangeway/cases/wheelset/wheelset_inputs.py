@@ -138,8 +138,8 @@ class WheelsetInputs(Case):
     superelevation_base_mm: float | None = Field(
         None,
         gt=0.0,
-        description="width over which superelevation is measured, 1500 between the running circles on standard gauge "
-        "(default: gauge_mm)",
+        description="width over which superelevation is measured, 1500 mm between the running circles on standard "
+        "gauge (default: the gauge)",
     )
     thickness_mm: float = Field(
         WheelsetProblem.thickness_mm, gt=0.0, description="length of the bodies along the track"
@@ -177,7 +177,7 @@ class WheelsetInputs(Case):
                 raise InputError(
                     "curve_radius_m = 0",
                     "a radius above 0 for a curve to the left, below 0 for one to the right",
-                    "give it in m, or leave curve_radius_m and speed_km_h out on straight track",
+                    "give a radius, or leave curve_radius_m and speed_km_h out on straight track",
                 )
             lateral = curve_force_N(weight, self.speed_km_h, self.curve_radius_m)
         return WheelsetLoad(weight, lateral, superelevation_angle(self._superelevation(base), base))

@@ -57,7 +57,7 @@ def usual_gauge(gauge_mm: float) -> UsualGauge:
     if not GAUGE_OFF_MM[0] <= gauge_mm - near.gauge_mm <= GAUGE_OFF_MM[1]:
         raise InputError(
             f"gauge_mm = {gauge_mm:g} without back_to_back_mm",
-            "gauge_mm and back_to_back_mm, or a gauge near " + ", ".join(f"{each.gauge_mm:g}" for each in USUAL_GAUGES),
+            f"gauge_mm and back_to_back_mm, or a gauge near {', '.join(f'{e.gauge_mm:g}' for e in USUAL_GAUGES)} mm",
             "give the distance between the wheels' inner faces as back_to_back_mm",
         )
     return near

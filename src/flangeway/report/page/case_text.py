@@ -71,6 +71,7 @@ def _plain(value: object) -> str:
 
 
 OPTIONS = {
+    "units": "--units",
     "method": "--method",
     "order": "--order",
     "size_scale": "--size-scale",
@@ -79,6 +80,7 @@ OPTIONS = {
 }
 """Inputs of a case with an option of their own; all others go through ``--set``."""
 SECTION_OPTIONS = {
+    "units": "--units",
     "size": "--size",
     "order": "--order",
     "method": "--method",

@@ -92,7 +92,7 @@ def _cells(column: Column, objects: Sequence[Any]) -> tuple[list[str], list[list
 
 def cell_text(value: Any, form: str) -> str:
     """Return the text of a value; None is a dash."""
-    return "–" if value is None else value if isinstance(value, About) else format(value, form)
+    return "–" if value is None else value if isinstance(value, str) else formatted(value, form)
 
 
 def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
@@ -101,10 +101,24 @@ def timings_table(timings_s: Mapping[str, float]) -> SummaryTable:
     return SummaryTable("Time", ("", "s"), tuple(rows))
 
 
-class About(str):
+class Number(str):
+    """The text of a number, which has all its digits and its format for other units."""
+
+    value: float
+    form: str
+
+
+class About(Number):
     """The text of a value that is approximate."""
 
     remark: str = ""  # the reason
+
+
+def formatted(value: float, form: str) -> Number:
+    """Return the text of a number."""
+    found = Number(format(value, form))
+    found.value, found.form = value, form
+    return found
 
 
 def marked(text: str, remark: str | None) -> str:
@@ -112,13 +126,14 @@ def marked(text: str, remark: str | None) -> str:
     if not remark:
         return text
     found = About(text)
+    found.__dict__ |= vars(text) if isinstance(text, Number) else {}
     found.remark = remark
     return found
 
 
 def number(value: float | None, digits: int) -> str:
     """Return a number with some decimals, or a dash for None."""
-    return "–" if value is None else f"{value:.{digits}f}"
+    return cell_text(value, f".{digits}f")
 
 
 def plain_table(*columns: str, title: str | None = None) -> Table:

@@ -94,7 +94,7 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
         (f"area_{unit}2", f"{unit}²", "area"),
         ("Ixx", f"{unit}⁴", "second moment Ixx"),
         ("Iyy", f"{unit}⁴", "second moment Iyy"),
-        ("mass_per_metre_kg_m", "kg/m", "mass per metre"),
+        ("mass_per_metre_kg_m", "kg/m", "mass per length"),
         (f"torsion_constant_{unit}4", f"{unit}⁴", "torsion constant J"),
         (f"warping_constant_{unit}6", f"{unit}⁶", "warping constant"),
         (f"max_shear_stress_per_torque_per_{unit}3", f"{unit}⁻³", "maximum shear stress per torque"),
@@ -105,7 +105,7 @@ def _facts(summary: Mapping[str, Any]) -> list[tuple[str, str]]:
 def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
     """Name with unit and value of every constant, as shown."""
     unit, kg_m = summary["unit"], summary["mass_per_metre_kg_m"]
-    mass = [] if kg_m is None else [(f"mass per metre, steel of {STEEL_KG_M3:g} kg/m³, kg/m", f"{kg_m:.4g}")]
+    mass = [] if kg_m is None else [(f"mass per length, steel of {STEEL_KG_M3:g} kg/m³, kg/m", f"{kg_m:.4g}")]
 
     def point(name: str, key: str) -> list[tuple[str, str]]:
         size = summary[f"boundary_length_{unit}"]

@@ -11,7 +11,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack
 from flangeway.railway.track.placements import Side
 from flangeway.report.figures.drawing import GREY, INK, new_figure
-from flangeway.report.page.tables import SummaryTable
+from flangeway.report.page.tables import Column, SummaryTable, table_across
 from flangeway.results import ResultTable
 from flangeway.types import Floats
 
@@ -69,30 +69,24 @@ def _draw_sleepers(axes: Axes, rails: dict[Side, RailAlongTrack]) -> None:
 
 
 def rails_table(run: SpatialWheelsetRun) -> SummaryTable:
-    """Return maxima of both rails."""
+    """Return maxima of both rails, with the places of the stresses."""
     rails = run.result.rails
-
-    def row(name: str, value: Callable[[RailAlongTrack], str]) -> tuple[str, ...]:
-        return name, *(value(rail) for rail in rails.values())
-
-    rows = [
-        row("top of the rail down, mm", lambda rail: f"{-rail.head[:, 1].min():.3f}"),
-        row("gauge face outwards, mm", lambda rail: f"{rail.gauge_outward_mm.max():.3f}"),
+    quantities: list[Column] = [
+        ("top of the rail down, mm", lambda rail: -rail.head[:, 1].min(), ".3f"),
+        ("gauge face outwards, mm", lambda rail: rail.gauge_outward_mm.max(), ".3f"),
     ]
     if len(next(iter(rails.values())).sleepers_mm):
-        rows.append(row("maximum force of a sleeper, kN", lambda rail: f"{rail.reactions[:, 1].max() / 1e3:.2f}"))
+        quantities.append(("maximum force of a sleeper, kN", lambda rail: rail.reactions[:, 1].max() / 1e3, ".2f"))
     for region in REGIONS:
-        along = partial(_peak, region, "along_MPa")
-        rows += [
-            row(f"{region}: stress along the track, MPa at (x, y, z) mm", along),
-            row("  von Mises stress, MPa at (x, y, z) mm", partial(_peak, region, "von_mises_MPa")),
-        ]
-    return SummaryTable("Rails along the track", ("maximum values", *rails), tuple(rows))
+        for name, kind in (("stress along the track", "along_MPa"), ("von Mises stress", "von_mises_MPa")):
+            peaks = f"{region}: {name}{{, MPa|: x, mm|: y, mm|: z, mm}}"
+            quantities.append((peaks, partial(_peak, region, kind), ".1f|.0f|.0f|.0f"))
+    return table_across("Rails along the track: maximum values", rails, list(rails.values()), quantities)
 
 
-def _peak(region: str, kind: str, rail: RailAlongTrack) -> str:
-    value, (x, y, z) = rail.stresses.peak(region, getattr(rail.stresses, kind))
-    return f"{value:.1f} at ({x:.0f}, {y:.0f}, {z:.0f})"
+def _peak(region: str, kind: str, rail: RailAlongTrack) -> tuple[float, ...]:
+    value, place = rail.stresses.peak(region, getattr(rail.stresses, kind))
+    return value, *place
 
 
 def rails_csv(run: SpatialWheelsetRun) -> str:

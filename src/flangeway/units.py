@@ -1,0 +1,140 @@
+"""US customary units beside the metric ones: of keys such as ``axle_load_kN``, and of texts such as "200 kN".
+
+Factors are exact: 1 in = 25.4 mm, 1 lb = 0.45359237 kg, standard gravity 9.80665 m/s² (NIST SP 811).
+"""
+
+import math
+import re
+from collections.abc import Collection
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache
+from typing import Any, Literal
+
+from flangeway.checks import is_number
+
+Units = Literal["metric", "us"]
+
+_FOOT, _POUND = Fraction("0.3048"), Fraction("0.45359237")
+_FORCE = _POUND * Fraction("9.80665")  # N in 1 lbf, and kN in 1 kip
+_PRESSURE = _FORCE / Fraction("0.64516")  # MPa in 1 ksi, and GPa in 1 Msi
+
+_BASE = {
+    "km": ("mi", Fraction("1.609344")),
+    "mm": ("in", Fraction("25.4")),
+    "cm": ("in", Fraction("2.54")),
+    "µm": ("mil", Fraction("25.4")),
+    "m": ("ft", _FOOT),
+    "kNm": ("kip_ft", _FORCE * _FOOT),
+    "Nm": ("lbf_ft", _FORCE * _FOOT),
+    "kN": ("kip", _FORCE),
+    "N": ("lbf", _FORCE),
+    "MPa": ("ksi", _PRESSURE),
+    "GPa": ("Msi", _PRESSURE),
+    "kg": ("lb", _POUND),
+    "t": ("lb", _POUND / 1000),
+}
+"""Unit in the US, and how many metric ones it is."""
+_WHOLE = {"km/h": ("mph", Fraction("1.609344")), "kg/m": ("lb/yd", _POUND / (3 * _FOOT))}
+_ALIKE = ("mrad", "rad", "deg", "s", "h", "W", "J")  # in both systems
+_POWERS = str.maketrans("⁰¹²³⁴⁵⁶⁻", "0123456-")
+
+_NAME = "|".join(sorted((*_BASE, *_ALIKE), key=len, reverse=True))
+_PART = rf"(?:{_NAME})(?:⁻?[²³⁴⁵⁶]|[2-6])?"
+_TEXT_UNIT = rf"(?:1/)?{_PART}(?:[ /]{_PART})*"
+_KEY_UNIT = re.compile(rf"_((?:per_)?{_PART}(?:_(?:per_)?{_PART})*)$")
+_SPLIT = re.compile(rf"(^1/|^per_|^|/|_per_|_| )({_NAME})(⁻?[²³⁴⁵⁶]|[2-6])?")
+NUMBER = r"[-+−]?(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?(?:e[-+]?\d+)?"
+"""Regular expression of a number in a text."""
+_OF_TEXT = re.compile(
+    rf"\b(?P<key>[a-z]\w*_\w+)(?P<is>\s?=\s?)?(?P<value>(?<==\s|.=){NUMBER})?"
+    rf"|(?<![\w.])(?P<numbers>{NUMBER}(?:(?:,? (?:to|and|or|by|×) |, |–){NUMBER})*)"
+    rf"(?P<space>[ \u00a0])(?P<unit>{_TEXT_UNIT})(?![\w⁻²³⁴⁶/])"
+)
+
+
+@dataclass(frozen=True)
+class UsUnit:
+    """A key or unit in the US, and how many metric units it is."""
+
+    name: str
+    metric: Fraction
+
+    def of(self, value: Any) -> Any:
+        """Return a metric number, or each one in a list, in this unit; what is no number as it is."""
+        return _each(value, 1 / self.metric)
+
+    def to_metric(self, value: Any) -> Any:
+        """Return a number of this unit, or each one in a list, in the metric one; what is no number as it is."""
+        return _each(value, self.metric)
+
+
+def _each(value: Any, factor: Fraction) -> Any:
+    if isinstance(value, list | tuple):
+        return type(value)(_each(each, factor) for each in value)
+    # a float times a fraction is the nearest float of the exact product of both
+    return float(Fraction(float(value)) * factor) if is_number(value) and math.isfinite(value) else value
+
+
+@cache
+def us_unit(unit: str) -> UsUnit | None:
+    """Return the unit of a text such as "kN/mm" or "mm⁴" in the US; None if it is the same there, or no unit."""
+    if not re.fullmatch(_TEXT_UNIT, unit):
+        return None
+    found = _converted(unit)
+    return None if found is None else UsUnit(found[0].replace("_", " "), found[1])
+
+
+@cache
+def us_key(key: str) -> UsUnit | None:
+    """Return what a key such as ``axle_load_kN`` is called in the US; None if it has no unit, or the same there."""
+    unit = _KEY_UNIT.search(key)
+    found = _converted(unit[1]) if unit else None
+    return None if unit is None or found is None else UsUnit(f"{key[: unit.start(1)]}{found[0]}", found[1])
+
+
+def _converted(unit: str) -> tuple[str, Fraction] | None:
+    slash = unit.replace("_", "/")
+    if slash in _WHOLE:
+        name, factor = _WHOLE[slash]
+        return (name if unit == slash else name.replace("/", "_")), factor
+    text, factor = "", Fraction(1)
+    for separator, base, power in _SPLIT.findall(unit):
+        name, metric = _BASE.get(base, (base, Fraction(1)))
+        exponent = int(power.translate(_POWERS)) if power else 1
+        factor *= metric ** (-exponent if separator not in ("", " ") else exponent)
+        text += f"{separator}{name}{power}"
+    return None if factor == 1 else (text, factor)
+
+
+def same_quantity(key: str, other: str) -> bool:
+    """Whether two different keys are one quantity in both systems."""
+    return any(unit is not None and unit.name == name for unit, name in ((us_key(key), other), (us_key(other), key)))
+
+
+def in_us_units(text: str, keys: Collection[str] | None = None) -> str:
+    """Return a sentence with its keys, ``gauge_mm = 1435``, and numbers, "1435 mm", in US units.
+
+    - `keys`: convert these keys only.
+    """
+
+    def converted(found: re.Match[str]) -> str:
+        key, numbers = found["key"], found["numbers"]
+        if key and (keys is None or key in keys) and (unit := us_key(key)):
+            value = found["value"]
+            return unit.name + (found["is"] or "") + (shown(unit.of(number_of(value))) if value else "")
+        if numbers and keys is None and (unit := us_unit(found["unit"])):
+            return re.sub(NUMBER, lambda each: shown(unit.of(number_of(each[0]))), numbers) + found["space"] + unit.name
+        return found[0]
+
+    return _OF_TEXT.sub(converted, text)
+
+
+def shown(value: float) -> str:
+    """Return a converted number with four digits, more where it is above 10,000."""
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
+
+
+def number_of(text: str) -> float:
+    """Return the number of a text that is a `NUMBER`."""
+    return float(text.replace(",", "").replace("−", "-"))

@@ -1,0 +1,211 @@
+"""US units: exact factors, keys of inputs, errors in the units that were written, and results."""
+
+import json
+import re
+from dataclasses import replace
+
+import pytest
+
+from flangeway.cases import CASES, load_case, schema, write_template
+from flangeway.cases.case import GivenText
+from flangeway.cases.case_file import check_case, read_case
+from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case
+from flangeway.errors import InputError
+from flangeway.report.case_outputs import case_record
+from flangeway.report.page.case_text import case_text, command_line
+from flangeway.report.page.us_record import in_units
+from flangeway.system.output_folder import text_writer
+from flangeway.units import in_us_units, us_key, us_unit
+
+FACTORS = [
+    ("mm", "in", 25.4),
+    ("mm²", "in²", 25.4**2),
+    ("mm⁴", "in⁴", 25.4**4),
+    ("mm⁻³", "in⁻³", 25.4**-3),
+    ("m", "ft", 0.3048),
+    ("kN", "kip", 4.4482216152605),
+    ("N", "lbf", 4.4482216152605),
+    ("MPa", "ksi", 4448.2216152605 / 645.16),
+    ("km/h", "mph", 1.609344),
+    ("kg/m", "lb/yd", 0.45359237 / 0.9144),
+    ("kg/m³", "lb/ft³", 0.45359237 / 0.3048**3),
+    ("kN/mm", "kip/in", 4.4482216152605 / 25.4),
+    ("kN m/rad", "kip ft/rad", 4.4482216152605 * 0.3048),
+    ("1/m", "1/ft", 1 / 0.3048),
+]
+
+
+@pytest.mark.parametrize(("metric", "name", "factor"), FACTORS)
+def test_factors_are_the_exact_definitions(metric, name, factor):
+    """A unit and its compounds have the factors of inch, pound and standard gravity."""
+    unit = us_unit(metric)
+    assert unit.name == name
+    assert float(unit.metric) == pytest.approx(factor, rel=1e-15)
+    assert unit.to_metric(1.0) == pytest.approx(factor, rel=1e-15)
+    assert unit.of(unit.to_metric(3.0)) == pytest.approx(3.0, rel=1e-15)
+
+
+@pytest.mark.parametrize("key", ["yaw_rate_mrad_per_s", "timings_s", "rotation_deg", "peak_memory_MB", "rail", "order"])
+def test_what_is_alike_in_both_systems_stays(key):
+    """Angles, times and names have no other key."""
+    assert us_key(key) is None
+
+
+def test_keys_with_us_units_are_inputs():
+    """Lengths, forces, speeds, masses and stiffnesses are read exactly, as numbers and as text of the command line."""
+    given = {"gauge_in": 56.5, "axle_load_kip": GivenText("71.5"), "speed_mph": 40, "curve_radius_ft": 2000.0}
+    given |= {"superelevation_in": "from-speed", "seat_vertical_kip_per_in": 150.0, "young_ksi": 3e4}
+    case = load_case("wheelset", **given)
+    assert (case.gauge_mm, case.speed_km_h, case.curve_radius_m) == (1435.1, 64.37376, 609.6)
+    assert case.axle_load_kN == pytest.approx(71.5 * 4.4482216152605, rel=1e-15)
+    assert case.superelevation_mm == "from-speed"
+    assert case.young_MPa == pytest.approx(206842.7187950508, rel=1e-14)
+    assert case.seat_vertical_kN_per_mm == pytest.approx(150 * 4.4482216152605 / 25.4, rel=1e-15)
+    assert load_case("wheelset", car_mass_lb=286e3).car_mass_t == pytest.approx(129.72741782)
+
+
+def test_a_setting_replaces_the_quantity_of_the_file_in_any_units(tmp_path):
+    """What `--set` gives in one system goes before the file's in the other, inside tables too."""
+    file = tmp_path / "case.toml"
+    file.write_text(write_template(CASES["two-bodies"]), encoding="utf-8")
+    case = read_case(file, {"thickness_in": GivenText("2"), "bodies.1.size_in": GivenText("0.5")})
+    assert (case.thickness_mm, case.bodies[0].size_mm) == (50.8, 12.7)
+    assert find_geometry_case("s1002-60e1", {"gauge_in": 56.5}).gauge_mm == 1435.1
+    file.write_text('case = "s1002-60e1"\ngauge_in = 56.5\nunits = "us"\nthickness_in = 1.0\n', encoding="utf-8")
+    geometry, notices = read_geometry_case(file, {})
+    assert (geometry.gauge_mm, geometry.units, notices) == (1435.1, "us", ())
+
+
+@pytest.mark.parametrize("name", CASES)
+def test_a_new_file_in_us_units_is_the_case_with_its_defaults(tmp_path, name):
+    """What `init --units us` writes has the values of the case, up to round-off, and asks for results in US units."""
+    file = tmp_path / "case.toml"
+    file.write_text(write_template(CASES[name], "us"), encoding="utf-8")
+    found, wanted = (case.model_dump() for case in (load_case(file), CASES[name].from_values(CASES[name].example)))
+    assert found.pop("units") == "us"
+    wanted.pop("units")
+    assert list(_leaves(found)) == pytest.approx(list(_leaves(wanted)), rel=1e-14)
+    keys = [line.partition("=")[0] for line in file.read_text(encoding="utf-8").splitlines() if "=" in line]
+    assert not [key for key in keys if us_key(key.strip("# "))]
+
+
+def _leaves(value):
+    """Numbers in tables and lists; the hash of what is none."""
+    if isinstance(value, dict):
+        value = [*value, *value.values()]
+    if isinstance(value, list | tuple):
+        for each in value:
+            yield from _leaves(each)
+    else:
+        yield value if isinstance(value, float) else float(hash(value) % 997)
+
+
+WRONG = [
+    ({"gauge_in": 56.5, "gauge_mm": 1435.0}, ["gauge_in, and the same quantity in another unit", "leave gauge_in"]),
+    ({"wheel_radius_in": 2.0}, ["wheel_radius_in = 2.0\n", "a number from 5.90551", "default 18.1102"]),
+    ({"axle_load_kips": 70}, ["did you mean axle_load_kip?"]),
+    ({"gauge_in": 30.0}, ["gauge_in = 30 without back_to_back_mm"]),
+    ({"gauge_mm": 800.0, "units": "us"}, ["gauge_in = 31.5 without", "near 56.5, 59.84, 62.99, 65.67 in"]),
+    ({"units": "imperial"}, ["units is metric or us"]),
+]
+
+
+@pytest.mark.parametrize(("given", "words"), WRONG)
+def test_errors_name_the_key_and_the_unit_that_was_written(given, words):
+    """A wrong pair, a number beyond a limit, a misspelt key, and what is wrong beyond single values."""
+    with pytest.raises(InputError) as caught:
+        check_case(load_case("wheelset", **given))
+    for word in words:
+        assert word in str(caught.value)
+
+
+def test_errors_in_tables_name_the_line_of_the_key_with_us_units(tmp_path):
+    """A wrong value inside a table has its path, its line and the limit in its unit."""
+    text = write_template(CASES["two-bodies"], "us").replace("size_in = 0.19", "size_in = -0.19", 1)
+    line = 1 + next(n for n, each in enumerate(text.splitlines()) if each.startswith("size_in = -0.19"))
+    (tmp_path / "case.toml").write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=rf"line {line}: bodies\[1\].size_in = -0.19"):
+        load_case(tmp_path / "case.toml")
+
+
+def test_the_schema_has_the_keys_with_us_units():
+    """Editors complete both keys; limits are in their units, and one of both is enough where a quantity is needed."""
+    described = schema()
+    case = next(each for each in described["oneOf"] if each["properties"]["case"]["const"] == "wheelset")
+    assert case["properties"]["wheel_radius_in"]["minimum"] == pytest.approx(150 / 25.4)
+    assert case["properties"]["wheel_radius_mm"]["minimum"] == 150
+    disc = next(each for name, each in described["$defs"].items() if name.startswith("Disc"))
+    assert "radius_mm" not in disc["required"]
+    assert {"anyOf": [{"required": ["radius_mm"]}, {"required": ["radius_in"]}]} in disc["allOf"]
+
+
+def test_sentences_have_their_numbers_and_keys_in_us_units():
+    """Numbers before a unit, several of them too, and keys with values; times, angles and names stay."""
+    text = "Rail 60E1, 1,200 kN m/rad every 600 mm; 8 to 10 mm; gauge_mm = 1435.1 in 400 m, 3 s, 1:40, 5 mrad, 20 rows"
+    assert in_us_units(text) == (
+        "Rail 60E1, 885.1 kip ft/rad every 23.62 in; 0.315 to 0.3937 in; gauge_in = 56.5 in 1312 ft, 3 s, 1:40, "
+        "5 mrad, 20 rows"
+    )
+    assert in_us_units("gauge_mm = 1435.1 and 25.4 mm", {"gauge_mm"}) == "gauge_in = 56.5 and 25.4 mm"
+    assert in_us_units(in_us_units(text)) == in_us_units(text)
+
+
+def test_results_of_a_section_in_us_units(call, tmp_path):
+    """Area in in², second moments in in⁴, lb/yd, report and terminal alike; JSON stays metric, as the report states."""
+    status, out, err = call("section", "136RE", "--units", "us", "--size", "15", "--no-pictures")
+    assert status == 0, err
+    found = json.loads((tmp_path / "out/section-136RE/section.json").read_text(encoding="utf-8"))
+    report = (tmp_path / "out/section-136RE/report.html").read_text(encoding="utf-8")
+    cells = {}
+    for line in out.splitlines():
+        if re.search(r"  \S+$", line):
+            name, value = line.rsplit(maxsplit=1)
+            cells[name.strip()] = float(value)
+            assert f">{value}<" in report
+    assert cells["area, in²"] == pytest.approx(found["area_mm2"] / 25.4**2, rel=1e-6)
+    assert cells["second moment Ixx about the centroid, in⁴"] == pytest.approx(
+        found["second_moments_mm4"]["xx"] / 25.4**4, rel=1e-6
+    )
+    mass = cells["mass per length, steel of 490.1 lb/ft³, lb/yd"]
+    assert mass == pytest.approx(found["mass_per_metre_kg_m"] * 0.9144 / 0.45359237, rel=1e-3)
+    assert mass == pytest.approx(136.0, rel=0.01)
+    assert "JSON files and files for ParaView are in metric units" in report
+    assert "--units us" in report
+    assert not re.search(r"\d mm|, mm|, kg/m<", re.sub(r"<script.*?</script>", "", report, flags=re.DOTALL))
+
+
+def test_what_computes_it_again_keeps_units_and_exact_inputs():
+    """The command asks for US units; the case file has the inputs in metric units with all digits."""
+    case = load_case("roller", crown_radius_in=0.8, units="us")
+    assert command_line(case) == "flangeway run roller --units us --set crown_radius_mm=20.32"
+    assert 'units = "us"' in case_text(case)
+    assert "crown_radius_mm = 20.32\n" in case_text(case)
+
+
+def test_csv_files_have_columns_in_us_units(tmp_path):
+    """Names and numbers of columns are converted; words, empty cells, and files with a unit of their own are not."""
+    texts = {
+        "a.csv": "side,x_mm,force_N,angle_deg,note\nleft,25.4,4.4482216152605,3,1 mm\nright,,-8.896443230521,4,\n",
+        "profile.csv": "# unit: mm\nx_mm,y_mm\n1,2\n",
+        "a.txt": "x_mm\n1\n",
+    }
+    run = load_case("torsion", size=40.0, order=1, units="us").run()
+    assert any(name == "area, in²" for name, *_ in case_record(run).results.rows)
+    record = replace(case_record(run), assumptions=(), files=lambda: {n: text_writer(t) for n, t in texts.items()})
+    for name, write in in_units(record, "us").files().items():
+        write(tmp_path / name)
+        texts[name] = (tmp_path / name).read_text(encoding="utf-8")
+    assert texts["a.csv"] == "side,x_in,force_lbf,angle_deg,note\nleft,1,1,3,1 mm\nright,,-2,4,\n"
+    assert texts["profile.csv"].startswith("# unit: mm\nx_mm")
+    assert texts["a.txt"] == "x_mm\n1\n"
+
+
+def test_the_inputs_in_us_units_are_listed(call):
+    """`flangeway cases NAME --units us` has keys, defaults and limits in US units, in their groups."""
+    status, out, _ = call("cases", "wheelset", "--units", "us")
+    assert status == 0
+    assert re.search(r"gauge_in .*\[default: 56.4961\]", out)
+    assert "Track and wheelset" in out
+    assert not re.search(r"_(mm|kN|MPa|km_h)\b", out)
+    status, _, err = call("section", "60E1", "--units", "imperial")
+    assert (status, "metric or us" in err) == (2, True)
