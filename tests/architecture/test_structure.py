@@ -33,15 +33,15 @@ MAX_LINES = {
     "railway.spatial": 3671,
     "cases": 7059,
     "campaign": 1885,
-    "tables": 1426,
-    "report": 8015,
+    "tables": 1441,
+    "report": 8139,
     "validation": 6800,
-    "cli": 1296,
+    "cli": 1299,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 67_929
-MAX_FILES_OF_ALL = 363
+MAX_LINES_OF_ALL = 68_071
+MAX_FILES_OF_ALL = 364
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

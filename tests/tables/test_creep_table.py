@@ -1,11 +1,16 @@
 """Reading a table: positions, jumps, ranges, kinematics, and files that are none. Its forces are made up."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
+from flangeway.railway.spatial.rolling.wheelset_creep import WheelsetCreep
+from flangeway.railway.spatial.side_contact import WheelPose
 from flangeway.tables.creep_table import FORMAT, MIRROR, OF_PATCH, CreepTable
 
 ANGLES = np.linspace(0.0, np.pi, 9)
@@ -31,6 +36,7 @@ def made_up(normal):
     values["position_mm"][..., 0] *= MIRROR[:, None]
     values["stiffness_N"][:] = 1e7
     values["radius_mm"] = np.full(shape, 4.0)
+    values["free_creepage"][:] = values["wheel_roll_rad"][:] = 0.0
     values["forces"] = np.tile(linear_theory(slips, ANGLES - np.pi / 2, ANGLES), (*shape, 1, 1, 1, 1)).astype("f4")
     count = (normal > 0.0).sum(axis=-1)
     joined = np.all([count[:-1] == count[1:]], axis=(0, 2, 3))[:, None, None, :]
@@ -101,7 +107,7 @@ def test_files_that_are_no_table_are_refused(tmp_path):
     np.savez(files[2], a=np.ones(2))
     np.savez(files[3], metadata=np.array(json.dumps({"format": 99})))
     for file in files:
-        with pytest.raises(InputError, match=r"(a table of creep forces|format 1)"):
+        with pytest.raises(InputError, match=r"(a table of creep forces|format 2)"):
             CreepTable.load(file)
 
 
@@ -134,6 +140,49 @@ def test_creepages_are_the_velocity_of_the_wheel_on_the_rail(table):
     assert found[0, 1] * found[1, 1] < 0.0  # towards both gauge sides
     with pytest.raises(InputError, match="speeds > 0"):
         table.creepages(contacts, 0.0, speed=0.0, rotation=1.0)
+
+
+def test_creepages_are_those_of_the_wheelset_that_rolls(table):
+    """At random positions, yaws, rolls, curves, speeds and velocities both kinematics give the same numbers."""
+    random = np.random.default_rng(11)
+    for _ in range(50):
+        v, rate, lateral, yaw_rate = random.uniform([1.0, 0.9, -50.0, -0.02], [80.0, 1.1, 50.0, 0.02])
+        yaw, roll, angle, radius, ahead = random.uniform(
+            [-0.02, -5e-3, -0.05, 300.0, -30.0], [0.02, 5e-3, 1.2, 600.0, 30.0]
+        )
+        curve = random.choice([-1.0, 1.0]) * random.uniform(100.0, 5000.0)
+        motion = RollingMotion(v, Friction(0.3), None, curve, yaw_rate, 1e-3 * lateral)
+        omega = rate * 1e3 * v / radius
+        contacts = table.contacts(-1.0, 0.0, 100.0)
+        for number, side in enumerate(("left", "right")):
+            sign = (-1.0, 1.0)[number]
+            pose = WheelPose(sign * 0.7, 3.0, sign * roll, sign * yaw)
+            point = np.array([sign * 0.7 + 750.0, 3.0 - radius, ahead])
+            arm = point - [pose.x, pose.y, 0.0]
+            contacts["position_mm"][0, number, 0] = arm * [sign, 1.0, 1.0]
+            contacts["wheel_roll_rad"][0, number, 0] = pose.roll_rad
+            contacts["contact_angle_rad"][0, number, 0] = angle
+            contacts["rolling_radius_mm"][0, number, 0] = np.linalg.norm(arm - pose.axis * (arm @ pose.axis))
+            rows = point[None, :2], np.array([[-np.sin(angle), np.cos(angle)]])
+            patch = SimpleNamespace(places=(np.zeros(1), np.zeros(1)), grid=SimpleNamespace(along=np.array([ahead])))
+            expected = WheelsetCreep(motion, omega, "exact").creepages(side, pose, omega, rows, patch)
+            found = table.creepages(
+                contacts, 1e3 * yaw, speed=1e3 * v, rotation=omega, lateral_velocity=lateral,
+                yaw_rate=motion.turning_rad_s,
+            )[0, number, 0]  # fmt: skip
+            wanted = np.concatenate([np.ravel(each) for each in (expected.along, expected.across, expected.spin)])
+            np.testing.assert_allclose(found, wanted, rtol=0.0, atol=1e-12)
+
+
+def test_forces_are_those_of_creepages_beyond_free_rolling(table):
+    """A patch that rolls freely at some creepages has no force there, and the same forces beyond."""
+    free = np.array([4e-4, -2e-5, 0.0])
+    moved = CreepTable({**table.values, "free_creepage": np.broadcast_to(free[:2], (3, 1, 2, 2, 2, 2))}, {})
+    beyond = np.array([1e-4, 2e-4, 1e-6])
+    assert np.abs(moved.forces(0.5, 0.0, 150.0, free)).max() < 1e-9
+    np.testing.assert_allclose(
+        moved.forces(0.5, 0.0, 150.0, free + beyond), table.forces(0.5, 0.0, 150.0, beyond), rtol=1e-9
+    )
 
 
 def test_the_wrench_is_that_of_the_forces_at_their_points(table):

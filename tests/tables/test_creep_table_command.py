@@ -1,5 +1,7 @@
 """`flangeway creep-table`: files and exit status, interruption, and axes on the command line."""
 
+import json
+
 import pytest
 
 from flangeway.cli.creep_table_command import values_of
@@ -24,25 +26,41 @@ def known(small, monkeypatch):
 
 
 def test_the_command_writes_the_table(known, call, tmp_path):
-    """The files are there, errors and names of files are printed, progress is on stderr."""
+    """How it ended, errors and the report's name are printed, progress is on stderr, the files are there."""
     status, out, err = call(*COMMAND, "--out", "made")
     assert status == 0, err
-    assert "2 x 1 x 1 positions, 4 patches" in out
-    assert "within the tolerance of 100.00%" in out
+    lines = out.splitlines()
+    assert lines[0] == "creep-table: converged, errors within the tolerance of 100.00%"
+    assert any(
+        line.split() == ["positions:", "lateral", "x", "yaw", "x", "load", "2", "x", "1", "x", "1"] for line in lines
+    )
+    assert any(line.split() == ["patches", "4"] for line in lines)
+    assert max(map(len, lines)) <= 80
+    assert lines[-1] == "Report: made/report.html"
     assert "2 of 2 positions; 0 s left" in err
     assert sorted(path.name for path in (tmp_path / "made").iterdir()) == [
-        "README.md", "creep-table.npz", "forces.csv", "patches.csv",
+        "README.md", "creep-forces.png", "creep-table.npz", "forces.csv", "patches.csv", "report.html", "summary.json",
     ]  # fmt: skip
     assert CreepTable.load(tmp_path / "made" / "creep-table.npz").axes[0].tolist() == [0.0, 0.5]
 
 
-def test_a_table_beyond_its_tolerance_ends_with_status_1(known, call, monkeypatch):
+def test_a_table_beyond_its_tolerance_ends_with_status_1(known, call, tmp_path, monkeypatch):
+    """As JSON and quietly too."""
     error = [{"side": "left", "jump": False, "force": 1.5, "normal_force": 0.0}]
     monkeypatch.setattr(table_build, "_differences", lambda *_: error)
     monkeypatch.setattr(table_build, "MOST_PASSES", 1)
-    status, out, _ = call(*COMMAND)
+    status, out, err = call(*COMMAND, "--json", "--no-pictures", "--out", "made")
     assert status == 1
-    assert "NOT within the tolerance" in out
+    assert err == "" or "positions" in err
+    found = json.loads(out)
+    assert found == json.loads((tmp_path / "made" / "summary.json").read_text(encoding="utf-8"))
+    assert not found["status"]["converged"]
+    assert found["checks"]["between_positions"]["max"] == 1.5
+    assert not (tmp_path / "made" / "creep-forces.png").exists()
+    status, out, err = call(*COMMAND, "-q", "--no-pictures")
+    assert out.splitlines()[0] == "creep-table: NOT converged, errors above the tolerance of 100.00%"
+    assert len(out.splitlines()) == 2
+    assert (status, err) == (1, "")
 
 
 def test_an_interruption_leaves_nothing(call, tmp_path, monkeypatch):
@@ -54,7 +72,7 @@ def test_an_interruption_leaves_nothing(call, tmp_path, monkeypatch):
     monkeypatch.setattr(table_build, "compute_position", interrupt)
     status, _, err = call(*COMMAND, "--out", "made")
     assert status == 130
-    assert "interrupted" in err
+    assert "interrupted; positions that are done are kept in the cache" in err
     assert not (tmp_path / "made").exists()
 
 

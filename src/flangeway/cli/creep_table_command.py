@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import DONE, FAILED, Out, errors_as_exit_status, progress_shown, settings_of, stdout
+from flangeway.cli.common import INTERRUPTED, Out, Show, command_typed, complain, settings_of, shows_results
 from flangeway.errors import InputError
 
 TableCase = Annotated[
@@ -34,6 +34,7 @@ MOST_VALUES = 10_000
 
 
 @app.command("creep-table")
+@shows_results
 def creep_table(
     case: TableCase = "wheelset",
     set_: TableSet = None,
@@ -44,30 +45,33 @@ def creep_table(
     workers: TableWorkers = None,
     fmu: WithFmu = False,
     out: Out = None,
-) -> None:
-    """Tabulate creep forces for multibody programs: npz, CSV and FMU (out/creep-table-CASE)."""
-    with errors_as_exit_status():
-        from flangeway.cases.case_file import read_case  # noqa: PLC0415
-        from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
-        from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
-        from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
-        from flangeway.tables.table_outputs import NAMES, print_table, refuse_without_fmu, write_table  # noqa: PLC0415
+    *,
+    show: Show,
+) -> bool:
+    """Tabulate creep forces for multibody programs: npz, CSV, FMU, errors and report (out/creep-table-CASE)."""
+    from flangeway.cases.case_file import read_case  # noqa: PLC0415
+    from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase  # noqa: PLC0415
+    from flangeway.report.rolling.creep_table_page import ALL_NAMES, creep_table_record  # noqa: PLC0415
+    from flangeway.system.output_folder import refuse_unwritable  # noqa: PLC0415
+    from flangeway.tables.table_build import TableRequest, make_table  # noqa: PLC0415
+    from flangeway.tables.table_outputs import refuse_without_fmu, table_writers  # noqa: PLC0415
 
-        wanted = read_case(case, settings_of(set_, "a wrong key lists the right ones"))
-        if not isinstance(wanted, SpatialWheelsetCase):
-            raise InputError(f"a table of {wanted.name}", "a case wheelset", "give wheelset, or a case file of one")
-        axes = values_of(lateral, "--lateral"), values_of(yaw, "--yaw"), values_of(load, "--load")
-        request = TableRequest(wanted, *axes, tolerance)
-        if fmu:
-            refuse_without_fmu()
-        folder = out or Path("out", f"creep-table-{Path(case).stem}")
-        refuse_unwritable(folder, NAMES)
-        with progress_shown() as progress:
+    wanted = read_case(case, settings_of(set_, "a wrong key lists the right ones"))
+    if not isinstance(wanted, SpatialWheelsetCase):
+        raise InputError(f"a table of {wanted.name}", "a case wheelset", "give wheelset, or a case file of one")
+    axes = values_of(lateral, "--lateral"), values_of(yaw, "--yaw"), values_of(load, "--load")
+    request = TableRequest(wanted, *axes, tolerance)
+    if fmu:
+        refuse_without_fmu()
+    folder = out or Path("out", f"creep-table-{Path(case).stem}")
+    refuse_unwritable(folder, ALL_NAMES)
+    try:
+        with show.progress() as progress:
             table = make_table(request, workers=workers, progress=progress)
-            progress("writing the files")
-            files = write_table(table, folder, fmu=fmu)
-        print_table(stdout(), table, files)
-        raise typer.Exit(DONE if table.metadata["checks"]["within_tolerance"] else FAILED)
+    except KeyboardInterrupt:
+        complain("interrupted; positions that are done are kept in the cache, and the same command goes on from there")
+        raise typer.Exit(INTERRUPTED) from None
+    return show.record(creep_table_record(table, request, command_typed(), table_writers(table, fmu=fmu)), folder)
 
 
 def values_of(text: str, option: str) -> list[float]:

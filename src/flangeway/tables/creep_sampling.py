@@ -21,8 +21,8 @@ SLIPS: Floats = np.array([0.0, 0.12, 0.24, 0.34, 0.42, 0.5, 0.6, 0.7, 0.82, 1.0]
 """Reduced sizes of creepages: 0 is linear theory, at 1 everything slides."""
 ANGLES = 24
 """Intervals of 180 degrees of both angles in a table."""
-DIRECTIONS = (6, 12, 24)
-"""Intervals between exact solutions, from coarse to fine: 248, 1,064 and 4,424 of these for each patch."""
+DIRECTIONS = (4, 6, 12, 24)
+"""Intervals between exact solutions, from coarse to fine: 104, 248, 1,064 and 4,424 of these for each patch."""
 CREEPS: Floats = np.linspace(0.0, np.pi, ANGLES + 1)
 AXES = (SLIPS, CREEPS - np.pi / 2.0, CREEPS)
 """Axes of a table: slip, angle of spin, angle of creepage."""
@@ -32,8 +32,9 @@ AXES = (SLIPS, CREEPS - np.pi / 2.0, CREEPS)
 class SampledPatch:
     """A patch with reduced creepages: over those at which linear theory reaches the limit of friction.
 
-    Where its bodies are coupled, a table leaves out displacements along the normals by friction and along the surface
-    by pressures: forces over the limit of friction are then functions of creepages over it, and odd. Checks have them.
+    Where its bodies are coupled, a table has displacements along the surface by pressures as the creepages of free
+    rolling only, and leaves out those along the normals by friction: forces over the limit of friction are then odd
+    functions of further creepages over it. Checks have them.
 
     - `bodies`: the patch.
     """
@@ -48,6 +49,17 @@ class SampledPatch:
         normal = np.arange(3 * len(self.bodies.grid.widths)) % 3 == 1
         coefficients = self.bodies.coefficients * (normal == normal[:, None])
         return replace(self.bodies, coefficients=coefficients, pressed=None)
+
+    @cached_property
+    def free(self) -> Floats:
+        """Creepages (along, across) at which the pressed patch rolls without creep force and spin, (2,).
+
+        The top of a rail that bends under a wheel is shorter, the wheel's surface is stretched in another way.
+        """
+        if not self.bodies.coupled:
+            return np.zeros(2)
+        motion = roll(self.bodies, Creepages(), force_along=0.0, force_across=0.0).motion
+        return np.array([motion.along, motion.across], dtype=np.float64)
 
     @cached_property
     def slopes(self) -> Floats:
@@ -123,8 +135,8 @@ class SampledPatch:
         return found
 
     def coupled(self, slip: float, spin: float, creep: float) -> Rolling:
-        """The exact theory with the coupling of the bodies."""
-        return roll(self.bodies, self.motion(slip, spin, creep))
+        """The exact theory with the coupling of the bodies, creepages from those of free rolling."""
+        return roll(self.bodies, self.motion(slip, spin, creep).moved(*self.free.tolist()))
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,17 +25,19 @@ MIRROR = np.array([-1.0, 1.0])
 """From a side's right-hand form to the axes of the track: factor on x of left and right."""
 SATURATED = 2.0
 """Reduced creepage at which the axis of slip is at 0.5."""
-FORMAT = 1
+FORMAT = 2
 AXES = ("lateral_mm", "yaw_mrad", "load_kN")
 OF_PATCH = {
     "normal_force_N": 0,
     "contact_angle_rad": 0,
+    "wheel_roll_rad": 0,
     "rolling_radius_mm": 0,
     "position_mm": 1,
     "rail_point_mm": 1,
     "wheel_point_mm": 1,
     "semi_axes_mm": 1,
     "max_pressure_MPa": 0,
+    "free_creepage": 1,
     "stiffness_N": 1,
     "radius_mm": 0,
 }
@@ -263,14 +265,16 @@ class CreepTable:
         creepages: ArrayLike,
         friction: ArrayLike,
     ) -> Floats:
-        normal, stiffness, radius = (contacts[name] for name in ("normal_force_N", "stiffness_N", "radius_mm"))
+        names = "normal_force_N", "stiffness_N", "radius_mm", "free_creepage"
+        normal, stiffness, radius, free = (contacts[name] for name in names)
         given = np.asarray(creepages, float)
         mu = np.asarray(friction, float)
         if not (np.isfinite(given).all() and np.isfinite(mu).all() and (mu >= 0.0).all()):
             raise InputError("creepages or friction", "finite numbers, friction >= 0", "correct them")
         given = np.broadcast_to(given, (*normal.shape, 3))
         limit = np.reshape(mu, (-1, 1, 1)) * normal
-        point = reduced(given, stiffness, radius, limit)
+        further = given - np.concatenate((free, np.zeros((*normal.shape, 1))), axis=-1)
+        point = reduced(further, stiffness, radius, limit)
         total = np.zeros(given.shape)
         table = self.values["forces"].reshape(-1, *self.values["forces"].shape[3:])
         weight = weights[..., None] * (normal > 0.0)[:, :, None]
@@ -320,20 +324,21 @@ class CreepTable:
         if not (v > 0.0).all():
             raise InputError(f"speed = {float(v.min()):g}", "speeds > 0: the table rolls ahead", "turn the axes over")
         sign = MIRROR[:, None]
-        x, height, z = np.moveaxis(contacts["position_mm"], -1, 0)
-        x = sign * x
-        along = np.sin(1e-3 * sign * yaw)
-        level = np.sqrt(1.0 - along**2)
-        arm = np.stack((x - (x * level + z * along) * level, height, z - (x * level + z * along) * along), -1)
+        place = contacts["position_mm"] * np.stack((sign, *[np.ones((2, 1))] * 2), -1)
+        roll, level = np.sin(contacts["wheel_roll_rad"]), np.cos(contacts["wheel_roll_rad"])
+        axis = np.stack((level * np.cos(1e-3 * sign * yaw), roll, level * np.sin(1e-3 * sign * yaw)), -1)
+        arm = place - axis * (place * axis).sum(axis=-1, keepdims=True)
         arm *= (contacts["rolling_radius_mm"] / np.maximum(np.linalg.norm(arm, axis=-1), TINY))[..., None]
-        ahead = v + sign * turning * x + omega * level * arm[..., 1]
-        sideways = sign * (lateral - turning * z) - omega * along * arm[..., 1]
-        rising = omega * (along * arm[..., 0] - level * arm[..., 2])
+        zero = np.zeros_like(sign * turning)
+        yawing = np.stack((zero, -sign * turning, zero), -1)
+        slip = np.stack((sign * lateral + zero, zero, v + zero), -1) + np.cross(yawing, place)
+        slip = slip + np.cross(omega[..., None] * axis, arm)
         sine, cosine = np.sin(contacts["contact_angle_rad"]), np.cos(contacts["contact_angle_rad"])
-        across = -cosine * sideways - sine * rising
-        spin = -sine * omega * level - cosine * sign * turning
+        across = -cosine * slip[..., 0] - sine * slip[..., 1]
+        turned = omega[..., None] * axis + yawing
+        spin = cosine * turned[..., 1] - sine * turned[..., 0]
         present = (contacts["normal_force_N"] > 0.0)[..., None]
-        return np.where(present, np.stack((ahead, across, spin), -1) / v[..., None], 0.0)
+        return np.where(present, np.stack((slip[..., 2], across, spin), -1) / v[..., None], 0.0)
 
     def wrench(self, contacts: Mapping[str, Floats], forces: Floats) -> tuple[Floats, Floats]:
         """Forces of the rails on the wheels, normal ones with creep forces, and their moments, each (n, 2 sides, 3).

@@ -2,6 +2,7 @@
 
 import json
 import tempfile
+from collections.abc import Sequence
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -21,9 +22,16 @@ TABLE, PATCHES, FORCES, README, FMU = (
     "WheelsetCreepForces.fmu",
 )
 NAMES = (TABLE, PATCHES, FORCES, README, FMU)
-COMPONENTS = {"position_mm": "xyz", "rail_point_mm": "xy", "wheel_point_mm": "xy", "semi_axes_mm": "ab"}
+PLANE = ("longitudinal", "lateral")
+COMPONENTS: dict[str, Sequence[str]] = {
+    "position_mm": "xyz",
+    "rail_point_mm": "xy",
+    "wheel_point_mm": "xy",
+    "semi_axes_mm": "ab",
+    "free_creepage": PLANE,
+    "stiffness_N": PLANE,
+}
 SLAVE = Path(__file__).with_name("fmu_slave.py")
-STIFFNESS = ("longitudinal", "lateral")
 
 
 def write_table(table: CreepTable, folder: Path, *, fmu: bool = False) -> list[Path]:
@@ -37,15 +45,18 @@ def write_table(table: CreepTable, folder: Path, *, fmu: bool = False) -> list[P
         If pythonfmu3 is not installed, which writes the FMU.
 
     """
+    return write_together(folder, table_writers(table, fmu=fmu))
+
+
+def table_writers(table: CreepTable, *, fmu: bool = False) -> dict[str, Writer]:
+    """Return functions that write the files of a table, by their names."""
     writers: dict[str, Writer] = {
         TABLE: lambda path: _write_arrays(table, path),
         PATCHES: lambda path: _write_patches(table, path),
         FORCES: lambda path: _write_forces(table, path),
         README: text_writer(_readme(table)),
     }
-    if fmu:
-        writers[FMU] = lambda path: _write_fmu(table, path)
-    return write_together(folder, writers)
+    return writers | ({FMU: lambda path: _write_fmu(table, path)} if fmu else {})
 
 
 def refuse_without_fmu() -> Any:
@@ -56,23 +67,6 @@ def refuse_without_fmu() -> Any:
         raise MissingLibraryError(
             "an FMU needs pythonfmu3, which is not installed\n  what to do: pip install 'flangeway[fmu]'"
         ) from reason
-
-
-def print_table(terminal: Any, table: CreepTable, files: list[Path]) -> None:
-    """Print what a table has, its errors and its files."""
-    checks = table.metadata["checks"]
-    n_patches = int((table.values["normal_force_N"] > 0.0).sum())
-    lines = [
-        f"{' x '.join(str(len(axis)) for axis in table.axes)} positions, {n_patches} patches, "
-        f"{checks['exact_solutions']} exact solutions, {checks['not_converged']} not converged, "
-        f"{table.metadata['seconds']:.0f} s",
-        f"error between creepages: {_error(checks['between_creepages'])}",
-        f"error between positions: {_error(checks['between_positions'])}",
-        f"patches jump in {len(checks['jumps'])} intervals",
-        f"{'within' if checks['within_tolerance'] else 'NOT within'} the tolerance of {checks['tolerance']:.2%}",
-        *(f"wrote {file}" for file in files),
-    ]
-    terminal.print("\n".join(lines), markup=False, soft_wrap=True)
 
 
 def _write_arrays(table: CreepTable, path: Path) -> None:
@@ -90,8 +84,7 @@ def _write_patches(table: CreepTable, path: Path) -> None:
     names = []
     for name in OF_PATCH:
         base, _, unit = name.rpartition("_")
-        parts = STIFFNESS if name == "stiffness_N" else COMPONENTS.get(name, "")
-        names += [f"{base}_{part}_{unit}" for part in parts] or [name]
+        names += [f"{base}_{part}_{unit}" for part in COMPONENTS.get(name, "")] or [name]
     lines = [",".join(("patch", *creep_table.AXES, "side", *names))]
     for number, place in enumerate(_patches(table), 1):
         at = [axis[index] for axis, index in zip(table.axes, place, strict=False)]
@@ -172,10 +165,12 @@ side to the gauge side, absent ones are 0 (`normal_force_N` = 0). Here there are
 |---|---|
 | `normal_force_N` | N |
 | `contact_angle_rad` | of the patch, positive towards the flange |
+| `wheel_roll_rad` | of the wheel on the bent axle, positive where its field side is higher |
 | `rolling_radius_mm` | distance from the axle |
 | `position_mm` | centre of pressure from the axle's middle: right, up, ahead |
 | `rail_point_mm`, `wheel_point_mm` | the same in the frames of the right rail's and wheel's profiles |
 | `semi_axes_mm`, `max_pressure_MPa` | longer and shorter semi-axis, maximum pressure |
+| `free_creepage` | xi0, eta0: longitudinal and lateral creepage of the free patch, see below |
 | `stiffness_N` | k1, k2: loss of longitudinal and lateral force by longitudinal and lateral creepage, from 0 |
 | `radius_mm` | r: radius of gyration of the normal forces |
 | `forces` | (..., slip, spin angle, creep angle, 3): see below |
@@ -186,7 +181,7 @@ side to the gauge side, absent ones are 0 (`normal_force_N` = 0). Here there are
 
 With friction mu, normal force N, longitudinal and lateral creepage xi, eta and spin phi (1/mm):
 
-    u1 = k1 xi,  u2 = k2 eta,  u3 = k2 r phi
+    u1 = k1 (xi - xi0),  u2 = k2 (eta - eta0),  u3 = k2 r phi
     R = sqrt(u1^2 + u2^2 + u3^2),  slip V = R / (R + {creep_table.SATURATED:g} mu N)
     spin angle = atan2(u3, sqrt(u1^2 + u2^2)),  creep angle = atan2(u2, u1)
     longitudinal force = mu N V forces[0],  lateral force = mu N V forces[1],  spin moment = mu N r V forces[2]
@@ -194,6 +189,9 @@ With friction mu, normal force N, longitudinal and lateral creepage xi, eta and 
 `forces` is linear between its points. The creep angle goes from 0 to 180 degrees: for a negative one, take minus spin
 angle, creep angle plus 180 degrees, and the opposite forces. V = 0 is linear theory, V = 1 sliding everywhere; so there
 is no largest creepage. mu is free, since forces over mu N depend on creepages over mu.
+
+Without spin a patch has no creep force at xi0, eta0: the top of a rail that bends under a wheel is shorter, surfaces
+of both bodies are stretched by the pressures. xi0 = 0.0004 is as if the wheel's radius were smaller by that share.
 
 ## Axes
 

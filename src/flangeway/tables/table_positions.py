@@ -23,7 +23,7 @@ from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.tables import creep_sampling
 from flangeway.tables.creep_sampling import SampledPatch, check, random_points, sample
-from flangeway.tables.creep_table import OF_PATCH
+from flangeway.tables.creep_table import FORMAT, OF_PATCH
 from flangeway.types import Floats
 
 FRICTION = 0.3
@@ -67,7 +67,7 @@ def compute_position(task: PositionTask) -> Arrays:
     """
     cache = Cache.of_user()
     parts = task.own_case.model_dump_json(), task.kind, task.tolerance, task.n_points
-    key = content_key("creep-position", *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS)
+    key = content_key("creep-position", FORMAT, *parts, *creep_sampling.AXES, creep_sampling.DIRECTIONS)
     return _computed(task) if cache is None or key is None else cache.get(key, lambda: _computed(task))
 
 
@@ -113,9 +113,9 @@ def _refused(task: PositionTask, status: Status) -> InputError:
 def _numbers(patch: SpatialPatch, sampled: SampledPatch, axle: Floats) -> dict[str, Any]:
     """Numbers of a patch, those of `OF_PATCH` and its side."""
     values = (
-        sampled.contact.force, patch.contact_angle_rad, patch.rolling_radius_mm, patch.centre_mm - axle,
-        patch.rail_point_mm, patch.wheel_point_mm, np.array(patch.ellipse.semi_axes), patch.ellipse.max_pressure,
-        sampled.stiffness, sampled.radius,
+        sampled.contact.force, patch.contact_angle_rad, patch.state.pose.whole_roll, patch.rolling_radius_mm,
+        patch.centre_mm - axle, patch.rail_point_mm, patch.wheel_point_mm, np.array(patch.ellipse.semi_axes),
+        patch.ellipse.max_pressure, sampled.free, sampled.stiffness, sampled.radius,
     )  # fmt: skip
     return {"side": SIDES.index(patch.side), **dict(zip(OF_PATCH, values, strict=True))}
 
