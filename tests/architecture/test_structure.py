@@ -31,16 +31,16 @@ MAX_LINES = {
     "railway.wheelset": 1770,
     "railway.positions": 2500,
     "railway.spatial": 3671,
-    "cases": 7059,
-    "campaign": 1885,
+    "cases": 7067,
+    "campaign": 1891,
     "tables": 1441,
-    "report": 8139,
-    "validation": 6800,
-    "cli": 1299,
+    "report": 8154,
+    "validation": 6818,
+    "cli": 1300,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 68_071
+MAX_LINES_OF_ALL = 68_119
 MAX_FILES_OF_ALL = 364
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -15,7 +15,7 @@ from flangeway.campaign import Campaign, CampaignProgress, chunk, results
 from flangeway.campaign import database as table
 from flangeway.campaign.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
-from flangeway.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS
+from flangeway.campaign.columns import PATCH_COLUMNS, WHEELSET_COLUMNS, RowResult
 from flangeway.campaign.database import CampaignDatabase
 from flangeway.errors import InputError, MissingLibraryError
 from flangeway.railway.wheelset import wheelset_mesh
@@ -281,3 +281,27 @@ def test_formats_are_checked_first(monkeypatch, sweep):
 
 def _missing(name):
     raise ImportError(name)
+
+
+def test_a_finished_campaign_prints_its_numbers_as_json_with_an_export(sweep, call, tmp_path):
+    """Nothing is computed, the tables are written, and standard output is the JSON of the record."""
+    (tmp_path / "c.toml").write_text(SWEEP, encoding="utf-8")
+    campaign = Campaign.from_file(tmp_path / "c.toml")
+    with CampaignDatabase(tmp_path / "out" / "c" / "campaign.sqlite") as store:
+        store.begin(campaign)
+        store.store(campaign.rows, [RowResult("converged", "done", values={"lateral_mm": 0.0})] * len(campaign.rows))
+    status, out, err = call("campaign", "c.toml", "--export", "csv", "--json")
+    assert status == 0, err
+    assert json.loads(out)["rows"] == len(sweep[0].rows) == 12
+    assert (tmp_path / "out" / "c" / "results.csv").is_file()
+
+
+def test_a_campaign_in_a_notebook_has_its_rows_and_its_first_picture(sweep):
+    """The table has a row for each position; the picture is the first one of the report."""
+    found = sweep[1]
+    assert list(found.table.columns) == list(found.rows)
+    assert len(found.table) == 12
+    assert "12 rows" not in repr(found)
+    assert "<table>" in found._repr_html_()
+    wanted = next(iter(campaign_figures(found).values()))()
+    assert found.plot()._suptitle.get_text() == wanted._suptitle.get_text()

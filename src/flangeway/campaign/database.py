@@ -23,6 +23,7 @@ from flangeway.campaign.columns import (
     wheelset_columns,
 )
 from flangeway.errors import InputError, MissingLibraryError
+from flangeway.results import Result, ResultTable
 from flangeway.system.operating_system import lock_file
 from flangeway.system.versions import versions
 from flangeway.types import Floats
@@ -251,7 +252,7 @@ def _locked(path: Path) -> IO[bytes]:
 
 
 @dataclass(frozen=True, eq=False)
-class CampaignTable:
+class CampaignTable(Result):
     """Content of a campaign's database.
 
     Parameters
@@ -275,6 +276,11 @@ class CampaignTable:
     inputs: dict[str, Any]
     rows: Columns
     patches: Columns
+
+    @property
+    def table(self) -> ResultTable:
+        """The rows; those of the contacts are ``ResultTable(patches)``."""
+        return ResultTable(self.rows)
 
     def numbers(self, column: str) -> Floats:
         """Return a column of numbers, not-a-number where there is none, shape (n_rows,).

@@ -74,11 +74,12 @@ def campaign(
         complain(f"interrupted; what is done is kept in {database}, and the same command goes on from there")
         raise typer.Exit(INTERRUPTED) from None
     table = results(database)
-    if export is not None and had_all:
-        show.files(write_export(table, folder, export))
-        return end.all_converged
     seconds = time.perf_counter() - begun
     record = campaign_record(wanted, end, table, export or "csv", command_typed(), seconds)
+    if export is not None and had_all:
+        show.files(write_export(table, folder, export))
+        show.json(record.summary)
+        return end.all_converged
     show.record(record, folder, lambda: [database])
     return end.all_converged
 

@@ -7,22 +7,27 @@ from typing import Any
 
 from matplotlib.figure import Figure
 
+from flangeway.campaign import CampaignTable
 from flangeway.cases import BodiesRun, CaseRun
 from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
+from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
 from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
 from flangeway.cases.spatial.spatial_case import SpatialRun, SpatialRunCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
+from flangeway.errors import InputError
 from flangeway.report.bodies import bodies_page
 from flangeway.report.bodies.bodies_figures import stress_figure
+from flangeway.report.campaign.campaign_figures import campaign_figures
 from flangeway.report.figures.fields import part_fields
 from flangeway.report.figures.plots import plot_result
 from flangeway.report.page.case_text import command_line
 from flangeway.report.page.html_page import write_record
 from flangeway.report.page.record import REPORT, SUMMARY, Record
 from flangeway.report.page.us_record import in_units
+from flangeway.report.profile.profile_figures import shape_figure
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
 from flangeway.report.section import section_page
 from flangeway.report.section.section_figures import warping_figure
@@ -58,6 +63,14 @@ OUTPUTS: dict[type[Case], CaseOutputs] = {
 """Outputs by the kind of case; a new kind adds its line."""
 
 
+def _first_of_campaign(table: CampaignTable) -> Figure:
+    for draw in campaign_figures(table).values():
+        return draw()
+    raise InputError(
+        f"a picture of the campaign {table.name}", "one of wheelsets in which a number varies", "draw its table"
+    )
+
+
 PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
     CaseRun: lambda run: wheelset_figure(run, list(part_fields(run.result))),
     SpatialWheelsetRun: section_figure,
@@ -67,6 +80,8 @@ PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
     TorsionRun: lambda run: warping_figure(run.section),
     GeometryRun: locus_figure,
     ConicityRun: conicity_figure,
+    ProfileRun: shape_figure,
+    CampaignTable: _first_of_campaign,
 }
 for _kind, _draw in PLOTS.items():
     plot_result.register(_kind, _draw)

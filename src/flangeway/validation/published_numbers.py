@@ -8,6 +8,7 @@ from importlib.resources import files
 from pathlib import Path
 
 from flangeway.report.page.tables import SummaryTable
+from flangeway.results import Result, ResultTable
 
 
 @dataclass(frozen=True)
@@ -67,11 +68,16 @@ def compare(
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
-class Reproduced:
+class Reproduced(Result):
     """What a reproduction computes, whatever its study."""
 
     numbers: tuple[ReproducedNumber, ...]  # published, or exact, and computed numbers side by side
     seconds: float  # wall-clock time
+
+    @property
+    def table(self) -> ResultTable:
+        """Published and computed numbers, a row each."""
+        return ResultTable.of_rows(map(asdict, self.numbers))
 
     @property
     def failures(self) -> tuple[str, ...]:

@@ -1,9 +1,16 @@
 """What ``flangeway reproduce`` can compute, write and print, by name."""
 
+from typing import get_type_hints
+
+from matplotlib.figure import Figure
+
+from flangeway.errors import InputError
+from flangeway.report.figures.plots import plot_result
 from flangeway.validation.contact_patch.contact_patch_page import CONTACT_PATCH
 from flangeway.validation.elasticity.elasticity_page import ELASTICITY
 from flangeway.validation.en15302.en15302_chapter import CONICITY
 from flangeway.validation.hertz.hertz_page import HERTZ
+from flangeway.validation.published_numbers import Reproduced
 from flangeway.validation.reproduction import Reproduction
 from flangeway.validation.rolling.rolling_chapter import ROLLING
 from flangeway.validation.spatial.spatial_chapter import SPATIAL
@@ -22,3 +29,11 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "wheelset3d": WHEELSET3D,
     "conicity": CONICITY,
 }
+
+
+@plot_result.register
+def _(result: Reproduced) -> Figure:
+    for each in REPRODUCTIONS.values():
+        if isinstance(result, get_type_hints(each.compute)["return"]):
+            return each.chapter.pictures[0].draw(result)
+    raise InputError(f"a picture of {type(result).__name__}", "a study of `flangeway reproduce`", "draw its table")

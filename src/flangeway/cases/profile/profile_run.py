@@ -24,6 +24,7 @@ from flangeway.railway.profiles.profile_file import (
     sections_of,
 )
 from flangeway.railway.profiles.whole_outline import whole_profile
+from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
 from flangeway.system.versions import versions
 
@@ -35,6 +36,8 @@ FRAMES = {
 }
 """Meaning of the coordinates, by the origin of the frame."""
 
+NO_MEASURES = ("read_as", "versions", "peak_memory_MB", "timings_s")
+"""Keys of the summary that say nothing of the profile."""
 TOP_OFF_MM = 0.05  # height of a rail's top from the file's y = 0 above which the frame says where it is
 
 _SPACING_MM = 0.25
@@ -42,7 +45,7 @@ _DEVIATION_MM = 2e-4
 
 
 @dataclass(frozen=True, eq=False)
-class ProfileRun:
+class ProfileRun(Result):
     """A profile with its body, joints and summary."""
 
     profile: MeasuredProfile  # running surface, or whole outline, as it was read
@@ -50,6 +53,11 @@ class ProfileRun:
     """Whole rail or wheel: bundled, from a closed outline, or joined; None for a running surface alone."""
     join: Joined | None  # how it was joined, None if it was not
     summary: dict[str, Any] = field(default_factory=dict)  # content of ``profile.json``
+
+    @property
+    def table(self) -> ResultTable:
+        """Its measures."""
+        return ResultTable.of_numbers({key: self.summary[key] for key in self.summary if key not in NO_MEASURES})
 
 
 def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str | None = None) -> ProfileRun:
