@@ -141,7 +141,7 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
     patch = run.summary.patches[0]
     view = View("patch", (patch.centre_mm[0], patch.centre_mm[1]), NEAR * patch.semi_axes_mm[0])
     note = (
-        f"Stresses in the plane z = {run.sections[0].z:.4g} mm, of the centre of the first patch, in the axes of the "
+        f"Stresses in the plane z = {run.sections[0].z:z.3f} mm, of the centre of the first patch, in the axes of the "
         "picture, tension positive, as in the VTU files of the sections."
     )
     return Scene(parts, fields, [view], notes=(note,))
