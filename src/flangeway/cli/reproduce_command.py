@@ -11,6 +11,7 @@ from flangeway.errors import InputError
 
 NAMES = (
     *("torsion", "elasticity", "hertz", "contact-patch", "wheel-rail", "spatial", "rolling", "wheelset3d", "conicity"),
+    "curved",
 )
 ReproductionName = Annotated[
     str,

@@ -7,6 +7,7 @@ from matplotlib.figure import Figure
 from flangeway.errors import InputError
 from flangeway.report.figures.plots import plot_result
 from flangeway.validation.contact_patch.contact_patch_page import CONTACT_PATCH
+from flangeway.validation.curved.curved_chapter import CURVED
 from flangeway.validation.elasticity.elasticity_page import ELASTICITY
 from flangeway.validation.en15302.en15302_chapter import CONICITY
 from flangeway.validation.hertz.hertz_page import HERTZ
@@ -28,6 +29,7 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "rolling": ROLLING,
     "wheelset3d": WHEELSET3D,
     "conicity": CONICITY,
+    "curved": CURVED,
 }
 
 

@@ -50,13 +50,14 @@ def solve_kirsch(n: int, method: str) -> ElasticitySolution:
     """Plane strain with the exact tractions on the outer sides."""
     mesh = kirsch_plate(n) if method == "F" else dual(kirsch_plate(n))
     supports = [PrescribedDisplacement("bottom", y=0.0), PrescribedDisplacement("top", x=0.0)]
-    loads = [Traction("right", _plate_traction)]
+    loads = [Traction("right", plate_traction)]
     return solve_elasticity(
         Elasticity(Space(mesh, METHODS[method]), Elastic(YOUNG, POISSON), loads=loads, supports=supports)
     )
 
 
-def _plate_traction(points: Floats) -> Floats:
+def plate_traction(points: Floats) -> Floats:
+    """Tractions (n, 2) of Kirsch's solution on the outer sides of `kirsch_plate` at points (n, 2)."""
     stress = PLATE.stresses(points)
     on_right = np.isclose(points[:, 0], PLATE_SIDE)
     return np.where(on_right[:, None], stress[:, [0, 2]], stress[:, [2, 1]])

@@ -1,0 +1,75 @@
+"""Figure and chapter of curved edges."""
+
+import numpy as np
+from matplotlib.figure import Figure
+
+from flangeway.report.figures.drawing import INK, new_figure
+from flangeway.report.page.tables import SummaryTable
+from flangeway.validation.curved.curved_reproduced import (
+    LEVELS,
+    CurvedReproduction,
+    error_rows,
+    reproduce_curved,
+)
+from flangeway.validation.published_numbers import digits
+from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
+
+SHADES = ("#d95f02", "#1b9e77", "#0b5394", "#7b3294")
+TITLES = {"Lamé": "Lamé's tube", "torsion": "ring in torsion", "Kirsch": "Kirsch's hole"}
+
+
+def errors_figure(found: CurvedReproduction) -> Figure:
+    """Draw the errors in energy of polygons over the element size, on curved edges and on chords."""
+    figure = new_figure(10.5, 4.2)
+    for axes, (body, title) in zip(figure.subplots(1, 3), TITLES.items(), strict=True):
+        for order, colour in enumerate(SHADES, start=1):
+            for bent, style in ((True, "o-"), (False, "s--")):
+                errors = found.errors(body, f"V{order}", curved=bent)
+                label = f"order {order}, {'curved edges' if bent else 'chords'}"
+                sizes = 1.0 / np.array(LEVELS[: len(errors)])
+                axes.loglog(sizes, errors, style, color=colour, ms=4, mfc="white", lw=1.2, label=label)
+        axes.set_title(title, fontsize=10, color=INK)
+        axes.set_xlabel("1 / cells across", fontsize=9)
+        axes.grid(color="#e4e4e4", linewidth=0.5)
+    figure.axes[0].set_ylabel("relative error in energy", fontsize=9)
+    figure.legend(
+        *figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9
+    )
+    return figure
+
+
+def _tables(found: CurvedReproduction) -> list[SummaryTable]:
+    rows = [
+        (row.element, digits(100.0 * (row.peak / 3.0 - 1.0), 2), str(row.n_unknowns))
+        for row in found.rows
+        if row.peak == row.peak and row.curved
+    ]
+    head = ("element", "error, %", "unknowns of one field")
+    return [
+        SummaryTable("Stress above Kirsch's hole on curved edges, mean of the cells at the point", head, tuple(rows))
+    ]
+
+
+CURVED = Reproduction(
+    reproduce_curved,
+    Chapter(
+        "Curved edges: orders of convergence",
+        """Lamé's tube under internal pressure, a ring in torsion (Prandtl's function, which is quadratic) and Kirsch's
+        plate with a hole, with polygons of orders 1 to 4 (V) and isoparametric triangles of orders 2 and 3 (F), on
+        curved edges and on chords. The error in energy must decrease with the order of the element on curved edges;
+        with chords it decreases with order 1.5 at most once their error is the largest. Exact solutions: Lamé (1852),
+        Kirsch (1898). The mean stress of the cells above the hole must improve with every order of the polygons.""",
+        (
+            PagePicture(
+                "curved-errors",
+                "Relative errors in energy over the element size for three bodies: on curved edges lines are as steep "
+                "as the order of the polygons, on chords all orders above 1 end on lines of slope 1.5",
+                errors_figure,
+            ),
+        ),
+        _tables,
+    ),
+    {"errors.png": errors_figure},
+    {"errors.csv": error_rows},
+    brief=True,
+)

@@ -1,0 +1,15 @@
+"""Curved edges beside chords: `flangeway reproduce curved`."""
+
+import pytest
+
+from flangeway.validation.curved.curved_chapter import CURVED
+from flangeway.validation.curved.curved_reproduced import ELEMENTS, error_rows, reproduce_curved
+
+
+@pytest.mark.ci
+def test_errors_have_the_order_of_the_element_on_curved_edges(same_as_page) -> None:
+    """All orders of convergence and stresses are as on the page, and within; every solution is a row of the file."""
+    found = reproduce_curved()
+    assert found.passed
+    same_as_page(CURVED.chapter, found, whole=True)
+    assert len(error_rows(found)) == len(ELEMENTS) * 2 * 7
