@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1891,
     "tables": 1441,
     "report": 8154,
-    "validation": 6818,
-    "cli": 1300,
+    "validation": 7106,
+    "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 68_119
-MAX_FILES_OF_ALL = 364
+MAX_LINES_OF_ALL = 68_408
+MAX_FILES_OF_ALL = 366
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
