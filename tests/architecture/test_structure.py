@@ -21,8 +21,8 @@ MAX_LINES = {
     "space": 942,
     "materials": 400,
     "problems": 2766,
-    "solve": 3472,
-    "contact": 6684,
+    "solve": 3545,
+    "contact": 6742,
     "post": 1981,
     "forms": 363,
     "railway.profiles": 3670,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 68_408
+MAX_LINES_OF_ALL = 68_539
 MAX_FILES_OF_ALL = 366
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from flangeway.contact import (
     AugmentedLagrange,
+    Barrier,
     Contact,
     ContactSolution,
     Multiplier,
@@ -32,7 +33,12 @@ Floats = NDArray[np.float64]
 STEEL = Elastic(210e3, 0.3)
 BALANCED = 1e-9
 PAIRINGS = (NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual"))
-LAWS = (Multiplier(), Penalty(5e6, per="length"), AugmentedLagrange(5e6, per="length", penetration=1e-6))
+LAWS = (
+    Multiplier(),
+    Penalty(5e6, per="length"),
+    AugmentedLagrange(5e6, per="length", penetration=1e-6),
+    Barrier(1e-3, 1e-4),
+)
 
 
 @dataclass(frozen=True)
@@ -229,7 +235,7 @@ cases = st.builds(
     st.one_of(st.just(0.0), st.floats(-1.0, 1.0)),
     st.floats(1e-4, 0.02),
     st.integers(0, 2),
-    st.integers(0, 2),
+    st.integers(0, len(LAWS) - 1),
 )
 
 

@@ -1,7 +1,7 @@
 """Contact surfaces, search, pairing, gap kinematics and enforcement."""
 
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.enforcement import AugmentedLagrange, Enforcement, Multiplier, Penalty
+from flangeway.contact.enforcement import AugmentedLagrange, Barrier, Enforcement, Multiplier, Penalty
 from flangeway.contact.node_to_segment import NodeToSegment
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.press import ContactSolution, LoadStep, press
@@ -11,6 +11,7 @@ from flangeway.contact.system import ContactLinearisation, ContactSystem
 
 __all__ = [
     "AugmentedLagrange",
+    "Barrier",
     "Contact",
     "ContactLinearisation",
     "ContactSolution",

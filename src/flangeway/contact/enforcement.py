@@ -23,6 +23,13 @@ class Enforcement(ABC):
     def compliances(self, pairs: Pairs) -> Floats:
         """Penetration per force of each constraint, shape (m,); 0 where none is allowed."""
 
+    def barriers(self, pairs: Pairs) -> Floats:
+        """Force times gap w of each constraint, and the gap r from which there is no force, shape (m, 2).
+
+        A force p acts at the gap ``w / (p + w / r)``, less its penetration. Zero and infinite: there is none.
+        """
+        return np.tile((0.0, np.inf), (len(pairs.keys), 1))
+
     def tolerance(self) -> float:
         """Maximum penetration up to which forces are corrected (Uzawa's method); infinite: they are not corrected."""
         return np.inf
@@ -148,3 +155,40 @@ class Multiplier(Enforcement):
     def compliances(self, pairs: Pairs) -> Floats:
         """No penetration, shape (m,)."""
         return np.zeros(len(pairs.keys))
+
+
+@dataclass(frozen=True)
+class Barrier(Enforcement):
+    """Forces of a logarithmic barrier, which keeps the surfaces apart (interior points; Moherdaui 2021, 8.1).
+
+    The pressure at a gap g below the reach r is ``value (1 / g - 1 / r)``, the derivative of ``-value (ln(g / r) - g /
+    r)``; beyond the reach it is zero. There is always a gap under pressure, of ``value`` over the pressure where that
+    is high. As the value goes to zero, pressures and forces tend to those of `Multiplier` in proportion to it. Every
+    iteration solves for forces and gaps together, both kept positive, from a larger barrier down to this one
+    (primal-dual), so that bodies may overlap where the iteration starts.
+
+    Parameters
+    ----------
+    value
+        Pressure times gap, a force per length > 0. The gap that a pressure leaves is to be small beside the elastic
+        sinking of the surfaces: a thousandth of the expected pressure times the approach is a usual choice.
+    reach
+        Gap from which there is no pressure, a length > 0.
+
+    """
+
+    value: float
+    reach: float
+
+    def __post_init__(self) -> None:
+        advice = "a thousandth of the expected pressure times the approach is a usual choice"
+        check_positive("Barrier", "value", self.value, "a positive force per length", advice)
+        check_positive("Barrier", "reach", self.reach, "a positive length", "take the expected approach")
+
+    def compliances(self, pairs: Pairs) -> Floats:
+        """No penetration, shape (m,)."""
+        return np.zeros(len(pairs.keys))
+
+    def barriers(self, pairs: Pairs) -> Floats:
+        """See `Enforcement.barriers`."""
+        return np.column_stack((self.value * pairs.areas, np.full(len(pairs.keys), self.reach)))

@@ -10,6 +10,7 @@ import scipy.sparse as sp
 from numpy.typing import NDArray
 
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.enforcement import Barrier
 from flangeway.contact.guards import corners_on_corners, guarded, key_starts, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.slip import Slides
@@ -36,7 +37,7 @@ class ContactLinearisation:
         The pairs of each contact.
     starts
         First constraint of each contact, and the number of all.
-    nodes, keys, partners, gaps, jacobian, compliances, tolerances, coefficients
+    nodes, keys, partners, gaps, jacobian, compliances, barriers, tolerances, coefficients
         See `flangeway.solve.Linearisation`.
     term_points
         Numbers among the touched points of those of each contact's terms, arrays (p, w).
@@ -55,6 +56,7 @@ class ContactLinearisation:
     gaps: Floats
     jacobian: sp.csr_array
     compliances: Floats
+    barriers: Floats
     tolerances: Floats
     coefficients: Floats
     term_points: tuple[Ints, ...]
@@ -136,6 +138,10 @@ class ContactSystem:
         if not contacts:
             raise InputError("no contact", "at least one", "pair two surfaces with Contact(...)")
         self.contacts = tuple(contacts)
+        if len({isinstance(contact.enforcement, Barrier) for contact in contacts}) > 1:
+            raise InputError(
+                "contacts with a Barrier beside others", "all of them, or none", "give all one enforcement"
+            )
         for first, second in itertools.combinations(self.contacts, 2):
             _refuse_twice(first, second)
         parts: dict[int, Part] = {}
@@ -284,6 +290,7 @@ class ContactSystem:
             np.concatenate([pairs.gaps for pairs in all_pairs]),
             jacobian,
             np.concatenate([law.compliances(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
+            np.concatenate([law.barriers(pairs) for law, pairs in zip(laws, all_pairs, strict=True)]),
             np.concatenate([np.full(len(p.keys), law.tolerance()) for law, p in zip(laws, all_pairs, strict=True)]),
             np.repeat([contact.friction_coefficient for contact in self.contacts], np.diff(starts)),
             places,

@@ -7,6 +7,18 @@ from flangeway.types import Floats
 
 MAX_CHANGES = 60
 
+MAX_STEPS = 200
+"""Steps of the interior-point method for one active set."""
+
+SHRINK = 0.1
+"""Factor of the mean product of force and gap that the next step aims at, until it is the barrier's own."""
+
+EXACT = 1e-13
+"""Misfit of gaps over the maximum one, and of products over themselves, at which they are found."""
+
+TO_BOUNDARY = 0.995
+"""Share of the way to a zero force or gap that a step may go."""
+
 
 def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats | None:
     """Solve a complementarity problem by a primal-dual active set, from a guess of where p > 0, shape (n,).
@@ -50,3 +62,55 @@ def _least_squares(matrix: Floats, offset: Floats) -> Floats | None:
     target = -np.linalg.solve(lower, offset)
     pressure: Floats = nnls(lower.T, target)[0]
     return pressure
+
+
+def standoffs(forces: Floats, products: Floats, reaches: Floats) -> Floats:
+    """Gaps at which forces (m,) act by a barrier ``p = w (1 / g - 1 / r)``; see `solve_barrier`."""
+    shifts = products / reaches
+    loaded = products > 0.0
+    return np.divide(products, forces + shifts, out=np.zeros(len(forces)), where=loaded)
+
+
+def solve_barrier(matrix: Floats, offset: Floats, products: Floats, reaches: Floats) -> Floats | None:
+    """Solve ``s = M p + q > 0``, ``p = max(0, w / s - w / r)`` with products w > 0 and reaches r, all shape (n,).
+
+    Forces of gaps below the reach are found by a primal-dual interior-point method from any start (S. J. Wright, 1997,
+    Primal-dual interior-point methods, SIAM), the set of them as in `solve`. Returns p, shape (n,), or None.
+    """
+    active = offset < reaches
+    for _ in range(MAX_CHANGES):
+        forces = np.zeros(len(offset))
+        if active.any():
+            inner = matrix[np.ix_(active, active)], offset[active], products[active], (products / reaches)[active]
+            found = _interior(*inner)
+            if found is None:
+                return None
+            forces[active] = found
+        gaps = matrix @ forces + offset
+        changed = np.where(active, forces > 0.0, gaps < reaches)
+        if (changed == active).all():
+            return forces
+        active = changed
+    return None
+
+
+def _interior(matrix: Floats, offset: Floats, products: Floats, shifts: Floats) -> Floats | None:
+    """Solve ``s = M p + q``, ``(p + c) s = w`` with ``p + c > 0`` and ``s > 0``."""
+    gaps = np.maximum(offset, np.abs(offset).max())
+    raised = products / gaps  # p + c
+    scale = float(np.abs(offset).max())
+    for _ in range(MAX_STEPS):
+        misfit = matrix @ (raised - shifts) + offset - gaps
+        apart = raised * gaps - products
+        if np.abs(misfit).max() <= EXACT * scale and (np.abs(apart) <= EXACT * products).all():
+            return raised - shifts
+        aims = np.maximum(products, SHRINK * float((raised * gaps / products).mean()) * products)
+        try:
+            step = np.linalg.solve(matrix + np.diag(gaps / raised), aims / raised - gaps - misfit)
+        except np.linalg.LinAlgError:
+            return None
+        opened = (aims - gaps * step) / raised - gaps
+        shrink = np.concatenate((-step / raised, -opened / gaps)).max()
+        share = min(1.0, TO_BOUNDARY / shrink) if shrink > 0.0 else 1.0
+        raised, gaps = raised + share * step, gaps + share * opened
+    return None

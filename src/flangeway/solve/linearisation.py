@@ -36,6 +36,10 @@ class Linearisation(Protocol):
         """Penetration for each force, shape (m,)."""
 
     @property
+    def barriers(self) -> Floats:
+        """Force times gap of a barrier, and its reach, shape (m, 2): 0 and infinite where there is none."""
+
+    @property
     def tolerances(self) -> Floats:
         """Maximum penetration that is tolerated, shape (m,): where finite, forces are corrected until it is reached."""
 

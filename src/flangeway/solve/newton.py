@@ -10,6 +10,8 @@ where ``B = dg/du`` and C is the compliance of the contact law (0: no penetratio
 the sign of the errata). Once the active set has settled this is Newton's method with the consistent tangent (Moherdaui
 2021, 3.118).
 
+With a barrier of the product w and the reach r, forces act at a gap: ``0 <= g + ... - w / (p' + w / r)``.
+
 Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead, and the forces p0
 are corrected to those found until it is (Uzawa's method).
 
@@ -370,7 +372,11 @@ class _Run:
         offset = violations - jacobian @ at_nodes + at_gaps[:, -1]
         if slides is None:
             guess = self.forces > 0.0 if self.forces.any() else offset < 0.0
-            new_forces = complementarity.solve((matrix + matrix.T) / 2.0, offset, guess)
+            given = (matrix + matrix.T) / 2.0, offset
+            if current.barriers[:, 0].any():
+                new_forces = complementarity.solve_barrier(*given, *current.barriers.T)
+            else:
+                new_forces = complementarity.solve(*given, guess)
         else:
             both = np.concatenate((self.forces, self.tangential))
             new_forces = coulomb.solve(matrix, offset, current.coefficients, both)
@@ -455,10 +461,10 @@ def _residual(
     """Worst of: residual of nodal forces over the total force; violation of the law over the displacements."""
     # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
     total = max(float(forces.sum()), float(np.abs(applied).max(initial=0.0)))
+    slack = gaps + lin.compliances * forces - complementarity.standoffs(forces, *lin.barriers.T)
     if total == 0.0:
-        return float(np.maximum(-gaps, 0.0).max(initial=0.0)) / scale
+        return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
     residual = float(np.abs(unbalanced).max()) / total
-    slack = gaps + lin.compliances * forces
     violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
     return max(residual, float(violation.max(initial=0.0)) / scale)
 

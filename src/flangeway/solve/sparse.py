@@ -15,7 +15,7 @@ from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats, Ints
 
-ENTRIES_AT_ONCE = 20_000_000
+ENTRIES_AT_ONCE = 5_000_000
 """Numbers of right-hand sides that are solved together, so that loads on a long surface need no more memory."""
 
 

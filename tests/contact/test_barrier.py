@@ -1,0 +1,104 @@
+"""The barrier: its law in closed form, and that it tends to the multipliers' answer at its rate."""
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+from flangeway.contact import Barrier, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
+from flangeway.elements import Lagrange
+from flangeway.errors import InputError
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid
+from flangeway.post import pressure_patches
+from flangeway.problems import Body, Part
+from flangeway.solve.complementarity import solve, solve_barrier
+from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes, surface_of
+
+YOUNG, HEIGHT, APPROACH, VALUE, REACH = 210e3, 20.0, 0.01, 0.05, 0.02
+
+
+def column(name: str, n_edges: int, held: str, bottom: float) -> Part:
+    """A block without contraction."""
+    mesh = rectangle_grid(40.0, HEIGHT, n_edges, 3, origin=(0.0, bottom))
+    return Part(name, Body(name, mesh, Lagrange(1), Elastic(YOUNG, 0.0), held))
+
+
+def pressed(enforcement, approach: float = APPROACH, path=None):
+    """Two columns pressed together."""
+    upper, lower = column("upper", 5, "top", 0.0), column("lower", 5, "bottom", -HEIGHT)
+    contact = Contact(surface_of(upper, "bottom"), surface_of(lower, "top"), SegmentToSegment(), enforcement)
+    return press([contact], {upper: Placement(0.0, (0.0, -approach))}, path=path)
+
+
+@pytest.mark.parametrize("path", ["condensed", "sparse"])
+@pytest.mark.parametrize("approach", [APPROACH, 0.1 * APPROACH, -0.5 * REACH])
+def test_columns_have_the_pressure_of_the_law(approach: float, path) -> None:
+    """The root of p = w (1 / g - 1 / r) and p = E (d + g) / 2 h, also before they touch within the reach."""
+    solution = pressed(Barrier(VALUE, REACH), approach, path)
+    gap = brentq(lambda g: YOUNG * (approach + g) / (2.0 * HEIGHT) - VALUE * (1.0 / g - 1.0 / REACH), 1e-9, REACH)
+    assert solution.status.converged, solution.status.message
+    assert solution.status.iterations <= 4
+    patch = pressure_patches(solution.system, solution.state)[0]
+    assert patch.pressures == pytest.approx(VALUE * (1.0 / gap - 1.0 / REACH), rel=1e-9)
+    assert solution.state.linearisation.gaps == pytest.approx(gap, rel=1e-9)
+
+
+def test_beyond_the_reach_there_is_no_force() -> None:
+    """Columns further apart than the reach do not touch."""
+    solution = pressed(Barrier(VALUE, REACH), -1.01 * REACH)
+    assert solution.status.converged
+    assert not solution.state.nodal_forces.any()
+
+
+@pytest.mark.parametrize("pairing", [SegmentToSegment(), NodeToSegment()])
+def test_it_tends_to_the_multipliers_in_proportion_to_its_value(pairing) -> None:
+    """Boxes of different meshes: the difference of the force is ten times smaller for a value ten times smaller."""
+    meshes = BoxDiscretisation(0.5, "fem", 1), BoxDiscretisation(0.37, "vem", 1)
+    exact = pressed_boxes(*meshes, pairing, Multiplier(), approach=0.01).solve()
+    apart = []
+    for value in (1e-3, 1e-4, 1e-5):
+        found = pressed_boxes(*meshes, pairing, Barrier(value, 0.01), approach=0.01).solve()
+        assert found.status.converged, found.status.message
+        assert (found.state.linearisation.gaps > 0.0).all()
+        apart.append(np.abs(found.forces - exact.forces).max() / np.abs(exact.forces).max())
+    assert apart[0] < 0.01
+    assert np.array(apart[:-1]) / apart[1:] == pytest.approx(10.0, rel=0.05)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_random_problems_are_solved_exactly(seed: int) -> None:
+    """Products of force and gap are those asked for, gaps positive; without a barrier it is complementarity."""
+    rng = np.random.default_rng(seed)
+    n = 30
+    factor = rng.standard_normal((n, n))
+    matrix, offset = factor @ factor.T + 0.01 * np.eye(n), rng.standard_normal(n)
+    products, reaches = 10.0 ** rng.uniform(-6.0, -1.0, n), rng.uniform(0.1, 2.0, n)
+    forces = solve_barrier(matrix, offset, products, reaches)
+    assert forces is not None
+    gaps = matrix @ forces + offset
+    assert (gaps > 0.0).all()
+    expected = np.maximum(0.0, products / gaps - products / reaches)
+    assert forces == pytest.approx(expected, rel=1e-8, abs=1e-10)
+    limit = solve(matrix, offset, offset < 0.0)
+    near = solve_barrier(matrix, offset, np.full(n, 1e-12), reaches)
+    assert near == pytest.approx(limit, abs=1e-5 * np.abs(limit).max())
+
+
+def test_wrong_values_and_mixtures_are_refused() -> None:
+    """Values are positive; friction, and other enforcements beside it, are refused."""
+    with pytest.raises(InputError, match="value"):
+        Barrier(0.0, 1.0)
+    with pytest.raises(InputError, match="reach"):
+        Barrier(1.0, -1.0)
+    upper, lower = column("upper", 5, "top", 0.0), column("lower", 4, "bottom", -HEIGHT)
+    sides = surface_of(upper, "bottom"), surface_of(lower, "top")
+    with pytest.raises(InputError, match="with a Barrier"):
+        Contact(*sides, SegmentToSegment(), Barrier(1.0, 1.0), 0.3)
+    third = column("third", 4, "bottom", -3.0 * HEIGHT)
+    contacts = [
+        Contact(*sides, SegmentToSegment(), Barrier(1.0, 1.0)),
+        Contact(surface_of(lower, "left"), surface_of(third, "top"), SegmentToSegment(), Penalty(1e5, per="length")),
+    ]
+    with pytest.raises(InputError, match="beside others"):
+        press(contacts, {})
