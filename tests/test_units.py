@@ -12,6 +12,7 @@ from flangeway.cases.case_file import check_case, read_case
 from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case
 from flangeway.errors import InputError
 from flangeway.report.case_outputs import case_record
+from flangeway.report.figures.drawing import named
 from flangeway.report.page.case_text import case_text, command_line
 from flangeway.report.page.us_record import in_units
 from flangeway.system.output_folder import text_writer
@@ -196,6 +197,7 @@ def test_csv_files_have_columns_in_us_units(tmp_path):
         write(tmp_path / name)
         texts[name] = (tmp_path / name).read_text(encoding="utf-8")
     assert texts["a.csv"] == "side,x_in,force_lbf,angle_deg,note\nleft,1,1,3,1 mm\nright,,-2,4,\n"
+    assert in_units(replace(record, title="gauge 1435.1 mm"), "us").title == "gauge 56.5 in"
     assert texts["profile.csv"].startswith("# unit: mm\nx_mm")
     assert texts["a.txt"] == "x_mm\n1\n"
 
@@ -209,3 +211,10 @@ def test_the_inputs_in_us_units_are_listed(call):
     assert not re.search(r"_(mm|kN|MPa|km_h)\b", out)
     status, _, err = call("section", "60E1", "--units", "imperial")
     assert (status, "metric or us" in err) == (2, True)
+
+
+def test_axes_of_pictures_decode_keys_of_both_systems():
+    """Words and units of keys that vary in a campaign, and names of quantities as one writes them."""
+    assert named("axle_load_kip") == ("axle load", "kip")
+    assert named("speed_mph") == ("speed", "mph")
+    assert named("max_von_mises_MPa") == ("max von Mises", "MPa")

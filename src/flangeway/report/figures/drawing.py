@@ -140,13 +140,14 @@ QUANTITIES = {
     "size_scale": "factor on the sizes of the elements",
 }
 """What keys mean whose words are not enough."""
-UNIT = re.compile(r"_(km_h|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
+UNIT = re.compile(r"_(km_h|mph|kip|lbf|ksi|ft|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
 
 
 def named(key: str) -> tuple[str, str]:
     """Words for a key of inputs or results, and its unit, empty without one."""
     found = UNIT.search(key)
     words = QUANTITIES.get(key) or (key[: found.start()] if found else key).replace("_", " ")
+    words = words.replace("von mises", "von Mises")
     return words, found[1].replace("_", "/").translate(POWERS) if found else ""
 
 

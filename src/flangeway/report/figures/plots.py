@@ -17,7 +17,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, SIGNED, draw_outline, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SIGNED, draw_outline, named, new_figure
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
@@ -272,7 +272,7 @@ def _(result: Result) -> Figure:
     axes = figure.subplots()
     for number, name in enumerate(curves):
         marker = "" if over == "distance" else "o"
-        label, colour = name.replace("_", " "), SET_COLOURS[number]
+        label, colour = named(name)[0], SET_COLOURS[number]
         axes.plot(columns[over], columns[name], color=colour, lw=1.4, marker=marker, ms=3.0, label=label)
     axes.set(xlabel=over, ylabel="stress" if len(curves) > 1 else curves[0].replace("_", " "))
     if over == "cells":

@@ -21,6 +21,7 @@ def in_units(record: Record, units: Units) -> Record:
     files = record.files
     return replace(
         record,
+        title=in_us_units(record.title),
         subtitle=in_us_units(record.subtitle),
         message=in_us_units(record.message),
         facts=[(in_us_units(value), in_us_units(name)) for value, name in record.facts],

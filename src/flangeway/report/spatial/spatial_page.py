@@ -14,6 +14,7 @@ from flangeway.contact.patch.patch_body import points_along
 from flangeway.formats import write_vtu
 from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
+from flangeway.report.figures.drawing import named
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
@@ -134,10 +135,7 @@ def _scene(run: SpatialRun, corners: list[SpatialStresses]) -> Scene:
         arrays = {name: values[:, None] for name, values in stresses.by_name.items()}
         numbers: Ints = places.astype(np.int64)
         parts.append(ShownPart(section.body.name, own, arrays, places=numbers, n_rim_places=len(used)))
-    fields = [
-        ShownField(name, name.removesuffix("_MPa").replace("_", " "), "MPa", "Stresses", name, "value")
-        for name in corners[0].by_name
-    ]
+    fields = [ShownField(name, named(name)[0], "MPa", "Stresses", name, "value") for name in corners[0].by_name]
     patch = run.summary.patches[0]
     view = View("patch", (patch.centre_mm[0], patch.centre_mm[1]), NEAR * patch.semi_axes_mm[0])
     note = (
