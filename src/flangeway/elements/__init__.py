@@ -5,6 +5,7 @@ from flangeway.elements.energy_stiffness import energy_stiffness
 from flangeway.elements.lagrange import Lagrange
 from flangeway.elements.polygon_quadrature import polygon_quadrature
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
+from flangeway.elements.serendipity import Serendipity
 from flangeway.elements.stabilisation import (
     DiagonalStabilisation,
     IdentityStabilisation,
@@ -14,6 +15,7 @@ from flangeway.elements.stabilisation import (
     TraceStabilisation,
     missed_mass,
 )
+from flangeway.elements.stabilisation_free import StabilisationFree
 from flangeway.elements.virtual import Virtual
 
 __all__ = [
@@ -25,8 +27,10 @@ __all__ = [
     "Lagrange",
     "NoStabilisation",
     "Reconstruction",
+    "Serendipity",
     "SpectralStabilisation",
     "Stabilisation",
+    "StabilisationFree",
     "TraceStabilisation",
     "Virtual",
     "cell_matrices",

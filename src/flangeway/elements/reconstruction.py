@@ -68,6 +68,16 @@ class Reconstruction:
         return self.gradient_moments is None
 
     @property
+    def for_energy(self) -> "Reconstruction":
+        """Reconstruction whose `gradient` the stiffness is made of: itself, but for elements without stabilisation."""
+        return self
+
+    @property
+    def n_interior(self) -> int:
+        """Number of local degrees of freedom inside the cell, which are the last ones; of virtual elements."""
+        return n_monomials(self.order - 2)
+
+    @property
     def n_local(self) -> int:
         """Number of local degrees of freedom of one field."""
         return int(self.value.shape[1])

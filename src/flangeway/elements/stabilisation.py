@@ -154,7 +154,7 @@ class SpectralStabilisation(Stabilisation):
         """Matrices of cells; see `Stabilisation.matrices`."""
         n_components, order = len(consistency), reconstruction.order
         diagonal = np.einsum("cciie->ie", consistency) / n_components
-        n_boundary = reconstruction.n_local - n_monomials(order - 2)
+        n_boundary = reconstruction.n_local - reconstruction.n_interior
         n_strains = n_components * n_monomials(order) - n_components * (n_components + 1) // 2
         mean = diagonal[:n_boundary].sum(axis=0) * (n_components / n_strains)
         return _weighted_missed(reconstruction, np.maximum(diagonal, self.factor * mean))

@@ -57,8 +57,9 @@ def stiffness(space: Space, coefficient: Coefficient = 1.0, *, degree: int | Non
     given = CellCoefficient.on(space, coefficient, "gradients")
 
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> Floats | None:
-        tensor, weighted = _weighted_mass(given, batch, reconstruction, space.order - 1, degree)
-        gradient = reconstruction.gradient
+        energetic = reconstruction.for_energy
+        tensor, weighted = _weighted_mass(given, batch, energetic, energetic.order - 1, degree)
+        gradient = energetic.gradient
         for i, a, j, b in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
             if (i, a) <= (j, b):
                 right = np.einsum("pqe,qne->pne", weighted(i, a, j, b), gradient[:, b])
@@ -77,7 +78,8 @@ def mass(
     """Integrals of ``v . c u``: mass, reaction, or springs along edges.
 
     Values of virtual functions inside cells are their L2 projections (Ahmad et al., 2013, "Equivalent projectors for
-    virtual element methods"); what these miss is added with equal shares of the area.
+    virtual element methods"); what these miss is added with equal shares of the area, but for elements without
+    stabilisation: the energy of what is missed may be near zero there, and such motions would be slow modes.
 
     Parameters
     ----------
@@ -109,7 +111,8 @@ def mass(
     def matrices(batch: CellBatch, reconstruction: Reconstruction, blocks: Floats) -> None:
         tensor, weighted = _weighted_mass(given, batch, reconstruction, space.order, degree)
         value = reconstruction.projected_value
-        missed = None if reconstruction.exact else missed_mass(reconstruction)
+        stabilised = not reconstruction.exact and reconstruction.for_energy is reconstruction
+        missed = missed_mass(reconstruction) if stabilised else None
         for i, j in np.argwhere(np.abs(tensor).any(axis=(-2, -1))):
             blocks[i, j] = np.einsum("pme,pne->mne", value, np.einsum("pqe,qne->pne", weighted(i, j), value))
             if missed is not None:

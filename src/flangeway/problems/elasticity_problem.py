@@ -202,6 +202,10 @@ class Elasticity:
         """Strains of cells as polynomials."""
         return strain_operators(batch, reconstruction, axisymmetric=self.axisymmetric)
 
+    def for_energy(self, reconstruction: Reconstruction) -> Reconstruction:
+        """Reconstruction whose strains the stiffness is made of; in a body of revolution no other than its own."""
+        return reconstruction if self.axisymmetric else reconstruction.for_energy
+
     @cached_property
     def _matrices(self) -> Floats:
         """Matrix of each material, shape (4, 4, n_materials)."""
@@ -245,7 +249,7 @@ class Elasticity:
         n = reconstruction.n_local
         result = np.zeros((n, 2, n, 2, len(batch.cells)))
         by_component = result.transpose(1, 3, 0, 2, 4)
-        self._add_consistency(by_component, self.strains(batch, reconstruction), self.matrices(batch))
+        self._add_consistency(by_component, self.strains(batch, self.for_energy(reconstruction)), self.matrices(batch))
         stabilisation = batch.element.stabilise(reconstruction, by_component)
         if stabilisation is not None:
             stabilisation *= self._of_cells(self._stabilisation_factors, batch)

@@ -153,7 +153,7 @@ class NonlinearBody(Item):
     def _points(self) -> tuple[_Points, ...]:
         found = []
         for batch in self.problem.space.batches():
-            reconstruction = batch.element.reconstruct(batch.outline)
+            reconstruction = self.problem.for_energy(batch.element.reconstruct(batch.outline))
             coefficients = self.problem.strains(batch, reconstruction).coefficients
             # products of two strains of degree k - 1, about an axis times the radius
             degree = max(2 * (reconstruction.order - 1) + self.problem.axisymmetric, 1)

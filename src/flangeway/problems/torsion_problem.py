@@ -179,7 +179,8 @@ class Torsion:
             moduli = 1.0 / moduli
         if self.gradient == "energy":
             return energy_stiffness(batch.element, reconstruction, moduli)
-        matrices = reconstruction.gradient_energy(reconstruction.gradient, moduli)
+        energetic = reconstruction.for_energy
+        matrices = energetic.gradient_energy(energetic.gradient, moduli)
         stabilisation = batch.element.stabilise(reconstruction, matrices[None, None])
         if stabilisation is not None:
             matrices += stabilisation
