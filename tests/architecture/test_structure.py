@@ -17,10 +17,10 @@ MAX_LINES = {
     "geometry": 1353,
     "mesh": 3169,
     "formats": 1980,
-    "elements": 1605,
+    "elements": 1943,
     "space": 942,
     "materials": 400,
-    "problems": 2766,
+    "problems": 2771,
     "solve": 3545,
     "contact": 6742,
     "post": 1981,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 68_539
-MAX_FILES_OF_ALL = 366
+MAX_LINES_OF_ALL = 68_885
+MAX_FILES_OF_ALL = 368
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -8,7 +8,7 @@ from flangeway.checks import check_integer
 from flangeway.elements import monomials
 from flangeway.elements.monomials import n_monomials
 from flangeway.elements.projection import Polygons, principal_frame
-from flangeway.elements.quadrature import gauss, gauss_lobatto
+from flangeway.elements.quadrature import edge_shapes, gauss
 from flangeway.elements.reconstruction import Element, Function, Reconstruction
 from flangeway.elements.virtual import Virtual
 from flangeway.errors import InputError
@@ -149,10 +149,7 @@ def _moments(cells: Polygons, plain: Reconstruction, degree: int) -> Floats:
         derivatives = np.einsum("jie,jba->abie", plain.frame.map, monomials.derivatives(degree))
         result -= np.einsum("abie,bme->aime", derivatives, values, optimize=True)
     places, weights = gauss((order + degree) // 2 + 1)
-    # traces at the Gauss points from values at the Gauss-Lobatto points, by Legendre's polynomials
-    legendre = np.polynomial.legendre.legvander
-    nodes = legendre(2.0 * gauss_lobatto(order + 1)[0] - 1.0, order)
-    shapes = legendre(2.0 * places - 1.0, order) @ np.linalg.inv(nodes)
+    shapes = edge_shapes(order, places)
     along = np.roll(cells.local, -1, axis=0) - cells.local
     for edge in range(n_vertices):
         points = cells.local[edge] + places[:, None, None] * along[edge]
