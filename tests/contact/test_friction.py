@@ -239,13 +239,19 @@ def test_forces_satisfy_coulombs_law(seed: int, n: int, mu: float) -> None:
     assert np.abs(tangential - np.clip(tangential - slips, -limit, limit)).max() < 1e-9
 
 
-def test_sweeps_find_what_guesses_that_go_round_do_not(monkeypatch) -> None:
-    """With one change of the guess allowed, Gauss-Seidel's sweeps lead to the same forces."""
+def test_friction_grows_where_guesses_go_round(monkeypatch) -> None:
+    """If the first guesses fail, friction grows from none in parts and leads to the same forces."""
     matrix, offset = random_case(3, 6)
-    given_ = matrix, offset, np.full(6, 0.4), np.zeros(12)
-    expected = coulomb.solve(*given_)
-    monkeypatch.setattr(coulomb, "MAX_CHANGES", 1)
-    np.testing.assert_allclose(coulomb.solve(*given_), expected, atol=1e-9)
+    case = matrix, offset, np.full(6, 0.4), np.zeros(12)
+    expected, whole, asked = coulomb.solve(*case), coulomb._by_guesses, []
+
+    def fails_at_first(matrix, offset, coefficients, *others):
+        asked.append(coefficients[0])
+        return None if len(asked) == 1 else whole(matrix, offset, coefficients, *others)
+
+    monkeypatch.setattr(coulomb, "_by_guesses", fails_at_first)
+    np.testing.assert_allclose(coulomb.solve(*case), expected, atol=1e-9)
+    assert asked == [0.4, 0.2, 0.4]
 
 
 def test_what_did_not_converge_says_so() -> None:

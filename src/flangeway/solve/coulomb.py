@@ -12,11 +12,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from flangeway.solve import complementarity
 from flangeway.solve.complementarity import MAX_CHANGES, equations
 from flangeway.types import Bools, Floats, Ints
 
-ROUNDS, SWEEPS = 4, 100
-"""Times that guesses which go round are replaced, and sweeps over the constraints that find the new one."""
+LEAST_PART = 1.0 / 1024.0
+"""Smallest part of the coefficients by which friction grows from none where guesses go round."""
 SAME, NEARLY = 1e-12, 1e-9
 """Error of the law's equations, over the maximum force, that is round-off; and one where guesses go round with it."""
 AT_LIMIT = 1e-9
@@ -103,23 +104,46 @@ def solve(matrix: Floats, offset: Floats, coefficients: Floats, guess: Floats) -
     at_limit = np.abs(guess[m:]) >= (1.0 - AT_LIMIT) * coefficients * guess[:m]
     signs = np.where((at_limit & (guess[m:] != 0.0)) | (coefficients == 0.0), np.sign(guess[m:]), 0.0).astype(np.int64)
     signs[coefficients == 0.0] = 1
-    for _ in range(ROUNDS):
-        seen: set[bytes] = set()
-        for _ in range(MAX_CHANGES):
-            forces = _solved(matrix, offset, coefficients, active, signs)
-            state, before = active.tobytes() + signs.tobytes(), (active, signs)
-            active, signs = _sets(matrix, offset, coefficients, stiffness, forces)
-            if all(np.array_equal(*each) for each in zip(before, (active, signs), strict=True)):
-                return forces
-            projected = _projected(matrix, offset, coefficients, stiffness, forces)
-            error = np.abs(projected - forces).max() / max(np.abs(forces).max(), 1e-300)
-            if error <= (NEARLY if state in seen else SAME):
-                return projected
-            if state in seen or not np.isfinite(forces).all():
-                break
-            seen.add(state)
-        forces = _swept(matrix, offset, coefficients, stiffness, np.where(np.isfinite(forces), forces, 0.0))
-        active, signs = _sets(matrix, offset, coefficients, stiffness, forces)
+    found = _by_guesses(matrix, offset, coefficients, stiffness, (active, signs))
+    if found is not None:
+        return found
+    symmetric = (matrix[:m, :m] + matrix[:m, :m].T) / 2.0
+    normal = complementarity.solve(symmetric, offset[:m], active)
+    if normal is None:
+        return None
+    forces, done, part = np.concatenate((normal, np.zeros(m))), 0.0, 0.5
+    while part >= LEAST_PART:
+        share = min(done + part, 1.0)
+        sets = _sets(matrix, offset, share * coefficients, stiffness, forces)
+        found = _by_guesses(matrix, offset, share * coefficients, stiffness, sets)
+        if found is None:
+            part /= 4.0
+            continue
+        if share == 1.0:
+            return found
+        forces, done, part = found, share, 2.0 * part
+    return None
+
+
+def _by_guesses(
+    matrix: Floats, offset: Floats, coefficients: Floats, stiffness: Floats, sets: tuple[Bools, Ints]
+) -> Floats | None:
+    """Forces by the semismooth Newton method from a guess of what is closed and of the signs; None if it cycles."""
+    seen: set[bytes] = set()
+    for _ in range(MAX_CHANGES):
+        active, signs = sets
+        forces = _solved(matrix, offset, coefficients, active, signs)
+        sets = _sets(matrix, offset, coefficients, stiffness, forces)
+        if np.array_equal(sets[0], active) and np.array_equal(sets[1], signs):
+            return forces
+        projected = _projected(matrix, offset, coefficients, stiffness, forces)
+        error = np.abs(projected - forces).max() / max(np.abs(forces).max(), 1e-300)
+        state = active.tobytes() + signs.tobytes()
+        if error <= (NEARLY if state in seen else SAME):
+            return projected
+        if state in seen:
+            return None
+        seen.add(state)
     return None
 
 
@@ -164,15 +188,3 @@ def _sets(
     signs[forces[:m] <= 0.0] = 0  # what closes sticks first
     signs[coefficients == 0.0] = 1
     return trial[:m] > 0.0, signs
-
-
-def _swept(matrix: Floats, offset: Floats, coefficients: Floats, stiffness: Floats, forces: Floats) -> Floats:
-    """Nonlinear Gauss-Seidel's method: the law of one constraint after the other (M. Jean, 1999, CMAME 177)."""
-    m = len(coefficients)
-    forces = forces.copy()
-    for _ in range(SWEEPS):
-        for i in range(m):
-            forces[i] = max(0.0, forces[i] - stiffness[i] * (matrix[i] @ forces + offset[i]))
-            limit, j = coefficients[i] * forces[i], m + i
-            forces[j] = min(limit, max(-limit, forces[j] - stiffness[j] * (matrix[j] @ forces + offset[j])))
-    return forces

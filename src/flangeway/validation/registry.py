@@ -10,6 +10,7 @@ from flangeway.validation.contact_patch.contact_patch_page import CONTACT_PATCH
 from flangeway.validation.curved.curved_chapter import CURVED
 from flangeway.validation.elasticity.elasticity_page import ELASTICITY
 from flangeway.validation.en15302.en15302_chapter import CONICITY
+from flangeway.validation.friction.friction_chapter import FRICTION
 from flangeway.validation.hertz.hertz_page import HERTZ
 from flangeway.validation.published_numbers import Reproduced
 from flangeway.validation.reproduction import Reproduction
@@ -30,6 +31,7 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "wheelset3d": WHEELSET3D,
     "conicity": CONICITY,
     "curved": CURVED,
+    "friction": FRICTION,
 }
 
 
