@@ -35,7 +35,7 @@ MAX_LINES = {
     "campaign": 1891,
     "tables": 1441,
     "report": 8154,
-    "validation": 7106,
+    "validation": 7394,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""

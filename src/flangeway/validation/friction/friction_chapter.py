@@ -37,12 +37,13 @@ FRICTION = Reproduction(
     reproduce_friction,
     Chapter(
         "Coulomb friction of plane bodies",
-        f"""Cylinders pressed together, pushed and pulled back, beside the partial slip of Cattaneo and Mindlin: the zone
-        that sticks within {percent(STICK_LIMIT)} of the contact, the dissipated work within {percent(WORK_LIMIT)}. A
-        load of 1 makes all slip; that of the reversal is counted from its start, and twice as large. A rigid flat punch
-        that slides: the centre of its pressure (Johnson, 1985, "Contact Mechanics", 2.8) within {percent(PUNCH_LIMIT)};
-        the pressure has no limit at the punch's ends. Pressures and tractions are those of segment-to-segment contact
-        with multipliers. No load step may take more than {MOST_ITERATIONS} iterations.""",
+        f"""Cylinders pressed together, pushed and pulled back, beside the partial slip of Cattaneo and Mindlin: the
+        zone that sticks within {percent(STICK_LIMIT)} of the contact, the dissipated work within
+        {percent(WORK_LIMIT)}. A load of 1 makes all slip; that of the reversal is counted from its start, and
+        twice as large. A rigid flat punch that slides: the centre of its pressure (Johnson, 1985, "Contact
+        Mechanics", 2.8) within {percent(PUNCH_LIMIT)}; the pressure has no limit at the punch's ends. Pressures
+        and tractions are those of segment-to-segment contact with multipliers. No load step may take more than
+        {MOST_ITERATIONS} iterations.""",
         (
             PagePicture(
                 "friction-tractions",

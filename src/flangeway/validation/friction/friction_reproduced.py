@@ -3,9 +3,9 @@
 *Partial slip* of cylinders (C. Cattaneo, 1938, Rend. Accad. Naz. Lincei 27; R. D. Mindlin, 1949, J. Appl. Mech. 16; K.
 L. Johnson, 1985, "Contact Mechanics", 7.2): two like bodies pressed by P to the half-width a, then pushed by Q, stick
 within ``c = a sqrt(1 - Q / mu P)``. After a reversal the stick zone is that of half the change of Q. The missing
-traction ``mu p - q`` is an ellipse over the stick zone, so that its second moment gives c. Beyond c the half-planes slip
-by the integral of ``K mu p0 / a sqrt(x^2 - c^2)``, ``K = 4 (1 - nu^2) / E``, under the traction mu p: their product is the
-dissipated work, and twice as much in a reversal.
+traction ``mu p - q`` is an ellipse over the stick zone, so that its second moment gives c. Beyond c the half-planes
+slip by the integral of ``K mu p0 / a sqrt(x^2 - c^2)``, ``K = 4 (1 - nu^2) / E``, under the traction mu p: both give
+the dissipated work, and twice as much in a reversal.
 
 *A rigid flat punch that slides* (Johnson, 1985, 2.8): the pressure ``(a + x)^(g - 1/2) (a - x)^(-g - 1/2)`` with
 ``tan(pi g) = -mu (1 - 2 nu) / (2 (1 - nu))`` has its centre at ``2 g a``: behind the middle of a punch that
@@ -126,14 +126,14 @@ def block(
     bulge = (near**2 / 2.0 + far * near) / radius * (1.0 - np.abs(up) / height)
     points = np.column_stack((across, up + bulge))
     mesh = PolyMesh(points, grid.cell_offsets, grid.cell_points, {}, grid.edge_sets)
-    supports = {"top" if above else "bottom": "xy"}
-    return Part(name, Body(name, mesh, Lagrange(1), Elastic(young, POISSON), supports))
+    return Part(name, Body(name, mesh, Lagrange(1), Elastic(young, POISSON), "top" if above else "bottom"))
 
 
 def face(part: Part) -> Surface:
     """The face of a block near the contact."""
-    edges = part.body.mesh.edge_sets["bottom" if part.name == "upper" else "top"]
-    middle = part.body.mesh.points[edges][:, :, 0].mean(axis=1)
+    mesh = part.body.elasticity.space.mesh
+    edges = mesh.edge_sets["bottom" if part.name == "upper" else "top"]
+    middle = mesh.points[edges][:, :, 0].mean(axis=1)
     return Surface(part, edges[np.abs(middle) < 2.0 * FINE_MM])
 
 
