@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 942,
     "materials": 400,
     "problems": 2771,
-    "solve": 3545,
+    "solve": 3557,
     "contact": 6742,
     "post": 1981,
     "forms": 366,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 68_885
-MAX_FILES_OF_ALL = 368
+MAX_LINES_OF_ALL = 69_185
+MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
