@@ -5,6 +5,7 @@ They go from the flange's back to the rim, in the frame of a right-hand wheel: x
 
 import csv
 import math
+from functools import cache
 from importlib.resources import files
 from typing import TypeAlias
 
@@ -40,6 +41,7 @@ _CIRCLES = {
 }
 
 
+@cache  # its fine arcs take 0.2 s
 def s1002_contour(tolerance_mm: float = POLYNOMIAL_TOLERANCE_MM) -> Contour:
     """Return the S1002 from its back face to the end of its tread, 60 mm outside of the tape line.
 
