@@ -20,12 +20,12 @@ MAX_LINES = {
     "elements": 1943,
     "space": 942,
     "materials": 400,
-    "problems": 2771,
-    "solve": 3557,
-    "contact": 6742,
+    "problems": 2841,
+    "solve": 3967,
+    "contact": 6821,
     "post": 1981,
     "forms": 366,
-    "railway.profiles": 3670,
+    "railway.profiles": 3671,
     "railway.track": 570,
     "railway.rigid": 1920,
     "railway.wheelset": 1770,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_185
+MAX_LINES_OF_ALL = 69_709
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

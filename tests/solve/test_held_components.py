@@ -13,13 +13,13 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body
-from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes
+from flangeway.solve import CondensedBodies, SparseBodies, SurfaceNodes, solve_contact
 
 MATERIAL = Elastic(20e3, 1.0 / 3.0)
 WIDTH, HEIGHT, PRESSURE = 2.0, 1.0, 1125.0
 
 
-def block(held: str | Mapping[Any, Any]) -> Body:
+def block(held: str | Mapping[Any, Any] | None) -> Body:
     """A block of quadratic triangles."""
     return Body("block", rectangle_grid(WIDTH, HEIGHT, 4, 3), Lagrange(2), MATERIAL, held, thickness=3.0)
 
@@ -119,16 +119,35 @@ def test_fixed_nodes_cannot_be_in_contact() -> None:
 
 @pytest.mark.parametrize("kind", [CondensedBodies, SparseBodies])
 @pytest.mark.parametrize(
-    ("held", "told"),
+    ("held", "motion"),
     [
-        ({"bottom": "y"}, "can slide in x"),
-        ({(0.0, 0.0): "x", (0.0, 1.0): "x"}, "can slide in y"),
-        ({(0.0, 0.0): "xy"}, r"can turn about \(0, 0\)"),
         ({(0.0, 0.0): "xy", (2.0, 0.0): "x"}, r"can turn about \(0, 0\)"),
+        ({(0.0, 0.0): "x", (2.0, 0.0): "x"}, r"can turn about \(0, 0\)"),
     ],
 )
-def test_a_body_that_can_still_move_is_refused(kind: Any, held: Any, told: str) -> None:
-    """What is held must fix the body: both paths name the motion that is left, before anything is factorised."""
+def test_a_body_that_can_turn_in_a_first_moment_is_refused(kind: Any, held: Any, motion: str) -> None:
+    """A turn that two points allow for a moment only: both paths name it, before anything is factorised."""
     surface, _ = pressed_top(block(held))
-    with pytest.raises(InputError, match=f"body `block` {told}"):
+    with pytest.raises(InputError, match=f"body `block` {motion}"):
         kind([surface])
+
+
+@pytest.mark.parametrize(
+    ("held", "axes", "turns"),
+    [
+        ({"bottom": "y"}, "x", False),
+        ({(0.0, 0.0): "x", (0.0, 1.0): "x"}, "y", False),
+        ({(0.0, 0.0): "xy"}, "", True),
+        ({(0.0, 0.0): "y"}, "x", True),
+        (None, "xy", True),
+        ("bottom", "", False),
+    ],
+)
+def test_motions_that_supports_leave_free_are_known(held: Any, axes: str, turns: bool) -> None:
+    """What is held leaves sliding, turning about its one point, or both; a problem of held bodies refuses such ones."""
+    body = block(held)
+    assert (body.freedom.axes, body.freedom.turns) == (axes, turns)
+    surface, _ = pressed_top(body) if held != "bottom" else pressed_top(block("left"))
+    if body.freedom.n_motions:
+        with pytest.raises(InputError, match="leaves free to move"):
+            solve_contact(CondensedBodies([surface]), None, (Placement(),))  # type: ignore[arg-type]

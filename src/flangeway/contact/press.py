@@ -1,5 +1,6 @@
 """Bodies that are moved against each other: the contact problem as a user states it."""
 
+import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -7,8 +8,9 @@ from typing import Literal
 
 import numpy as np
 
-from flangeway.checks import refused
+from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.enforcement import Barrier
 from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
@@ -19,6 +21,7 @@ from flangeway.solve import (
     BodyResponse,
     CondensedBodies,
     ContactState,
+    Floating,
     NewtonSettings,
     SparseBodies,
     Status,
@@ -31,6 +34,9 @@ from flangeway.types import Floats
 
 MOST_DENSE = 4e9
 """Bytes of dense matrices up to which bodies are condensed to their surfaces where nothing else is said."""
+
+Load = tuple[float | None, float | None, float | None]
+"""Force x, y and moment; None: no motion of this kind."""
 
 PATHS: dict[str, Callable[..., BodyResponse]] = {"condensed": CondensedBodies, "sparse": SparseBodies}
 
@@ -204,6 +210,7 @@ def press(
     contacts: Sequence[Contact],
     motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]],
     *,
+    loads: Mapping[Part, Load] | None = None,
     steps: StepSettings | Sequence[StepSettings] | None = None,
     path: Literal["condensed", "sparse"] | None = None,
     response: BodyResponse | None = None,
@@ -224,6 +231,11 @@ def press(
         its shift are that share. A sequence of them is a path: press, then push, then reverse; each follows those
         before it. With friction the result depends on the path, and slip is counted from one step to the next, from
         the first placements on: a point that closes in a step has slipped since the step began.
+    loads
+        Force x, y and moment on the held edges and points of parts, which then move together as a rigid handle where
+        the contacts hold it, by part; None in place of a number: the handle does not move in that way, or by its
+        ``motion``. The force acts at the middle of what is held and keeps its direction. It grows with the first
+        motion. Parts of which nothing is held need no entry: only contacts act on them.
     steps
         Sizes of the load steps; left out: one step, halved where it does not converge. A sequence of them is one for
         each motion of the path.
@@ -241,13 +253,15 @@ def press(
     Raises
     ------
     InputError
-        If a moved part has no contact, a motion is mirrored, there are not as many step sizes as motions, or the path
-        is unknown.
+        If a moved or loaded part has no contact, a motion is mirrored, a load acts on a part that is not held fully or
+        nothing is held of a moved one, a part that contact holds has friction, there are not as many step sizes as
+        motions, or the path is unknown.
 
     """
     system = ContactSystem(contacts)
     motions = [motion] if isinstance(motion, Mapping) else list(motion)
     _refuse_bad_motions(system, motions)
+    _refuse_bad_loads(system, motions, loads or {})
     settings_of = list(steps) if isinstance(steps, Sequence) else [steps] * len(motions)
     if len(settings_of) != len(motions):
         raise InputError(
@@ -280,7 +294,13 @@ def press(
             placed: tuple[Placement, ...] = placed,
         ) -> ContactState:
             placements = _moved(system.parts, placed, leg, share)
-            state = solve_contact(response, system, placements, start=start, settings=settings, origin=origin)
+            floating = [
+                _motions_of(part, placement, min(number + share, 1.0), (loads or {}).get(part))
+                for part, placement in zip(system.parts, placements, strict=True)
+            ]
+            state = solve_contact(
+                response, system, placements, floating=floating, start=start, settings=settings, origin=origin
+            )
             if state.status.converged:
                 done.append(LoadStep(number + share, state))
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
@@ -339,6 +359,65 @@ def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, P
                 "a rotation and a translation",
                 "mirror the part itself: Part(..., placement=Placement(mirrored=True))",
             )
+
+
+def _refuse_bad_loads(
+    system: ContactSystem, motions: Sequence[Mapping[Part, Placement]], loads: Mapping[Part, Load]
+) -> None:
+    for part, load in loads.items():
+        if part not in system.parts:
+            raise InputError(
+                f"a load on {part.name if isinstance(part, Part) else short(part)!r}, which has no contact",
+                f"parts in contact: {', '.join(known.name for known in system.parts)}",
+                "add a contact of this part or leave its load out",
+            )
+        numbers = [value for value in load if value is not None] if isinstance(load, tuple | list) else []
+        if not numbers or len(load) != 3 or not are_finite(numbers, len(numbers)):
+            raise InputError(
+                f"loads={{{part.name!r}: {short(load)}}}",
+                "three finite numbers, force x, y and moment, or None where the part does not move; not three None",
+                "write (0.0, -1000.0, None)",
+            )
+        if part.body.freedom.n_motions:
+            raise InputError(
+                f"a load on part {part.name!r}, of which {part.body.held_by} is held",
+                "parts whose held edges or points hold them fully: they are the handle on which a load acts",
+                "name the edges on which the force acts in Body(held=...)",
+            )
+    loose = next((part for part in system.parts if part in loads or part.body.freedom.n_motions), None)
+    words = ["friction" if each.friction else "a barrier" for each in system.contacts if each.friction or _barred(each)]
+    if loose is not None and words:
+        raise InputError(
+            f"{words[0]}, and a part {loose.name!r} whose rigid motions contact decides",
+            "this between parts that are held and moved",
+            "hold it fully in Body(held=...) and move it, or take another enforcement without friction",
+        )
+    for part in itertools.chain(*motions):
+        freedom = part.body.freedom
+        if freedom.turns and freedom.axes == "xy":
+            raise InputError(
+                f"a motion of part {part.name!r}, of which nothing is held",
+                "motions of what is held",
+                "leave the motion out: contact moves this part; or hold edges of it",
+            )
+
+
+def _barred(contact: Contact) -> bool:
+    return isinstance(contact.enforcement, Barrier)
+
+
+def _motions_of(part: Part, placement: Placement, share: float, load: Load | None) -> Floating | None:
+    """Rigid motions of a part at a placement that contacts and a share of its load decide."""
+    freedom = part.body.freedom
+    if load is not None:
+        held = part.body.nodes[part.body.supported.any(axis=1)]
+        free = [value is not None for value in load]
+        given = share * np.array([value or 0.0 for value in load])
+        return Floating((held.min(axis=0) + held.max(axis=0)) / 2.0, np.eye(2)[free[:2]], free[2], given)
+    if freedom.n_motions == 0:
+        return None
+    axes = placement.vectors(np.eye(2)[["xy".index(axis) for axis in freedom.axes]].reshape(-1, 2))
+    return Floating(freedom.pivot, axes, freedom.turns, np.zeros(3))
 
 
 def _share_of(motion: Placement, share: float) -> Placement:

@@ -13,7 +13,7 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.exact.half_space_stresses import half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.harmonic import NAMES, Harmonic
-from flangeway.solve.wave_sums import wave_sums
+from flangeway.solve.surface_compliance import wave_sums
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 

@@ -15,7 +15,7 @@ from flangeway.geometry import Placement
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
 from flangeway.problems.elasticity_problem import Elasticity
-from flangeway.problems.linear_body import LinearBody
+from flangeway.problems.linear_body import LinearBody, RigidFreedom
 from flangeway.problems.stiffness_body import StiffnessBody
 from flangeway.space import CondensedMatrix, Space, SymmetricMatrix
 from flangeway.types import Floats
@@ -41,14 +41,16 @@ class Body(LinearBody):
     held
         Name of the mesh's edge set that stays rigid with the frame; or edge sets, and points of the mesh ``(x, y)``,
         with the components that do not move in the frame's axes, ``"x"``, ``"y"`` or ``"xy"``. What is held in one
-        component slides along the other, as on a line of symmetry or a greased plate.
+        component slides along the other, as on a line of symmetry or a greased plate. Motions that this leaves free,
+        all three where nothing is held (None), are decided by the contacts and the loads of `press`: sliding, turning
+        about one held point, or both.
     thickness
         Length out of the plane.
 
     Raises
     ------
     InputError
-        If nothing is held, a name, point or component is unknown, or the material is axisymmetric.
+        If a name, point or component is unknown, or the material is axisymmetric.
 
     """
 
@@ -56,7 +58,7 @@ class Body(LinearBody):
     mesh: PolyMesh
     element: Element | Mapping[str, Element]
     material: Material | Mapping[str, Material]
-    held: str | Mapping[str | Point, Components]
+    held: str | Mapping[str | Point, Components] | None = None
     thickness: float = 1.0
 
     def __post_init__(self) -> None:
@@ -71,8 +73,12 @@ class Body(LinearBody):
             )
 
     def _check_held(self) -> None:
-        if not self.supports:
-            raise InputError(f"Body {self.name!r} held={self.held!r}", "at least one edge set", "name what is held")
+        if self.held is not None and not self.supports:
+            raise InputError(
+                f"Body {self.name!r} held={self.held!r}",
+                "at least one edge set or point, or None",
+                "name what is held, or leave held out for a body that contact alone holds",
+            )
         for where, components in self.supports.items():
             if components not in get_args(Components):
                 raise InputError(
@@ -90,7 +96,7 @@ class Body(LinearBody):
     @property
     def supports(self) -> Mapping[str | Point, Components]:
         """Components held along each edge set and at each point."""
-        return {self.held: "xy"} if isinstance(self.held, str) else self.held
+        return {self.held: "xy"} if isinstance(self.held, str) else self.held or {}
 
     @cached_property
     def elasticity(self) -> Elasticity:
@@ -151,15 +157,38 @@ class Body(LinearBody):
 
         Those inside cells are condensed.
         """
-        free = np.ones((self.space.n_nodes, 2), dtype=np.bool_)
+        free = ~self.supported
+        for node, components in self.freedom.pins.items():
+            free[node, ["xy".index(component) for component in components]] = False
+        return free.ravel()
+
+    @cached_property
+    def supported(self) -> NDArray[np.bool_]:
+        """See `LinearBody.supported`."""
+        held = np.zeros((self.space.n_nodes, 2), dtype=np.bool_)
         for where, components in self.supports.items():
             if isinstance(where, str):
                 nodes = self.space.edge_nodes(self.mesh.edge_sets[where]).ravel()
             else:
                 nodes = np.array([self.elasticity.node_at(where)], dtype=np.int32)
             for component in components:
-                free[nodes, "xy".index(component)] = False
-        return free.ravel()
+                held[nodes, "xy".index(component)] = True
+        return held
+
+    @cached_property
+    def freedom(self) -> RigidFreedom:
+        """Rigid motions that what is held leaves free: it slides, turns about its one held point, or both."""
+        nodes = np.flatnonzero(self.supported.any(axis=1))
+        axes = "".join(axis for number, axis in enumerate("xy") if not self.supported[:, number].any())
+        points, corners = self.space.nodes, np.unique(self.mesh.boundary_edges)
+        if len(nodes) > 1:
+            return RigidFreedom(points[nodes[0]], axes, False, {int(nodes[0]): axes} if axes else {})
+        first = int(nodes[0] if len(nodes) else corners[points[corners].sum(axis=1).argmin()])
+        arms = points[corners] - points[first]
+        # far along one axis and close to it, so that strains do not turn the body in its frame
+        far, across = np.unravel_index((np.abs(arms[:, ::-1]) - 3.0 * np.abs(arms)).argmax(), arms.shape)
+        pivot = points[first] if len(nodes) else (points[corners].min(axis=0) + points[corners].max(axis=0)) / 2.0
+        return RigidFreedom(pivot, axes, True, {first: "xy", int(corners[far]): "xy"[across]})
 
     @cached_property
     def _condensed(self) -> CondensedMatrix:

@@ -1,6 +1,8 @@
 """What contact asks of a linear elastic body, wherever its stiffness comes from."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +12,35 @@ from flangeway.geometry.arrays import point_text
 from flangeway.problems.elasticity_problem import Elasticity
 from flangeway.space import Space, SymmetricMatrix
 from flangeway.types import Bools, Floats
+
+
+@dataclass(frozen=True, eq=False)
+class RigidFreedom:
+    """Rigid motions that what is held of a body leaves free; contact and loads decide them.
+
+    Parameters
+    ----------
+    pivot
+        Point in the body's frame about which it turns, and which slides.
+    axes
+        Components along which the pivot can slide, axes of the frame: ``""``, ``"x"``, ``"y"`` or ``"xy"``.
+    turns
+        Whether the body can turn.
+    pins
+        Components held besides at some nodes, by node, so that the body cannot move in its own frame: loads in
+        equilibrium do not act on them.
+
+    """
+
+    pivot: Floats
+    axes: str
+    turns: bool
+    pins: Mapping[int, str]
+
+    @property
+    def n_motions(self) -> int:
+        """How many motions are free."""
+        return len(self.axes) + self.turns
 
 
 class LinearBody(ABC):
@@ -49,6 +80,16 @@ class LinearBody(ABC):
     @abstractmethod
     def free(self) -> Bools:
         """Which unknowns move in the body's frame, two each of the nodes and then further ones, shape (2 n,)."""
+
+    @property
+    def supported(self) -> Bools:
+        """Which components of nodes what is held prevents, shape (n_nodes, 2)."""
+        return ~self.free[: 2 * len(self.nodes)].reshape(-1, 2)
+
+    @property
+    def freedom(self) -> RigidFreedom:
+        """Rigid motions that what is held leaves free."""
+        return RigidFreedom(np.zeros(2), "", False, {})
 
     @property
     @abstractmethod
@@ -135,7 +176,7 @@ class LinearBody(ABC):
 
         """
         free = self.free.reshape(-1, 2)
-        fixed = ~free[nodes].any(axis=1)
+        fixed = self.supported[nodes].all(axis=1)
         if fixed.any():
             x, y = self.nodes[nodes[fixed.argmax()]]
             raise InputError(

@@ -1,9 +1,11 @@
 """Linear complementarity: ``s = M p + q``, ``p >= 0``, ``s >= 0``, ``p . s = 0``."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats, Ints
 
 MAX_CHANGES = 60
 
@@ -18,6 +20,22 @@ EXACT = 1e-13
 
 TO_BOUNDARY = 0.995
 """Share of the way to a zero force or gap that a step may go."""
+
+SPRING = 1e-6
+"""Stiffness of springs that hold free motions until constraints do, over the maximum stiffness of one constraint."""
+
+NO_STIFFNESS = 1e-10
+"""Stiffness against a motion over the maximum one, below which nothing holds it."""
+
+SOFT = 1.0
+"""Stiffness against a motion over the forces on a part by its size, below which its contacts hardly hold it: it is one
+of curved contact surfaces, or an error of the meshes, not of the materials."""
+
+LEFT = 1e-3
+"""Force along a motion that is hardly held over the forces on the part, below which it is kept in place."""
+
+NO_FORCE = 1e-9
+"""Force over the one that would close the maximum gap, below which a constraint only touches."""
 
 
 def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats | None:
@@ -38,6 +56,114 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
             return pressure
         active = changed
     return _least_squares(matrix, offset)
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """Unknowns q besides p, of any sign, with as many equations ``N^T p + H q + e = 0``; slacks have ``N q`` added.
+
+    Parameters
+    ----------
+    by_motion
+        N, shape (n, m).
+    stiffness
+        H, symmetric, shape (m, m).
+    residual
+        e, shape (m,).
+    parts, sizes
+        Number and size of the part that each unknown moves, shape (m,).
+
+    """
+
+    by_motion: Floats
+    stiffness: Floats
+    residual: Floats
+    parts: Ints
+    sizes: Floats
+
+    def loads(self, pressure: Floats) -> Floats:
+        """Maximum over the motions of its part of the sum of forces along each, shape (m,)."""
+        along = np.abs(self.by_motion.T) @ np.abs(pressure) + np.abs(self.residual)
+        most = np.zeros(int(self.parts.max(initial=0)) + 1)
+        np.maximum.at(most, self.parts, along)
+        return most[self.parts]
+
+    def held(
+        self, matrix: Floats, offset: Floats, active: Bools, loads: Floats | None
+    ) -> tuple[Floats, Floats, Floats] | None:
+        """Solve the equations of an active set: p (n,), the least q (m,), and directions of no equation (m, k).
+
+        Motions that nothing holds are zero, and with `loads` those that are hardly held. None if forces act on them.
+        """
+        n = len(self.residual)
+        mine = self.by_motion[active]
+        answer = equations(matrix[np.ix_(active, active)], np.column_stack((mine, offset[active])))
+        stiffness = mine.T @ answer[:, :n] - self.stiffness
+        weights = np.ones(n) if loads is None else np.maximum(loads, 1e-12 * loads.max(initial=1e-300)) / self.sizes
+        root = np.sqrt(weights)
+        values, vectors = np.linalg.eigh(stiffness / root / root[:, None])
+        limit = NO_STIFFNESS * np.abs(values).max(initial=0.0) if loads is None else SOFT
+        held = np.abs(values) > limit
+        right = self.residual - mine.T @ answer[:, n]
+        motion = (vectors[:, held] @ ((vectors[:, held].T @ (right / root)) / values[held])) / root
+        pressure = np.zeros(len(offset))
+        pressure[active] = -answer @ np.append(motion, 1.0)
+        left = np.abs(self.by_motion.T @ pressure + self.stiffness @ motion + self.residual)
+        if (left > (1e-8 if loads is None else LEFT) * self.loads(pressure)).any():
+            return None
+        return pressure, motion, np.linalg.qr(vectors[:, ~held] * root[:, None])[0]
+
+    def unstable(self, matrix: Floats, active: Bools, kept: Floats) -> Floats:
+        """Motions out of an unstable equilibrium, apart from those that are kept zero (m, k): shape (m, n_motions)."""
+        mine = self.by_motion[active]
+        stiffness = mine.T @ equations(matrix[np.ix_(active, active)], mine) - self.stiffness
+        limit = NO_STIFFNESS * np.abs(stiffness).max(initial=0.0)
+        away = np.eye(len(stiffness)) - kept @ kept.T
+        values, vectors = np.linalg.eigh(away @ stiffness @ away)
+        return vectors[:, values < -limit]
+
+
+def solve_with_motions(
+    matrix: Floats, offset: Floats, active: Bools, motions: Motions, *, soft: bool = True
+) -> tuple[Floats, Floats, Floats] | None:
+    """Solve a complementarity problem with free motions: p (n,), q (m,), and motions that are kept zero (m, k).
+
+    Springs that are far softer than the constraints hold the motions first, so that there always is a solution. The
+    equations without springs follow from its active set; motions that it does not hold are zero. If there is none
+    without springs, because forces act on a motion that nothing holds, that with springs is returned: it leads far
+    along the motion, towards the next constraint. ``soft``: motions that the constraints hardly hold are kept zero too,
+    if hardly any force acts on them: else the error of the meshes would decide how far they go.
+    None where `solve` finds none.
+    """
+    n = len(motions.residual)
+    stiffest = float((np.sum(motions.by_motion**2, axis=1) / np.maximum(matrix.diagonal(), 1e-300)).max(initial=0.0))
+    spring = SPRING * (stiffest or 1.0) + 2.0 * max(float(np.linalg.eigvalsh(motions.stiffness).max(initial=0.0)), 0.0)
+    yielding = np.linalg.solve(
+        spring * np.eye(n) - motions.stiffness, np.column_stack((motions.by_motion.T, motions.residual))
+    )
+    softened = matrix + motions.by_motion @ yielding[:, :-1]
+    pressure = solve((softened + softened.T) / 2.0, offset + motions.by_motion @ yielding[:, -1], active)
+    if pressure is None:
+        return None
+    sprung = pressure, yielding @ np.append(pressure, 1.0), np.zeros((n, 0))
+    active = pressure > 0.0
+    for _ in range(MAX_CHANGES):
+        found = motions.held(matrix, offset, active, motions.loads(sprung[0])) if soft else None
+        found = found or motions.held(matrix, offset, active, None)
+        if found is None:
+            return sprung
+        pressure, motion, zero = found
+        slack = matrix @ pressure + motions.by_motion @ motion + offset
+        gaps = np.abs(offset) + np.abs(motions.by_motion) @ np.abs(motion)
+        touching = np.abs(pressure) <= NO_FORCE * float(gaps.max(initial=0.0)) / float(
+            matrix.diagonal().max(initial=0.0)
+        )
+        closed = slack >= -NO_FORCE * gaps
+        if (pressure[active & ~touching] > 0.0).all() and closed.all():
+            pressure[touching] = 0.0
+            return pressure, motion, zero
+        active = np.where(active, (pressure > 0.0) | touching, ~closed)
+    return sprung
 
 
 def equations(matrix: Floats, right: Floats) -> Floats:

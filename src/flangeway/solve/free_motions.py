@@ -36,7 +36,7 @@ def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) ->
     if motions.shape[1] == 0:
         return
     for piece in range(n_pieces):
-        described = _described(motions[3 * piece : 3 * piece + 3], centre, problem.size)
+        described = described_motions(motions[3 * piece : 3 * piece + 3], centre, problem.size)
         if described:
             raise InputError(
                 f"body `{problem.name}`{_which(problem, pieces, piece, n_pieces)} {described}",
@@ -51,15 +51,17 @@ def refuse_free_motions(problem: Elasticity, constraints: SupportConstraints) ->
 def refuse_floating(body: LinearBody) -> None:
     """Raise `InputError` with the motion that what is held of a body leaves free.
 
+    Sliding, turning about one held point, and all three where nothing is held are no such motion: see `Body.freedom`.
     Of a body given by its stiffness matrix it is a rigid motion, of all or of unknowns that nothing couples to the
     others, that has no strain energy.
     """
     if not isinstance(body, Body):
         _refuse_without_energy(body)
         return
+    pins = {(*body.space.nodes[node].tolist(),): components for node, components in body.freedom.pins.items()}
     supports = [
         PrescribedDisplacement(where, 0.0 if "x" in components else None, 0.0 if "y" in components else None)
-        for where, components in body.supports.items()
+        for where, components in [*body.supports.items(), *pins.items()]
     ]
     problem = replace(body.elasticity, supports=supports)
     try:
@@ -67,8 +69,9 @@ def refuse_floating(body: LinearBody) -> None:
     except InputError as reason:
         raise InputError(
             reason.given,
-            "a body in contact whose held edges and points fix both translations and the rotation of its every piece",
-            f"hold more of it in Body(held=...), now {short(body.held)}; contact alone holds nothing",
+            "one piece that is held in x and y and cannot turn, slides along an axis, turns about one held point, or "
+            "is not held at all",
+            f"hold more or less of it in Body(held=...), now {short(body.held)}, and join its pieces",
         ) from reason
 
 
@@ -90,7 +93,7 @@ def _refuse_without_energy(body: LinearBody) -> None:
         units = left[:, there] / weights
         energies, shares = np.linalg.eigh(units.T @ (part @ units))
         loose = energies <= ENERGY
-        described = _described(right[there].T @ (shares[:, loose] / values[there, None]), centre, body.size)
+        described = described_motions(right[there].T @ (shares[:, loose] / values[there, None]), centre, body.size)
         if loose.any():
             which = (
                 ""
@@ -221,7 +224,7 @@ def _which(problem: Elasticity, pieces: Ints, piece: int, n_pieces: int) -> str:
     return f", its piece with the cell at ({x:g}, {y:g}),"
 
 
-def _described(motions: Floats, centre: Floats, size: float) -> str:
+def described_motions(motions: Floats, centre: Floats, size: float) -> str:
     """Words for the motions (3, n) of a piece, empty if it stays at rest."""
     left, values, _ = np.linalg.svd(motions, full_matrices=False)
     basis = left[:, values > 1e-6]

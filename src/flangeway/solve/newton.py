@@ -25,6 +25,7 @@ the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as for
 it had let back before.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -35,6 +36,7 @@ from flangeway.geometry import Placement
 from flangeway.solve import complementarity, coulomb
 from flangeway.solve.body_response import BodyResponse
 from flangeway.solve.coulomb import CoulombState
+from flangeway.solve.floating import Floating, FloatingParts
 from flangeway.solve.linearisation import Constraints, Linearisation, Sliding, contact_loads
 from flangeway.solve.status import Status
 from flangeway.types import Floats
@@ -48,6 +50,9 @@ HALVE_AFTER = 16
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
+
+UNHELD = 1e-6
+"""Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
 NAMED = 3
 """How many constraints a message names."""
@@ -117,7 +122,7 @@ class ContactState:
     status
         How the iteration ended.
     placements
-        Placements of the bodies.
+        Placements of the bodies, those of floating ones as found.
     displacements
         Of the surface nodes, relative to their placed bodies, shape (n_nodes, 2).
     positions
@@ -132,6 +137,8 @@ class ContactState:
         One entry an iteration.
     friction
         Tangential forces and slips of the constraints; None without friction.
+    motions
+        Rigid motions of floating parts since their given placements, see `FloatingParts`, shape (n,).
 
     """
 
@@ -144,6 +151,7 @@ class ContactState:
     nodal_forces: Floats
     history: tuple[Iteration, ...] = field(default=())
     friction: CoulombState | None = None
+    motions: Floats = field(default_factory=lambda: np.zeros(0))
 
 
 def solve_contact(
@@ -151,6 +159,7 @@ def solve_contact(
     constraints: Constraints,
     placements: tuple[Placement, ...],
     *,
+    floating: Sequence[Floating | None] | None = None,
     start: ContactState | None = None,
     settings: NewtonSettings | None = None,
     origin: Floats | None = None,
@@ -165,6 +174,8 @@ def solve_contact(
         The contacts among them.
     placements
         Placement of each body.
+    floating
+        Rigid motions of each body after its placement that are unknown; None for a body or all: there is none.
     start
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
@@ -182,11 +193,15 @@ def solve_contact(
 
     """
     settings = settings or NewtonSettings()
-    given = response, constraints, placements, settings, start, origin
+    parts = FloatingParts(response, placements, floating)
+    given = response, constraints, parts, settings, start, origin
     state = _solved(_Run(*given))
     if not state.status.converged and state.history and state.history[-1].changed:
         damped = _solved(_Run(*given, damped=True))
-        return damped if damped.status.converged else state
+        state = damped if damped.status.converged else state
+    if not state.status.converged and parts.n:
+        moving = _solved(_Run(*given, soft=False))
+        state = moving if moving.status.converged else state
     return state
 
 
@@ -208,17 +223,20 @@ class _Run:
         self,
         response: BodyResponse,
         constraints: Constraints,
-        placements: tuple[Placement, ...],
+        parts: FloatingParts,
         settings: NewtonSettings,
         start: ContactState | None,
         origin: Floats | None,
         *,
         damped: bool = False,
+        soft: bool = True,
     ) -> None:
-        self.response, self.constraints, self.placements, self.settings = response, constraints, placements, settings
-        self.damped = damped
-        self.rotations = response.rotations(placements)
-        self.reference = response.reference(placements)
+        self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
+        self.damped, self.soft = damped, soft
+        self.kept = np.zeros((parts.n, 0))
+        self.move(np.zeros(parts.n) if start is None else start.motions)
+        self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
+        self.begun = self.reference
         self.history: list[Iteration] = []
         self.start, self.before = start, self.reference if origin is None else origin
         friction = None
@@ -242,6 +260,13 @@ class _Run:
         self.tangential = _carried(previous, friction.forces if friction else np.zeros(len(self.forces)), self.current)
         self.slides = self._slides(self.current, self.displacements)
         self.correct()
+
+    def move(self, motions: Floats) -> None:
+        """Place the floating parts."""
+        self.motions = motions
+        self.placements = self.parts.placements(motions)
+        self.rotations = self.response.rotations(self.placements)
+        self.reference = self.response.reference(self.placements)
 
     def solve(self) -> ContactState:
         """Find the forces of the constraints that there are."""
@@ -288,23 +313,33 @@ class _Run:
     def iterate(self, correction: int) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         for iteration in range(self.settings.max_iterations):
+            if len(self.current.nodes) == 0 and (loose := self._loose()):
+                return loose
             step = self._step(bend=True) or self._step(bend=False)
             if step is None:
                 return (
                     "the linear complementarity problem has no solution: the tangent is not positive definite; take "
                     "smaller steps, a finer mesh or a softer penalty"
                 )
-            moved, new_forces, new_tangential, applied = step
+            new_forces, new_tangential, applied, motion = step
+            nodes = self.current.nodes
             halved = self.damped and iteration >= HALVE_AFTER and iteration % 2 == 0
+            if self.parts.n:
+                self.move(self.motions + (motion / 2.0 if halved else motion))
+            moved = self.response.displacements(self.rotations, nodes, applied[nodes])
             if halved:
                 moved = (self.displacements + moved) / 2.0
             after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= SETTLE_AFTER)
             carried, tangential = (_carried(self.current, each, after) for each in (new_forces, new_tangential))
             slides = self._slides(after, moved)
-            scale = max(float(np.abs(moved).max(initial=0.0)), 1e-300)
+            scale = max(float(np.abs(moved).max(initial=0.0)), float(np.abs(self.reference - self.begun).max()), 1e-300)
             change = float(np.abs(moved - self.displacements).max(initial=0.0)) / scale
             nodal = _nodal(after, carried, slides, tangential, len(self.reference))
-            residual = _residual(after, self._gaps(after), carried, nodal - applied, applied, scale)
+            left = self.parts.residual(self.motions, self.reference + moved, nodal)
+            left -= self.kept @ (self.kept.T @ left)
+            unbalanced = np.append(nodal - applied, left)
+            most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
+            residual = _residual(after, self._gaps(after), carried, unbalanced, most, scale)
             if slides is not None:
                 slips = self._slips(after, slides) + self._let_back(after, tangential)
                 beyond, wrong = coulomb.violation(carried, tangential, slips, after.coefficients)
@@ -312,7 +347,7 @@ class _Run:
             changed = _changed(self.current, (self.forces, self.tangential), after, (carried, tangential))
             self.history.append(Iteration(change, residual, int((carried > 0).sum()), changed, correction))
             self.displacements, self.current, self.forces = moved, after, carried
-            self.tangential, self.slides = tangential, slides
+            self.tangential, self.slides, self.applied = tangential, slides, applied
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
             if residual <= max(self.settings.tolerance, floor) and not halved:
@@ -345,15 +380,50 @@ class _Run:
         return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
 
     def _step(self, *, bend: bool) -> tuple[Floats, Floats, Floats, Floats] | None:
-        """One iteration: new displacements, contact forces, tangential ones, and nodal forces in equilibrium with them.
+        """One iteration: new contact forces, tangential ones, nodal forces in equilibrium with them, and rigid motions.
 
         Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
         """
-        current, displacements = self.current, self.displacements
+        current, applied, motion = self.current, np.zeros_like(self.displacements), np.zeros(self.parts.n)
+        if len(current.nodes) == 0:
+            return self.forces, self.tangential, applied, motion
+        answer, geometric, directions, matrix, offset, rigid = self._problem(bend=bend)
+        guess = self.forces > 0.0 if self.forces.any() else offset[: len(self.forces)] < 0.0
+        if self.parts.n:
+            found = complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
+            if found is None:
+                return None
+            new_forces, motion, self.kept = found
+            motion = self.parts.shortened(motion, self.parts.velocities(self.motions, self.reference))
+        else:
+            both = np.concatenate((self.forces, self.tangential))
+            if self.slides is not None:
+                only = coulomb.solve(matrix, offset, current.coefficients, both)
+            elif current.barriers[:, 0].any():
+                only = complementarity.solve_barrier(matrix, offset, *current.barriers.T)
+            else:
+                only = complementarity.solve(matrix, offset, guess)
+            if only is None:
+                return None
+            new_forces = only
+        at_nodes = self.displacements[current.nodes].ravel()
+        moved = answer @ np.concatenate((new_forces, [1.0], motion))
+        applied[current.nodes] = (directions.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
+        normal, tangential = (new_forces, self.tangential) if self.slides is None else np.split(new_forces, 2)
+        return normal, tangential, applied, motion
+
+    def _problem(
+        self, *, bend: bool
+    ) -> tuple[Floats, sp.csr_array, sp.csr_array, Floats, Floats, complementarity.Motions]:
+        """Linear complementarity problem of an iteration.
+
+        Displacements by the forces, now and by rigid motions; the geometric stiffness; directions of the forces;
+        flexibility and offset of gaps and slips; and the equations of the rigid motions, see
+        `flangeway.solve.floating`.
+        """
+        current, parts = self.current, self.parts
         nodes, jacobian = current.nodes, current.jacobian
-        if len(nodes) == 0:
-            return np.zeros_like(displacements), self.forces, self.tangential, np.zeros_like(displacements)
-        at_nodes = displacements[nodes].ravel()
+        at_nodes = self.displacements[nodes].ravel()
         n = 2 * len(nodes)
         geometric = current.curvature(-self.forces) if bend else sp.csr_array((n, n))
         directions, compliances, violations = jacobian, current.compliances, self._gaps(current)
@@ -365,35 +435,51 @@ class _Run:
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
             violations = np.concatenate((violations, slips))
-        loads = contact_loads(directions, (geometric @ at_nodes)[:, None])
+        m = len(violations)
+        positions = self.reference + self.displacements
+        rigid = parts.velocities(self.motions, positions)[nodes].reshape(n, parts.n)
+        turned = parts.turned(self.applied)[nodes].reshape(n, parts.n) if bend else np.zeros_like(rigid)
+        by_rigid = turned - geometric @ rigid
+        loads = contact_loads(directions, np.column_stack((geometric @ at_nodes, by_rigid)))
         answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
+        stiffness = by_rigid.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
+        # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium
+        stiffness[np.diag_indices(parts.n)] += np.einsum("dq,dq->q", turned, rigid)
+        residual = by_rigid.T @ (answer[:, m] - at_nodes) + parts.load
+        answer[:, m + 1 :] += rigid
         at_gaps = jacobian @ answer
-        matrix = at_gaps[:, :-1] + np.diag(compliances)
-        offset = violations - jacobian @ at_nodes + at_gaps[:, -1]
-        if slides is None:
-            guess = self.forces > 0.0 if self.forces.any() else offset < 0.0
-            given = (matrix + matrix.T) / 2.0, offset
-            if current.barriers[:, 0].any():
-                new_forces = complementarity.solve_barrier(*given, *current.barriers.T)
-            else:
-                new_forces = complementarity.solve(*given, guess)
-        else:
-            both = np.concatenate((self.forces, self.tangential))
-            new_forces = coulomb.solve(matrix, offset, current.coefficients, both)
-        if new_forces is None:
-            return None
-        moved = answer[:, :-1] @ new_forces + answer[:, -1]
-        carried_load = (directions.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
-        applied = np.zeros_like(displacements)
-        applied[nodes] = carried_load
-        displacements = self.response.displacements(self.rotations, nodes, carried_load)
-        if slides is None:
-            return displacements, new_forces, self.tangential, applied
-        normal, tangential = np.split(new_forces, 2)
-        return displacements, normal, tangential, applied
+        matrix = at_gaps[:, :m] + np.diag(compliances)
+        matrix = (matrix + matrix.T) / 2.0 if slides is None else matrix
+        offset = violations - jacobian @ at_nodes + at_gaps[:, m]
+        motions = complementarity.Motions(
+            at_gaps[:, m + 1 :], (stiffness + stiffness.T) / 2.0, residual, parts.numbers, parts.sizes
+        )
+        return answer, geometric, directions, matrix, offset, motions
+
+    def _stays_free(self) -> str:
+        """Words for the motions that nothing holds in the solution."""
+        if not self.parts.n:
+            return ""
+        free, unstable = self.kept, np.zeros((self.parts.n, 0))
+        if not self.forces.any():
+            free = np.eye(self.parts.n)
+        elif free.shape[1] < self.parts.n:
+            *_, matrix, _, rigid = self._problem(bend=True)
+            unstable = rigid.unstable(matrix, self.forces > 0.0, free)
+        nodal = _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+        left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
+        size = float(np.abs(free.T @ left).max(initial=0.0))
+        why = "nothing prevents"
+        if size > UNHELD * self.forces.sum():
+            why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"
+        named = [f"{words}, which {why}" for words in self.parts.describe(self.motions, free)]
+        named += [f"{words} out of an unstable equilibrium" for words in self.parts.describe(self.motions, unstable)]
+        return "".join(f"; {words}" for words in named)
 
     def _explain(self) -> str:
         last = self.history[-1]
+        if loose := self._loose():
+            return loose
         advice = "take smaller steps, a softer penalty or a finer mesh"
         if not last.changed:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
@@ -405,7 +491,21 @@ class _Run:
             advice += "; with node-to-segment contact, make the finer surface secondary or take segment-to-segment"
         return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}; {advice}"
 
+    def _loose(self) -> str:
+        """Names the parts that move away because nothing answers to their loads."""
+        nodal = _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+        left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
+        pushed = np.where(np.abs(left) > UNHELD * np.abs(self.parts.load).max(initial=0.0), left, 0.0)
+        words = self.parts.describe(self.motions, pushed[:, None]) if pushed.any() else []
+        if not words:
+            return ""
+        return (
+            f"no contact holds a load: {'; '.join(words)}; place the part so that its surface is within reach of what "
+            "is to hold it, hold it in Body(held=...), or leave its load out"
+        )
+
     def result(self, message: str, *, converged: bool) -> ContactState:
+        message += self._stays_free() if converged else ""
         friction = None
         if (slides := self.slides) is not None:
             slips, let_back = self._slips(self.current, slides), self._let_back(self.current, self.tangential)
@@ -421,6 +521,7 @@ class _Run:
             _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference)),
             tuple(self.history),
             friction,
+            self.motions,
         )
 
 
@@ -455,12 +556,13 @@ def _nodal(lin: Linearisation, forces: Floats, slides: Sliding | None, tangentia
     return result
 
 
-def _residual(
-    lin: Linearisation, gaps: Floats, forces: Floats, unbalanced: Floats, applied: Floats, scale: float
-) -> float:
-    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements."""
+def _residual(lin: Linearisation, gaps: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float) -> float:
+    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements.
+
+    The total is at least that of the given maximum of nodal forces and loads.
+    """
     # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
-    total = max(float(forces.sum()), float(np.abs(applied).max(initial=0.0)))
+    total = max(float(forces.sum()), most)
     slack = gaps + lin.compliances * forces - complementarity.standoffs(forces, *lin.barriers.T)
     if total == 0.0:
         return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale

@@ -24,8 +24,7 @@ from flangeway.problems.edges import edge_quadrature
 from flangeway.problems.harmonic import mean_and_rotation
 from flangeway.railway.profiles.bundled import RailProfile
 from flangeway.railway.spatial.rail_supports import RailSupport, rail_problem
-from flangeway.solve.surface_compliance import inverse_weights
-from flangeway.solve.wave_sums import amplitudes
+from flangeway.solve.surface_compliance import amplitudes, inverse_weights
 from flangeway.space import Space
 from flangeway.system.disk_cache import Cache, content_key
 from flangeway.types import Floats, Ints

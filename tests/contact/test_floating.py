@@ -1,0 +1,247 @@
+"""Parts whose rigid motions contact and loads decide: forces from statics, equilibrium, symmetry, bad inputs."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from flangeway.contact import AugmentedLagrange, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface
+from flangeway.contact import press as press_parts
+from flangeway.elements import Lagrange, Virtual
+from flangeway.errors import InputError
+from flangeway.geometry import Placement, circle, polygon
+from flangeway.materials import Elastic
+from flangeway.mesh import rectangle_grid, triangulate
+from flangeway.problems import Body, Part
+from flangeway.solve import CondensedBodies, SurfaceNodes, solve_contact
+
+STEEL = Elastic(20e3, 0.3)
+MODULUS = 20e3 / (1.0 - 0.3**2)  # of plane strain
+PAIRINGS = [SegmentToSegment(), NodeToSegment()]
+LAWS = [Multiplier(), Penalty(1e7, per="length"), AugmentedLagrange(1e6, per="length", penetration=1e-8)]
+EQUILIBRIUM = 1e-10
+
+
+def block(name, width, height, held=None, at=(0.0, 0.0), cells=(5, 3), element=None, turned=0.0) -> Part:
+    """A block with its lower left corner at a point."""
+    mesh = rectangle_grid(width, height, *cells)
+    return Part(name, Body(name, mesh, element or Lagrange(1), STEEL, held), Placement(turned, at))
+
+
+def disc(name, radius, size, held=None, at=(0.0, 0.0), turned=0.0) -> tuple[Part, Surface]:
+    """A disc about its own origin, and its surface on the circle."""
+    outline = circle(radius)
+    mesh = triangulate(outline, size=size)
+    part = Part(name, Body(name, mesh, Lagrange(1), STEEL, held), Placement(turned, at))
+    return part, Surface(part, mesh.boundary_edges, outline)
+
+
+def side(part: Part, *names: str) -> Surface:
+    """Sides of a part's mesh as one surface."""
+    return Surface(part, np.concatenate([part.body.mesh.edge_sets[name] for name in names]))
+
+
+def unbalanced(solution, part: Part) -> float:
+    """Resultant force and moment about the origin of the contacts on a part, over their forces and its size."""
+    total, scale = np.zeros(3), 0.0
+    for contact, forces in zip(solution.system.contacts, solution.resultants, strict=True):
+        for surface, mine in ((contact.secondary, forces[0]), (contact.primary, forces[1])):
+            if surface.part is part:
+                total += mine
+                scale += np.linalg.norm(mine[:2])
+    return float(np.abs(total / (scale * np.array([1.0, 1.0, part.body.elasticity.size]))).max())
+
+
+def stack(pairing, law, element=None, *, force=100.0, held=((0.0, 0.0), "x"), path="condensed"):
+    """Three blocks of one width upon each other; the middle one may slide up and turn, the top one is pressed down."""
+    base = block("base", 2.0, 1.0, {"bottom": "y", (0.0, 0.0): "x"}, element=element)
+    middle = block("middle", 2.0, 1.5, dict([held]) if held else None, (0.0, 1.0), (7, 2), element)
+    top = block("top", 2.0, 1.0, {"top": "y", (0.0, 1.0): "x"}, (0.0, 2.5), (4, 2), element)
+    contacts = [
+        Contact(side(middle, "bottom"), side(base, "top"), pairing, law),
+        Contact(side(top, "bottom"), side(middle, "top"), pairing, law),
+    ]
+    return press_parts(contacts, {}, loads={top: (None, -force, None)}, path=path)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("element", [Lagrange(1), Lagrange(2), Virtual(1)], ids=str)
+def test_a_stack_is_pressed_uniformly(element, law) -> None:
+    """Blocks that only contact holds upright pass a uniform pressure on: strain and forces are exact."""
+    solution = stack(SegmentToSegment(), law, element)
+    assert solution.status.converged, solution.status.message
+    np.testing.assert_allclose(solution.forces, [[0.0, 100.0]] * 2, atol=1e-8)
+    for part in solution.system.parts:
+        moved = solution.field(part).displacements[: part.body.space.n_nodes]
+        x, y = part.body.space.nodes.T
+        y = y - (1.0 if part.name == "top" else 0.0)
+        exact = 50.0 / MODULUS * np.stack((0.3 / 0.7 * x, -y), axis=1)
+        np.testing.assert_allclose(moved, exact, atol=1e-4 * np.abs(exact).max())
+
+
+def test_motions_that_stay_free_are_named_and_zero() -> None:
+    """The middle of a stack slides on a wider base: it stays in place, and the message names the motion."""
+    base = block("base", 4.0, 1.0, "bottom", (-1.0, 0.0), (8, 2))
+    middle = block("middle", 2.0, 1.0, None, (0.0, 1.0), (6, 3))
+    top = block("top", 2.0, 1.0, "top", (0.0, 2.0), (6, 2))
+    pair = SegmentToSegment(), Multiplier()
+    contacts = [
+        Contact(side(middle, "bottom"), side(base, "top"), *pair),
+        Contact(side(top, "bottom"), side(middle, "top"), *pair),
+    ]
+    solution = press_parts(contacts, {}, loads={top: (None, -100.0, None)})
+    assert solution.status.converged
+    assert "`middle` can slide in x, which hardly anything prevents" in solution.status.message
+    assert abs(solution.state.motions[0]) < 1e-3
+    np.testing.assert_allclose(solution.forces[:, 1], 100.0, rtol=1e-4)
+
+
+def test_a_body_that_nothing_touches_stays_where_it_is() -> None:
+    """Two blocks apart, and no load: nothing moves, and all three motions are named."""
+    base, loose = block("base", 2.0, 1.0, "bottom"), block("loose", 1.0, 1.0, None, (0.5, 1.05))
+    contact = Contact(side(loose, "bottom"), side(base, "top"), SegmentToSegment(), Multiplier())
+    solution = press_parts([contact], {base: Placement(0.0, (0.0, 0.02))})
+    assert solution.status.converged
+    assert "`loose` can slide in x, slide in y and turn: nothing holds it" in solution.status.message
+    np.testing.assert_array_equal(solution.state.motions, 0.0)
+    # pushed by more than the gap it yields without force
+    pushed = press_parts([contact], {base: Placement(0.0, (0.0, 0.15))})
+    assert pushed.status.converged
+    assert not pushed.state.nodal_forces.any()
+    np.testing.assert_allclose(pushed.state.motions, [0.0, 0.1, 0.0], atol=1e-9)
+
+
+def test_both_paths_agree_on_a_stack() -> None:
+    """On all unknowns the answer is that on the surfaces alone."""
+    one, other = (stack(NodeToSegment(), Multiplier(), path=path) for path in ("condensed", "sparse"))
+    np.testing.assert_allclose(one.state.positions, other.state.positions, atol=1e-11)
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["segments", "nodes"])
+def test_a_disc_in_a_groove(pairing, law) -> None:
+    """A disc falls from a distance into a right-angled groove: each flank carries the load over sqrt(2), at 45 deg."""
+    flanks = polygon([(-3.0, -3.0), (3.0, -3.0), (3.0, 1.5), (0.0, -1.5), (-3.0, 1.5)], list("brudl"))
+    mesh = triangulate(flanks, size=0.4)
+    groove = Part("groove", Body("groove", mesh, Lagrange(1), STEEL, "b"))
+    _roller, surface = disc("roller", 1.0, 0.15, at=(0.02, 0.1 + np.sqrt(2.0) - 1.5))
+    top = block("top", 2.0, 1.0, "top", (-1.0, 0.93), (20, 10))
+    contacts = [Contact(surface, side(groove, name), pairing, law) for name in "ud"]
+    contacts.append(Contact(surface, side(top, "bottom"), pairing, law))
+    solution = press_parts(contacts, {}, loads={top: (None, -40.0, None)})
+    assert solution.status.converged, solution.status.message
+    tolerance = 2e-3 if isinstance(pairing, SegmentToSegment) else 2e-2
+    expected = np.array([[-20.0, 20.0], [20.0, 20.0], [0.0, -40.0]])
+    np.testing.assert_allclose(solution.forces, expected, atol=tolerance * 40.0)
+    assert solution.forces[2, 1] == pytest.approx(-40.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("path", ["condensed", "sparse"])
+def test_a_lever_turns_about_its_one_held_point(path) -> None:
+    """Moments about the pivot are in equilibrium at any angle; the iteration converges as Newton's method does."""
+    lever = block("lever", 6.0, 0.5, {(0.0, 0.25): "xy"}, (0.0, 0.0), (30, 2), turned=0.3)
+    _base, surface = disc("post", 0.4, 0.08, {(-0.4, 0.0): "y", (0.4, 0.0): "y", (0.0, 0.4): "x"}, (2.0, 0.1))
+    weight, load = disc("weight", 0.4, 0.08, {(-0.4, 0.0): "y", (0.4, 0.0): "y", (0.0, 0.4): "x"}, (4.4, 2.25))
+    contacts = [Contact(surface, side(lever, "bottom"), *pair) for pair in [(SegmentToSegment(), Multiplier())]]
+    contacts.append(Contact(load, side(lever, "top"), SegmentToSegment(), Multiplier()))
+    solution = press_parts(contacts, {}, loads={weight: (None, -0.5, None)}, path=path)
+    assert solution.status.converged, solution.status.message
+    pivot = lever.placement.points([[0.0, 0.25]])[0]
+    x, y, moments = solution.resultants[:, 1].T
+    moments = moments - pivot[0] * y + pivot[1] * x
+    assert abs(moments.sum()) < 1e-10 * abs(moments[0])
+    assert solution.forces[1, 1] == pytest.approx(0.5, rel=1e-10)
+    assert abs(solution.state.motions[0]) > 1e-3
+    residuals = [each.residual for each in solution.state.history]
+    assert residuals[-1] < 1e-11
+    assert len(residuals) <= 12
+
+
+def test_a_half_that_slides_along_its_line_of_symmetry_is_half_of_the_whole() -> None:
+    """Half of a stack, held along its line of symmetry alone, carries half of the force of the whole stack."""
+    forces = []
+    for share in (0.5, 1.0):
+        line = {"left": "x"} if share < 1.0 else {}
+        start = 0.0 if share < 1.0 else -1.0
+
+        def part(name, width, height, held, y, n, share=share, line=line, start=start) -> Part:
+            return block(name, share * width, height, held | line, (start * width / 2.0, y), (int(share * n), 4))
+
+        base = part("base", 4.0, 1.0, {"bottom": "y"} if line else {"bottom": "y", (2.0, 0.0): "x"}, 0.0, 32)
+        middle = part("middle", 2.0, 1.0, {} if line else {(1.0, 0.0): "x", (1.0, 1.0): "x"}, 1.0, 20)
+        top = part("top", 1.0, 1.0, {"top": "y"} if line else {"top": "y", (0.5, 1.0): "x"}, 2.0, 12)
+        contacts = [
+            Contact(side(middle, "bottom"), side(base, "top"), SegmentToSegment(), Multiplier()),
+            Contact(side(top, "bottom"), side(middle, "top"), SegmentToSegment(), Multiplier()),
+        ]
+        solution = press_parts(contacts, {top: Placement(0.0, (0.0, -0.01))})
+        assert solution.status.converged, solution.status.message
+        forces.append(solution.forces[:, 1])
+        assert forces[-1][0] == pytest.approx(forces[-1][1], rel=1e-11)
+    np.testing.assert_allclose(forces[1], 2.0 * forces[0], rtol=5e-3)  # the diagonals of the meshes differ
+
+
+def wedged(seed: int, *, mirrored: bool):
+    """Two random discs upon each other in a random groove, pressed by a jaw."""
+    rng = np.random.default_rng(seed)
+    slopes, radius, n = rng.uniform(0.5, 1.2, 2), rng.uniform(0.6, 1.0), int(rng.integers(5, 8))
+    law, pairing = LAWS[seed % 3], PAIRINGS[seed // 3]
+    outline = polygon(
+        [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0 * slopes[1]), (0.0, 0.0), (-2.0, 2.0 * slopes[0])], list("brudl")
+    )
+    image = Placement(mirrored=mirrored)
+    mesh = triangulate(outline, size=1.5 / n)
+    groove = Part("groove", Body("groove", mesh, Lagrange(1), STEEL, "b"), image)
+    angles = np.arctan([-slopes[0], slopes[1]])
+    normals = np.stack((-np.sin(angles), np.cos(angles)), axis=1)
+    centre = np.linalg.solve(normals, [radius, radius])  # touches both flanks
+    roller, surface = disc("roller", radius, 0.8 / n)
+    roller = Part("roller", roller.body, image.after(Placement(rng.uniform(0.0, 6.0), centre)))
+    surface = Surface(roller, surface.edges, surface.curve)
+    jaw = Body("jaw", rectangle_grid(2.0, 1.0, 4 * n, n), Lagrange(1 + seed % 2), STEEL, "top")
+    jaw_part = Part("jaw", jaw, image.after(Placement(0.0, (centre[0] - 1.0, centre[1] + radius + 0.01))))
+    contacts = [Contact(surface, side(groove, name), pairing, law) for name in "ud"]
+    contacts.append(Contact(surface, side(jaw_part, "bottom"), pairing, law))
+    force = rng.uniform(20.0, 60.0)
+    return press_parts(contacts, {}, loads={jaw_part: (None, -force, None)}), roller, force
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_wedges_are_in_equilibrium(seed) -> None:
+    """What is left of the forces on a random disc in a random groove is round-off, but for what the status names."""
+    (solution, roller, force), (image, _, _) = (wedged(seed, mirrored=mirrored) for mirrored in (False, True))
+    assert solution.status.converged, solution.status.message
+    limit = EQUILIBRIUM if "kept" not in solution.status.message else 1e-3
+    assert unbalanced(solution, roller) < limit
+    assert solution.forces[2, 1] == pytest.approx(-force, rel=limit)
+    np.testing.assert_allclose(image.forces * [-1.0, 1.0], solution.forces, atol=1e-6 * force)
+
+
+def test_what_cannot_be_solved_is_refused_or_named() -> None:
+    """Loads and motions of parts of which nothing is held, and loads that nothing answers to."""
+    base, loose = block("base", 2.0, 1.0, "bottom"), block("loose", 1.0, 1.0, None, (0.5, 1.0))
+    high = block("high", 1.0, 1.0, "top", (0.5, 9.0))
+    law = SegmentToSegment(), Multiplier()
+    contact = Contact(side(loose, "bottom"), side(base, "top"), *law)
+    with pytest.raises(InputError, match="a load on part 'loose', of which None is held"):
+        press_parts([contact], {}, loads={loose: (0.0, -1.0, None)})
+    with pytest.raises(InputError, match="a motion of part 'loose', of which nothing is held"):
+        press_parts([contact], {loose: Placement(0.0, (0.0, -0.1))})
+    with pytest.raises(InputError, match="three finite numbers"):
+        press_parts([contact], {}, loads={base: (None, None, None)})
+    with pytest.raises(InputError, match="which has no contact"):
+        press_parts([contact], {}, loads={high: (0.0, 1.0, None)})
+    away = press_parts([Contact(side(high, "bottom"), side(base, "top"), *law)], {}, loads={high: (None, -1.0, None)})
+    assert not away.status.converged
+    assert "no contact holds a load: `high` can slide in y" in away.status.message
+    pulled = press_parts([Contact(side(loose, "bottom"), side(base, "top"), *law)], {}, loads={base: (0.0, None, None)})
+    assert pulled.status.converged
+    surface = SurfaceNodes(loose.body, np.arange(3, dtype=np.int32))
+    with pytest.raises(InputError, match="leaves free to move"):
+        solve_contact(CondensedBodies([surface]), None, (Placement(),))
+    mesh = rectangle_grid(1.0, 1.0, 2, 2)
+    pieces = Body("pieces", mesh.merged(mesh.placed(Placement(0.0, (3.0, 0.0)))), Lagrange(1), STEEL)
+    with pytest.raises(InputError, match="one piece that is held"):
+        CondensedBodies([SurfaceNodes(pieces, np.arange(3, dtype=np.int32))])
+    with pytest.raises(InputError, match="friction, and a part 'loose'"):
+        press_parts([replace(contact, friction=0.3)], {})
