@@ -31,16 +31,16 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3670,
-    "cases": 7067,
+    "cases": 7073,
     "campaign": 1891,
     "tables": 1441,
-    "report": 8154,
+    "report": 8156,
     "validation": 7394,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_709
+MAX_LINES_OF_ALL = 69_717
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -1,11 +1,14 @@
 """Pictures of patches that roll: what is drawn are the numbers of the patch."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from matplotlib.collections import QuadMesh
 from matplotlib.quiver import Quiver
 from matplotlib.text import Text
 
+from flangeway.cases.wheelset.rolling_summary import rolling_summary
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fastsim import fastsim
@@ -93,3 +96,24 @@ def test_patches_lie_in_the_shakedown_diagram_and_their_names_do_not_overlap():
     figure.canvas.draw()
     boxes = [Text.get_window_extent(each) for each in axes.texts]  # without the lines to the points
     assert not any(a.overlaps(b) for number, a in enumerate(boxes) for b in boxes[:number])
+
+
+def test_flange_climb_is_possible_where_a_wheel_exceeds_nadals_limit():
+    """Shares of L/V in Nadal's limits, None for a wheel without contact, and the statement."""
+    for right, possible in ((1.2, True), (0.3, False), (float("nan"), False)):
+        ratios = {"left": 0.25, "right": right}
+        result = SimpleNamespace(
+            wheelset=SimpleNamespace(model=SimpleNamespace(rolling=SimpleNamespace(speed_m_s=20.0))),
+            equilibrium=SimpleNamespace(
+                state=SimpleNamespace(
+                    rolled=SimpleNamespace(rate_rad_s=43.0, yaw_rad=0.0, yaw_moment_Nmm=0.0, torque_Nmm=0.0)
+                )
+            ),
+            kinematic_wavelength_mm=None,
+            rolling=(),
+            nadal_limit=lambda _: 0.5,
+            lateral_over_vertical=ratios.__getitem__,
+        )
+        found = rolling_summary(result)
+        assert found.shares_of_nadal_limits == [0.5, None if np.isnan(right) else right / 0.5]
+        assert found.flange_climb_possible is possible

@@ -11,7 +11,7 @@ import numpy as np
 
 from flangeway.campaign.chunk import Lost
 from flangeway.campaign.workers import LocalWorkers
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
+from flangeway.cases.wheelset.spatial_wheelset_case import ROLLING_KEYS, SpatialWheelsetCase
 from flangeway.errors import InputError
 from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.system.disk_cache import Cache
@@ -31,8 +31,8 @@ MOST_PASSES = 4
 PATIENCE_S = 1.0
 MOST_LOSSES = 2
 REPORT_S = 2.0
-POSITION_KEYS = ("lateral_mm", "yaw_mrad", "axle_load_kN", "vertical_mm", "roll_rad", "car_mass_t")
-"""Inputs of a wheelset that the axes of a table replace."""
+POSITION_KEYS = ("lateral_mm", "yaw_mrad", "axle_load_kN", "vertical_mm", "roll_rad", "car_mass_t", "friction")
+"""Inputs of a wheelset that the axes of a table replace, and friction, which is free."""
 
 Position = tuple[float, float, float]
 Progress = Callable[[str], None]
@@ -78,11 +78,11 @@ class TableRequest:
             raise InputError(
                 f"tolerance = {self.tolerance:g}", "a number above 0, up to 1", "0.05 is 5 % of the limit of friction"
             )
-        given = [key for key in POSITION_KEYS if key in self.case.model_fields_set]
+        given = [key for key in (*POSITION_KEYS, *ROLLING_KEYS) if key in self.case.model_fields_set]
         if self.case.model != "spatial" or given:
             raise InputError(
                 f"a table of a case with {', '.join(given) or 'model = plane'}",
-                "a wheelset in three dimensions, its position and load from the axes of the table",
+                "a wheelset in three dimensions; position and load are the table's axes, friction and motion free",
                 "leave it out",
             )
         number = len(self.lateral_mm) * len(self.yaw_mrad) * len(self.load_kN)

@@ -15,7 +15,8 @@ class RollingSummary(SummaryPart):
     """How the wheelset rolls: torque on the axle, moment that guides it, Nadal's limits, and power.
 
     `yaw_moment_kNm` is that of the contact on the wheelset, counter-clockwise from above, `traction_kN` the sum of
-    creep forces ahead, `power_W` that of the creepages. Nadal's limits are those of the left and the right wheel. The
+    creep forces ahead, `power_W` that of the creepages. Nadal's limits, and L/V over
+    them (None without contact), are those of the left and the right wheel; above 1 flange climb is possible. The
     kinematic (Klingel's) wave is that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
     """
 
@@ -28,6 +29,8 @@ class RollingSummary(SummaryPart):
     t_gamma_N: float
     power_W: float
     nadal_limits: Sequence[float]
+    shares_of_nadal_limits: Sequence[float | None]
+    flange_climb_possible: bool
     kinematic_wavelength_m: float | None
     kinematic_frequency_Hz: float | None
 
@@ -37,7 +40,8 @@ def rolling_summary(result: SpatialResult) -> RollingSummary | None:
     motion, rolled = result.wheelset.model.rolling, result.equilibrium.state.rolled
     if motion is None or rolled is None:
         return None
-    length = result.kinematic_wavelength_mm
+    length, limits = result.kinematic_wavelength_mm, [result.nadal_limit(side) for side in SIDES]
+    ratios = [result.lateral_over_vertical(side) for side in SIDES]
     return RollingSummary(
         speed_km_h=3.6 * motion.speed_m_s,
         rate_rad_per_s=rolled.rate_rad_s,
@@ -47,7 +51,9 @@ def rolling_summary(result: SpatialResult) -> RollingSummary | None:
         traction_kN=sum(float(each.creep_force_on_wheel_N[2]) for each in result.rolling) / 1e3,
         t_gamma_N=sum(each.t_gamma_N for each in result.rolling),
         power_W=sum(each.power_W for each in result.rolling),
-        nadal_limits=[result.nadal_limit(side) for side in SIDES],
+        nadal_limits=limits,
+        shares_of_nadal_limits=[ratio / limit for ratio, limit in zip(ratios, limits, strict=True)],
+        flange_climb_possible=any(ratio > limit for ratio, limit in zip(ratios, limits, strict=True)),
         kinematic_wavelength_m=None if length is None else length / 1e3,
         kinematic_frequency_Hz=None if length is None else 1e3 * motion.speed_m_s / length,
     )

@@ -91,7 +91,6 @@ FURTHER_ROLLING: tuple[Column, ...] = (
     ("part of the patch that slips, %", _of("slipping_share", 100.0), ".0f"),
     ("maximum traction, MPa", _of("max_traction_MPa"), ".0f"),
     ("maximum slip velocity, m/s", _of("max_slip_velocity_m_s"), ".4f"),
-    ("maximum pressure over the shear strength", "pressure_over_shear_strength", ".2f"),
 )
 """ROLLING, FURTHER_ROLLING: numbers of a patch that rolls, those of the table of results and further ones."""
 

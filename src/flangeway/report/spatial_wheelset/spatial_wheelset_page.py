@@ -201,7 +201,10 @@ def results_table(summary: SpatialWheelsetSummary) -> SummaryTable:
     )
     ratios = {"L/V": sides}
     if summary.rolling is not None:
-        ratios["  Nadal's limit"] = dict(zip(SIDES, (f"{x:.3f}" for x in summary.rolling.nadal_limits), strict=True))
+        rolling = summary.rolling
+        for name, values in (("  Nadal's limit", rolling.nadal_limits), ("  share", rolling.shares_of_nadal_limits)):
+            ratios[name] = {side: number(value, 3) for side, value in zip(SIDES, values, strict=True)}
+        whole["flange climb"] = "possible" if rolling.flange_climb_possible else "not possible"
     return with_whole(table, whole, [p.side for p in patches], {**ratios, "gauge face outwards, mm": gauge})
 
 
