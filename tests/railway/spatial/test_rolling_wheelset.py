@@ -54,12 +54,23 @@ def test_a_position_and_its_mirror_image(wheelset, theory):
     assert sum(found.creep_force_on_wheel_N[0] for found in one.rolling) < -10e3
 
 
-def test_power_of_friction_is_the_work_on_the_wheelset(wheelset):
-    """Power of tractions and slip on the cells is that of torque, traction, lateral velocity and yaw rate to 1e-9."""
-    inputs = {"lateral_mm": 2.0, "yaw_mrad": 2.0, "curve_radius_m": 500.0, "torque_kNm": 3.0}
+@pytest.mark.parametrize(
+    ("conformity_deg", "inputs"),
+    [
+        (6.0, {"lateral_mm": 2.0, "yaw_mrad": 2.0, "curve_radius_m": 500.0, "torque_kNm": 3.0}),
+        (16.0, {"yaw_mrad": -4.0}),
+    ],
+    ids=["crown", "flange root"],
+)
+def test_power_of_friction_is_the_work_on_the_wheelset(wheelset, conformity_deg, inputs):
+    """Power of tractions and slip on the cells is that of torque, traction, lateral velocity and yaw rate to 1e-9.
+
+    Friction moves pressures ahead or back: their torque is that by which they resist rolling.
+    """
     moving = {"yaw_rate_mrad_per_s": 5.0, "lateral_velocity_mm_per_s": 20.0}
     found = solved(wheelset, **ROLLS | {"rolling_theory": "exact"}, **inputs, **moving)
     motion, rolled = found.wheelset.model.rolling, found.equilibrium.state.rolled
+    assert max(each.conformity_deg for each in found.patches) == pytest.approx(conformity_deg, rel=0.3)
     work = 0.0
     for side in SIDES:
         force, moment, torque = np.split(rolled.creep[side].resultant, [3, 6])
@@ -70,10 +81,16 @@ def test_power_of_friction_is_the_work_on_the_wheelset(wheelset):
     assert power > 1000.0
     assert power == pytest.approx(work, rel=1e-9)
     for each in found.rolling:
-        assert each.forces.frictional_power == pytest.approx(each.power_W + each.forces.rolling_power, rel=1e-6)
-    assert rolled.torque_Nmm == pytest.approx(-3e6, abs=1e-4 * 200e3 * 460.0)
+        assert each.forces.frictional_power == pytest.approx(each.power_W, rel=1e-9)
+    for side, state in found.equilibrium.state.sides.items():
+        normals = np.pad(state.normals, ((0, 0), (0, 1)))[:, None]
+        torque = 1e-3 * float(np.sum(state.forces * (np.cross(state.gap.arms, normals) @ state.pose.axis)))
+        resisting = sum(each.forces.rolling_power for each in found.rolling if each.patch.side == side)
+        assert resisting == pytest.approx(-rolled.rate_rad_s * torque, abs=0.05 * abs(resisting) + 1e-3 * power)
+    torque = 1e6 * inputs.get("torque_kNm", 0.0)
+    assert rolled.torque_Nmm == pytest.approx(-torque, abs=1e-4 * 200e3 * 460.0)
     traction = sum(each.creep_force_on_wheel_N[2] for each in found.rolling)
-    assert traction == pytest.approx(3e6 / 460.0, rel=0.05)
+    assert traction == pytest.approx(torque / 460.0, rel=0.05, abs=500.0)
 
 
 def test_creepages_do_not_depend_on_the_speed(wheelset):

@@ -15,8 +15,8 @@ class RollingSummary(SummaryPart):
     """How the wheelset rolls: torque on the axle, moment that guides it, Nadal's limits, and power.
 
     `yaw_moment_kNm` is that of the contact on the wheelset, counter-clockwise from above, `traction_kN` the sum of
-    creep forces ahead, `power_W` that of the creepages. Nadal's limits, and L/V over
-    them (None without contact), are those of the left and the right wheel; above 1 flange climb is possible. The
+    creep forces ahead, `power_W` what friction dissipates. Nadal's limits, and L/V over them (None without contact),
+    are those of the left and the right wheel; above 1 flange climb is possible. The
     kinematic (Klingel's) wave is that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
     """
 

@@ -174,7 +174,7 @@ def _rolling(patch: RollingPatch) -> PatchRollingSummary:
         spin_moment_Nm=patch.spin_moment_Nm,
         traction_coefficient=patch.used_friction,
         t_gamma_N=patch.t_gamma_N,
-        frictional_power_W=scale * found.frictional_power,
+        frictional_power_W=patch.power_W,
         slipping_share=share,
         max_traction_MPa=traction,
         max_slip_velocity_m_s=slip,

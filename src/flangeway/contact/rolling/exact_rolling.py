@@ -89,8 +89,7 @@ def roll(
     while change > PRESSURE_CHANGE and turn < MOST_TURNS:
         turn += 1
         old, forces = step.contact.normal_forces, _forces(result)
-        raised = step.contact.displacements(forces, normal=False)[:, 1, BEYOND:-BEYOND]
-        new = contact.pressed(raised, old).forces
+        new = contact.pressed(result.raised, old).forces
         change = float(np.abs(new - old).sum()) / contact.force
         step = replace(step, contact=replace(contact, pressures=new / contact.areas))
         result = step.found(forces, result.motion, wanted, tolerance)
@@ -316,6 +315,9 @@ class _Step:
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
         displacements = contact.displacements(forces)
+        raised = np.zeros_like(displacements[:, 1])
+        if contact.coupled:
+            raised = contact.displacements(forces, normal=False)[:, 1]
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
         power, rolling = -np.sum(forces * slips, axis=1), 0.0
         if self.steady:
@@ -323,8 +325,7 @@ class _Step:
             gradients = (displacements[..., BEYOND + 1 : -1] - displacements[..., 1 : -BEYOND - 1]) / step
             central = abs(velocity) * motion.rigid(*contact.places) - velocity * gradients[:, ::2]
             power = -np.sum(forces * central, axis=1)
-            raised = contact.displacements(forces, normal=False) if contact.coupled else np.zeros_like(displacements)
-            raising = (raised[:, 1, BEYOND + 1 : -1] - raised[:, 1, 1 : -BEYOND - 1]) / step
+            raising = (raised[:, BEYOND + 1 : -1] - raised[:, 1 : -BEYOND - 1]) / step
             rolling = -velocity * float(np.sum(contact.normal_forces * raising))
         along, across, moment = self.resultants(forces).tolist()
         past = (displacements,) if self.steady else () if self.before is None else self.before.displacements[:1]
@@ -342,6 +343,7 @@ class _Step:
             states=np.where(loaded, np.where(sticks, STICKS, SLIPS), NO_CONTACT),
             power_density=power / contact.areas,
             rolling_power=rolling,
+            raised=raised[:, BEYOND:-BEYOND],
             displacements=(displacements, *(past if motion.rolls else ())),
             problem=problem,
             state=state,

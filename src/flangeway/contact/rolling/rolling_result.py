@@ -76,8 +76,10 @@ class Rolling(CreepForces):
         Frictional power over area (work of a shift). In steady rolling it is that of slip by central differences: its
         sum is the power of the creepages exactly, single cells beside the edge of slip may be slightly negative.
     rolling_power
-        Power that frictional displacements along the normals take up through the pressures, 0 for bodies of one
-        material: the frictional power is that of the creepages plus this.
+        Power of the pressures as tractions move the surfaces along their normals: with a part of them ahead of the
+        middle they resist rolling. 0 between half-spaces of one material.
+    raised
+        Displacements along the normals by tractions, shape (n_cells, n_strips).
     displacements
         Displacements of the second body less the first one's, see `RollingContact.displacements`, of this state and
         of the one before it.
@@ -90,6 +92,7 @@ class Rolling(CreepForces):
     states: Ints
     power_density: Floats
     rolling_power: float = 0.0
+    raised: Floats
     displacements: tuple[Floats, ...] = ()
     problem: FrictionProblem | None = None
     state: FrictionState | None = None
@@ -101,10 +104,11 @@ class Rolling(CreepForces):
 
     @cached_property
     def t_gamma(self) -> float:
-        """See `CreepForces.t_gamma`; creepages of each row count with its forces."""
+        """See `CreepForces.t_gamma`; creepages of each row count with its forces, and pressures that resist rolling."""
         s, z = self.contact.places
         rigid = self.motion.rigid(s, z).swapaxes(1, 2)
-        return -float(np.sum(self.tractions * self.contact.areas[:, :, None] * rigid))
+        of_creepages = -float(np.sum(self.tractions * self.contact.areas[:, :, None] * rigid))
+        return of_creepages + self.rolling_power / (abs(self.motion.speed) or 1.0)
 
     @property
     def coefficient(self) -> float:

@@ -319,10 +319,12 @@ class GriddedSide:
     @cached_property
     def bending_modes(self) -> tuple[Floats, Floats]:
         """Displacement of the rail less that of the wheel as ``modes @ loads`` of low rank: (n, 2, r) and (r, n)."""
-        bending = self._bending[0]
-        left, sizes, right = np.linalg.svd(bending.reshape(-1, bending.shape[2]), full_matrices=False)
-        rank = int((sizes > RANK * sizes[0]).sum())
-        return (left[:, :rank] * sizes[:rank]).reshape(*bending.shape[:2], rank), right[:rank]
+        return _modes(self._bending[0])
+
+    @cached_property
+    def bending_modes_across(self) -> tuple[Floats, Floats]:
+        """The same of `bending_across`."""
+        return _modes(self.bending_across)
 
     def deformed(
         self,
@@ -354,6 +356,12 @@ class GriddedSide:
         gap.arms[..., :2] += pose.shift  # from the middle of the axle, not from the profile's origin
         values = np.where(gap.gaps < FAR_MM, gap.gaps + (moved * normals).sum(axis=1)[:, None], FAR_MM)
         return points, normals, gap, values
+
+
+def _modes(bending: Floats) -> tuple[Floats, Floats]:
+    left, sizes, right = np.linalg.svd(bending.reshape(-1, bending.shape[2]), full_matrices=False)
+    rank = int((sizes > RANK * sizes[0]).sum())
+    return (left[:, :rank] * sizes[:rank]).reshape(*bending.shape[:2], rank), right[:rank]
 
 
 def tangents_of(normals: Floats) -> Floats:

@@ -45,6 +45,10 @@ class SideNewton:
         self.changed = True
         self.creep: Floats | None = None
         """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
+        self.raised: Floats = np.zeros(self.forces.shape)
+        """What they open the gaps besides, (n, n_z)."""
+        self.ratios: Floats = np.zeros(len(self.forces))
+        """Lateral creep forces over the normal forces of the rows, which they follow, (n,)."""
         self.bent = False
 
     def linearise(self, pose: WheelPose) -> None:
@@ -55,11 +59,12 @@ class SideNewton:
             pose, self.forces, self._last, None if self.creep is None else self.creep[:, 0]
         )
         self._last = self.gap.gaps
+        self.values = self.values + self.raised
         self.total = self.values + grid.influence(self.forces)
         # a cell leaves the set, or comes in, by more than round-off: otherwise some change sides for ever
         least = SAME * float(self.forces.sum()) / max(int(self.touching.sum()), 1)
         width = least * float(grid.coefficients[0].diagonal().max())
-        touching = np.where(self.touching, self.forces > -least, self.total < -width) & (self.values < FAR_MM)
+        touching = np.where(self.touching, self.forces > -least, self.total < -width) & (self.gap.gaps < FAR_MM)
         self.changed = bool((touching != self.touching).any())
         if self.changed or self._factor is None:
             self.touching = touching
@@ -86,15 +91,22 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats) -> None:
-        """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too."""
+    def bend(self, creep: Floats, raised: Floats, normal: Floats) -> None:
+        """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
+
+        - `raised`: see `SideCreep`.
+        - `normal`: normal forces of the rows, (n,).
+        """
         before = np.zeros_like(creep) if self.creep is None else self.creep
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, creep[:, 0] - before[:, 0])
         share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
         self.creep = before + share * (creep - before)
         self.bent = share < 1.0
+        self.ratios = np.divide(self.creep[:, 0], normal, out=np.zeros(len(normal)), where=normal > 0.0)
         # rail points that move by v are as a wheel that moves by -v
-        self.values = self.values - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
+        change = share * (raised - self.raised)
+        self.raised = self.raised + change
+        self.values = self.values + change - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
 
     def solve(self, *, yaw: bool = False) -> tuple[Floats, Floats]:
         """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4).
@@ -120,11 +132,17 @@ class SideNewton:
             all_by = self.gap.by_motion[rows, strips]
             slopes = np.column_stack((slopes, all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]))
         # D = left right: by_motion . n = 1, so that n - by_motion lies across
-        modes, loads = self.grid.bending_modes
+        grid = self.grid
+        modes, loads = grid.bending_modes
         left = np.einsum("mx,mxk->mk", self.normals[rows] - by, modes[rows])
         right = loads[:, rows]
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
+        if self.creep is not None and self.ratios.any():
+            modes, loads = grid.bending_modes_across
+            across = -np.einsum("mx,mxk->mk", by, modes[rows])
+            values = values - across @ (loads @ self.creep[:, 0])
+            left, right = np.hstack((left, across)), np.vstack((right, (loads * self.ratios)[:, rows]))
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
         n = 1 + slopes.shape[1]
         solved, inner = found[:, :n], found[:, n:]
@@ -163,6 +181,8 @@ class SideNewton:
         )
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
         self.forces = self.forces + share * change if share < 1.0 else new
+        if self.creep is not None and self.ratios.any():
+            self.creep = np.column_stack((self.ratios * self.forces.sum(axis=1), self.creep[:, 1]))
         total = float(np.abs(new).sum())
         return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
 

@@ -126,7 +126,7 @@ class WheelsetNewton:
         normal[newton.touching] = np.maximum(forces, 0.0)
         found = self.rolled[side] = self.creep.of_side(side, newton, normal)
         change = self.creep.derivatives(side, newton, forces, by, found)
-        newton.bend(found.rows)
+        newton.bend(found.rows, found.raised, normal.sum(axis=1))
         return change
 
     def _add_creep(self, number: int, side: Side, forces: Floats, by: Floats, change: Floats) -> None:

@@ -51,7 +51,7 @@ class RollingRow:
 
 
 class Energy:
-    """Maximum difference of frictional power from that of creepages and pressures, and states that did not converge."""
+    """Maximum difference of frictional power from that of forces and creepages, and states that did not converge."""
 
     def __init__(self) -> None:
         self.error, self.count = 0.0, 0
@@ -62,10 +62,9 @@ class Energy:
         if not found.status.converged:
             self.failures.append(f"{name}: {found.status.message}")
         if found.motion.rolls:
-            parts = np.array([abs(found.motion.speed) * found.t_gamma, found.rolling_power])
-            self.error = max(
-                self.error, abs(found.frictional_power - parts.sum()) / max(np.abs(parts).sum(), LEAST_POWER)
-            )
+            power = abs(found.motion.speed) * found.t_gamma
+            size = max(abs(power) + abs(found.rolling_power), LEAST_POWER)
+            self.error = max(self.error, abs(found.frictional_power - power) / size)
             self.count += 1
         return found
 

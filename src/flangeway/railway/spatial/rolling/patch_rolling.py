@@ -4,7 +4,7 @@ Axes of a patch are those of `flangeway.contact.rolling.creepages.Creepages` wit
 right-hand form of the side: t along the rail's surface towards the gauge side, n out of the rail, z ahead.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -16,15 +16,13 @@ from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.railway.spatial.side_contact import SideState, tangents_of
+from flangeway.railway.spatial.side_contact import SideGrid, SideState, tangents_of
 from flangeway.railway.spatial.side_newton import SideNewton
 from flangeway.railway.spatial.wheel_gap import FAR_MM
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.types import Bools, Floats
 
-MARGIN = 2
-"""Cells and strips about a patch whose pressures are found anew with friction, if the materials differ."""
 SAME = 1e-6
 """Gap between two cells over the strip that is none."""
 
@@ -52,36 +50,50 @@ def rolling_contact_of(
 
     """
     state = patch.state
-    return contact_in(state, state.forces, state.gaps, patch.ellipse.inside, friction, origin)
+    normal, inside = state.forces, patch.ellipse.inside
+    surfaces = state.grid.surfaces
+    if surfaces.rail_elastic.material == surfaces.wheel_elastic.material:
+        return contact_in(state, normal, inside, friction, origin)
+    contact = contact_in(state, normal, inside, friction, origin, whole=True)
+    box = rows, strips = rows_of(state, contact), strips_of(state, contact)
+    influence = Convolution(np.ascontiguousarray(contact.coefficients[: contact.grid.n_strips, 1::3, 1::3]))
+    undeformed = state.gaps[box] - influence(contact.normal_forces)
+    undeformed[(normal > 0.0)[box] & ~inside[box]] = FAR_MM
+    force = contact.normal_forces.sum(axis=1) @ state.normals[rows]
+    total = float(np.linalg.norm(force))
+    share = (state.normals[rows] @ force / total)[:, None]
+
+    def pressed(change: Floats, start: Floats) -> NormalContact:
+        return solve_normal(influence, undeformed + change, force=total, share=share, start=start, tolerance=CHANGE)
+
+    return replace(contact, pressed=pressed)
 
 
 def contact_in(
     state: SideState | SideNewton,
     normal: Floats,
-    gaps: Floats,
     inside: Bools,
     friction: Friction,
     origin: tuple[float, float] | None = None,
     *,
+    whole: bool = False,
     bodies: bool = True,
 ) -> RollingContact:
-    """As `rolling_contact_of` for the cells of a patch on its side.
+    """As `rolling_contact_of` for the cells of a patch on its side, with pressures that stay.
 
     - `state`: of the side.
-    - `normal`, `gaps`: normal forces and gaps of the deformed surfaces of all cells, (n, n_z).
+    - `normal`: normal forces of all cells, (n, n_z).
     - `inside`: which cells, (n, n_z).
+    - `whole`: all cells of the window in which the patch lies, which friction moves along the normals too.
     - `bodies`: whether the bodies' influence coefficients are needed: fast theories do not.
     """
     side, grid = state.grid, state.grid.grid
     materials = side.surfaces.rail_elastic.material, side.surfaces.wheel_elastic.material
     rows, strips = box_of(inside)
-    apart = np.flatnonzero(np.diff(grid.cells.ravel())[1::2] > SAME * grid.strip) + 1
-    window = max(apart[apart <= rows.start], default=0), min(apart[apart >= rows.stop], default=len(inside))
-    if not bodies:  # the ellipse of a patch that is none may be wider
-        rows = slice(*map(int, window))
-    elif materials[0] != materials[1]:
-        rows = slice(max(rows.start - MARGIN, window[0]), min(rows.stop + MARGIN, window[1]))
-        strips = slice(max(strips.start - MARGIN, 0), min(strips.stop + MARGIN, inside.shape[1]))
+    if whole or not bodies:  # the ellipse of a patch that is none may be wider
+        rows = window_of(grid, rows)
+    if whole:
+        strips = slice(0, inside.shape[1])
     z = grid.z[strips]
     cells = PatchGrid(np.append(grid.cells[rows, 0], grid.cells[rows.stop - 1, 1]), grid.strip, len(z), float(z.mean()))
     forces = np.where(inside, normal, 0.0)[rows, strips]
@@ -93,19 +105,7 @@ def contact_in(
     if not bodies:
         return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
     coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
-    pressed = None
-    if materials[0] != materials[1]:
-        influence = Convolution(np.ascontiguousarray(coefficients[: len(z), 1::3, 1::3]))
-        others = (normal > 0.0)[rows, strips] & ~inside[rows, strips]
-        undeformed = np.where(others, FAR_MM, gaps[rows, strips] - influence(forces))
-        force = forces.sum(axis=1) @ state.normals[rows]
-        total = float(np.linalg.norm(force))
-        share = (state.normals[rows] @ force / total)[:, None]
-
-        def pressed(change: Floats, start: Floats) -> NormalContact:
-            return solve_normal(influence, undeformed + change, force=total, share=share, start=start, tolerance=CHANGE)
-
-    return RollingContact(cells, forces / areas, own, materials, coefficients, pressed, origin)
+    return RollingContact(cells, forces / areas, own, materials, coefficients, None, origin)
 
 
 def box_of(inside: Bools) -> tuple[slice, slice]:
@@ -114,10 +114,23 @@ def box_of(inside: Bools) -> tuple[slice, slice]:
     return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
 
 
+def window_of(grid: SideGrid, rows: slice) -> slice:
+    """Rows of cells without gaps between them about some."""
+    apart = np.flatnonzero(np.diff(grid.cells.ravel())[1::2] > SAME * grid.strip) + 1
+    first, last = max(apart[apart <= rows.start], default=0), min(apart[apart >= rows.stop], default=len(grid.cells))
+    return slice(int(first), int(last))
+
+
 def rows_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
     """Rows of cells of a side that a patch's contact has."""
     first = int(np.argmin(np.abs(state.grid.grid.cells[:, 0] - contact.grid.bounds[0])))
     return slice(first, first + len(contact.grid.widths))
+
+
+def strips_of(state: SideNewton | SideState, contact: RollingContact) -> slice:
+    """Strips of a side that a patch's contact has."""
+    first = int(np.argmin(np.abs(state.grid.grid.z - contact.grid.along[0])))
+    return slice(first, first + contact.grid.n_strips)
 
 
 def forces_on_cells(found: CreepForces, contact: RollingContact) -> Floats:
@@ -157,10 +170,9 @@ class RollingPatch:
 
     def on_side(self, values: Floats) -> Floats:
         """Values (n_cells, n_strips, ...) of the patch's cells on all cells of the side, 0 elsewhere."""
-        grid = self.patch.state.grid.grid
-        first = int(np.argmin(np.abs(grid.z - self.contact.grid.along[0])))
-        whole = np.zeros((len(grid.cells), len(grid.z), *values.shape[2:]))
-        whole[self.rows, first : first + values.shape[1]] = values
+        state = self.patch.state
+        whole = np.zeros((*state.forces.shape, *values.shape[2:]))
+        whole[self.rows, strips_of(state, self.contact)] = values
         return whole
 
     @cached_property

@@ -17,7 +17,14 @@ from flangeway.contact.rolling.fast_theories import linear_theory, polach
 from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
-from flangeway.railway.spatial.rolling.patch_rolling import box_of, contact_in, forces_on_cells, rows_of
+from flangeway.railway.spatial.rolling.patch_rolling import (
+    box_of,
+    contact_in,
+    forces_on_cells,
+    rows_of,
+    strips_of,
+    window_of,
+)
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
 from flangeway.railway.spatial.side_contact import SideState, WheelPose, tangents_of
 from flangeway.railway.spatial.side_newton import SideNewton
@@ -56,11 +63,14 @@ class SideCreep:
     - `patches`: by falling normal force.
     - `resultant`: force on the wheel (3,), moment about the axle's middle (3,), and that about the wheel's axis; (7,).
     - `rows`: forces on rows of cells along t and z, (n, 2).
+    - `raised`: what they open gaps more than `GriddedSide.bending_across` has it, on the cells of the patches and about
+      them, (n, n_z).
     """
 
     patches: tuple[PatchCreep, ...]
     resultant: Floats
     rows: Floats
+    raised: Floats
 
 
 @dataclass(eq=False)
@@ -100,15 +110,15 @@ class WheelsetCreep:
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches = []
-        gaps = state.gaps if isinstance(state, SideState) else state.total
         for inside in patches_of(normal):
-            contact = self._contact(state, normal, gaps, inside)
+            contact = self._contact(state, normal, inside)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
             nearest = int(np.abs(state.grid.grid.z - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
-            key = (state.grid, *box_key(box_of(inside)))
+            window = contact.grid.bounds[0]
+            key = (state.grid, window, sum(each.contact.grid.bounds[0] == window for each in patches))
             patches.append(PatchCreep(inside, contact, self._forces(key, contact, motion), points))
         return self._side(state, state.pose, tuple(patches))
 
@@ -119,21 +129,22 @@ class WheelsetCreep:
         self._last[key] = found
         return found
 
-    def _contact(self, state: SideNewton | SideState, normal: Floats, gaps: Floats, inside: Bools) -> RollingContact:
+    def _contact(self, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
         friction = self.motion.friction_on(state.normals)
         if self.theory != "exact":
-            return contact_in(state, normal, gaps, inside, friction, bodies=False)
-        box = box_of(inside)
-        key = (state.grid, *box_key(box))
+            return contact_in(state, normal, inside, friction, bodies=False)
+        key = (state.grid, window_of(state.grid.grid, box_of(inside)[0]).start)
         known = self._contacts.get(key)
-        if known is None or known.pressed is not None:
-            known = self._contacts[key] = contact_in(state, normal, gaps, inside, friction)
+        if known is None:
+            known = self._contacts[key] = contact_in(state, normal, inside, friction, whole=True)
             return known
+        box = rows_of(state, known), strips_of(state, known)
         return known.under(np.where(inside, normal, 0.0)[box] / known.areas)
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
         total, rows = np.zeros(N_RESULTANTS), np.zeros((len(state.grid.grid.cells), 2))
+        raised = np.zeros(state.forces.shape)
         for _, contact, found, points in patches:
             cells, own = forces_on_cells(found, contact), rows_of(state, contact)
             s, z = contact.places
@@ -142,7 +153,12 @@ class WheelsetCreep:
             ahead = cells[..., 0] @ contact.grid.along
             total += resultant_of((points[own], state.normals[own]), pose, cells.sum(axis=1), ahead, spinning)
             rows[own] += cells.sum(axis=1)
-        return SideCreep(patches, total, rows)
+            if isinstance(found, Rolling):
+                total[6] -= 1e3 * found.rolling_power / self.rate_rad_s
+                moved = state.grid.bending_across[own, :, own] @ cells[..., 0].sum(axis=1)
+                moved = (moved * state.normals[own]).sum(axis=1)[:, None]
+                raised[own, strips_of(state, contact)] += found.raised + moved
+        return SideCreep(patches, total, rows, raised)
 
     def derivatives(self, side: Side, newton: SideNewton, forces: Floats, by: Floats, found: SideCreep) -> Floats:
         """Derivatives of `SideCreep.resultant` by x, y, roll, tilt, rate of rotation and yaw, shape (7, 6).
@@ -181,7 +197,7 @@ class WheelsetCreep:
         for inside, _, _, points in found.patches:
             if not normal[inside].any():
                 continue
-            contact = contact_in(newton, normal, newton.total, inside, friction, bodies=False)
+            contact = contact_in(newton, normal, inside, friction, bodies=False)
             rows = rows_of(newton, contact)
             # where the rays along the rail's normals meet the wheel that has moved
             x, y = (points - newton.pose.middle).T
@@ -191,11 +207,6 @@ class WheelsetCreep:
             motion = self.creepages(side, pose, rate, (met[rows], newton.normals[rows]), contact)
             patches.append(PatchCreep(inside, contact, FAST[self.theory](contact, mean_of(contact, motion)), met))
         return self._side(newton, pose, tuple(patches)).resultant
-
-
-def box_key(box: tuple[slice, slice]) -> tuple[int, int, int, int]:
-    """Ends of a box."""
-    return box[0].start, box[0].stop, box[1].start, box[1].stop
 
 
 def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
