@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2841,
     "solve": 3967,
-    "contact": 6821,
+    "contact": 6827,
     "post": 1974,
     "forms": 366,
     "railway.profiles": 3671,
@@ -30,17 +30,17 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3670,
+    "railway.spatial": 3722,
     "cases": 7073,
     "campaign": 1891,
     "tables": 1441,
     "report": 8156,
-    "validation": 7394,
+    "validation": 7393,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_717
+MAX_LINES_OF_ALL = 69_774
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -212,7 +212,7 @@ def test_the_tables_have_columns_of_friction(rolling, rolling_folder, folder):
         strength = 510.0 / np.sqrt(3.0)
         assert float(row["pressure_over_shear_strength"]) == pytest.approx(patch.max_pressure_MPa / strength, rel=1e-5)
         assert patch.rolling.frictional_power_W == pytest.approx(20.0 * patch.rolling.t_gamma_N, rel=1e-9)
-        assert own.forces.frictional_power == pytest.approx(patch.rolling.frictional_power_W, rel=1e-9)
+        assert 20.0 * own.forces.frictional_power == pytest.approx(patch.rolling.frictional_power_W, rel=1e-9)
     with (folder / "patches.csv").open(encoding="utf-8") as file:
         assert {row["rolling"] for row in csv.DictReader(file)} == {""}
 

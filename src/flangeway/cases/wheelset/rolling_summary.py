@@ -16,8 +16,8 @@ class RollingSummary(SummaryPart):
 
     `yaw_moment_kNm` is that of the contact on the wheelset, counter-clockwise from above, `traction_kN` the sum of
     creep forces ahead, `power_W` what friction dissipates. Nadal's limits, and L/V over them (None without contact),
-    are those of the left and the right wheel; above 1 flange climb is possible. The
-    kinematic (Klingel's) wave is that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
+    are those of the left and the right wheel; above 1 flange climb is possible. The kinematic (Klingel's) wave is
+    that of the equivalent conicity of rigid wheels at 3 mm, None where there is none.
     """
 
     speed_km_h: float

@@ -55,7 +55,8 @@ def rolling_contact_of(
     if surfaces.rail_elastic.material == surfaces.wheel_elastic.material:
         return contact_in(state, normal, inside, friction, origin)
     contact = contact_in(state, normal, inside, friction, origin, whole=True)
-    box = rows, strips = rows_of(state, contact), strips_of(state, contact)
+    rows = rows_of(state, contact)
+    box = rows, strips_of(state, contact)
     influence = Convolution(np.ascontiguousarray(contact.coefficients[: contact.grid.n_strips, 1::3, 1::3]))
     undeformed = state.gaps[box] - influence(contact.normal_forces)
     undeformed[(normal > 0.0)[box] & ~inside[box]] = FAR_MM

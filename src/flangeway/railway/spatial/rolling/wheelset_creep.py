@@ -109,7 +109,7 @@ class WheelsetCreep:
 
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
-        patches = []
+        patches: list[PatchCreep] = []
         for inside in patches_of(normal):
             contact = self._contact(state, normal, inside)
             rows = rows_of(state, contact)
