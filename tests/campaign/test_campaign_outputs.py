@@ -157,6 +157,7 @@ def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
     assert campaign_figures(found) == {}
 
 
+@pytest.mark.ci
 def test_pictures_and_animation_are_chosen_by_what_varies(sweep, tmp_path):
     """One input gives curves, the locus and an animation with a frame for each row, whose contact moves."""
     campaign, found = sweep

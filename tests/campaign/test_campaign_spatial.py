@@ -62,6 +62,7 @@ def test_rows_carry_the_load_and_have_the_columns_of_both_models(sweep):
     assert (found.numbers("right_ahead_mm")[1::2] > 1.0).all()
 
 
+@pytest.mark.ci
 def test_a_row_is_that_of_a_run_and_does_not_depend_on_the_others(sweep, monkeypatch):
     """A row computed alone in a worker that prepared nothing has the same bytes; `flangeway run` has its numbers."""
     campaign, found = sweep

@@ -56,6 +56,7 @@ def test_bundled_section_and_folder(call, tmp_path):
     assert {path.name for path in (tmp_path / "here").iterdir()} == FILES
 
 
+@pytest.mark.ci
 def test_reproduce_torsion_quick(call, monkeypatch, tmp_path):
     """Quick reproduction ends with status 0, reports how many numbers are within, and leaves table and pictures."""
     # not brief: on the two coarser meshes alone

@@ -48,6 +48,7 @@ def test_cells_of_a_plane_have_the_coefficients_of_a_half_space() -> None:
     assert found == pytest.approx(all_cells[:, kept][:, :, :, kept], rel=1e-12)
 
 
+@pytest.mark.ci
 def test_half_space_and_remainder_give_the_compliance_on_other_cells(bar) -> None:
     """Interpolated to cells of half the width, they agree with the compliance of these cells to 2 % of the largest."""
     surface = elastic_surface(cells_of(bar, 20))

@@ -99,6 +99,7 @@ def test_crossed_cylinders_touch_as_hertz_says(angle) -> None:
         assert abs(found.patches[0].angle_rad) == pytest.approx(np.deg2rad(angle) / 2.0, abs=0.01)
 
 
+@pytest.mark.ci
 def test_patches_are_equal_under_mirror_and_under_exchange_of_the_bodies() -> None:
     """Both bodies mirrored: equal to 1e-7 of the pressure; upside down with the bodies exchanged: 1e-3."""
     lower = block(40.0, 0.12, placement=Placement.about((0.0, 0.0), 0.02))
@@ -148,6 +149,7 @@ def hertz_below(long: float, short: float, pressure: float, depths: Floats) -> F
     return 2.0 * pressure * short / (square * long) * np.stack((x, y, z), axis=1)
 
 
+@pytest.mark.ci
 def test_stresses_below_a_patch_are_those_of_hertz_and_symmetric() -> None:
     """Below the middle within 2.5 % of the pressure ; before and behind it equal, shears along z opposite."""
     crown, radius = 40.0, 80.0

@@ -117,6 +117,7 @@ def test_pictures_of_the_gallery_are_small_and_all_shown():
         assert picture.name in text
 
 
+@pytest.mark.ci
 def test_commands_of_the_gallery_write_the_pictures_it_names(call, tmp_path):
     """Each command of the gallery ends well and writes every picture that is named under it."""
     text = (DOCS / "gallery.md").read_text(encoding="utf-8")
@@ -132,6 +133,7 @@ def test_commands_of_the_gallery_write_the_pictures_it_names(call, tmp_path):
         assert all((folder / picture).stat().st_size > 0 for picture in pictures)
 
 
+@pytest.mark.ci
 def test_the_numbers_of_the_limits_are_in_the_report_of_their_command(call, tmp_path):
     """The report of the command on the page of limits has the rows that the page shows, to 2 %."""
     blocks = dict(re.findall(r"```(sh|text)\n(.*?)```", (DOCS / "limits.md").read_text(encoding="utf-8"), re.DOTALL))

@@ -118,6 +118,7 @@ def test_a_growth_of_one_is_bounded():
     assert 0.8 < mesh_bound([Region(square(1.0))], 0.1, [line]).n_triangles / made < 2.0
 
 
+@pytest.mark.ci
 @NEEDS_LINUX
 def test_the_memory_is_near_what_is_measured():
     """Gmsh's memory is estimated to 20 % of the measured peak, at three sizes, by both algorithms and for sections.

@@ -42,6 +42,7 @@ def test_the_family_keeps_what_is_known_of_the_wheel(radius):
     assert thickness == pytest.approx(34.925, abs=2e-3)
 
 
+@pytest.mark.ci
 def test_vo2_stands_where_it_was_published():
     """With the bundled root VO2 has the published lateral translation to 0.1 % and rotation to 1 %, on two contacts."""
     result = solve_wheelset(published_problem(published_case("curve", "VO2")))

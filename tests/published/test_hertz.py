@@ -33,6 +33,7 @@ def smooth():
     return {code: hertz_row(code, 3, "segments") for code in ("FDO2", "VVO2")}
 
 
+@pytest.mark.ci
 def test_every_load_step_converges_in_few_iterations(halved, smooth):
     """All ten load steps of all configurations converge in six iterations or fewer."""
     for row in (*halved.values(), *smooth.values()):

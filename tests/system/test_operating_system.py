@@ -145,6 +145,7 @@ indentation_mm = [0.1, 0.2]
 """
 
 
+@pytest.mark.ci
 def test_commands_run_without_the_functions_of_unix(tmp_path):
     """A campaign with two workers, which begin as fresh processes, computes its rows where Unix's functions lack."""
     (tmp_path / "windows.py").write_text(WITHOUT_UNIX, encoding="utf-8")

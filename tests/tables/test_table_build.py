@@ -208,6 +208,7 @@ def test_an_interrupted_table_goes_on_from_the_cache(few_points, tmp_path, monke
     assert [position[0] for _, position in computed] == [0.0, 0.5, 1.0]
 
 
+@pytest.mark.ci
 def test_processes_give_what_this_process_gives(monkeypatch, tmp_path):
     """Two workers return the positions of one."""
     monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path))

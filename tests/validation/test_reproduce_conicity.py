@@ -1,11 +1,13 @@
 """The benchmark of EN 15302: `flangeway reproduce conicity`."""
 
 import numpy as np
+import pytest
 
 from flangeway.validation.en15302.en15302_chapter import CONICITY
 from flangeway.validation.en15302.en15302_reproduced import COMBINATIONS, conicity_table, reproduce_conicity
 
 
+@pytest.mark.ci
 def test_all_conicities_are_within_the_tolerance_of_the_standard(same_as_page) -> None:
     """All combinations, at all amplitudes, as on the page; most agree to a few units of the standard's last digit."""
     found = reproduce_conicity()

@@ -165,6 +165,7 @@ def _registered(monkeypatch, **changes):
     monkeypatch.setattr(reproductions, "REPRODUCTIONS", changes)
 
 
+@pytest.mark.ci
 def test_the_command_leaves_tables_and_pictures(call, monkeypatch, tmp_path, found):
     """The command ends with status 0, says how many numbers are within, and leaves all its files and columns."""
     known = reproductions.REPRODUCTIONS["elasticity"]

@@ -84,6 +84,7 @@ def agree(prepared: PreparedWheelset, table: PositionTable, number: int) -> None
         assert mine.at_edge == theirs.at_edge
 
 
+@pytest.mark.ci
 def test_positions_agree_with_the_full_search(prepared: PreparedWheelset, table: PositionTable) -> None:
     """Five positions drawn at random from centre to flange agree to 1e-6 of the weight in the forces of all patches."""
     assert table.converged.all(), table.messages

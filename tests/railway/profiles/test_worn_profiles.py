@@ -115,6 +115,7 @@ def test_both_formats_give_one_curve(files):
         assert np.abs(one.best_points - other.best_points).max() < 1e-4
 
 
+@pytest.mark.ci
 @pytest.mark.parametrize("name", ["smooth", "noisy", "curve"])
 def test_the_chain_ends_in_equilibrium(name, runs):
     """From the files to the equilibrium: converged, errors below 1e-10, contact forces that carry the load."""

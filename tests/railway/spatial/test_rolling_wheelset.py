@@ -114,6 +114,7 @@ def test_little_friction_is_nearly_none(wheelset):
     assert none.rolling == ()
 
 
+@pytest.mark.ci
 def test_the_exact_theory_is_linear_at_small_yaw(wheelset):
     """The lateral force by a yaw of 0.05 mrad is that of linear theory within 10 %, which coarse cells leave."""
     slopes = []

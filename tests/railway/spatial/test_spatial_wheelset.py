@@ -100,6 +100,7 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
         assert one.force_on_wheel_N == pytest.approx(other.force_on_wheel_N, rel=5e-3, abs=50.0)
 
 
+@pytest.mark.ci
 def test_on_fixed_rails_and_a_rigid_axle_it_is_the_contact_of_one_wheel():
     """In the middle of straight track each wheel carries half: pressures of `press_patch` within 2 %."""
     one = coarse_case(rail_support="fixed", axle="rigid", size_scale=1.8)

@@ -34,6 +34,7 @@ def test_the_curve_is_in_equilibrium_from_a_cold_start(crown: int) -> None:
     assert sum(patch.force_on_wheel_N for patch in result.patches) == pytest.approx([-along, onto], rel=1e-9)
 
 
+@pytest.mark.ci
 def test_methods_agree_in_the_curve() -> None:
     """Triangles and polygons agree in force of each contact within 4 % and in lateral motion within 0.1 mm."""
     fem, vem = (solve(WheelsetCurveCase, method=method) for method in ("fem", "vem"))
@@ -52,6 +53,7 @@ def test_flanges_push_the_rails_apart() -> None:
     assert abs(result.equilibrium.position.lateral_mm) < 1e-6
 
 
+@pytest.mark.ci
 def test_thirty_times_the_load_is_found() -> None:
     """At 9 MN an axle, many steps' limit below first touch, the equilibrium is found as well."""
     result = solve(WheelsetTangentCase, axle_load_kN=9000.0)
@@ -131,6 +133,7 @@ def test_a_flange_that_climbs_is_a_derailment() -> None:
     assert "L/V 3.000" in caught.value.given
 
 
+@pytest.mark.ci
 def test_all_balances_are_found() -> None:
     """Beside the equilibrium in the flange root there is one on the top of the climbing flange, and it is unstable."""
     result = solve(WheelsetCurveCase, equilibria="all", order=1)
