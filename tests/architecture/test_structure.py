@@ -35,12 +35,12 @@ MAX_LINES = {
     "campaign": 1891,
     "tables": 1441,
     "report": 8156,
-    "validation": 7393,
+    "validation": 7398,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_774
+MAX_LINES_OF_ALL = 69_779
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -1,7 +1,7 @@
 """Figure and chapter of curved edges."""
 
-import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import NullLocator
 
 from flangeway.report.figures.drawing import INK, new_figure
 from flangeway.report.page.tables import SummaryTable
@@ -19,17 +19,19 @@ TITLES = {"Lamé": "Lamé's tube", "torsion": "ring in torsion", "Kirsch": "Kirs
 
 
 def errors_figure(found: CurvedReproduction) -> Figure:
-    """Draw the errors in energy of polygons over the element size, on curved edges and on chords."""
+    """Draw the errors in energy of polygons over the number of cells across, on curved edges and on chords."""
     figure = new_figure(10.5, 4.2)
     for axes, (body, title) in zip(figure.subplots(1, 3), TITLES.items(), strict=True):
         for order, colour in enumerate(SHADES, start=1):
             for bent, style in ((True, "o-"), (False, "s--")):
                 errors = found.errors(body, f"V{order}", curved=bent)
                 label = f"order {order}, {'curved edges' if bent else 'chords'}"
-                sizes = 1.0 / np.array(LEVELS[: len(errors)])
-                axes.loglog(sizes, errors, style, color=colour, ms=4, mfc="white", lw=1.2, label=label)
+                axes.loglog(LEVELS[: len(errors)], errors, style, color=colour, ms=4, mfc="white", lw=1.2, label=label)
         axes.set_title(title, fontsize=10, color=INK)
-        axes.set_xlabel("1 / cells across", fontsize=9)
+        cells = LEVELS[: len(found.errors(body, "V1", curved=True))]
+        axes.set_xticks(cells, [str(n) for n in cells])
+        axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xlabel("cells across", fontsize=9)
         axes.grid(color="#e4e4e4", linewidth=0.5)
     figure.axes[0].set_ylabel("relative error in energy", fontsize=9)
     figure.legend(
@@ -62,7 +64,7 @@ CURVED = Reproduction(
         (
             PagePicture(
                 "curved-errors",
-                "Relative errors in energy over the element size for three bodies: on curved edges lines are as steep "
+                "Relative errors in energy over the cells across for three bodies: on curved edges lines are as steep "
                 "as the order of the polygons, on chords all orders above 1 end on lines of slope 1.5",
                 errors_figure,
             ),

@@ -1,5 +1,7 @@
 """Figure and chapter of Coulomb friction of plane bodies."""
 
+import matplotlib as mpl
+import numpy as np
 from matplotlib.figure import Figure
 
 from flangeway.report.figures.drawing import INK, new_figure
@@ -25,11 +27,12 @@ def tractions_figure(found: FrictionReproduction) -> Figure:
         limit = MU * steps[-1].pressures
         axes.plot(steps[-1].x_mm, limit, color=INK, lw=1.0, ls="dashed", label="limit by the pressure")
         axes.plot(steps[-1].x_mm, -limit, color=INK, lw=1.0, ls="dashed")
-        for each in steps:
-            axes.plot(each.x_mm, each.tractions, lw=1.2, label=f"{each.load:.2f} of sliding")
+        shades = mpl.colormaps["viridis"](np.linspace(0.0, 0.85, len(steps)))
+        for each, shade in zip(steps, shades, strict=True):
+            axes.plot(each.x_mm, each.tractions, color=shade, lw=1.2, label=f"{each.load:.2f} of sliding")
         axes.set(xlabel="x in mm", ylabel="traction in MPa", title=leg)
         axes.label_outer()
-        axes.legend(frameon=False, fontsize=8)
+        axes.legend(frameon=False, fontsize=8, ncols=3, loc="upper center", bbox_to_anchor=(0.5, -0.15))
     return figure
 
 
