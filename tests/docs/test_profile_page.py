@@ -9,6 +9,9 @@ from flangeway.railway.profiles.profile_file import READABLE
 TEXT = (Path(__file__).parents[2] / "docs" / "how-to" / "bring-your-profile.md").read_text(encoding="utf-8")
 
 
+OF_ALL_COMMANDS = ("--quiet", "--json", "--no-pictures", "--units")
+
+
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
     """Every script and command of the page ends well, in its order, and prints the lines that the page shows."""
     assert follow("how-to/bring-your-profile.md") == {"python": 2, "sh": 7, "text": 2}
@@ -18,7 +21,7 @@ def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
 def test_the_page_names_all_options_and_formats(call):
     """Each option of the command and each ending of a format is explained on the page."""
     _, shown, _ = call("profile", "--help")
-    for option in set(re.findall(r"--[a-z-]+", shown)) - {"--help", "--out", "--quiet", "--json", "--no-pictures"}:
+    for option in set(re.findall(r"--[a-z-]+", shown)) - {"--help", "--out", *OF_ALL_COMMANDS}:
         assert f"`{option}" in TEXT or f" {option} " in TEXT, option
     for ending in READABLE:
         assert f"`{ending}`" in TEXT, ending

@@ -257,7 +257,9 @@ class _Run:
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
             self.current = constraints.linearise(self.reference + self.displacements, previous)
             self.forces = _carried(previous, forces, self.current)
-        self.tangential = _carried(previous, friction.forces if friction else np.zeros(len(self.forces)), self.current)
+        self.tangential = np.zeros(len(self.current.keys))
+        if friction is not None:
+            self.tangential = _carried(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
         self.correct()
 
