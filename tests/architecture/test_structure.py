@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2841,
-    "solve": 3969,
+    "solve": 3970,
     "contact": 6827,
     "post": 1974,
     "forms": 366,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_781
+MAX_LINES_OF_ALL = 69_782
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

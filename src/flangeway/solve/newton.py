@@ -409,7 +409,8 @@ class _Run:
                 return None
             new_forces = only
         at_nodes = self.displacements[current.nodes].ravel()
-        moved = answer @ np.concatenate((new_forces, [1.0], motion))
+        m = len(new_forces)
+        moved = answer[:, :m] @ new_forces + answer[:, m] + answer[:, m + 1 :] @ motion
         applied[current.nodes] = (directions.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
         normal, tangential = (new_forces, self.tangential) if self.slides is None else np.split(new_forces, 2)
         return normal, tangential, applied, motion
