@@ -30,9 +30,9 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3722,
+    "railway.spatial": 3727,
     "cases": 7073,
-    "campaign": 1891,
+    "campaign": 1923,
     "tables": 1441,
     "report": 8156,
     "validation": 7398,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_782
+MAX_LINES_OF_ALL = 69_819
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -22,6 +22,9 @@ yaw_mrad = [0.0, 5.0]
 """
 
 
+LOADS = ("vertical_force_N", "longitudinal_creep_force_N", "frictional_power_W", "t_gamma_N", "share_of_nadal_limit")
+
+
 def read(folder, text):
     (folder / "c.toml").write_text(text, encoding="utf-8")
     return Campaign.from_file(folder / "c.toml")
@@ -60,6 +63,26 @@ def test_rows_carry_the_load_and_have_the_columns_of_both_models(sweep):
     assert found.numbers("left_head_lateral_mm")[0] == pytest.approx(-found.numbers("right_head_lateral_mm")[2])
     # with yaw the right wheel is ahead
     assert (found.numbers("right_ahead_mm")[1::2] > 1.0).all()
+
+
+def test_rows_that_roll_have_their_creep_forces(tmp_path):
+    """Lateral and vertical forces contain creep forces: they carry the load, and no torque is left without one."""
+    rolling = 'friction = 0.3\nspeed_km_h = 80\nrolling_theory = "fastsim"\n[vary]'
+    campaign = read(tmp_path, FILE.partition("lateral_mm =")[0].replace("[vary]", rolling) + "lateral_mm = [2.0]\n")
+    assert campaign.models == {"spatial", "rolling"}
+    first, rows = campaign.chunks[0]
+    (found,) = compute(Chunk(rows, first)).results
+    assert found.status == "converged", found.message
+    assert set(wheelset_columns(campaign.models)) == set(found.values)
+    assert {"row", *found.patches[0]} == set(patch_columns(campaign.models))
+    left, right = ({name: found.values[f"{side}_{name}"] for name in LOADS} for side in ("left", "right"))
+    load = 1e3 * campaign.rows[0].case.axle_load_kN
+    assert left["vertical_force_N"] + right["vertical_force_N"] == pytest.approx(load, rel=1e-7)
+    assert left["longitudinal_creep_force_N"] == pytest.approx(-right["longitudinal_creep_force_N"], rel=0.05)
+    assert abs(left["longitudinal_creep_force_N"]) > 0.01 * load
+    for each in (left, right):
+        assert each["frictional_power_W"] == pytest.approx(each["t_gamma_N"] * 80.0 / 3.6)
+        assert each["share_of_nadal_limit"] < 1.0
 
 
 @pytest.mark.ci

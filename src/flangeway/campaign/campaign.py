@@ -4,7 +4,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -69,6 +69,11 @@ class Row:
         return "plane" if isinstance(self.computed, WheelsetCase) else None
 
     @property
+    def rolls(self) -> bool:
+        """Whether it is a wheelset that rolls with friction."""
+        return isinstance(self.computed, SpatialWheelsetCase) and self.computed.spatial_model().rolling is not None
+
+    @property
     def is_position(self) -> bool:
         """Whether it can be computed together with other positions of the same bodies."""
         case = self.computed
@@ -84,6 +89,11 @@ class Row:
         """Hash of the inputs that shape the bodies: rows that share it differ in position and load only."""
         skipped = POSITION_KEYS if self.model else ()
         return _hash({key: value for key, value in self.content.items() if key not in skipped})
+
+
+def _models(rows: Sequence[Row]) -> frozenset[Model | None]:
+    rolling: set[Model | None] = {"rolling"} if any(row.rolls for row in rows) else set()
+    return frozenset(rolling.union(row.model for row in rows))
 
 
 @dataclass(frozen=True)
@@ -152,7 +162,7 @@ class Campaign:
     @cached_property
     def models(self) -> frozenset[Model]:
         """Models of its wheelsets."""
-        return frozenset(row.model for row in self.rows if row.model)
+        return frozenset(model for model in _models(self.rows) if model)
 
     @property
     def chunks(self) -> tuple[tuple[Row | None, tuple[Row, ...]], ...]:
@@ -230,7 +240,7 @@ class _CampaignText(TomlFile):
             rows.append(Row(number, {key: _read(found, key, value) for key, value in values.items()}, found))
         self._check(rows)
         kind = type(rows[0].case)
-        models = frozenset(row.model for row in rows)
+        models = _models(rows)
         shear = self._shear(kind, models)
         return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, models, shear), shear)
 

@@ -9,6 +9,7 @@ from typing import Any, Literal
 from flangeway.cases.summary import Summary
 from flangeway.exact import LineContact
 from flangeway.railway.positions.positions_patches import PositionPatch
+from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
@@ -17,7 +18,8 @@ from flangeway.railway.wheelset.subsurface import maximum_shear
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 Value = float | int | str | None
-Model = Literal["plane", "spatial"]
+Model = Literal["plane", "spatial", "rolling"]
+"""Of wheelsets; ``"rolling"`` in addition where they roll with friction."""
 
 POSITION_KEYS = (
     *("lateral_mm", "vertical_mm", "roll_rad", "axle_load_kN", "car_mass_t", "n_axles", "lateral_force_kN"),
@@ -40,6 +42,10 @@ _HERTZ = {
 }
 _HEAD = ("head_lateral_mm", "head_vertical_mm", "head_roll_rad", "gauge_outward_mm")
 """Motion of a rail's head in three dimensions."""
+_CREEPAGES = ("longitudinal_creepage", "lateral_creepage", "spin_creepage_per_m", "traction_coefficient")
+_CREEP = ("longitudinal_creep_force_N", "lateral_creep_force_N", "t_gamma_N", "frictional_power_W")
+"""Of patches that roll: a side has the creepages of the most loaded one, and the sums of the others."""
+_NADAL = "share_of_nadal_limit"
 _SHEAR = {role: (f"{role}_max_in_plane_shear_MPa", f"{role}_max_in_plane_shear_depth_mm") for role in ROLES}
 PATCH_SHEAR_COLUMNS = tuple(name for names in _SHEAR.values() for name in names)
 """Further columns of patches where the maximum shear stress below the surface is asked for."""
@@ -53,13 +59,15 @@ def wheelset_columns(models: Collection[str | None]) -> tuple[str, ...]:
     sizes = (name for model in _SIZE if model in models for name in _SIZE[model])
     names = ("n_patches", *_FORCES, "lateral_over_vertical", *_PRESSURE, *sizes, *_POINTS)
     head = _HEAD if "spatial" in models else ()
-    return (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in (*names, *head)))
+    rolling = (*_CREEPAGES, *_CREEP, _NADAL) if "rolling" in models else ()
+    return (*_MOTION, *(f"{side}_{name}" for side in SIDES for name in (*names, *head, *rolling)))
 
 
 def patch_columns(models: Collection[str | None]) -> tuple[str, ...]:
     """Columns of the table of patches; they are numbered on each side from the field to the gauge."""
     own = dict.fromkeys(name for model in _SIZE if model in models for name in (*_SIZE[model], *_HERTZ[model]))
-    return ("row", "side", "number", "region", *_FORCES, *_PRESSURE, *own, *_POINTS)
+    rolling = (*_CREEPAGES, *_CREEP) if "rolling" in models else ()
+    return ("row", "side", "number", "region", *_FORCES, *_PRESSURE, *own, *_POINTS, *rolling)
 
 
 WHEELSET_COLUMNS, PATCH_COLUMNS = wheelset_columns(("plane",)), patch_columns(("plane",))
@@ -104,11 +112,13 @@ def spatial_row(result: SpatialResult, seconds: float) -> RowResult:
     """Return the numbers of a wheelset in three dimensions."""
     if not result.status.converged:
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
-    patches = [_spatial_patch(patch) for patch in result.patches]
+    patches = [_spatial_patch(patch, result.rolling_of(patch)) for patch in result.patches]
     values, rows = numbers_of(result.equilibrium.position.components, patches, "spatial")
     for side in SIDES:
         motion = result.head_motion(side)
         values |= {f"{side}_{name}": value for name, value in zip(_HEAD, motion, strict=True)}
+        if result.rolling:
+            values[f"{side}_{_NADAL}"] = _plain(result.lateral_over_vertical(side) / result.nadal_limit(side))
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
 
@@ -140,6 +150,9 @@ def _side(side: Side, patches: list[dict[str, Value]], model: Model) -> dict[str
         values |= {name: highest[name] for name in _PRESSURE}
         most = max(patches, key=lambda patch: float(patch["normal_force_N"] or 0.0))
         values |= {name: most[name] for name in (*_SIZE[model], *_POINTS)}
+        if _CREEPAGES[0] in most:
+            values |= {name: most[name] for name in _CREEPAGES}
+            values |= {name: math.fsum(float(patch[name] or 0.0) for patch in patches) for name in _CREEP}
         for value, depth in _SHEAR.values():
             if value in most:
                 worst = max(patches, key=lambda patch: float(patch[value] or 0.0))
@@ -164,7 +177,8 @@ def plane_patch(patch: PositionPatch, hertz: LineContact | None) -> dict[str, Va
     return {name: _plain(value) for name, value in values.items()}
 
 
-def _spatial_patch(patch: SpatialPatch) -> dict[str, Value]:
+def _spatial_patch(patch: SpatialPatch, rolling: RollingPatch | None) -> dict[str, Value]:
+    """Return the columns of a patch; with friction lateral and vertical force have the creep forces."""
     hertz, ellipse = patch.hertz, patch.ellipse
     axes = hertz.semi_axes if hertz else (None, None)
     values = _patch(patch) | {
@@ -178,6 +192,14 @@ def _spatial_patch(patch: SpatialPatch) -> dict[str, Value]:
     }
     for place, name in enumerate(("long_semi_axis_mm", "short_semi_axis_mm")):
         values |= {name: ellipse.semi_axes[place], f"hertz_{name}": axes[place]}
+    if rolling is not None:
+        lateral, vertical, along = (float(force) for force in rolling.force_on_wheel_N)
+        values |= {"lateral_force_N": lateral, "vertical_force_N": vertical}
+        creepages = (rolling.longitudinal_creepage, rolling.lateral_creepage, rolling.spin_creepage_per_m)
+        values |= dict(zip(_CREEPAGES, (*creepages, rolling.used_friction), strict=True))
+        values |= dict(
+            zip(_CREEP, (along, rolling.lateral_creep_force_N, rolling.t_gamma_N, rolling.power_W), strict=True)
+        )
     return {name: _plain(value) for name, value in values.items()}
 
 

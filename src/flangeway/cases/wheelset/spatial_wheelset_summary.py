@@ -21,7 +21,7 @@ from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.railway.track.placements import SIDES, Side
 from flangeway.types import Floats
 
 # ruff: noqa: N815 (units in names)
@@ -170,7 +170,7 @@ def _rolling(patch: RollingPatch) -> PatchRollingSummary:
         lateral_creepage=patch.lateral_creepage,
         spin_creepage_per_m=patch.spin_creepage_per_m,
         longitudinal_creep_force_kN=found.along / 1e3,
-        lateral_creep_force_kN=-SIDE_SIGN[patch.patch.side] * found.across / 1e3,
+        lateral_creep_force_kN=patch.lateral_creep_force_N / 1e3,
         spin_moment_Nm=patch.spin_moment_Nm,
         traction_coefficient=patch.used_friction,
         t_gamma_N=patch.t_gamma_N,

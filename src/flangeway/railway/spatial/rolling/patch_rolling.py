@@ -215,6 +215,11 @@ class RollingPatch:
         return -1e3 * SIDE_SIGN[self.patch.side] * self._mean(self.forces.motion.spin)
 
     @property
+    def lateral_creep_force_N(self) -> float:  # noqa: N802
+        """Creep force on the wheel along the rail's surface to the right, N."""
+        return float(-SIDE_SIGN[self.patch.side] * self.forces.across)
+
+    @property
     def spin_moment_Nm(self) -> float:  # noqa: N802
         """Moment on the wheel about the normal at the origin of `contact`, N m, counter-clockwise from above."""
         return -1e-3 * SIDE_SIGN[self.patch.side] * self.forces.moment
