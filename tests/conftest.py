@@ -38,6 +38,18 @@ RADIUS = 50.0
 STEEL = Elastic(210e3, 0.3)
 
 
+LONG = {"follow", "followed", "background", "browser"}
+"""Fixtures that run a page of the documentation from top to bottom or start a browser, which takes long."""
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items):
+    """Leave tests with such a fixture to CI."""
+    for item in items:
+        if LONG.intersection(getattr(item, "fixturenames", ())):
+            item.add_marker(pytest.mark.ci)
+
+
 @pytest.fixture
 def interruptible():
     """Give processes that a test starts the usual end by Ctrl-C, also where the tests themselves ignore it.

@@ -16,18 +16,6 @@ SHOWN = ("sh", "text", "python")
 """Kinds of blocks that are not saved as files."""
 
 
-FOLLOWED = {"follow", "followed", "background"}
-"""Fixtures that run a page from top to bottom, which takes long."""
-
-
-@pytest.hookimpl(tryfirst=True)
-def pytest_collection_modifyitems(items):
-    """Leave pages that are followed from top to bottom to CI."""
-    for item in items:
-        if FOLLOWED.intersection(getattr(item, "fixturenames", ())):
-            item.add_marker(pytest.mark.ci)
-
-
 @dataclass(frozen=True)
 class Block:
     """A block of code on a page.
