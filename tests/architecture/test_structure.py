@@ -15,14 +15,14 @@ MAX_LINES = {
     "system": 776,
     "exact": 1106,
     "geometry": 1353,
-    "mesh": 3169,
+    "mesh": 3179,
     "formats": 1980,
     "elements": 1940,
     "space": 942,
     "materials": 398,
-    "problems": 2841,
+    "problems": 2839,
     "solve": 3970,
-    "contact": 6827,
+    "contact": 6822,
     "post": 1974,
     "forms": 366,
     "railway.profiles": 3671,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_819
+MAX_LINES_OF_ALL = 69_822
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -104,7 +104,7 @@ class LocalWorkers(Generic[Work, Found]):
             worker.process.kill()
         for worker in self._workers:
             worker.process.join(STOP_S)
-            worker.line.close()  # not before the end: a worker that finds it closed while it starts would say so
+            worker.line.close()  # closed before, a worker that starts would print a traceback
         self._workers.clear()
 
     def _new(self) -> _Worker[Work]:

@@ -11,7 +11,7 @@ from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.geometry import Contour
 from flangeway.geometry.arrays import point_text
-from flangeway.mesh.connectivity import chain_starts, ordered_pairs
+from flangeway.mesh.connectivity import chain_starts, edge_places, ordered_pairs
 from flangeway.problems import Part
 from flangeway.types import Bools, Complex, Floats, Ints
 
@@ -120,14 +120,9 @@ class Surface:
         body = self.part.body
         body.edge_nodes(edges)  # refuses what is no edge
         outer = body.boundary_edges
-        numbers, keys = (
-            each.min(axis=1).astype(np.int64) * len(body.nodes) + each.max(axis=1) for each in (edges, outer)
-        )
-        order = np.argsort(keys)
-        places = order[np.minimum(np.searchsorted(keys, numbers, sorter=order), len(order) - 1)]
-        inner = keys[places] != numbers
-        if inner.any():
-            a, b = edges[inner.argmax()]
+        places, known = edge_places(edges, outer, len(body.nodes))
+        if not known.all():
+            a, b = edges[known.argmin()]
             raise InputError(
                 f"{self._name} with the edge ({a}, {b}) near {point_text(body.nodes[a])}, which is inside the body",
                 "edges of the boundary",

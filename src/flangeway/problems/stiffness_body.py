@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.checks import as_numbers, check_positive
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product, point_text
+from flangeway.mesh.connectivity import edge_places
 from flangeway.mesh.meeting import meeting
 from flangeway.problems.linear_body import LinearBody
 from flangeway.space import SymmetricMatrix
@@ -214,12 +215,9 @@ class StiffnessBody(LinearBody):
 
     def edge_nodes(self, pairs: NDArray[np.integer]) -> NDArray[np.int32]:
         """See `LinearBody.edge_nodes`."""
-        keys, wanted = (np.sort(each, axis=1) @ [len(self.nodes), 1] for each in (self.boundary_edges, pairs))
-        order = np.argsort(keys)
-        found = order[np.minimum(np.searchsorted(keys, wanted, sorter=order), len(keys) - 1)]
-        missing = keys[found] != wanted
-        if missing.any():
-            a, b = pairs[missing.argmax()]
+        found, known = edge_places(pairs, self.boundary_edges, len(self.nodes))
+        if not known.all():
+            a, b = pairs[known.argmin()]
             raise InputError(
                 f"{self._owner}: the edge ({a}, {b})",
                 f"an edge of one of its surfaces: {', '.join(self.surfaces)}",
