@@ -1,6 +1,7 @@
 """What several folders of tests share: the command line in this process, and small contact problems."""
 
 import os
+import shutil
 import signal
 import sys
 from collections.abc import Callable
@@ -48,6 +49,33 @@ def pytest_collection_modifyitems(items):
     for item in items:
         if LONG.intersection(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.ci)
+
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+BROWSER_REQUIRED = "FLANGEWAY_NEEDS_BROWSER"
+BROWSER_FLAGS = (
+    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
+    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader",
+)  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def browser():
+    """Chromium; its driver gives each start a new folder for its own files.
+
+    One for all folders of tests: a second driver in the same process is refused.
+    """
+    from playwright.sync_api import sync_playwright  # noqa: PLC0415 (most tests need no browser)
+
+    path = next((path for path in map(shutil.which, BROWSERS) if path), None)
+    if path is None:
+        missing = f"none of {', '.join(BROWSERS)} is installed"
+        assert not os.environ.get(BROWSER_REQUIRED), f"{BROWSER_REQUIRED} is set, but {missing}"
+        pytest.skip(f"no Chromium, and {BROWSER_REQUIRED} does not demand one")
+    with sync_playwright() as driver:
+        opened = driver.chromium.launch(executable_path=path, args=BROWSER_FLAGS)
+        yield opened
+        opened.close()
 
 
 @pytest.fixture

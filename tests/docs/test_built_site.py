@@ -7,8 +7,6 @@ from pathlib import Path
 
 import pytest
 
-from tests.report.viewer.conftest import browser  # noqa: F401 (a fixture)
-
 ROOT = Path(__file__).parents[2]
 pytestmark = pytest.mark.ci
 
@@ -24,7 +22,7 @@ def site(tmp_path_factory):
 
 
 @pytest.fixture
-def opened(site, browser):  # noqa: F811
+def opened(site, browser):
     """Open pages of the site; what they ask for that is not on the disk is kept."""
     pages = []
 

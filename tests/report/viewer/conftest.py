@@ -1,41 +1,19 @@
 """Pages with the viewer of fields in a browser without a window, and what is asked of them."""
 
 import io
-import os
-import shutil
 from functools import cache
 
 import numpy as np
 import pytest
 from matplotlib.image import imread
-from playwright.sync_api import sync_playwright
 
 from flangeway.report import part_fields, write_case
 from flangeway.report.figures.fields import write_part
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.viewer import field_viewer
 
-NAMES = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-REQUIRED = "FLANGEWAY_NEEDS_BROWSER"
-FLAGS = (
-    "--headless", "--no-sandbox", "--disable-gpu", "--disable-quic", "--no-first-run",
-    "--disable-background-networking", "--disable-component-update", "--disable-sync", "--enable-unsafe-swiftshader",
-)  # fmt: skip
 DRIVER_NOTE = "GL Driver Message"
 """Of Chromium's software drawing, when a picture of the page is taken."""
-
-
-@pytest.fixture(scope="session")
-def browser():
-    """Chromium; its driver gives each start a new folder for its own files."""
-    path = next((path for path in map(shutil.which, NAMES) if path), None)
-    if path is None:
-        assert not os.environ.get(REQUIRED), f"{REQUIRED} is set, but none of {', '.join(NAMES)} is installed"
-        pytest.skip(f"no Chromium, and {REQUIRED} does not demand one")
-    with sync_playwright() as driver:
-        opened = driver.chromium.launch(executable_path=path, args=FLAGS)
-        yield opened
-        opened.close()
 
 
 class Opened:
