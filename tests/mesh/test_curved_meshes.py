@@ -28,7 +28,8 @@ def test_duals_and_refinements_stay_on_the_curves_with_the_exact_area() -> None:
     """Areas of curved cells sum up to that of the ring, new points are on its circles, all boundary edges curved."""
     mesh = curved(ring(), [OUTER, HOLE])
     some = refined(mesh, np.arange(6))
-    for each in (mesh, dual(mesh), dual(ring(), outline=[OUTER, HOLE]), refined(mesh), refined(dual(mesh)), some):
+    made = triangulate(OUTER, size=0.5, holes=[HOLE], outline=[OUTER, HOLE])
+    for each in (mesh, made, dual(mesh), dual(ring(), outline=[OUTER, HOLE]), refined(mesh), refined(dual(mesh)), some):
         assert each.cell_areas.sum() == pytest.approx(AREA, rel=1e-10)
         assert off_circles(each) < 1e-12
         assert len(each.curves.pairs) == len(each.boundary_edges)
@@ -108,6 +109,8 @@ def test_curves_without_edges_and_elements_without_curves_are_refused() -> None:
     """An outline elsewhere, a spline of three points, and an element for straight edges say what to do."""
     with pytest.raises(InputError, match="on which no edge of the mesh lies"):
         curved(ring(), circle(9.0))
+    with pytest.raises(InputError, match="on which no edge of the mesh lies"):
+        triangulate(OUTER, size=0.5, outline=circle(9.0))
     with pytest.raises(InputError, match="through 3 points"):
         Spline([[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]])
     with pytest.raises(InputError, match="twice in a row"):

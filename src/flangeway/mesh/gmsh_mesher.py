@@ -17,6 +17,7 @@ from flangeway.geometry.outline import Outline
 from flangeway.geometry.placement import Placement
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Arc, halved
+from flangeway.mesh.curved import Curves, curved
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.sizing import Refinement, made, mesh_bound, refuse_size
 from flangeway.types import Floats, Ints
@@ -128,32 +129,38 @@ def _generate(gmsh: Any) -> None:
 
 
 def triangulate(
-    outline: Outline,
+    shape: Outline,
     *,
     size: float,
     refinements: Sequence[Refinement] = (),
     holes: Sequence[Outline] = (),
     algorithm: Literal["delaunay", "frontal-delaunay"] = "delaunay",
+    outline: Curves | None = None,
 ) -> PolyMesh:
     """Return a mesh of triangles of the region inside an outline and outside of its holes.
 
-    Lines and arcs go to Gmsh as they are, so boundary points lie on them. The local target size is
+    Lines and arcs go to Gmsh as they are, so boundary points lie on them; the edges between these points are straight
+    unless `outline` says on which curves they lie. The local target size is
     ``min(size, r.size + r.growth * distance)`` over the refinements; boundary edges follow it too.
     The same input gives the same mesh. What takes long runs in another process, so that Ctrl-C
     ends it at once; `long_meshes_reported` reports it.
 
     Parameters
     ----------
-    outline
+    shape
         Outer boundary.
     size
         Length of a triangle's edge away from refinements.
     refinements
         Where triangles are smaller.
     holes
-        Outlines of holes, inside `outline` and apart from each other.
+        Outlines of holes, inside `shape` and apart from each other.
     algorithm
         ``"delaunay"`` or ``"frontal-delaunay"`` (more regular, a little slower).
+    outline
+        All curves of the boundary, as for `dual`: edges on its arcs and splines become curved, see
+        `flangeway.mesh.curved`. It may be the shape itself, with the holes in a list, or the spline of which the
+        shape is a polygon. Elements of order 2 or more take the curves; without them they have the error of chords.
 
     Returns
     -------
@@ -164,17 +171,18 @@ def triangulate(
     ------
     InputError
         If a size makes no mesh or far too many triangles or edges on the boundary, a hole is not
-        inside, the algorithm is unknown, or Gmsh refuses the region.
+        inside, the algorithm is unknown, Gmsh refuses the region, or no edge lies on a curve of `outline`.
     OutOfMemoryError
         If there is no memory for so many triangles; see `flangeway.mesh.sizing`.
     MissingLibraryError
         If Gmsh lacks a shared library of the system.
     """
     _refuse_algorithm(algorithm)
-    refuse_size(outline, size)
-    region = Region(outline, tuple(holes))  # refuses holes that are not inside or not apart
+    refuse_size(shape, size)
+    region = Region(shape, tuple(holes))  # refuses holes that are not inside or not apart
     bound = mesh_bound([region], size, refinements, algorithm)
-    return made(bound, _meshed, region, size, tuple(refinements), algorithm)
+    mesh = made(bound, _meshed, region, size, tuple(refinements), algorithm)
+    return mesh if outline is None else curved(mesh, outline)
 
 
 def triangulate_section(
@@ -184,7 +192,7 @@ def triangulate_section(
     refinements: Sequence[Refinement] = (),
     algorithm: Literal["delaunay", "frontal-delaunay"] = "delaunay",
 ) -> PolyMesh:
-    """Return a mesh of triangles of all parts, conforming where they touch.
+    """Return a mesh of triangles of all parts, conforming where they touch; `flangeway.mesh.curved` takes the section.
 
     Parameters
     ----------

@@ -36,13 +36,17 @@ LIMITS = {"Kirsch": 5e-3, "Lamé": 1e-3}
 SOFT_STRESS_LIMIT = 0.02  # for stresses of nearly incompressible material
 
 
-def kirsch_plate(n: int) -> PolyMesh:
-    """A quarter of a square with a hole, in 2 n^2 triangles that grow outwards; the arc is named left."""
+def kirsch_plate(n: int, *, geometric: bool = False) -> PolyMesh:
+    """A quarter of a square with a hole, in 2 n^2 triangles that grow outwards; the arc is named left.
+
+    - `geometric`: they grow with the radius.
+    """
     grid = rectangle_grid(1.0, 1.0, n, n)
-    share, angle = grid.points[:, 0] ** 1.5, grid.points[:, 1] * np.pi / 2.0
+    share, angle = grid.points[:, 0], grid.points[:, 1] * np.pi / 2.0
     direction = np.stack((np.cos(angle), np.sin(angle)), axis=1)
     outer = PLATE_SIDE / direction.max(axis=1)
-    points = (1.0 + share * (outer - 1.0))[:, None] * direction
+    radius = outer**share if geometric else 1.0 + share**1.5 * (outer - 1.0)
+    points = radius[:, None] * direction
     return PolyMesh(points, grid.cell_offsets, grid.cell_points, edge_sets=grid.edge_sets)
 
 
