@@ -15,7 +15,7 @@ MAX_LINES = {
     "system": 776,
     "exact": 1106,
     "geometry": 1353,
-    "mesh": 3179,
+    "mesh": 3187,
     "formats": 1980,
     "elements": 1940,
     "space": 942,
@@ -35,12 +35,12 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8156,
-    "validation": 7398,
+    "validation": 7419,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_822
+MAX_LINES_OF_ALL = 69_851
 MAX_FILES_OF_ALL = 370
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
