@@ -8,9 +8,9 @@ What most scripts need stands here, in the order in which a script uses it:
   one's own by `flangeway.forms`;
 - its solution: `solve_elasticity`, `solve_torsion`; `recovered_stresses`, `stresses_at`, `plot_mesh`; solutions
   have `plot`, `table`, `to_csv` and `to_dataframe`, and show themselves in notebooks;
-- bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment` or
-  `SegmentToSegment`, with `Penalty` or `Multiplier`; `press` brings them together, `pressure_patches` says how hard
-  they touch;
+- bodies in contact: `Body`, `Part` (a body at its `Placement`), `Surface`, `Contact` by `NodeToSegment`,
+  `SegmentToSegment` or `NodeToNode`, with `Penalty` or `Multiplier`; `press` brings them together, `pressure_patches`
+  says how hard they touch;
 - whole cases, a wheelset among them: `load_case` gives one by name or from a case file, and its `run` computes it.
 
 Wrong input is an `InputError`, every error of the package a `FlangewayError`. The packages have the rest, and follow
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from flangeway.contact import (
         Contact,
         Multiplier,
+        NodeToNode,
         NodeToSegment,
         Penalty,
         SegmentToSegment,
@@ -67,6 +68,7 @@ _HOMES = {
     "contact": (
         "Contact",
         "Multiplier",
+        "NodeToNode",
         "NodeToSegment",
         "Penalty",
         "SegmentToSegment",
@@ -97,6 +99,7 @@ __all__ = [
     "InputError",
     "Lagrange",
     "Multiplier",
+    "NodeToNode",
     "NodeToSegment",
     "Outline",
     "Part",

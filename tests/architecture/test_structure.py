@@ -11,18 +11,18 @@ MAX_FILES = 20
 """Modules in one folder, ``__init__.py`` not counted."""
 
 MAX_LINES = {
-    "": 742,
+    "": 745,
     "system": 776,
     "exact": 1106,
     "geometry": 1353,
-    "mesh": 3187,
+    "mesh": 3504,
     "formats": 1980,
     "elements": 1940,
     "space": 942,
     "materials": 398,
     "problems": 2839,
     "solve": 3970,
-    "contact": 6822,
+    "contact": 7021,
     "post": 1974,
     "forms": 366,
     "railway.profiles": 3671,
@@ -31,7 +31,7 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3727,
-    "cases": 7073,
+    "cases": 7115,
     "campaign": 1923,
     "tables": 1441,
     "report": 8156,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 69_851
-MAX_FILES_OF_ALL = 370
+MAX_LINES_OF_ALL = 70_412
+MAX_FILES_OF_ALL = 372
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -2,6 +2,7 @@
 
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.enforcement import AugmentedLagrange, Barrier, Enforcement, Multiplier, Penalty
+from flangeway.contact.node_to_node import NodeToNode
 from flangeway.contact.node_to_segment import NodeToSegment
 from flangeway.contact.pairs import Pairing, Pairs
 from flangeway.contact.press import ContactSolution, LoadStep, press
@@ -19,6 +20,7 @@ __all__ = [
     "Enforcement",
     "LoadStep",
     "Multiplier",
+    "NodeToNode",
     "NodeToSegment",
     "Pairing",
     "Pairs",

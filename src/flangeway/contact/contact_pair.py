@@ -12,7 +12,7 @@ from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Floats
 
-PAIRINGS = "NodeToSegment(...) or SegmentToSegment(...)"
+PAIRINGS = "NodeToSegment(...), SegmentToSegment(...) or NodeToNode()"
 ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...) or Barrier(...)"
 
 

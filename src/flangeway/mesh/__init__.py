@@ -4,7 +4,8 @@ from flangeway.mesh.agglomeration import agglomerated
 from flangeway.mesh.curved import curved
 from flangeway.mesh.dual import dual, dual_section
 from flangeway.mesh.gmsh_mesher import triangulate, triangulate_section
-from flangeway.mesh.mesh_checks import check, conforming, edges_halved
+from flangeway.mesh.insertion import edges_halved, insert_nodes, match_boundaries
+from flangeway.mesh.mesh_checks import check, conforming
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.mesh.quadtree import quadtree
 from flangeway.mesh.refine import doerfler_marking, refined
@@ -23,7 +24,9 @@ __all__ = [
     "dual",
     "dual_section",
     "edges_halved",
+    "insert_nodes",
     "long_meshes_reported",
+    "match_boundaries",
     "quadtree",
     "rectangle_grid",
     "refined",

@@ -1,4 +1,4 @@
-"""Checks of a mesh's geometry, each with a message that names the place, and points added to the sides of cells."""
+"""Checks of a mesh's geometry, each with a message that names the place."""
 
 from collections.abc import Collection, Iterable
 from weakref import WeakSet
@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
-from flangeway.mesh.connectivity import next_in_row, offsets_of, row_numbers
+from flangeway.mesh.connectivity import edge_places, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.meeting import Meeting, layers, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Ints
@@ -234,6 +234,8 @@ def _check_boundary(mesh: PolyMesh, cracks: Iterable[str], *, allow_hanging: boo
     if len(found.on):
         at_end, ends = _at_end(mesh, found)
         meant = _meant(mesh, found, at_end, ends, cracks) | np.where(at_end, allow_coincident, allow_hanging)
+        # both ends of a short edge touch the edges beside it
+        meant |= at_end & edge_places(np.column_stack((found.points, ends)), mesh.edges, mesh.n_points)[1]
         if not meant.all():
             row = int(np.argmin(meant))
             point = int(found.points[row])
@@ -310,37 +312,6 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
         kept = [pair for pair in given.tolist() if tuple(pair) in outer]
         whole = whole.with_edge_set(name, np.array(kept)) if kept else whole
     return whole
-
-
-def edges_halved(mesh: PolyMesh, edge_set: str) -> PolyMesh:
-    """Return the mesh with a point in the middle of each edge of a set, which becomes a corner of the cell there.
-
-    Cell sets ``"quadrilaterals"`` and ``"triangles"`` name the cells that have got one and the others.
-    """
-    pairs = mesh.edge_sets[edge_set].astype(np.int64)
-    middles = mesh.n_points + np.arange(len(pairs))
-    starts = mesh.cell_points.astype(np.int64)
-    last = mesh.cell_offsets[1:] - 1
-    following = np.roll(starts, -1)
-    following[last] = starts[mesh.cell_offsets[:-1]]
-    keys, wanted = starts * mesh.n_points + following, pairs[:, 0] * mesh.n_points + pairs[:, 1]
-    order = np.argsort(keys)
-    places = order[np.searchsorted(keys, wanted, sorter=order)]
-    owners = np.searchsorted(mesh.cell_offsets, places, side="right") - 1
-    sizes = mesh.cell_sizes + np.bincount(owners, minlength=mesh.n_cells)
-    edge_sets = dict(mesh.edge_sets)
-    edge_sets[edge_set] = np.column_stack((pairs[:, 0], middles, middles, pairs[:, 1])).reshape(-1, 2).astype(np.int32)
-    return PolyMesh(
-        np.vstack((mesh.points, mesh.points[pairs].mean(axis=1))),
-        np.concatenate(([0], np.cumsum(sizes))).astype(np.int32),
-        np.insert(starts, places + 1, middles).astype(np.int32),
-        {
-            **mesh.cell_sets,
-            "quadrilaterals": np.unique(owners).astype(np.int32),
-            "triangles": np.setdiff1d(np.arange(mesh.n_cells), owners).astype(np.int32),
-        },
-        edge_sets,
-    )
 
 
 def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -> None:

@@ -35,6 +35,7 @@ from flangeway.contact import (
     Contact,
     ContactSystem,
     Multiplier,
+    NodeToNode,
     NodeToSegment,
     Penalty,
     SegmentToSegment,
@@ -46,6 +47,7 @@ from flangeway.errors import InputError
 from flangeway.geometry import Arc, Contour, Placement
 from flangeway.materials import Material
 from flangeway.mesh import PolyMesh
+from flangeway.mesh.insertion import match_all
 from flangeway.problems import Body, BodyForce, Elasticity, Part, PointForce, PrescribedDisplacement, Pressure, Traction
 from flangeway.problems.body import Components
 from flangeway.problems.loads import Load
@@ -57,13 +59,13 @@ Ints = NDArray[np.int32]
 LOAD_KEYS = ("pressure_MPa", "traction_MPa", "force_N", "body_force_N_mm3")
 
 
-def elements_of(body: BodyTable) -> Element | dict[str, Element]:
-    """Elements of a body, by cell set where they differ."""
+def elements_of(body: BodyTable, *, mixed: bool = False) -> Element | dict[str, Element]:
+    """Elements of a body, by cell set where they differ; `mixed` of triangles some of which have got more nodes."""
     virtual = Virtual(body.order, TraceStabilisation() if body.stabilisation == "trace" else None)
     if body.method != "fem":
         return virtual
     lagrange = Lagrange(body.order)
-    return lagrange if body.halved_side is None else {"triangles": lagrange, "quadrilaterals": virtual}
+    return {"triangles": lagrange, "polygons": virtual} if mixed or body.halved_side is not None else lagrange
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,6 +123,7 @@ class _Builder:
                 )
         self.shapes: dict[str, BodyShape] = {}
         self.meshes: dict[str, PolyMesh] = {}
+        self.mixed: set[str] = set()
         self.in_contact = {name for table in case.contacts for name in (table.secondary, table.primary)}
 
     def model(self) -> BodiesModel:
@@ -134,6 +137,7 @@ class _Builder:
                 if reason.given.startswith("bodies["):
                     raise
                 raise InputError(f"{key} {table.name!r}: {reason.given}", reason.allowed, reason.advice) from reason
+        self._match_boundaries()
         held = {name: self._held(name) for name in self.tables}
         loads = {name: self._loads(name) for name in self.tables}
         bodies = {name: self._body(name, held[name], loads[name]) for name in self.tables}
@@ -144,6 +148,37 @@ class _Builder:
             ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
         motion, push = self._motions(bodies)
         return BodiesModel(bodies, contacts, motion, push, tuple(self.notices))
+
+    def _match_boundaries(self) -> None:
+        """Give bodies in node-to-node contact each other's nodes; triangles with more nodes become virtual elements."""
+        pairs = []
+        for number, table in enumerate(self.case.contacts, 1):
+            if table.pairing != "node-to-node":
+                continue
+            key, names = f"contacts[{number}]", []
+            for role in ("secondary", "primary"):
+                name, edges, box = (getattr(table, f"{role}{end}") for end in ("", "_edges", "_box_mm"))
+                found = edges_at(self.meshes[name], name, edges, box, (None, None), key, f"{role}_edges")
+                self.meshes[name] = self.meshes[name].with_edge_set(f"{key}.{role}", found)
+                names += [name, f"{key}.{role}"]
+            orders = [self.tables[name].order for name in names[::2]]
+            if orders[0] != orders[1]:
+                raise InputError(
+                    f"{key}.pairing = 'node-to-node' of bodies with order = {orders[0]} and order = {orders[1]}",
+                    "one order for both bodies",
+                    "change one of them, or take segment-to-segment",
+                )
+            pairs.append(names)
+        try:
+            self.meshes = match_all(self.meshes, [(a, b, c, d) for a, b, c, d in pairs])
+        except InputError as reason:
+            raise InputError(f"contacts: {reason.given}", reason.allowed, reason.advice) from reason
+        for name in {each for names in pairs for each in names[::2]}:
+            polygons = self.meshes[name].cell_sizes > 3
+            if self.tables[name].method == "fem" and polygons.any():
+                self.mixed.add(name)
+                mesh = self.meshes[name].with_cell_set("triangles", ~polygons)
+                self.meshes[name] = mesh.with_cell_set("polygons", polygons)
 
     def _refuse_unknown(self) -> None:
         """Refuse tables for bodies that are not there."""
@@ -241,7 +276,7 @@ class _Builder:
         ]
         thickness = self.case.thickness_mm
         if name not in self.in_contact:
-            space = Space(mesh, elements_of(table))
+            space = Space(mesh, elements_of(table, mixed=name in self.mixed))
             problem = Elasticity(space, material, thickness, loads, supports, name)
             return BodyModel(name, problem, None, problem.load_vector().sum(axis=0))
         if not held:
@@ -258,7 +293,7 @@ class _Builder:
             hold = fixed_point(name, mesh, self._touching(name))
             components[hold] = slides
             supports.append(PrescribedDisplacement(hold, **{slides: 0.0}))
-        body = Body(name, mesh, elements_of(table), material, components, thickness)
+        body = Body(name, mesh, elements_of(table, mixed=name in self.mixed), material, components, thickness)
         problem = Elasticity(body.space, material, thickness, loads, supports, name)
         return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0), slides)
 
@@ -285,8 +320,11 @@ class _Builder:
 
     def _contact(self, table: ContactTable, key: str, bodies: Mapping[str, BodyModel]) -> Contact:
         sides = [self._surface(table, role, key, bodies) for role in ("secondary", "primary")]
-        averages = table.pairing == "segment-to-segment"
-        pairing = SegmentToSegment(weighting=table.weighting) if averages else NodeToSegment(slack=table.slack)
+        pairing = {
+            "segment-to-segment": SegmentToSegment(weighting=table.weighting),
+            "node-to-segment": NodeToSegment(slack=table.slack),
+            "node-to-node": NodeToNode(),
+        }[table.pairing]
         try:
             found = Contact(sides[0], sides[1], pairing, Multiplier())
             return replace(found, enforcement=_enforcement(table, found))

@@ -14,6 +14,9 @@ HypothesisName = Literal["plane-strain", "plane-stress"]
 MethodName = Literal["fem", "vem", "vem-triangles"]
 StabilisationName = Literal["default", "trace"]
 STABILISATION_MEANING = "stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"
+PAIRING_MEANING = (
+    "contact discretisation; node-to-node gives the boundaries each other's nodes, for small displacements"
+)
 WEIGHTING_MEANING = "weights of the gap of segment-to-segment: hat functions, or their biorthogonal ones"
 NODAL_PENALTY_MEANING = "penalty of node-to-segment as force per penetration at a node, instead of penalty_MPa_mm"
 SLACK_MEANING = "how far beyond its edge, in parts of the edge, node-to-segment keeps a node paired with it"
@@ -154,8 +157,8 @@ class ContactTable(Table):
         description="whether gaps are measured between the drawn arcs, not between straight edges of the mesh "
         "(default: yes for bodies with an outline)",
     )
-    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
-        "segment-to-segment", description="contact discretisation"
+    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
+        "segment-to-segment", description=PAIRING_MEANING
     )
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
         "augmented-lagrange", description="constraint enforcement"

@@ -11,6 +11,7 @@ from pydantic import Field
 from flangeway.cases.bodies.bodies_run import BodiesCase, BodiesRun
 from flangeway.cases.bodies.bodies_tables import (
     NODAL_PENALTY_MEANING,
+    PAIRING_MEANING,
     SLACK_MEANING,
     STABILISATION_MEANING,
     WEIGHTING_MEANING,
@@ -97,8 +98,8 @@ class HertzCase(BodiesPreset):
     lower_size_mm: float | None = Field(None, ge=1e-6, description="size_mm of the lower body (default: size_mm)")
     body_size_mm: float = Field(5.0, ge=1e-6, description="edge length of the triangles elsewhere")
     growth: float = Field(0.13, gt=0.0, le=1.0, description="growth of the edge length per distance from the contact")
-    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
-        "segment-to-segment", description="contact discretisation"
+    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
+        "segment-to-segment", description=PAIRING_MEANING
     )
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
         "augmented-lagrange", description="constraint enforcement"
@@ -300,7 +301,7 @@ class ContactPatchCase(BodiesPreset):
     lower_order: int = Field(1, ge=1, le=2, description="order of the lower box's elements")
     upper_size_mm: float = Field(2.3, ge=1e-6, description="edge length of the upper box's triangles")
     lower_size_mm: float = Field(3.1, ge=1e-6, description="edge length of the lower box's triangles")
-    pairing: Literal["segment-to-segment", "node-to-segment"] = Field(
+    pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
         "segment-to-segment", description="contact discretisation; node-to-segment does not pass"
     )
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
