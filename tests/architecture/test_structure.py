@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2839,
-    "solve": 3970,
+    "solve": 4068,
     "contact": 7021,
     "post": 1974,
     "forms": 366,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 70_412
+MAX_LINES_OF_ALL = 70_510
 MAX_FILES_OF_ALL = 372
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -5,7 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from flangeway.contact import AugmentedLagrange, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface
+from flangeway.contact import (
+    AugmentedLagrange,
+    Barrier,
+    Contact,
+    Multiplier,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+    Surface,
+)
 from flangeway.contact import press as press_parts
 from flangeway.elements import Lagrange, Virtual
 from flangeway.errors import InputError
@@ -13,7 +22,7 @@ from flangeway.geometry import Placement, circle, polygon
 from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid, triangulate
 from flangeway.problems import Body, Part
-from flangeway.solve import CondensedBodies, SurfaceNodes, solve_contact
+from flangeway.solve import CondensedBodies, StepSettings, SurfaceNodes, solve_contact
 
 STEEL = Elastic(20e3, 0.3)
 MODULUS = 20e3 / (1.0 - 0.3**2)  # of plane strain
@@ -181,8 +190,8 @@ def test_a_half_that_slides_along_its_line_of_symmetry_is_half_of_the_whole() ->
     np.testing.assert_allclose(forces[1], 2.0 * forces[0], rtol=5e-3)  # the diagonals of the meshes differ
 
 
-def wedged(seed: int, *, mirrored: bool):
-    """Two random discs upon each other in a random groove, pressed by a jaw."""
+def wedged(seed: int, *, mirrored: bool, friction: float = 0.0):
+    """A random disc in a random groove, pressed by a jaw."""
     rng = np.random.default_rng(seed)
     slopes, radius, n = rng.uniform(0.5, 1.2, 2), rng.uniform(0.6, 1.0), int(rng.integers(5, 8))
     law, pairing = LAWS[seed % 3], PAIRINGS[seed // 3]
@@ -200,8 +209,8 @@ def wedged(seed: int, *, mirrored: bool):
     surface = Surface(roller, surface.edges, surface.curve)
     jaw = Body("jaw", rectangle_grid(2.0, 1.0, 4 * n, n), Lagrange(1 + seed % 2), STEEL, "top")
     jaw_part = Part("jaw", jaw, image.after(Placement(0.0, (centre[0] - 1.0, centre[1] + radius + 0.01))))
-    contacts = [Contact(surface, side(groove, name), pairing, law) for name in "ud"]
-    contacts.append(Contact(surface, side(jaw_part, "bottom"), pairing, law))
+    contacts = [Contact(surface, side(groove, name), pairing, law, friction) for name in "ud"]
+    contacts.append(Contact(surface, side(jaw_part, "bottom"), pairing, law, friction))
     force = rng.uniform(20.0, 60.0)
     return press_parts(contacts, {}, loads={jaw_part: (None, -force, None)}), roller, force
 
@@ -215,6 +224,17 @@ def test_random_wedges_are_in_equilibrium(seed) -> None:
     assert unbalanced(solution, roller) < limit
     assert solution.forces[2, 1] == pytest.approx(-force, rel=limit)
     np.testing.assert_allclose(image.forces * [-1.0, 1.0], solution.forces, atol=1e-6 * force)
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_wedges_with_friction_are_in_equilibrium(seed) -> None:
+    """Forces and moments are in equilibrium, within the cone, and friction dissipates."""
+    solution, roller, force = wedged(seed, mirrored=False, friction=0.25)
+    assert solution.status.converged, solution.status.message
+    assert unbalanced(solution, roller) < (EQUILIBRIUM if "kept" not in solution.status.message else 1e-3)
+    assert solution.resultants[2, 0, 1] == pytest.approx(-force, rel=1e-9)
+    assert cone_error(solution) < 1e-9
+    assert (solution.dissipated_work >= 0.0).all()
 
 
 def test_what_cannot_be_solved_is_refused_or_named() -> None:
@@ -243,5 +263,87 @@ def test_what_cannot_be_solved_is_refused_or_named() -> None:
     pieces = Body("pieces", mesh.merged(mesh.placed(Placement(0.0, (3.0, 0.0)))), Lagrange(1), STEEL)
     with pytest.raises(InputError, match="one piece that is held"):
         CondensedBodies([SurfaceNodes(pieces, np.arange(3, dtype=np.int32))])
-    with pytest.raises(InputError, match="friction, and a part 'loose'"):
-        press_parts([replace(contact, friction=0.3)], {})
+    with pytest.raises(InputError, match="a Barrier, and a part 'loose'"):
+        press_parts([replace(contact, enforcement=Barrier(1e-3, 0.1))], {})
+
+
+def dragged(pairing, law, path="condensed", friction=(0.3, 0.5)):
+    """A block that friction alone holds: pressed, then dragged by the block above it, over a base."""
+    base = block("base", 4.0, 1.0, "bottom", (-1.0, 0.0), (8, 2))
+    middle = block("middle", 2.0, 1.0, None, (0.0, 1.0), (6, 3))
+    top = block("top", 2.0, 1.0, "top", (0.0, 2.0), (6, 2))
+    contacts = [
+        Contact(side(middle, "bottom"), side(base, "top"), pairing, law, friction[0]),
+        Contact(side(top, "bottom"), side(middle, "top"), pairing, law, friction[1]),
+    ]
+    push = [{}, {top: Placement(0.0, (0.02, 0.0))}]
+    return press_parts(contacts, push, loads={top: (None, -100.0, None)}, path=path), middle
+
+
+def cone_error(solution) -> float:
+    """Tangential force beyond Coulomb's limit over the maximum force, in any step."""
+    beyond = [
+        (np.abs(step.state.friction.forces) - step.state.linearisation.coefficients * step.state.forces).max()
+        for step in solution.steps
+    ]
+    return max(beyond) / solution.state.forces.max()
+
+
+@pytest.mark.parametrize("law", LAWS, ids=lambda law: type(law).__name__)
+@pytest.mark.parametrize("pairing", PAIRINGS, ids=["segments", "nodes"])
+def test_a_block_that_friction_alone_holds_is_dragged(pairing, law) -> None:
+    """It sticks to the block with more friction and slides on the base with the limit as force."""
+    solution, middle = dragged(pairing, law)
+    assert solution.status.converged, solution.status.message
+    assert max(step.state.status.iterations for step in solution.steps) <= 30
+    assert solution.status.message.count(";") == 0  # no motion stays free
+    table = solution.friction_table.columns
+    lower = table["contact"] == 0
+    assert not table["sticks"][lower].any()
+    assert table["sticks"][~lower].any()
+    np.testing.assert_allclose(np.abs(table["tangential_force"][lower]), 0.3 * table["normal_force"][lower], rtol=1e-8)
+    assert unbalanced(solution, middle) < EQUILIBRIUM
+    assert cone_error(solution) < 1e-9
+    slid = solution.state.motions[0]
+    assert 0.5 * 0.02 < slid < 0.02
+    assert solution.dissipated_work[-1] == pytest.approx(0.3 * 100.0 * slid, rel=0.1)
+    assert (solution.dissipated_work >= 0.0).all()
+
+
+def test_both_paths_agree_with_friction() -> None:
+    """On all unknowns the answer is that on the surfaces alone, its rigid motions included."""
+    (one, _), (other, _) = (dragged(NodeToSegment(), Multiplier(), path) for path in ("condensed", "sparse"))
+    np.testing.assert_allclose(one.state.positions, other.state.positions, atol=1e-10)
+    np.testing.assert_allclose(one.state.motions, other.state.motions, atol=1e-10)
+
+
+def test_a_roller_between_plates_rolls() -> None:
+    """Its centre goes half of the way of the upper plate, and it turns by that over its radius."""
+    plates = [block(name, 4.0, 1.0, name, (-2.0, y), (40, 6)) for name, y in (("bottom", -1.0), ("top", 2.0))]
+    roller, surface = disc("roller", 1.0, 0.15, at=(0.0, 1.0))
+    contacts = [
+        Contact(surface, side(plate, edges), NodeToSegment(), Multiplier(), 0.2)
+        for plate, edges in zip(plates, ("top", "bottom"), strict=True)
+    ]
+    path = [{}, {plates[1]: Placement(0.0, (0.1, 0.0))}]
+    solution = press_parts(contacts, path, loads={plates[1]: (None, -40.0, None)})
+    assert solution.status.converged, solution.status.message
+    placement = solution.state.placements[solution.system.parts.index(roller)]
+    assert placement.translation[0] == pytest.approx(0.05, rel=0.01)
+    assert placement.rotation_rad == pytest.approx(-0.05, rel=0.02)
+    assert unbalanced(solution, roller) < EQUILIBRIUM
+    assert np.abs(solution.forces[:, 0]).max() < 0.05 * 40.0  # it resists little
+
+
+@pytest.mark.parametrize(("share", "holds"), [(0.99, True), (1.01, False)])
+def test_a_load_along_the_surface_is_held_up_to_the_limit(share: float, holds: bool) -> None:
+    """Friction alone carries a tangential load on a sled below the limit; above it nothing does, and this is named."""
+    base, sled = block("base", 4.0, 1.0, "bottom"), block("sled", 2.0, 1.0, "top", (1.0, 1.0), (6, 3))
+    contact = Contact(side(sled, "bottom"), side(base, "top"), SegmentToSegment(), Multiplier(), 0.3)
+    found = press_parts([contact], {}, loads={sled: (share * 30.0, -100.0, None)}, steps=StepSettings(1.0, 1.0, 1.0))
+    assert found.status.converged == holds
+    if holds:
+        np.testing.assert_allclose(found.forces, [[-share * 30.0, 100.0]], rtol=1e-9)
+        assert ";" not in found.status.message
+    else:
+        assert "`sled` can slide" in found.status.message

@@ -239,19 +239,17 @@ def test_forces_satisfy_coulombs_law(seed: int, n: int, mu: float) -> None:
     assert np.abs(tangential - np.clip(tangential - slips, -limit, limit)).max() < 1e-9
 
 
-def test_friction_grows_where_guesses_go_round(monkeypatch) -> None:
-    """If the first guesses fail, friction grows from none in parts and leads to the same forces."""
-    matrix, offset = random_case(3, 6)
-    case = matrix, offset, np.full(6, 0.4), np.zeros(12)
-    expected, whole, asked = coulomb.solve(*case), coulomb._by_guesses, []
-
-    def fails_at_first(matrix, offset, coefficients, *others):
-        asked.append(coefficients[0])
-        return None if len(asked) == 1 else whole(matrix, offset, coefficients, *others)
-
-    monkeypatch.setattr(coulomb, "_by_guesses", fails_at_first)
-    np.testing.assert_allclose(coulomb.solve(*case), expected, atol=1e-9)
-    assert asked == [0.4, 0.2, 0.4]
+def test_a_path_leads_to_the_same_forces(monkeypatch) -> None:
+    """Where guesses go round, the pieces of a path from any guess lead to forces that satisfy the law."""
+    rng = np.random.default_rng(0)
+    for seed in range(40):
+        n, mu = int(rng.integers(1, 25)), rng.uniform(0.0, 0.8)
+        case = *random_case(seed, n), np.full(n, mu)
+        expected = coulomb.solve(*case, np.zeros(2 * n))
+        with monkeypatch.context() as patch:
+            patch.setattr(coulomb, "_by_guesses", lambda *_: None)
+            for guess in (np.zeros(2 * n), np.repeat((1.0, 0.0), n) * rng.uniform(size=2 * n)):
+                np.testing.assert_allclose(coulomb.solve(*case, guess), expected, atol=1e-9)
 
 
 def test_what_did_not_converge_says_so() -> None:

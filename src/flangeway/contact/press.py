@@ -254,7 +254,7 @@ def press(
     ------
     InputError
         If a moved or loaded part has no contact, a motion is mirrored, a load acts on a part that is not held fully or
-        nothing is held of a moved one, a part that contact holds has friction, there are not as many step sizes as
+        nothing is held of a moved one, a part that contact holds has a barrier, there are not as many step sizes as
         motions, or the path is unknown.
 
     """
@@ -385,12 +385,11 @@ def _refuse_bad_loads(
                 "name the edges on which the force acts in Body(held=...)",
             )
     loose = next((part for part in system.parts if part in loads or part.body.freedom.n_motions), None)
-    words = ["friction" if each.friction else "a barrier" for each in system.contacts if each.friction or _barred(each)]
-    if loose is not None and words:
+    if loose is not None and any(isinstance(each.enforcement, Barrier) for each in system.contacts):
         raise InputError(
-            f"{words[0]}, and a part {loose.name!r} whose rigid motions contact decides",
-            "this between parts that are held and moved",
-            "hold it fully in Body(held=...) and move it, or take another enforcement without friction",
+            f"a Barrier, and a part {loose.name!r} whose rigid motions contact decides",
+            "a barrier between parts that are held and moved",
+            "hold it fully in Body(held=...) and move it, or take another enforcement",
         )
     for part in itertools.chain(*motions):
         freedom = part.body.freedom
@@ -400,10 +399,6 @@ def _refuse_bad_loads(
                 "motions of what is held",
                 "leave the motion out: contact moves this part; or hold edges of it",
             )
-
-
-def _barred(contact: Contact) -> bool:
-    return isinstance(contact.enforcement, Barrier)
 
 
 def _motions_of(part: Part, placement: Placement, share: float, load: Load | None) -> Floating | None:

@@ -60,14 +60,16 @@ def solve(matrix: Floats, offset: Floats, active: NDArray[np.bool_]) -> Floats |
 
 @dataclass(frozen=True, eq=False)
 class Motions:
-    """Unknowns q besides p, of any sign, with as many equations ``N^T p + H q + e = 0``; slacks have ``N q`` added.
+    """Unknowns q besides p, of any sign, with as many equations ``L p + H q + e = 0``; slacks have ``N q`` added.
 
     Parameters
     ----------
     by_motion
         N, shape (n, m).
+    resultants
+        L, shape (m, n): ``N^T`` without friction.
     stiffness
-        H, symmetric, shape (m, m).
+        H, symmetric without friction, shape (m, m).
     residual
         e, shape (m,).
     parts, sizes
@@ -76,6 +78,7 @@ class Motions:
     """
 
     by_motion: Floats
+    resultants: Floats
     stiffness: Floats
     residual: Floats
     parts: Ints
@@ -83,35 +86,47 @@ class Motions:
 
     def loads(self, pressure: Floats) -> Floats:
         """Maximum over the motions of its part of the sum of forces along each, shape (m,)."""
-        along = np.abs(self.by_motion.T) @ np.abs(pressure) + np.abs(self.residual)
+        return self._most(np.abs(self.resultants) @ np.abs(pressure))
+
+    def _most(self, along: Floats) -> Floats:
         most = np.zeros(int(self.parts.max(initial=0)) + 1)
-        np.maximum.at(most, self.parts, along)
+        np.maximum.at(most, self.parts, along + np.abs(self.residual))
         return most[self.parts]
 
+    def softened(self, matrix: Floats, offset: Floats) -> tuple[Floats, Floats, Floats]:
+        """Matrix and offset of the problem whose motions soft springs hold, and the motions by p and 1 (m, n + 1)."""
+        n = len(self.residual)
+        stiffest = float((np.sum(self.by_motion**2, axis=1) / np.maximum(matrix.diagonal(), 1e-300)).max(initial=0.0))
+        symmetric = (self.stiffness + self.stiffness.T) / 2.0
+        spring = SPRING * (stiffest or 1.0) + 2.0 * max(float(np.linalg.eigvalsh(symmetric).max(initial=0.0)), 0.0)
+        by_forces = np.column_stack((self.resultants, self.residual))
+        yielding = np.asarray(np.linalg.solve(spring * np.eye(n) - self.stiffness, by_forces), dtype=np.float64)
+        return matrix + self.by_motion @ yielding[:, :-1], offset + self.by_motion @ yielding[:, -1], yielding
+
     def held(
-        self, matrix: Floats, offset: Floats, active: Bools, loads: Floats | None
+        self, matrix: Floats, offset: Floats, by_motion: Floats, resultants: Floats, loads: Floats | None
     ) -> tuple[Floats, Floats, Floats] | None:
-        """Solve the equations of an active set: p (n,), the least q (m,), and directions of no equation (m, k).
+        """Solve ``M y + N q + b = 0``, ``L y + H q + e = 0`` of k forces y that act: these, and the least q (m,).
 
         Motions that nothing holds are zero, and with `loads` those that are hardly held. None if forces act on them.
+        The last result is what they leave undetermined, (2, m, r): directions of no equation, and of no motion.
         """
         n = len(self.residual)
-        mine = self.by_motion[active]
-        answer = equations(matrix[np.ix_(active, active)], np.column_stack((mine, offset[active])))
-        stiffness = mine.T @ answer[:, :n] - self.stiffness
+        answer = equations(matrix, np.column_stack((by_motion, offset)))
+        stiffness = resultants @ answer[:, :n] - self.stiffness
         weights = np.ones(n) if loads is None else np.maximum(loads, 1e-12 * loads.max(initial=1e-300)) / self.sizes
         root = np.sqrt(weights)
-        values, vectors = np.linalg.eigh(stiffness / root / root[:, None])
-        limit = NO_STIFFNESS * np.abs(values).max(initial=0.0) if loads is None else SOFT
-        held = np.abs(values) > limit
-        right = self.residual - mine.T @ answer[:, n]
-        motion = (vectors[:, held] @ ((vectors[:, held].T @ (right / root)) / values[held])) / root
-        pressure = np.zeros(len(offset))
-        pressure[active] = -answer @ np.append(motion, 1.0)
-        left = np.abs(self.by_motion.T @ pressure + self.stiffness @ motion + self.residual)
-        if (left > (1e-8 if loads is None else LEFT) * self.loads(pressure)).any():
+        left, values, right = np.linalg.svd(stiffness / root / root[:, None])
+        held = values > (NO_STIFFNESS * values.max(initial=0.0) if loads is None else SOFT)
+        wanted = self.residual - resultants @ answer[:, n]
+        motion = (right[held].T @ ((left[:, held].T @ (wanted / root)) / values[held])) / root
+        forces = -answer @ np.append(motion, 1.0)
+        unbalanced = np.abs(resultants @ forces + self.stiffness @ motion + self.residual)
+        most = self._most(np.abs(resultants) @ np.abs(forces))
+        if (unbalanced > (1e-8 if loads is None else LEFT) * most).any():
             return None
-        return pressure, motion, np.linalg.qr(vectors[:, ~held] * root[:, None])[0]
+        free = np.linalg.qr(left[:, ~held] * root[:, None])[0], np.linalg.qr(right[~held].T / root[:, None])[0]
+        return forces, motion, np.stack(free)
 
     def unstable(self, matrix: Floats, active: Bools, kept: Floats) -> Floats:
         """Motions out of an unstable equilibrium, apart from those that are kept zero (m, k): shape (m, n_motions)."""
@@ -126,7 +141,7 @@ class Motions:
 def solve_with_motions(
     matrix: Floats, offset: Floats, active: Bools, motions: Motions, *, soft: bool = True
 ) -> tuple[Floats, Floats, Floats] | None:
-    """Solve a complementarity problem with free motions: p (n,), q (m,), and motions that are kept zero (m, k).
+    """Solve a complementarity problem with free motions: p (n,), q (m,), and what is kept zero, see `Motions.held`.
 
     Springs that are far softer than the constraints hold the motions first, so that there always is a solution. The
     equations without springs follow from its active set; motions that it does not hold are zero. If there is none
@@ -135,24 +150,21 @@ def solve_with_motions(
     if hardly any force acts on them: else the error of the meshes would decide how far they go.
     None where `solve` finds none.
     """
-    n = len(motions.residual)
-    stiffest = float((np.sum(motions.by_motion**2, axis=1) / np.maximum(matrix.diagonal(), 1e-300)).max(initial=0.0))
-    spring = SPRING * (stiffest or 1.0) + 2.0 * max(float(np.linalg.eigvalsh(motions.stiffness).max(initial=0.0)), 0.0)
-    yielding = np.linalg.solve(
-        spring * np.eye(n) - motions.stiffness, np.column_stack((motions.by_motion.T, motions.residual))
-    )
-    softened = matrix + motions.by_motion @ yielding[:, :-1]
-    pressure = solve((softened + softened.T) / 2.0, offset + motions.by_motion @ yielding[:, -1], active)
+    softened, lifted, yielding = motions.softened(matrix, offset)
+    pressure = solve((softened + softened.T) / 2.0, lifted, active)
     if pressure is None:
         return None
-    sprung = pressure, yielding @ np.append(pressure, 1.0), np.zeros((n, 0))
+    sprung = pressure, yielding @ np.append(pressure, 1.0), np.zeros((2, len(motions.residual), 0))
     active = pressure > 0.0
     for _ in range(MAX_CHANGES):
-        found = motions.held(matrix, offset, active, motions.loads(sprung[0])) if soft else None
-        found = found or motions.held(matrix, offset, active, None)
+        mine = matrix[np.ix_(active, active)], offset[active], motions.by_motion[active], motions.resultants[:, active]
+        found = motions.held(*mine, motions.loads(sprung[0])) if soft else None
+        found = found or motions.held(*mine, None)
         if found is None:
             return sprung
-        pressure, motion, zero = found
+        forces, motion, zero = found
+        pressure = np.zeros(len(offset))
+        pressure[active] = forces
         slack = matrix @ pressure + motions.by_motion @ motion + offset
         gaps = np.abs(offset) + np.abs(motions.by_motion) @ np.abs(motion)
         touching = np.abs(pressure) <= NO_FORCE * float(gaps.max(initial=0.0)) / float(

@@ -4,8 +4,10 @@ The frame of such a part is placed by unknowns q: how far its pivot slides along
 turns about the pivot. The equations for them are the equilibrium of the part. With the velocities V of the surface
 nodes by q, their contact forces f, the quarter turn J of f by the part's own rotation in T, and the geometric stiffness
 G, a step dq changes the positions by ``dx = Y (B^T p' + W dq) + V dq + ...`` with ``Y = (K + G)^-1`` and
-``W = T - G V``. The resultant of the part then is ``N^T p' + H dq + e`` with ``N = B (V + Y W)`` and
-``H = W^T (V + Y W)``, whose terms of slides in T vanish in equilibrium: the system is symmetric.
+``W = T - G V``. The resultant of the part then is ``L p' + H dq + e`` with ``L = (V + Y W)^T B^T`` and
+``H = W^T (V + Y W)``, whose terms of slides in T vanish in equilibrium; the gaps change by ``L^T dq``: the system is
+symmetric. With friction G is not, nor are directions D of forces those of gaps and slips: there
+``L = (V + Y^T W')^T D^T`` and ``H = W'^T (V + Y W)`` with ``W' = T - G^T V``.
 """
 
 from collections.abc import Sequence

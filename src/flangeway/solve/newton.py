@@ -233,7 +233,7 @@ class _Run:
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
         self.damped, self.soft = damped, soft
-        self.kept = np.zeros((parts.n, 0))
+        self.kept = np.zeros((2, parts.n, 0))
         self.move(np.zeros(parts.n) if start is None else start.motions)
         self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
         self.begun = self.reference
@@ -338,7 +338,7 @@ class _Run:
             change = float(np.abs(moved - self.displacements).max(initial=0.0)) / scale
             nodal = _nodal(after, carried, slides, tangential, len(self.reference))
             left = self.parts.residual(self.motions, self.reference + moved, nodal)
-            left -= self.kept @ (self.kept.T @ left)
+            left -= self.kept[0] @ (self.kept[0].T @ left)
             unbalanced = np.append(nodal - applied, left)
             most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
             residual = _residual(after, self._gaps(after), carried, unbalanced, most, scale)
@@ -391,14 +391,18 @@ class _Run:
             return self.forces, self.tangential, applied, motion
         answer, geometric, directions, matrix, offset, rigid = self._problem(bend=bend)
         guess = self.forces > 0.0 if self.forces.any() else offset[: len(self.forces)] < 0.0
+        both = np.concatenate((self.forces, self.tangential))
         if self.parts.n:
-            found = complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
+            if self.slides is not None:
+                given = matrix, offset, current.coefficients, both, rigid
+                found = coulomb.solve_with_motions(*given, soft=self.soft)
+            else:
+                found = complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
             if found is None:
                 return None
             new_forces, motion, self.kept = found
             motion = self.parts.shortened(motion, self.parts.velocities(self.motions, self.reference))
         else:
-            both = np.concatenate((self.forces, self.tangential))
             if self.slides is not None:
                 only = coulomb.solve(matrix, offset, current.coefficients, both)
             elif current.barriers[:, 0].any():
@@ -442,36 +446,38 @@ class _Run:
         positions = self.reference + self.displacements
         rigid = parts.velocities(self.motions, positions)[nodes].reshape(n, parts.n)
         turned = parts.turned(self.applied)[nodes].reshape(n, parts.n) if bend else np.zeros_like(rigid)
-        by_rigid = turned - geometric @ rigid
+        by_rigid, by_forces = turned - geometric @ rigid, turned - geometric.T @ rigid
         loads = contact_loads(directions, np.column_stack((geometric @ at_nodes, by_rigid)))
         answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
-        stiffness = by_rigid.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
+        stiffness = by_forces.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
         # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium
         stiffness[np.diag_indices(parts.n)] += np.einsum("dq,dq->q", turned, rigid)
-        residual = by_rigid.T @ (answer[:, m] - at_nodes) + parts.load
+        residual = by_forces.T @ (answer[:, m] - at_nodes) + parts.load
+        resultants = by_forces.T @ answer[:, :m] + (directions @ rigid).T
         answer[:, m + 1 :] += rigid
         at_gaps = jacobian @ answer
         matrix = at_gaps[:, :m] + np.diag(compliances)
         matrix = (matrix + matrix.T) / 2.0 if slides is None else matrix
         offset = violations - jacobian @ at_nodes + at_gaps[:, m]
-        motions = complementarity.Motions(
-            at_gaps[:, m + 1 :], (stiffness + stiffness.T) / 2.0, residual, parts.numbers, parts.sizes
-        )
+        by_motion = at_gaps[:, m + 1 :]
+        if slides is None:  # symmetric but for rounding
+            stiffness, resultants = (stiffness + stiffness.T) / 2.0, by_motion.T
+        motions = complementarity.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
         return answer, geometric, directions, matrix, offset, motions
 
     def _stays_free(self) -> str:
         """Words for the motions that nothing holds in the solution."""
         if not self.parts.n:
             return ""
-        free, unstable = self.kept, np.zeros((self.parts.n, 0))
+        (kept, free), unstable = self.kept, np.zeros((self.parts.n, 0))
         if not self.forces.any():
-            free = np.eye(self.parts.n)
-        elif free.shape[1] < self.parts.n:
+            kept = free = np.eye(self.parts.n)
+        elif free.shape[1] < self.parts.n and self.slides is None:
             *_, matrix, _, rigid = self._problem(bend=True)
-            unstable = rigid.unstable(matrix, self.forces > 0.0, free)
+            unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
         nodal = _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
-        size = float(np.abs(free.T @ left).max(initial=0.0))
+        size = float(np.abs(kept.T @ left).max(initial=0.0))
         why = "nothing prevents"
         if size > UNHELD * self.forces.sum():
             why = f"hardly anything prevents: it is kept in place, against a force of {size:.2g}"
