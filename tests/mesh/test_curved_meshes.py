@@ -1,14 +1,22 @@
 """Meshes whose edges lie on the curves that were drawn."""
 
 import pickle
+from dataclasses import replace
+from pathlib import Path
 
+import meshio
 import numpy as np
 import pytest
 
 from flangeway.elements import Element, Lagrange, Virtual
 from flangeway.errors import InputError
+from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Arc, Line, Outline, Placement, Spline, circle, rectangle
-from flangeway.mesh import PolyMesh, curved, dual, refined, triangulate
+from flangeway.mesh import PolyMesh, agglomerated, conforming, curved, dual, edges_halved, refined, triangulate
+from flangeway.mesh.edge_curves import EdgeCurves
+from flangeway.post.lines import locate
+from flangeway.report.figures.display import display
+from flangeway.report.figures.plots import plot_mesh
 from flangeway.space import Space
 
 OUTER, HOLE = circle(1.0), circle(0.4)
@@ -122,3 +130,71 @@ def test_curves_without_edges_and_elements_without_curves_are_refused() -> None:
     assert issubclass(Straight, Element)
     with pytest.raises(InputError, match="Straight on cells with curved edges"):
         Space(curved(ring(), [OUTER, HOLE]), Straight(2))
+
+
+def test_agglomerated_polygons_and_halved_edges_stay_on_the_curves() -> None:
+    """Both keep every edge of the boundary curved, and the exact area; polygons inside have no curved edge left."""
+    mesh = dual(curved(ring(), [OUTER, HOLE]))
+    fewer, halved = agglomerated(mesh, 7), edges_halved(mesh.with_edge_set("rim", mesh.boundary_edges[::3]), "rim")
+    assert fewer.n_cells == 7
+    assert len(halved.curves.pairs) == len(mesh.curves.pairs) + len(mesh.boundary_edges[::3])
+    for each in (fewer, halved):
+        assert each.cell_areas.sum() == pytest.approx(AREA, rel=1e-10)
+        assert off_circles(each) < 1e-12
+        assert len(each.curves.pairs) == len(each.boundary_edges)
+
+
+def test_points_on_the_chord_of_a_curved_edge_are_no_hanging_points() -> None:
+    """On straight edges they are added and curves stay; on the chord of a curved edge they are refused, with why."""
+    points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 1.0], [0.5, 1.6], [0.0, 1.6], [1.0, 1.6]]
+    mesh = PolyMesh.from_cells(points, [[0, 1, 2, 3], [3, 4, 5, 6], [4, 2, 7, 5]])
+    below = Spline([[0.0, 0.0], [0.3, -0.1], [0.7, -0.1], [1.0, 0.0]])
+    whole = conforming(curved(mesh, below))
+    assert whole.cell_sizes.tolist() == [5, 4, 4]
+    assert len(whole.curves.pairs) == 1
+    above = Spline([[0.0, 1.0], [0.3, 1.1], [0.7, 1.1], [1.0, 1.0]])
+    bent = EdgeCurves(np.array([[3, 2]], dtype=np.int32), (above,), np.array([0]), np.array([[0.0, 1.0]]))
+    with pytest.raises(InputError, match=r"point 4 at .* hangs on the chord of a curved edge"):
+        conforming(replace(mesh, curves=bent))
+
+
+def test_every_place_of_a_curved_mesh_is_found_in_a_cell() -> None:
+    """Points beside the chords up to the circle belong to the cells there, points beyond it to none."""
+    mesh = dual(curved(ring(), [OUTER, HOLE]))
+    angle = np.linspace(0.0, 2.0 * np.pi, 101)
+    circles = {radius: radius * np.stack((np.cos(angle), np.sin(angle)), axis=1) for radius in (0.397, 0.4, 1.0, 1.002)}
+    assert (locate(mesh, circles[1.0]) >= 0).all()
+    assert (locate(mesh, circles[0.4]) >= 0).all()
+    assert (locate(mesh, circles[1.002]) < 0).all()
+    assert (locate(mesh, circles[0.397]) < 0).all()
+    assert (locate(mesh.straight(), circles[1.0]) < 0).any()
+    cells = np.unique(locate(mesh, 0.9999 * circles[1.0]))
+    outer = mesh.boundary_edges[np.hypot(*mesh.points[mesh.boundary_edges[:, 0]].T) > 0.7]
+    assert set(cells) <= set(mesh.edge_cells[mesh.edge_numbers(outer), 0])
+
+
+def test_files_and_pictures_follow_the_curves(tmp_path: Path) -> None:
+    """A VTU file has the ring's area to 0.1 % and values between those of the ends; pictures end on the circles."""
+    mesh = dual(curved(triangulate(OUTER, size=0.9, holes=[HOLE]), [OUTER, HOLE]))
+    corners = {"at_corner": mesh.points[mesh.cell_points, 0]}
+    write_vtu(tmp_path / "points.vtu", mesh, {"x": mesh.points[:, 0], "number": np.arange(mesh.n_points)})
+    write_vtu(tmp_path / "corners.vtu", mesh, {}, {"area": mesh.cell_areas}, corners)
+    read = meshio.read(tmp_path / "points.vtu")
+    assert np.abs(read.point_data["x"] - read.points[:, 0]).max() < 0.1
+    assert (read.point_data["number"][: mesh.n_points] == np.arange(mesh.n_points)).all()
+    both = meshio.read(tmp_path / "corners.vtu")
+    assert np.abs(both.point_data["at_corner"] - both.points[:, 0]).max() < 0.1
+    for name in ("points.vtu", "corners.vtu"):
+        found = read_mesh(tmp_path / name).mesh
+        assert found.n_cells == mesh.n_cells
+        assert found.cell_areas.sum() == pytest.approx(AREA, rel=1e-3)
+        assert np.abs(found.cell_areas - mesh.cell_areas).max() < 1e-3
+    shown = display(Space(mesh, Virtual(3)))
+    a, b, c = np.moveaxis(shown.points[shown.triangles], 1, 0)
+    areas = 0.5 * ((b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0])
+    assert areas.min() > 0.0
+    assert areas.sum() == pytest.approx(AREA, rel=3e-3)
+    rim = [line for each in plot_mesh(mesh).collections for line in each.get_segments()]
+    ends = np.concatenate([line for line in rim if np.hypot(*line.mean(axis=0)) > 0.99])
+    assert np.abs(np.hypot(*ends.T) - 1.0).max() < 1e-9
+    assert len(ends) > 8 * len(mesh.boundary_edges)

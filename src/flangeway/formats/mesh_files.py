@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 from flangeway.errors import InputError
 from flangeway.formats.abaqus_mesh import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
+from flangeway.mesh.connectivity import next_in_row
+from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.gmsh_mesher import gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.file_content import is_file
@@ -27,6 +29,8 @@ _CORNERS = {
     **{f"quad{n}": 4 for n in (8, 9, 16, 25, 36, 49, 64, 81, 100, 121)},
 }
 """Number of corners, which come first, of meshio's plane cells and lines."""
+
+PIECES = 16  # of a curved edge as a polyline
 
 _OPTIONS = {"General.Terminal": 0, "Mesh.MshFileVersion": 4.1, "Mesh.Binary": 0, "Mesh.SaveAll": 0}
 
@@ -216,6 +220,9 @@ def write_vtu(
     such as the number of the element of which a cell is a piece. Vectors of two components get a third one, zero;
     symmetric tensors have six: xx, yy, zz, xy, yz, xz, as ParaView names them.
 
+    A curved edge is written as a polyline of 16 pieces with values between those of its ends: the file shows the
+    curves, but a mesh that is read from it has straight edges.
+
     Parameters
     ----------
     path
@@ -230,7 +237,7 @@ def write_vtu(
         Arrays with a row for each entry of ``mesh.cell_points`` by name, for fields that jump between cells. With any,
         each cell gets its own points, in the order of ``mesh.cell_points``.
     positions
-        Points in space (n_points, 3) instead of those of the mesh with z = 0.
+        Points in space (n_points, 3) instead of those of the mesh with z = 0; edges between them are straight.
     body_id
         Number of the body, written as the cell array ``body_id``.
 
@@ -246,6 +253,13 @@ def write_vtu(
     space = _checked({"positions": places}, mesh.n_points, "points")["positions"]
     if at_points.keys() & at_corners.keys():
         raise InputError(f"'{min(at_points.keys() & at_corners.keys())}' at points and corners", "one", "rename one")
+    if mesh.curves is not None and positions is None:
+        at_points, at_corners = (
+            {name: _between(mesh, array, at_entries=each is at_corners) for name, array in each.items()}
+            for each in (at_points, at_corners)
+        )
+        mesh = as_polylines(mesh, PIECES)
+        space = np.column_stack((mesh.points, np.zeros(mesh.n_points)))
     if at_corners:
         at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners
         space = space[mesh.cell_points]
@@ -256,6 +270,22 @@ def write_vtu(
     blocks = [("triangle" if n == 3 else "polygon", mesh.batch_points(n, cells)) for n, cells in batches]
     values = {name: [array[cells] for _, cells in batches] for name, array in at_cells.items()}
     _write_blocks(path, space, blocks, at_points, values)
+
+
+def _between(mesh: PolyMesh, values: NDArray[Any], *, at_entries: bool) -> NDArray[Any]:
+    """Values at the points of a mesh, or at its corners, with those between them on curved edges as polylines."""
+    assert mesh.curves is not None
+    share = np.arange(1, PIECES) / PIECES
+    if at_entries:
+        after = np.flatnonzero(mesh.curve_rows[mesh.cell_edges] >= 0).astype(np.int64)
+        ends = np.column_stack((after, next_in_row(mesh.cell_offsets)[after]))
+    else:
+        after, ends = np.full(len(mesh.curves.pairs), len(values) - 1), mesh.curves.pairs.astype(np.int64)
+    start, end = (values[column][:, None] for column in ends.T)
+    share = share.reshape(1, -1, *[1] * (values.ndim - 1))
+    # numbers, such as those of points, are not mixed
+    added = start + share * (end - start) if values.dtype.kind == "f" else np.where(share < 0.5, start, end)
+    return np.insert(values, np.repeat(after + 1, PIECES - 1), added.reshape(-1, *values.shape[1:]), axis=0)
 
 
 def write_vtu_lines(

@@ -112,7 +112,7 @@ def repaired_mesh(drawn: DrawnMesh, *, merge_points: bool = True) -> MeshFile:
     if len(drawn.middles):
         notices.append(
             "Cells of second or higher order are read as the polygons of their corners, with straight edges; elements "
-            "here make their own nodes inside edges."
+            "here make their own nodes inside edges. `flangeway.mesh.curved(mesh, outline)` puts edges on arcs again."
         )
     if n_left_out:
         notices.append(f"{_many(n_left_out, 'point')} of no cell left out.")

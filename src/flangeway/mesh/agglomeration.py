@@ -1,5 +1,6 @@
 """Polygons made of several cells of a mesh, each without holes."""
 
+from dataclasses import replace
 from heapq import heapify, heappop, heappush
 
 import numpy as np
@@ -27,7 +28,7 @@ def agglomerated(mesh: PolyMesh, cells: int) -> PolyMesh:
     Returns
     -------
     PolyMesh
-        With the cell sets and edge sets of the mesh.
+        With the cell sets, edge sets and curved edges of the mesh.
 
     Raises
     ------
@@ -55,6 +56,11 @@ def agglomerated(mesh: PolyMesh, cells: int) -> PolyMesh:
         whole = whole.with_cell_set(name, np.isin(left, members))
     for name, pairs in mesh.edge_sets.items():
         whole = whole.with_edge_set(name, number[pairs])
+    if mesh.curves is not None:
+        sides = mesh.curves.pairs.tolist()
+        left_over = np.array([(a, b) in joining.left or (b, a) in joining.left for a, b in sides])
+        curves = mesh.curves.taken(left_over)
+        whole = replace(whole, curves=None if curves is None else curves.renumbered(number))
     return whole
 
 

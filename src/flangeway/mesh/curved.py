@@ -4,12 +4,14 @@ from collections.abc import Iterable
 from typing import TypeAlias
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flangeway.errors import InputError
 from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
 from flangeway.geometry.splines import Spline
+from flangeway.mesh.connectivity import offsets_of
 from flangeway.mesh.edge_curves import EdgeCurves
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Floats, Ints
@@ -77,6 +79,52 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     ends = _unwrapped(found, number, places)[on]
     table = EdgeCurves(pairs[on], tuple(found[which] for which in kept), rank[number[on]], ends)
     return PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, table)
+
+
+def as_polylines(mesh: PolyMesh, pieces: int, cells: NDArray[np.integer] | None = None) -> PolyMesh:
+    """Return the mesh, or some of its cells, with curved edges as straight ones between points of their curves.
+
+    Behind its own points it has ``pieces - 1`` for each row of ``mesh.curves``, at equal steps of the parameter. Cells
+    and edges keep their names. A mesh without curves is returned as it is.
+    """
+    curves, numbers = mesh.curves, np.arange(mesh.n_cells) if cells is None else cells
+    if curves is None:
+        return mesh
+    inside = curves.points(np.arange(1, pieces) / pieces)
+    offsets, counts = mesh.cell_offsets.astype(np.int64), mesh.cell_sizes[numbers]
+    entries = np.arange(counts.sum()) + np.repeat(offsets[numbers] - (np.cumsum(counts) - counts), counts)
+    first = mesh.cell_points[entries].astype(np.int64)
+    rows = mesh.curve_rows[mesh.cell_edges[entries]]
+    bent, added = np.flatnonzero(rows >= 0), _points_between(mesh, rows, first, pieces)
+    more = np.bincount(np.repeat(np.arange(len(numbers)), counts)[bent], minlength=len(numbers))
+    points = np.vstack((mesh.points, inside.reshape(-1, 2)))
+    new_offsets = offsets_of(counts + (pieces - 1) * more)
+    corners = np.insert(first, np.repeat(bent + 1, pieces - 1), added.ravel()).astype(np.int32)
+    if cells is not None:
+        return PolyMesh(points, new_offsets, corners)
+    edge_sets = {}
+    for name, pairs in mesh.edge_sets.items():
+        rows = mesh.curve_rows[mesh.edge_numbers(pairs)]
+        places, added = (
+            np.repeat(np.flatnonzero(rows >= 0), pieces - 1),
+            _points_between(mesh, rows, pairs[:, 0], pieces),
+        )
+        starts = np.insert(pairs[:, 0], places + 1, added.ravel())
+        edge_sets[name] = np.column_stack((starts, np.insert(pairs[:, 1], places, added.ravel())))
+    return PolyMesh(points, new_offsets, corners, mesh.cell_sets, edge_sets)
+
+
+def _points_between(mesh: PolyMesh, rows: Ints, starts: NDArray[np.integer], pieces: int) -> Ints:
+    """Numbers in `as_polylines` of the points inside the curved ones among edges (m, pieces - 1), in direction.
+
+    - `rows`, `starts`: of all edges, the row in ``mesh.curves`` or -1 and the first point.
+    """
+    assert mesh.curves is not None
+    bent = rows >= 0
+    numbers = mesh.n_points + rows[bent, None] * (pieces - 1) + np.arange(pieces - 1)
+    backwards = starts[bent] != mesh.curves.pairs[rows[bent], 0]
+    numbers[backwards] = numbers[backwards, ::-1]
+    return numbers
 
 
 def _segments(loop: Contour | Spline) -> tuple[Segment | Spline, ...]:

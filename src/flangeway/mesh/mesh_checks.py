@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.mesh.connectivity import edge_places, next_in_row, offsets_of, row_numbers
+from flangeway.mesh.curved import as_polylines
 from flangeway.mesh.meeting import Meeting, layers, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Ints
@@ -292,12 +293,21 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
     """Return the mesh with every point that hangs on an edge of a cell added to that cell.
 
     So meshes of other programs with hanging nodes become polygons that fit together: a square with a hanging point is a
-    pentagon. Points and cells keep their numbers. Edge sets keep the edges that are at the boundary still.
+    pentagon. Points and cells keep their numbers. Edge sets keep the edges that are at the boundary still. It is an
+    `InputError` if a point hangs on the chord of a curved edge.
     """
     edges, points = hanging_points(mesh)
     if not len(points):
         return mesh
     pairs = mesh.boundary_edges
+    bent = mesh.curve_rows[mesh.edge_numbers(pairs[edges])] >= 0
+    if bent.any():
+        point = int(points[bent.argmax()])
+        raise InputError(
+            f"point {point} at {point_text(mesh.points[point])}, which hangs on the chord of a curved edge",
+            "points that hang on straight edges",
+            "take conforming(mesh.straight()), then curved(mesh, outline) again",
+        )
     counts = np.bincount(mesh.cell_edges, minlength=mesh.n_edges)
     entries = np.flatnonzero(counts[mesh.cell_edges] == 1)  # in the order of boundary_edges
     along = np.hypot(*(mesh.points[points] - mesh.points[pairs[edges, 0]]).T)
@@ -306,7 +316,7 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
     cell_points = np.insert(mesh.cell_points, entries[edges] + 1, points)
     more = np.bincount(row_numbers(mesh.cell_offsets)[entries[edges]], minlength=mesh.n_cells)
     offsets = offsets_of(mesh.cell_sizes + more)
-    whole = PolyMesh(mesh.points, offsets, cell_points, mesh.cell_sets)
+    whole = PolyMesh(mesh.points, offsets, cell_points, mesh.cell_sets, curves=mesh.curves)
     outer = set(map(tuple, whole.boundary_edges.tolist()))
     for name, given in mesh.edge_sets.items():
         kept = [pair for pair in given.tolist() if tuple(pair) in outer]
@@ -320,24 +330,8 @@ def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -
     - `cells`: cells with curved edges.
     - `order`: of the elements: the more points of a curve belong to an edge.
     """
-    curves = mesh.curves
-    assert curves is not None
-    n_inner = 4 * order - 1
-    inside = curves.points(np.arange(1, n_inner + 1) / (n_inner + 1))
-    offsets = mesh.cell_offsets.astype(np.int64)
-    counts = mesh.cell_sizes[cells]
-    entries = np.arange(counts.sum()) + np.repeat(offsets[cells] - (np.cumsum(counts) - counts), counts)
-    row = mesh.curve_rows[mesh.cell_edges[entries]]
-    bent = np.flatnonzero(row >= 0)
-    numbers = mesh.n_points + row[bent, None] * n_inner + np.arange(n_inner)
-    backwards = mesh.cell_points[entries[bent]] != curves.pairs[row[bent], 0]
-    numbers[backwards] = numbers[backwards, ::-1]
-    corners = np.insert(mesh.cell_points[entries].astype(np.int64), np.repeat(bent + 1, n_inner), numbers.ravel())
-    more = np.bincount(np.repeat(np.arange(len(cells)), counts)[bent], minlength=len(cells))
-    points = np.vstack((mesh.points, inside.reshape(-1, 2)))
-    used, local = np.unique(corners, return_inverse=True)
     try:
-        _check_cells(PolyMesh(points[used], offsets_of(counts + n_inner * more), local.astype(np.int32)))
+        _check_cells(as_polylines(mesh, 4 * order, cells))
     except InputError as error:
         if len(cells) > 1:  # which of them
             for cell in cells:

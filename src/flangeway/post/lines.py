@@ -13,6 +13,7 @@ from flangeway.elements.quadrature import gauss
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
+from flangeway.mesh.curved import as_polylines
 from flangeway.post.stress import Stresses
 from flangeway.problems import ElasticField
 from flangeway.results import Result, ResultTable
@@ -21,6 +22,7 @@ from flangeway.types import Floats, Ints
 
 NEAR = 1e-9  # distance from the boundary, over the size of the mesh, within which a point still belongs to the mesh
 OUTSIDE = -1
+PIECES = 32  # of a curved edge as a polyline
 
 Point = Sequence[float]
 Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
@@ -116,9 +118,10 @@ def stresses_along(solution: ElasticField, start: Point, end: Point, n_points: i
 
 
 def force_through_cut(solution: ElasticField, start: Point, end: Point) -> CutForce:
-    """Integrate the stresses on the parts of a straight line that are inside the body, cell by cell, exactly.
+    """Integrate the stresses on the parts of a straight line that are inside the body, cell by cell.
 
-    An `InputError` if the ends are the same, or the line does not cross the body.
+    The integrals are exact; where the line crosses curved edges these are polylines, see `locate`. An
+    `InputError` if the ends are the same, or the line does not cross the body.
     """
     first, along = _line(start, end)
     length = float(np.linalg.norm(along))
@@ -155,7 +158,7 @@ def _no_body(what: str, start: Point, end: Point) -> InputError:
 
 def _crossings(solution: ElasticField, first: Floats, along: Floats) -> Floats:
     """Shares of the line at its ends and where it meets edges, rising."""
-    mesh = solution.problem.space.mesh
+    mesh = as_polylines(solution.problem.space.mesh, PIECES)
     a, b = (mesh.points[mesh.edges[:, side]] - first for side in (0, 1))
     side_a, side_b = (p[:, 1] * along[0] - p[:, 0] * along[1] for p in (a, b))
     meets = (side_a * side_b <= 0.0) & (side_a != side_b)
@@ -203,14 +206,19 @@ def polynomials_at(space: Space, points: Floats, cells: Ints, polynomials: Polyn
 def locate(mesh: PolyMesh, points: ArrayLike) -> Ints:
     """Cell of each point (n, 2), shape (n,); -1 outside of the mesh.
 
-    A point on a common edge belongs to one of its cells. An `InputError` if the points have another shape or are not
-    finite.
+    A point on a common edge belongs to one of its cells. Curved edges are polylines of 32 pieces, and a point that is
+    no further outside than these are from their curves belongs to the mesh: 1/500 of what its chord is. An
+    `InputError` if the points have another shape or are not finite.
     """
     given = as_numbers("points", points)
     if given.ndim != 2 or given.shape[1:] != (2,) or not np.isfinite(given).all():
         raise InputError(f"points of shape {given.shape}", "finite numbers, shape (n, 2)", "give rows of x and y")
     cells = np.full(len(given), OUTSIDE, dtype=np.int64)
     near = NEAR * float(np.linalg.norm(np.ptp(mesh.points, axis=0)))
+    if mesh.curves is not None:
+        depths = mesh.points[mesh.curves.pairs].mean(axis=1) - mesh.curves.points([0.5])[:, 0]
+        near = max(near, 2.0 * float(np.hypot(*depths.T).max()) / PIECES**2)
+        mesh = as_polylines(mesh, PIECES)
     which, candidates = _candidates(mesh, given, near)
     if len(which) == 0:
         return cells

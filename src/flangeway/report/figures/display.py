@@ -124,8 +124,12 @@ def edge_weights(order: int, pieces: int) -> Floats:
 
 
 def display(space: Space, pieces: int | None = None) -> Display:
-    """Cut the elements of a space into small triangles, each side into `pieces`, by default the order."""
-    pieces = space.order if pieces is None else pieces
+    """Cut the elements of a space into small triangles, each side into `pieces`.
+
+    By default these are the order, on meshes with curved edges twice the order.
+    """
+    if pieces is None:
+        pieces = space.order if space.mesh.curves is None else 2 * space.order
     if pieces < 1:
         raise InputError(f"pieces={pieces}", "1 or more", "leave it out for the order of the elements")
     mesh = space.mesh
@@ -134,9 +138,9 @@ def display(space: Space, pieces: int | None = None) -> Display:
         centres, seen = cell_centres(mesh, cells)
         places = mesh.cell_offsets[cells].astype(np.int64)[:, None] + np.arange(n_vertices)
         if seen.any():
-            parts.append(_fans(mesh, pieces, cells[seen], places[seen], centres[seen], mesh.cell_edges[places[seen]]))
+            parts.append(_fans(space, pieces, cells[seen], places[seen], centres[seen], mesh.cell_edges[places[seen]]))
         for row in np.flatnonzero(~seen).tolist():
-            parts += _star_fans(mesh, pieces, int(cells[row]), places[row])
+            parts += _star_fans(space, pieces, int(cells[row]), places[row])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
     triangles, outward = (
         np.concatenate([part[i] + start for part, start in zip(parts, starts, strict=True)]) for i in (2, 5)
@@ -146,29 +150,33 @@ def display(space: Space, pieces: int | None = None) -> Display:
     return Display(space, pieces, points, owner, triangles, edge, step, outward, weights)
 
 
-def _star_fans(mesh: PolyMesh, pieces: int, cell: int, places: Ints) -> list[_Fans]:
-    fans = []
+def _star_fans(space: Space, pieces: int, cell: int, places: Ints) -> list[_Fans]:
+    fans, mesh = [], space.mesh
     for part in star_parts(np.arange(len(places), dtype=np.int32), mesh.points[mesh.cell_points[places]]):
         whole = (np.roll(part, -1) - part) % len(places) == 1  # a side of the cell, not a diagonal
         edges = np.where(whole, mesh.cell_edges[places[part]], NO_EDGE)
         centre = kernel_centre(mesh.points[mesh.cell_points[places[part]]])[0]
-        fans.append(_fans(mesh, pieces, np.array([cell]), places[part][None], centre[None], edges[None]))
+        fans.append(_fans(space, pieces, np.array([cell]), places[part][None], centre[None], edges[None]))
     return fans
 
 
 def _fans(
-    mesh: PolyMesh, pieces: int, cells: NDArray[np.integer], places: Ints, centres: Floats, edges: NDArray[np.integer]
+    space: Space, pieces: int, cells: NDArray[np.integer], places: Ints, centres: Floats, edges: NDArray[np.integer]
 ) -> _Fans:
     """What makes a `Display`, from its points on, of star-shaped polygons (n_cells, n_vertices) of one size.
 
     The points of a cell lie on rings about its centre, ring j with j points to each side; the last ring is the rim.
     """
-    n_cells, n = places.shape
+    mesh, (n_cells, n) = space.mesh, places.shape
     corners = mesh.points[mesh.cell_points[places]]
     along = np.roll(corners, -1, axis=1) - corners
+    bent = (edges != NO_EDGE) & (mesh.curve_rows[edges] >= 0) & (space.order > 1)
+    numbers = mesh.cell_points[places]
+    nodes = space.nodes[space.edge_nodes(np.stack((numbers, np.roll(numbers, -1, axis=1)), axis=-1)[bent])]
     layers = [centres[:, None]]
     for j in range(1, pieces + 1):
         on_rim = corners[:, :, None] + (np.arange(j) / j)[:, None] * along[:, :, None]
+        on_rim[bent] = np.einsum("tn,eni->eti", edge_weights(space.order, j)[:-1], nodes)
         ring = centres[:, None, None] + (j / pieces) * (on_rim - centres[:, None, None])
         layers.append((on_rim if j == pieces else ring).reshape(n_cells, -1, 2))
     points = np.concatenate(layers, axis=1)

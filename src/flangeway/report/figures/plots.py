@@ -14,10 +14,11 @@ from matplotlib.tri import Triangulation
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError, short
 from flangeway.mesh import PolyMesh
+from flangeway.mesh.curved import as_polylines
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, SIGNED, draw_outline, named, new_figure
+from flangeway.report.figures.drawing import GREY, INK, PIECES, SIGNED, draw_outline, named, new_figure
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
@@ -62,7 +63,7 @@ def plot_mesh(
         Unit of the coordinates, for the labels.
 
     """
-    axes = _prepared(axes, length_unit)
+    axes, mesh = _prepared(axes, length_unit), as_polylines(mesh, PIECES)
     handles = []
     if cell_sets:
         for number, (name, cells) in enumerate(mesh.cell_sets.items()):
@@ -117,11 +118,11 @@ def plot_function(
     """
     shown = _fine_display(space)
     values = shown.function(np.asarray(dofs, dtype=np.float64)[:, None])[:, 0]
-    axes = _prepared(axes, length_unit)
+    axes, mesh = _prepared(axes, length_unit), as_polylines(space.mesh, PIECES)
     _fill(axes, shown, shown.points, values, _with_unit(label, unit), limits)
     if edges:
-        _draw_edges(axes, space.mesh.points[space.mesh.edges], space.mesh)
-    _draw_rim(axes, space.mesh)
+        _draw_edges(axes, mesh.points[mesh.edges], mesh)
+    _draw_rim(axes, mesh)
     _fit(axes, shown.points)
     return axes
 
@@ -402,7 +403,7 @@ def _moved_edges(solution: ElasticField, scale: float) -> Floats:
     """Lines (n_edges, n, 2) along the edges, with as many pieces as their order needs."""
     space = solution.problem.space
     order = space.order
-    weights = edge_weights(order, 1 if order == 1 or not scale else 4 * order)
+    weights = edge_weights(order, 1 if order == 1 or not (scale or space.mesh.curves) else 4 * order)
     nodes = space.edge_nodes(space.mesh.edges)
     moved = space.nodes + scale * solution.displacements[: space.n_nodes]
     return np.einsum("pn,eni->epi", weights, moved[nodes])

@@ -68,7 +68,7 @@ def solution_frame(
     time
         Its time.
     pieces
-        Number of pieces of each side, by default the order; 1 shows the cells.
+        Number of pieces of each side, by default the order, twice it with curved edges; 1 shows the cells.
     averaged
         Whether stresses are averaged over the cells at each place.
     part
@@ -80,8 +80,8 @@ def solution_frame(
 
     """
     space, place = solution.problem.space, placement or Placement()
-    pieces = space.order if pieces is None else pieces
     mesh = space.mesh
+    pieces = space.order if pieces is None and (mesh.curves is None or space.order == 1) else pieces
     if pieces == 1 and not averaged:
         offsets, cells = mesh.cell_offsets, np.arange(mesh.n_cells)
         numbers = np.arange(len(mesh.cell_points), dtype=np.int32)
