@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 70_510
+MAX_LINES_OF_ALL = 70_608
 MAX_FILES_OF_ALL = 372
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
