@@ -2,6 +2,7 @@
 
 import csv
 import io
+import xml.etree.ElementTree as ET
 from dataclasses import replace
 
 import meshio
@@ -105,10 +106,48 @@ def test_surfaces_carry_the_force_where_wheel_and_rail_meet(run, folder, side):
     assert (touching[..., 2].mean() > 1.0) == (side == "right")
 
 
-def test_collection_opens_all_surfaces(folder):
-    """The PVD names the four files."""
-    text = (folder / "wheelset.pvd").read_text(encoding="utf-8")
-    assert all(f'file="{role}-{side}.vtu"' in text for role in ("wheel", "rail") for side in ("left", "right"))
+def test_collection_opens_all_surfaces_and_sections(folder):
+    """The PVD has the eight files, each part by its name, and a body's surface and section have one number."""
+    parts = {part.get("name"): part.get("file") for part in ET.parse(folder / "wheelset.pvd").getroot().iter("DataSet")}
+    bodies = {
+        name: {int(i) for i in meshio.read(folder / file).cell_data["body_id"][0]} for name, file in parts.items()
+    }
+    assert len(bodies) == 8
+    for number, name in enumerate(("wheel-left", "wheel-right", "rail-left", "rail-right")):
+        assert bodies[name] == bodies[f"section-{name}"] == {number}
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_sections_have_the_pressure_of_the_patch_and_the_bending_of_the_rail(run, folder, side):
+    """The normal stress at the surfaces is the pressure, the foot has the rail's stress, displaced the bodies meet."""
+    patch = next(each for each in run.result.patches if each.side == side)
+    normal = np.append(patch.force_on_wheel_N, 0.0) / np.linalg.norm(patch.force_on_wheel_N)
+    apart = 0.0
+    for role, outward in (("rail", 1.0), ("wheel", -1.0)):
+        found = meshio.read(folder / f"section-{role}-{side}.vtu")
+        stresses, moved = found.point_data["stress_MPa"], found.points + found.point_data["displacement_mm"]
+        near = np.linalg.norm(moved - patch.centre_mm, axis=1) < 3.0
+        tensors = stresses[:, ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
+        pressed = -np.einsum("i,nij,j->n", normal, tensors, normal)[near]
+        assert pressed.max() == pytest.approx(patch.ellipse.max_pressure, rel=0.15)
+        apart += (moved[near] @ normal * outward).max()
+        if role == "rail":
+            _check_foot(run.result, side, found.points, stresses[:, 2])
+    # the rail has moved by 0.2 to 2 mm; the flange's patch is as wide as three of these coarse elements
+    assert abs(apart) < (0.02 if side == "left" else 0.15)
+
+
+def _check_foot(result, side, points, along):
+    """Compare the stresses along the track in the underside of the foot with those of the rail along the track."""
+    rail, frame = result.rails[side], result.equilibrium.state.sides[side].grid.surfaces.rail_frame
+    x, y = frame.inverse().points(points[:, :2] * (SIDE_SIGN[side], 1.0)).T
+    at, middles = y < y.min() + 1e-6, rail.stresses.points_mm
+    below = np.flatnonzero(middles[:, 1] < middles[:, 1].min() + 1e-6)
+    wanted = [np.interp(points[0, 2], rail.z_mm, rail.stresses.along_MPa[:, number]) for number in below]
+    order, places = np.argsort(x[at]), np.sort(middles[below, 0])
+    np.testing.assert_allclose(
+        np.interp(places, x[at][order], along[at][order]), np.array(wanted)[np.argsort(middles[below, 0])], rtol=0.05
+    )
 
 
 def test_tables_hold_the_patches_and_the_stresses_below_them(run, folder):

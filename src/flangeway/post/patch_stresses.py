@@ -13,7 +13,7 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.exact.half_space_stresses import half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.harmonic import NAMES, Harmonic
-from flangeway.solve.surface_compliance import wave_sums
+from flangeway.solve.surface_compliance import wave_sums, waves
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 
@@ -32,19 +32,20 @@ class SpatialStresses:
     components: Floats
 
     def turned(self, turn: Floats) -> "SpatialStresses":
-        """In axes x, y that are turned by a matrix (2, 2)."""
-        xx, yy, zz, xy, yz, xz = self.components.T
-        plane = turn @ np.stack((xx, xy, xy, yy), axis=1).reshape(-1, 2, 2) @ turn.T
-        along = np.stack((xz, yz), axis=1) @ turn.T
-        return SpatialStresses(
-            np.stack((plane[:, 0, 0], plane[:, 1, 1], zz, plane[:, 0, 1], along[:, 1], along[:, 0]), axis=1)
-        )
+        """In axes that are turned by a matrix, x and y by one of (2, 2), all by one of (3, 3)."""
+        whole = np.eye(3)
+        whole[: len(turn), : len(turn)] = turn
+        return SpatialStresses((whole @ self.tensors @ whole.T)[:, (0, 1, 2, 0, 1, 0), (0, 1, 2, 1, 2, 2)])
+
+    @property
+    def tensors(self) -> Floats:
+        """The stresses as matrices, shape (n, 3, 3)."""
+        return self.components[:, ((0, 3, 5), (3, 1, 4), (5, 4, 2))]
 
     @cached_property
     def principal(self) -> Floats:
         """Principal stresses, descending, shape (n, 3)."""
-        xx, yy, zz, xy, yz, xz = self.components.T
-        tensors = np.stack((xx, xy, xz, xy, yy, yz, xz, yz, zz), axis=1).reshape(-1, 3, 3)
+        tensors = self.tensors
         defined = np.isfinite(tensors).all(axis=(1, 2))
         found = np.full((len(tensors), 3), np.nan)
         found[defined] = np.linalg.eigvalsh(tensors[defined])[:, ::-1]
@@ -152,7 +153,8 @@ def patch_stresses(
     plane = float(found.patches[0].centre[2]) if z is None else z
     progress(f"stresses in {body.name}")
     forces = found.contact.forces[::-1] if pair.backwards(which) else found.contact.forces
-    even, odd = wave_sums(cells, -forces, plane - grid.along, grid.strip, LEAST_WAVENUMBER)
+    on_cells = np.stack((np.zeros_like(forces), -forces, np.zeros_like(forces)), axis=1)
+    even, odd = wave_sums(cells, on_cells, plane - grid.along, grid.strip, waves(LEAST_WAVENUMBER, grid.strip))
     return SectionStresses(body, plane, even, odd)
 
 

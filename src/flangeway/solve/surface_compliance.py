@@ -296,7 +296,25 @@ def amplitudes(problem: Harmonic, wavenumbers: Floats, rhs: Floats) -> Iterator[
         yield from pool.map(answer, range(len(wavenumbers)))
 
 
-def wave_sums(cells: SurfaceCells, forces: Floats, apart: Floats, strip: float, least: float) -> tuple[Floats, Floats]:
+FurtherLoads = tuple[Floats, Callable[[int, Floats], Floats]]
+"""Loads (3 n_dofs, m), and their amounts (m, 2) for cosine and sine by the number of a wavenumber and the amplitudes
+(3 n_dofs, 2 + m) of what is summed and of these loads."""
+
+
+def waves(least: float, strip: float) -> Floats:
+    """Wavenumbers from a least one on for forces on strips of a width, shape (n_k,)."""
+    top = 2.0 * np.pi / strip
+    return np.geomspace(least, top, int(np.ceil(WAVES_PER_DECADE * np.log10(top / least))) + 1)
+
+
+def wave_sums(
+    cells: SurfaceCells,
+    forces: Floats,
+    apart: Floats,
+    strip: float,
+    wavenumbers: Floats,
+    further: FurtherLoads | None = None,
+) -> tuple[Floats, Floats]:
     """Sum the amplitudes of all wavenumbers at a section, and the amplitudes times their wavenumbers.
 
     Strains are linear in both, ``B0 u + k B1 u``: the sums give all stresses.
@@ -306,13 +324,15 @@ def wave_sums(cells: SurfaceCells, forces: Floats, apart: Floats, strip: float, 
     cells
         The cells.
     forces
-        Forces along their outward normals, shape (n_cells, n_strips).
+        Forces in the cells' frames, shape (n_cells, 3, n_strips).
     apart
         The section's z less those of the middles of the strips, shape (n_strips,).
     strip
         Width of the strips.
-    least
-        Least wavenumber.
+    wavenumbers
+        See `waves`.
+    further
+        Loads whose amounts depend on what the forces cause.
 
     Returns
     -------
@@ -320,17 +340,21 @@ def wave_sums(cells: SurfaceCells, forces: Floats, apart: Floats, strip: float, 
         Amplitudes of what varies as the cosine, and as the sine, each (2, n_dofs, 3): sum, and sum times wavenumber.
 
     """
-    top = 2.0 * np.pi / strip
-    wavenumbers = np.geomspace(least, top, int(np.ceil(WAVES_PER_DECADE * np.log10(top / least))) + 1)
     even, odd = inverse_weights(wavenumbers, np.abs(apart), strip, averaged=1)
+    odd *= np.sign(apart)[:, None]
     problem, space = cells.problem, cells.problem.elasticity.space
     nodes, loads = cells.nodes_and_loads
-    # f(i, cosine or sine): forces of the cells at the wavenumber i
-    at_waves = np.stack((forces @ even, forces @ (np.sign(apart)[:, None] * odd)), axis=-1)
-    rhs = np.zeros((3 * space.n_dofs, len(wavenumbers), 2))
-    rhs[(3 * nodes[:, None] + np.arange(3)).ravel()] = np.einsum("nc,cki->nki", loads[:, 1::3], at_waves)
+    # f(c, a, i, cosine or sine): forces of the cells at the wavenumber i; those along z vary a quarter of a wave later
+    at_waves = np.stack((forces @ even, forces @ odd), axis=-1)
+    at_waves[:, 2] = at_waves[:, 2, :, ::-1] * (-1.0, 1.0)
+    others, amounts = further or (np.zeros((3 * space.n_dofs, 0)), lambda _, __: np.zeros((0, 2)))
+    rhs = np.zeros((3 * space.n_dofs, len(wavenumbers), 2 + others.shape[1]))
+    rhs[..., 2:] = others[:, None]
+    on_nodes = np.einsum("ns,ski->nki", loads, at_waves.reshape(-1, len(wavenumbers), 2))
+    rhs[(3 * nodes[:, None] + np.arange(3)).ravel(), :, :2] = on_nodes
     sums = np.zeros((2, len(rhs), 2))
-    for k, each in zip(wavenumbers.tolist(), amplitudes(problem, wavenumbers, rhs), strict=True):
-        sums += np.stack((each, k * each))
+    for number, (k, each) in enumerate(zip(wavenumbers.tolist(), amplitudes(problem, wavenumbers, rhs), strict=True)):
+        found = each[:, :2] + each[:, 2:] @ amounts(number, each)
+        sums += np.stack((found, k * found))
     cosine, sine = np.moveaxis(sums.reshape(2, -1, 3, 2), -1, 0)
     return cosine, sine

@@ -1,7 +1,7 @@
 """Running surfaces of a wheelset and its track: the sections meshed, and their compliance tabulated."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -95,9 +95,8 @@ def _wheel(
     cache: Cache | None,
     progress: Callable[[str], None],
 ) -> tuple[ElasticSurface, Floats]:
-    space = _space(problem, "wheel", profile, profile.running_names, ("cut",), cache)
-    body = Harmonic(Elasticity(space, problem.material_of("wheel"), name="wheel"), held={"support": "xyz"})
-    cells, corners = _cells(body, profile.running_names)
+    cells = running_cells(problem, model, profile, cache)
+    corners = _corners(cells)
     surface = elastic_surface(cells, cache=cache, progress=progress)
     if model.disc is None:
         return surface, corners
@@ -112,13 +111,9 @@ def _rail(
     cache: Cache | None,
     progress: Callable[[str], None],
 ) -> tuple[ElasticSurface, Floats]:
-    space = _space(problem, "rail", profile, profile.head_names, profile.base_names, cache)
     material, support = problem.material_of("rail"), model.support
-    if support is None:
-        body = Harmonic(Elasticity(space, material, name="rail"), held={"support": "xyz"})
-    else:
-        body = rail_problem(space, material, "support", support)
-    cells, corners = _cells(body, profile.head_names)
+    cells = running_cells(problem, model, profile, cache)
+    corners = _corners(cells)
     surface = elastic_surface(cells, cache=cache, progress=progress)
     if support is None or support.kind == "continuous":
         return surface, corners
@@ -153,14 +148,31 @@ def _space(
     return Space(mesh, settings.element_of(role))
 
 
-def _cells(body: Harmonic, names: tuple[str, ...]) -> tuple[SurfaceCells, Floats]:
-    """Even cells along a running surface, and the corners of its mesh, (n, 2)."""
-    mesh = body.elasticity.space.mesh
-    chain = mesh.chain(*names).astype(np.int64)
-    corners = mesh.points[chain]
-    length = float(stations_of(corners)[-1])
-    bounds: Floats = np.linspace(0.0, length, int(np.ceil(length / CELL_MM)) + 1)
-    return SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1), bounds), corners
+def running_cells(
+    problem: WheelsetProblem, model: SpatialModel, profile: WheelProfile | RailProfile, cache: Cache | None
+) -> SurfaceCells:
+    """Even cells along the running surface of a wheel or a rail on its support, spread along z."""
+    role: Role = "wheel" if isinstance(profile, WheelProfile) else "rail"
+    names, held = (
+        (profile.running_names, ("cut",))
+        if isinstance(profile, WheelProfile)
+        else (profile.head_names, profile.base_names)
+    )
+    space, material = _space(problem, role, profile, names, held, cache), problem.material_of(role)
+    if role == "wheel" or model.support is None:
+        body = Harmonic(Elasticity(space, material, name=role), held={"support": "xyz"})
+    else:
+        body = rail_problem(space, material, "support", model.support)
+    chain = space.mesh.chain(*names).astype(np.int64)
+    cells = SurfaceCells(body, np.stack((chain[:-1], chain[1:]), axis=1))
+    length = float(cells.limits[-1])
+    return replace(cells, bounds=np.linspace(0.0, length, int(np.ceil(length / CELL_MM)) + 1))
+
+
+def _corners(cells: SurfaceCells) -> Floats:
+    """Corners of the mesh along the surface, (n, 2)."""
+    points, edges = cells.problem.elasticity.space.mesh.points, cells.edges
+    return np.concatenate((points[edges[:, 0]], points[edges[-1:, 1]]))
 
 
 def _stations(curve: RigidCurve, corners: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""Files of a wheelset in three dimensions: surfaces for ParaView, patches and stresses below them as tables."""
+"""Files of a wheelset in three dimensions: surfaces and sections for ParaView, patches and lines below as tables."""
 
 from collections.abc import Sequence
 from dataclasses import asdict
@@ -16,6 +16,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_gap import FAR_MM, wheel_gap
+from flangeway.railway.spatial.whole_sections import whole_section
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, Side
 from flangeway.report.spatial.patch_map import surface_mesh
@@ -51,6 +52,21 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     cells = {key: each.reshape(opposite.size, *each.shape[2:])[chosen] for key, each in values.items()}
     arrays = {key: np.repeat(each, 4, axis=0) for key, each in cells.items()}
     write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
+
+
+def write_section(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
+    """Write displacement and stresses of a whole section of a body, each cell with points of its own.
+
+    A rail is drawn unloaded, a wheel in its place: "Warp By Vector" shows them as they touch.
+    """
+    section = whole_section(result, side, role)
+    arrays = {
+        "displacement_mm": section.displacement[section.mesh.cell_points],
+        "stress_MPa": section.stresses.components,
+        "von_mises_MPa": section.stresses.von_mises,
+    }
+    number = PARTS.index((side, role))
+    write_vtu(path, section.mesh, corner_data=arrays, positions=section.positions, body_id=number)
 
 
 def _friction(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:

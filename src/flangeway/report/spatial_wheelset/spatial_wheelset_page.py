@@ -21,6 +21,7 @@ from flangeway.report.spatial_wheelset.running_surface_files import (
     PARTS,
     below_table,
     patches_table,
+    write_section,
     write_surface,
 )
 from flangeway.report.spatial_wheelset.wheelset_patches import (
@@ -60,17 +61,26 @@ PICTURES: dict[str, tuple[Callable[[SpatialWheelsetRun], Figure], str, str]] = {
 """Pictures of the report by the files' names: what draws them, what they show, and the caption."""
 COLLECTION, PATCHES, BELOW = "wheelset.pvd", "patches.csv", "subsurface.csv"
 SURFACES = {f"{role}-{side}": (side, role) for side, role in PARTS}
+SECTIONS = {f"section-{name}": part for name, part in SURFACES.items()}
 RAILS_PICTURE, RAILS = "rails.png", "rails.csv"
 RAILS_CAPTION = (
     "The rails along the track: deflection, motion of the gauge face, and stress along the track in the middle of the "
     "foot's underside."
 )
-NAMES = (*PICTURES, *(f"{name}.vtu" for name in SURFACES), COLLECTION, PATCHES, BELOW, RAILS_PICTURE, RAILS)
+NAMES = (
+    *PICTURES,
+    *(f"{name}.vtu" for name in (*SURFACES, *SECTIONS)),
+    COLLECTION,
+    PATCHES,
+    BELOW,
+    RAILS_PICTURE,
+    RAILS,
+)
 FILES = (
     "The same numbers, for programs, are in `summary.json`; a row for each patch, for a spreadsheet, in `patches.csv`; "
     "the stresses below the patches in `subsurface.csv`; the rails along the track in `rails.csv`; pressures "
-    "and gaps on the running surfaces in `wheelset.pvd`, "
-    "which ParaView opens with both rails and wheels."
+    "and gaps on the running surfaces, and displacements and stresses of whole sections through the patches, in "
+    "`wheelset.pvd`, which ParaView opens with both rails and wheels."
 )
 AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")} | {
     "z": "along the track, ahead of the axle: x, y, z are left-handed, so that ParaView shows the VTU files "
@@ -130,7 +140,12 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
         writers[RAILS] = text_writer(rails_csv(run))
     for name, (side, role) in SURFACES.items():
         writers[f"{name}.vtu"] = partial(write_surface, run.result, side, role)
-    writers[COLLECTION] = lambda path: write_collection(path, [(0.0, name, f"{name}.vtu") for name in SURFACES])
+    touching = {patch.side for patch in run.result.patches}
+    found = {name: part for name, part in SECTIONS.items() if part[0] in touching}
+    for name, part in found.items():
+        writers[f"{name}.vtu"] = partial(write_section, run.result, *part)
+    files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found)]
+    writers[COLLECTION] = lambda path: write_collection(path, files)
     writers[BELOW] = text_writer(below_table(run))
     return writers
 
