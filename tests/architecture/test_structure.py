@@ -21,27 +21,27 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2839,
-    "solve": 4068,
-    "contact": 7021,
-    "post": 1982,
+    "solve": 4092,
+    "contact": 7016,
+    "post": 1984,
     "forms": 366,
     "railway.profiles": 3671,
     "railway.track": 568,
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3727,
+    "railway.spatial": 3877,
     "cases": 7115,
     "campaign": 1923,
     "tables": 1441,
-    "report": 8168,
+    "report": 8199,
     "validation": 7419,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 70_608
-MAX_FILES_OF_ALL = 372
+MAX_LINES_OF_ALL = 70_810
+MAX_FILES_OF_ALL = 373
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
