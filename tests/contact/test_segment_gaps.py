@@ -26,15 +26,20 @@ def pieces_between(secondary: np.ndarray, primary: np.ndarray):
     return pieces, secondary[pieces.edges], primary[pieces.partners]
 
 
+@pytest.mark.parametrize("revolved", [False, True], ids=["plane", "revolved"])
 @pytest.mark.parametrize("orders", [(1, 1), (1, 2), (2, 1), (2, 2), (3, 2)])
-def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int]) -> None:
-    """First and second derivatives agree with central differences to 1e-7, moving ends of the pieces included."""
+def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int], revolved: bool) -> None:
+    """First and second derivatives agree with central differences to 1e-7, moving ends of the pieces included.
+
+    Those of bodies of revolution are weighted with a radius that varies along the edges.
+    """
     secondary = chain(3, orders[0], 2.0, 0.05, 0.10, backwards=False)
     primary = chain(4, orders[1], 2.3, 0.0, -0.07, backwards=True)
     pieces, own, other = pieces_between(secondary, primary)
     assert pieces.start_is_foot.any()
     assert pieces.end_is_foot.any()
     lengths = np.full(len(pieces), 0.7)
+    radii = np.tile((0.4, 1.9), (len(pieces), 1)) if revolved else None
     both = np.concatenate((own, other), axis=1)
     width = own.shape[1]
 
@@ -43,7 +48,7 @@ def test_the_derivatives_of_integrated_gaps_are_exact(orders: tuple[int, int]) -
         a, b = positions[:, :width], positions[:, width:]
         starts = np.where(pieces.start_is_foot, closest_parameters(b[:, -1], a), pieces.starts)
         ends = np.where(pieces.end_is_foot, closest_parameters(b[:, 0], a), pieces.ends)
-        return integrate(replace(pieces, starts=starts, ends=ends), a, b, lengths, second=second)
+        return integrate(replace(pieces, starts=starts, ends=ends), a, b, lengths, second=second, radii=radii)
 
     exact = evaluate(both, second=True)
     hessians = [exact.points.hessians(np.broadcast_to(factors, (len(pieces), 2))) for factors in np.eye(2)]

@@ -26,7 +26,7 @@ def test_the_scripts_print_what_the_page_shows(tmp_path, monkeypatch, capsys) ->
     monkeypatch.delitem(sys.modules, "ground", raising=False)
     scripts = [each.text for each in blocks if each.kind == "python"]
     shown = [each.text for each in blocks if each.kind == "text" and not each.text.startswith("*")]
-    assert len(scripts) == len(shown) == 3
+    assert len(scripts) == len(shown) == 4
     for code, expected in zip(scripts, shown, strict=True):
         exec(code, {})
         assert capsys.readouterr().out == expected

@@ -119,3 +119,61 @@ def test_same_contact_of_a_roller_on_a_block(order: int) -> None:
         field = ours.field(mine).displacements
         count = meshes[theirs.system.parts.index(part)].n_points
         np.testing.assert_allclose(moved[:count], field[:count], atol=1e-10 * np.abs(field).max())
+
+
+def revolved_stiffness(points: np.ndarray, triangles: np.ndarray, material: Elastic) -> tuple[Any, Any]:
+    """Basis and stiffness about y by scikit-fem; one point of quadrature has our mean hoop strain."""
+    lame, shear = helpers.lame_parameters(material.young, material.poisson)
+
+    @skfem.BilinearForm
+    def form(u, v, w):
+        radius = w.x[0]
+        strains = [(a.grad[0][0], a.grad[1][1], a[0] / radius, a.grad[0][1] + a.grad[1][0]) for a in (u, v)]
+        (a_r, a_y, a_t, a_s), (b_r, b_y, b_t, b_s) = strains
+        work = lame * (a_r + a_y + a_t) * (b_r + b_y + b_t) + 2.0 * shear * (a_r * b_r + a_y * b_y + a_t * b_t)
+        return 2.0 * np.pi * radius * (work + shear * a_s * b_s)
+
+    mesh = skfem.MeshTri(points.T.copy(), triangles.T.astype(np.int64).copy())
+    middle = np.full((2, 1), 1.0 / 3.0), np.array([0.5])
+    basis = skfem.Basis(mesh, skfem.ElementVector(skfem.ElementTriP1()), quadrature=middle)
+    return basis, form.assemble(basis)
+
+
+def test_same_contact_of_a_punch_of_revolution() -> None:
+    """A cylinder on a block about the axis: force, pressures and displacements are our mesh's to 1e-10."""
+    steel = Elastic(210e3, 0.3, "axisymmetric")
+    outlines = rectangle(1.0, 1.0, centre=(0.5, 0.5)), rectangle(4.0, 4.0, centre=(2.0, -2.0))
+    zone = np.array([[0.0, 0.0], [1.2, 0.0]])
+    meshes = [triangulate(each, size=0.6, refinements=(Refinement(zone, 0.1, 0.3),)) for each in outlines]
+    found = []
+    for foreign in (False, True):
+        parts = []
+        for name, mesh, held_set in zip(("punch", "block"), meshes, ("top", "bottom"), strict=True):
+            body: Any = Body(name, mesh, Lagrange(1), steel, held_set)
+            if foreign:
+                basis, matrix = revolved_stiffness(mesh.points, mesh.cell_points.reshape(-1, 3), steel)
+                held = np.union1d(basis.nodal_dofs[:, np.unique(mesh.edge_sets[held_set])],
+                                  basis.nodal_dofs[0, mesh.points[:, 0] == 0.0])  # fmt: skip
+                line = [*mesh.boundary_edges[:1, 0].tolist()]
+                following = dict(mesh.boundary_edges.tolist())
+                while len(line) == 1 or line[-1] != line[0]:
+                    line.append(following[line[-1]])
+                given = matrix, mesh.points, {"boundary": line}
+                body = Body.from_stiffness(name, *given, rows=basis.nodal_dofs.T, held=held, axisymmetric=True)
+            parts.append(Part(name, body))
+        sides = [
+            Surface(part, mesh.edge_sets[side])
+            for part, mesh, side in zip(parts, meshes, ("bottom", "top"), strict=True)
+        ]
+        contact = Contact(*sides, SegmentToSegment(), Multiplier(), 0.2)
+        found.append(press([contact], {parts[0]: Placement(0.0, (0.0, -0.01))}))
+    ours, theirs = found
+    assert ours.status.converged
+    assert theirs.status.message == ours.status.message
+    assert ours.dissipated_work[0] > 0.0
+    np.testing.assert_allclose(theirs.forces[0, 1], ours.forces[0, 1], rtol=1e-10)
+    np.testing.assert_allclose(theirs.state.forces, ours.state.forces, atol=1e-10 * ours.state.forces.max())
+    for mine, part in zip(ours.system.parts, theirs.system.parts, strict=True):
+        field = ours.field(mine).displacements
+        moved = theirs.unknowns(part)[np.asarray(part.body.rows)]
+        np.testing.assert_allclose(moved, field[: len(moved)], atol=1e-10 * np.abs(field).max())

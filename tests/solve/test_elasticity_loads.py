@@ -324,16 +324,16 @@ def test_a_handle_on_a_ring_moves_along_the_axis_only() -> None:
     assert reactions(solution)[0].force == pytest.approx([0.0, -10.0])
 
 
-def test_a_body_in_contact_takes_any_plane_material_but_no_ring() -> None:
-    """`Body` accepts several materials, and refuses axisymmetric ones, whose contact would be per thickness."""
+def test_a_body_in_contact_takes_several_materials_but_no_thickness_of_a_ring() -> None:
+    """`Body` accepts several materials, and axisymmetric ones without a thickness: forces are summed around."""
     mesh = block()
     upper = mesh.cell_centroids[:, 1] > 0.5
     mesh = mesh.with_cell_set("upper", upper).with_cell_set("lower", ~upper)
     materials = {"upper": STEEL, "lower": Elastic(1.0, 0.3)}
     body = Body("pad", mesh, Lagrange(1), materials, "bottom")
     assert body.stiffness.n == 2 * (mesh.n_points - 7)
-    with pytest.raises(InputError, match="axisymmetric"):
-        Body("pad", mesh, Lagrange(1), Elastic(1.0, 0.3, "axisymmetric"), "bottom")
+    with pytest.raises(InputError, match="revolution"):
+        Body("pad", mesh, Lagrange(1), Elastic(1.0, 0.3, "axisymmetric"), "bottom", thickness=2.0)
 
 
 @pytest.mark.parametrize("element", [Lagrange(3), Virtual(2), Virtual(3)])

@@ -8,6 +8,7 @@ from flangeway.checks import is_finite, refused
 from flangeway.contact.enforcement import Barrier, Enforcement
 from flangeway.contact.pairs import Pairing
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.segment_to_segment import SegmentToSegment
 from flangeway.contact.surface import Surface
 from flangeway.errors import InputError, short
 from flangeway.types import Floats
@@ -19,6 +20,8 @@ ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...) or Bar
 @dataclass(frozen=True, eq=False)
 class Contact:
     """Contact between two surfaces, without friction or with Coulomb's.
+
+    Of bodies of revolution areas, forces and dissipated work are those of the whole circumference.
 
     Parameters
     ----------
@@ -67,13 +70,20 @@ class Contact:
                 "one thickness for both",
                 "give both bodies the length over which they touch",
             )
-        known = [side.part.body.hypothesis for side in (self.secondary, self.primary)]
-        hypotheses = [each for each in known if each is not None]
-        if len(set(hypotheses)) > 1:
+        bodies = [side.part.body for side in (self.secondary, self.primary)]
+        hypotheses = [each.hypothesis or "a plane of unknown strain" for each in bodies]
+        known = {each.hypothesis for each in bodies if each.hypothesis is not None}
+        if len(known) > 1 or bodies[0].axisymmetric != bodies[1].axisymmetric:
             raise InputError(
                 f"a contact of {self._names} in {' and '.join(word.replace('_', ' ') for word in hypotheses)}",
-                "both in plane strain, or both in plane stress",
+                "both in plane strain, both in plane stress, or both axisymmetric",
                 "take one hypothesis for both materials",
+            )
+        if bodies[0].axisymmetric and isinstance(self.pairing, SegmentToSegment) and self.pairing.weighting == "dual":
+            raise InputError(
+                f"dual weighting of bodies of revolution {self._names}",
+                "weighting='standard': the dual functions average nothing at the axis",
+                "leave it out",
             )
         self._refuse_bad_friction()
         if self.friction_coefficient and isinstance(self.enforcement, Barrier):

@@ -2,7 +2,8 @@
 
 The gap at a secondary point is measured along the secondary's own normal: it is continuous over the primary's corners,
 where the closest point would jump. Integrals are over the undeformed length of the secondary, whose edges are straight,
-so that pressure on an open or penetrated gap does no work on the surface's stretching. Their derivatives are exact,
+so that pressure on an open or penetrated gap does no work on the surface's stretching, and in bodies of revolution
+they are weighted with its undeformed radius, linear along an edge as the hats. Their derivatives are exact,
 those of the pieces' ends included. The sum over the pieces is invariant to rigid motions, so the forces on both sides
 are in equilibrium to round-off.
 
@@ -172,7 +173,13 @@ class PieceIntegrals:
 
 
 def integrate(
-    pieces: Pieces, secondary: Floats, primary: Floats, edge_lengths: Floats, *, second: bool
+    pieces: Pieces,
+    secondary: Floats,
+    primary: Floats,
+    edge_lengths: Floats,
+    *,
+    second: bool,
+    radii: Floats | None = None,
 ) -> PieceIntegrals:
     """Integrate the gap over pieces.
 
@@ -186,12 +193,15 @@ def integrate(
         Undeformed length of each piece's secondary edge, shape (p,).
     second
         Whether second derivatives are wanted; without them straight edges have a closed form.
+    radii
+        Undeformed radius of the ends of each piece's secondary edge, with which all integrals of bodies of revolution
+        are weighted, shape (p, 2); None in the plane.
 
     """
     given = (pieces.starts, pieces.ends), (pieces.start_is_foot, pieces.end_is_foot), secondary, primary, edge_lengths
-    if not second and secondary.shape[1] == primary.shape[1] == 2:
+    if not second and radii is None and secondary.shape[1] == primary.shape[1] == 2:
         return _straight_integrals(*given)
-    points = PiecePoints(*given)
+    points = PiecePoints(*given, radii)
     hats = points.hats
     return PieceIntegrals(*points.gaps(), hats.sum(axis=-1), hats @ points.other_values, points if second else None)
 
@@ -278,7 +288,13 @@ class PiecePoints(_Arrays):
     """
 
     def __init__(
-        self, limits: Pair, feet: tuple[Bools, Bools], secondary: Floats, primary: Floats, edge_lengths: Floats
+        self,
+        limits: Pair,
+        feet: tuple[Bools, Bools],
+        secondary: Floats,
+        primary: Floats,
+        edge_lengths: Floats,
+        radii: Floats | None = None,
     ) -> None:
         own, other = _Edges(secondary), _Edges(primary)
         parts, weights = gauss(max(own.order, other.order) + 1)
@@ -288,6 +304,7 @@ class PiecePoints(_Arrays):
         self.width = (limits[1] - limits[0])[:, None]
         self.xi = limits[0][:, None] + self.width * parts
         self.weights = edge_lengths[:, None] * weights  # of the undeformed length by parts of an edge
+        self.radii = np.ones((len(secondary), 2)) if radii is None else radii
         point, slope, bend, twist = (own.values(number, self.xi) for number in range(4))
         self.m = np.abs(slope)
         self.t: Complex = slope / self.m
@@ -314,8 +331,21 @@ class PiecePoints(_Arrays):
     @property
     def hats(self) -> Floats:
         """The two hat functions at the points, times their weights, shape (p, 2, q)."""
-        measure = self.weights * self.width
-        return np.stack(((1.0 - self.xi) * measure, self.xi * measure), axis=1)
+        return self._functions[0] * (self.weights * self.width)[:, None]
+
+    @property
+    def _functions(self) -> tuple[Floats, Floats, Floats]:
+        """The two hats times the radius, their first and second derivatives by xi, each (p, 2, q) or (p, 2, 1)."""
+        xi, start, slope = self.xi, self.radii[:, :1], self.radii[:, 1:] - self.radii[:, :1]
+        radius, hats = start + slope * xi, np.stack((1.0 - xi, xi), axis=1)
+        signs = np.array([-1.0, 1.0])[:, None]
+        bends = 2.0 * signs * slope[:, None]
+        return hats * radius[:, None], signs * radius[:, None] + hats * slope[:, None], bends
+
+    def _shape(self, factors: Floats) -> tuple[Floats, Floats, Floats]:
+        """Sums of factors (p, 2) times the functions, and their derivatives by xi, each (p, q) or (p, 1)."""
+        value, slope, bend = (np.einsum("ps,psq->pq", factors, each) for each in self._functions)
+        return value, slope, bend
 
     def gaps(self) -> tuple[Floats, Floats]:
         """Integrals of the gap with the hats (p, 2), and their derivatives by the components of the nodes (p, 2, 2 d).
@@ -346,8 +376,8 @@ class PiecePoints(_Arrays):
 
     def turns(self, factors: Floats) -> Floats:
         """Derivatives of the sums of factors (p, 2) times the two unit tangential forces, shape (p, 2 d, 2 d)."""
-        slope = factors[:, 1:] - factors[:, :1]
-        weights = self.weights * (factors[:, :1] * (1.0 - self.xi) + factors[:, 1:] * self.xi)
+        shape, slope, _ = self._shape(factors)
+        weights = self.weights * shape
         measure, g, directions = weights * self.width, self.gap / self.m, self.directions
         stretch = (
             self.slopes * (self.t / self.m)[..., None] + (_dot(self.t, self.bend) / self.m)[..., None] * self.moved
@@ -366,23 +396,19 @@ class PiecePoints(_Arrays):
 
     def _integrals(self, points: Floats, rates: Complex) -> tuple[Floats, Floats]:
         """Integrals with the hats of values at the points (p, q), and their derivatives, by the values' rates."""
-        hats = self.hats
+        hats, (functions, slopes, _) = self.hats, self._functions
         values = (hats * points[:, None]).sum(axis=-1)
-        share = self.weights * points
-        by_width = np.stack(((share * (1.0 - self.xi)).sum(axis=-1), (share * self.xi).sum(axis=-1)), axis=1)
-        to_end = self.width * np.stack(
-            ((share * (1.0 - self.parts)).sum(axis=-1), (share * self.parts).sum(axis=-1)), 1
-        )
-        slopes = np.array([-1.0, 1.0])
+        share = (self.weights * points)[:, None]
+        by_width = (share * functions).sum(axis=-1)
         gradients = hats @ _components(rates)
-        gradients += (slopes * to_end[:, :1] - by_width)[..., None] * _components(self.start.rate)[:, None]
-        gradients += (slopes * to_end[:, 1:] + by_width)[..., None] * _components(self.end.rate)[:, None]
+        for end, sign, parts in ((self.start, -1.0, 1.0 - self.parts), (self.end, 1.0, self.parts)):
+            by_end = self.width * (share * slopes * parts[:, None]).sum(axis=-1) + sign * by_width
+            gradients += by_end[..., None] * _components(end.rate)[:, None]
         return values, gradients
 
     def hessians(self, factors: Floats) -> Floats:
         """Second derivatives of the sums of factors (p, 2) times the two integrals of the gap, shape (p, 2 d, 2 d)."""
-        shape = factors[:, :1] * (1.0 - self.xi) + factors[:, 1:] * self.xi
-        slope = factors[:, 1:] - factors[:, :1]
+        shape, slope, bend = self._shape(factors)
         weights = self.weights * shape
         measure = weights * self.width
         g, k, m = self.gap, self.lean, self.m
@@ -398,6 +424,7 @@ class PiecePoints(_Arrays):
         by_moved -= self.bends * (2.0 * measure * g * k / m * self.n)[..., None]
         by_moved -= (measure * (_dot(across, self.bend) + g * k * self.twist_n / m))[..., None] * moved
         by_moved += (2.0 * self.weights * self.width * slope)[..., None] * rate
+        by_moved += (self.weights * self.width * bend * g)[..., None] * moved
         widening = self.end.rate - self.start.rate
         by_moved += (2.0 * self.weights * g * slope)[..., None] * widening[:, None]
         by_width = 2.0 * (weights[..., None] * rate).sum(axis=1)

@@ -84,7 +84,7 @@ class NodeToNode(Pairing):
 
     def node_areas(self, secondary: Surface) -> Floats:
         """See `Pairing.node_areas`."""
-        return secondary.tributary_lengths * secondary.part.body.thickness
+        return secondary.tributary_areas
 
     def key_nodes(self, secondary: Surface) -> Ints:
         """See `Pairing.key_nodes`."""
@@ -113,8 +113,8 @@ class NodeToNode(Pairing):
         gradients[:, 0], gradients[np.arange(n), 1 + found.columns] = normals, -normals
         parameters = gauss_lobatto(width - 1)[0][found.columns]
         flat = NodeEdgeGaps(parameters, gaps, normals, gradients, np.zeros((n, 2 * width, 2 * width)))
-        thickness = secondary.part.body.thickness
-        areas, whole = found.lengths * thickness, self.node_areas(secondary)[found.nodes]
+        depth = secondary.part.body.depth
+        areas, whole = found.lengths * depth, self.node_areas(secondary)[found.nodes]
         slots, each = np.broadcast_to(np.arange(width), (n, width)), np.arange(n)[:, None]
         return MatchedPairs(
             found.nodes, found.edges, found.nodes, gaps, areas, whole, found.nodes[:, None], found.edges, each, flat,
@@ -174,7 +174,7 @@ def _found(secondary: Surface, primary: Surface) -> MatchingNodes:
     mine, theirs = secondary.edge_places[paired], np.flip(primary.edge_places[edges[paired]], axis=1)
     width = mine.shape[1]
     lengths = np.zeros(len(points[0]))
-    np.add.at(lengths, mine, secondary.edge_lengths[paired][:, None] * gauss_lobatto(width)[1])
+    np.add.at(lengths, mine, secondary.edge_shares[paired])
     nodes, first = np.unique(mine, return_index=True)
     at_edge, column = edges[paired][first // width], width - 1 - first % width
     shifted = [

@@ -119,7 +119,7 @@ class NodeToSegment(Pairing):
 
     def node_areas(self, secondary: Surface) -> Floats:
         """See `Pairing.node_areas`."""
-        return secondary.tributary_lengths * secondary.part.body.thickness
+        return secondary.tributary_areas
 
     def key_nodes(self, secondary: Surface) -> Ints:
         """See `Pairing.key_nodes`."""

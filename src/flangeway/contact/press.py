@@ -126,7 +126,10 @@ class ContactSolution(Result):
 
     @cached_property
     def resultants(self) -> Floats:
-        """Force x, y and moment about the origin on each contact's secondary and primary side: (n_contacts, 2, 3)."""
+        """Force x, y and moment about the origin on each contact's secondary and primary side: (n_contacts, 2, 3).
+
+        Of bodies of revolution y is the force along the axis; x and the moment are sums of what acts radially.
+        """
         lin = self.state.linearisation
         assert isinstance(lin, ContactLinearisation)
         result = np.zeros((len(self.system.contacts), 2, 3))
@@ -359,6 +362,7 @@ def _refuse_bad_motions(system: ContactSystem, motions: Sequence[Mapping[Part, P
                 "a rotation and a translation",
                 "mirror the part itself: Part(..., placement=Placement(mirrored=True))",
             )
+        part.refuse_off_axis("a motion", moved)
 
 
 def _refuse_bad_loads(
@@ -377,6 +381,12 @@ def _refuse_bad_loads(
                 f"loads={{{part.name!r}: {short(load)}}}",
                 "three finite numbers, force x, y and moment, or None where the part does not move; not three None",
                 "write (0.0, -1000.0, None)",
+            )
+        if part.body.axisymmetric and (load[0] is not None or load[2] is not None):
+            raise InputError(
+                f"loads={{{part.name!r}: {short(load)}}} of a body of revolution",
+                "a force along its axis y",
+                "write (None, -1000.0, None)",
             )
         if part.body.freedom.n_motions:
             raise InputError(

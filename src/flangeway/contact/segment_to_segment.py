@@ -160,17 +160,16 @@ class SegmentToSegment(Pairing):
         candidates = candidate_pairs(edges, primary_edges, max(reach, depth))
         pieces = find_pieces(edges, primary_edges, candidates, reach, depth)
         pieces = pieces.take(~_through_itself(pieces, edges, primary_edges))
-        lengths = secondary.edge_lengths[pieces.edges]
-        found = integrate(pieces, edges[pieces.edges], primary_edges[pieces.partners], lengths, second=True)
+        found = _integrals(pieces, edges, primary_edges, secondary)
 
         of_piece = hats.of_edge[pieces.edges]
         covered = np.zeros(len(hats.nodes))
         np.add.at(covered, of_piece, found.lengths)
-        thickness = secondary.part.body.thickness
+        thickness = secondary.part.body.depth
         keys = np.flatnonzero(covered * thickness > LEAST_COVERED * hats.areas)
         if len(keys) == 0:  # at most slivers, which carry nothing
             pieces = pieces.take(np.empty(0, dtype=np.int64))
-            found = integrate(pieces, edges[pieces.edges], primary_edges[pieces.partners], lengths[:0], second=True)
+            found = _integrals(pieces, edges, primary_edges, secondary)
             of_piece = of_piece[:0]
         # pieces add nothing to a hat that is almost uncovered: their weight is zero
         row_of = np.zeros(len(hats.nodes), dtype=np.int64)
@@ -196,6 +195,14 @@ class SegmentToSegment(Pairing):
             whole = covered > (1.0 - LEAST_COVERED) * edge_lengths
             functions[whole[pieces.edges]] = DUAL
         return functions
+
+
+def _integrals(pieces: Pieces, edges: Floats, primary_edges: Floats, secondary: Surface) -> PieceIntegrals:
+    """Integrals over pieces of a surface between positions of its edges and of the primary's."""
+    lengths = secondary.edge_lengths[pieces.edges]
+    radii = None if secondary.radii is None else secondary.radii[pieces.edges]
+    both = edges[pieces.edges], primary_edges[pieces.partners]
+    return integrate(pieces, *both, lengths, second=True, radii=radii)
 
 
 def _through_itself(pieces: Pieces, edges: Floats, primary_edges: Floats) -> Bools:

@@ -272,9 +272,22 @@ class Surface:
         nodes = np.empty(last.max() + 1, dtype=np.int64)
         nodes[first], nodes[last] = self.edge_places[:, 0], self.edge_places[:, -1]
         areas = np.zeros(len(nodes))
-        for column in (first, last):
-            np.add.at(areas, column, self.edge_lengths / 2.0 * self.part.body.thickness)
+        halves = self.edge_lengths[:, None] / 2.0 * self._radii_at(np.array([1.0, 2.0]) / 3.0) * self.part.body.depth
+        for column, half in zip((first, last), halves.T, strict=True):
+            np.add.at(areas, column, half)
         return Hats(nodes, np.stack((first, last), axis=1), areas)
+
+    @cached_property
+    def radii(self) -> Floats | None:
+        """Radius of both ends of each edge of a body of revolution, shape (n_edges, 2); None in the plane."""
+        body = self.part.body
+        return body.nodes[self.edge_nodes[:, [0, -1]], 0] if body.axisymmetric else None
+
+    def _radii_at(self, parameters: Floats) -> Floats:
+        """Radius at q parameters of each edge, linear along it, 1 in the plane, shape (n_edges, q)."""
+        radii = np.ones((len(self.edge_nodes), 2)) if self.radii is None else self.radii
+        found: Floats = radii[:, :1] + (radii[:, 1:] - radii[:, :1]) * parameters
+        return found
 
     def sagittas(self, edges: Floats) -> Floats:
         """How far a smooth curve may lie from deformed edges (n_edges, order + 1, 2), see `sagittas_of`: (n_edges,)."""
@@ -283,13 +296,22 @@ class Surface:
         return sagittas_of(drawn.reshape(-1, 2, 2), edges, joints)
 
     @cached_property
-    def tributary_lengths(self) -> Floats:
-        """Tributary length of each node, by the quadrature weights of its edges, shape (n_nodes,)."""
-        lengths = self.edge_lengths
+    def edge_shares(self) -> Floats:
+        """Part of each edge's length that belongs to each of its nodes, by quadrature weights: (n_edges, order + 1).
+
+        In a body of revolution times its radius: on edges of order 1 that makes the integral of the node's hat.
+        """
         weights = gauss_lobatto(self.edge_nodes.shape[1])[1]
+        middles = np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else np.cumsum(weights) - weights / 2.0
+        shares: Floats = self.edge_lengths[:, None] * weights * self._radii_at(middles)
+        return shares
+
+    @cached_property
+    def tributary_areas(self) -> Floats:
+        """Area of each node, by `edge_shares` times the thickness or around the axis, shape (n_nodes,)."""
         total = np.zeros(len(self.nodes))
-        np.add.at(total, self.edge_places, lengths[:, None] * weights)
-        return total
+        np.add.at(total, self.edge_places, self.edge_shares)
+        return total * self.part.body.depth
 
 
 def chord_depths(lengths: Floats, before: Floats, after: Floats, limit: float) -> Floats:

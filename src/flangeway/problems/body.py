@@ -37,7 +37,8 @@ class Body(LinearBody):
     element
         Element of all cells, or of each named cell set, which must then cover the mesh once.
     material
-        Material of all cells, or of each named cell set, in plane strain or plane stress.
+        Material of all cells, or of each named cell set, in plane strain, in plane stress or axisymmetric: then x is
+        the radius, y the axis, forces are summed around it, nodes on it stay there, and the body only moves along it.
     held
         Name of the mesh's edge set that stays rigid with the frame; or edge sets, and points of the mesh ``(x, y)``,
         with the components that do not move in the frame's axes, ``"x"``, ``"y"`` or ``"xy"``. What is held in one
@@ -50,7 +51,7 @@ class Body(LinearBody):
     Raises
     ------
     InputError
-        If a name, point or component is unknown, or the material is axisymmetric.
+        If a name, point or component is unknown, or a body of revolution has a thickness.
 
     """
 
@@ -64,12 +65,11 @@ class Body(LinearBody):
     def __post_init__(self) -> None:
         check_positive("Body", "thickness", self.thickness, "a positive length", "take 1 for forces per length")
         self._check_held()
-        materials = self.material.values() if isinstance(self.material, Mapping) else (self.material,)
-        if any(material.hypothesis == "axisymmetric" for material in materials):
+        if self.axisymmetric and self.thickness != 1.0:
             raise InputError(
-                f"body {self.name!r} of an axisymmetric material",
-                "plane strain or plane stress: contact is per thickness",
-                "take Elasticity for a body of revolution without contact",
+                f"body {self.name!r} of revolution with the thickness {self.thickness:g}",
+                "1: forces are summed around the axis",
+                "leave the thickness out",
             )
 
     def _check_held(self) -> None:
@@ -136,7 +136,8 @@ class Body(LinearBody):
     @property
     def hypothesis(self) -> str | None:
         """See `LinearBody.hypothesis`."""
-        return self.elasticity.materials[0].hypothesis
+        materials = self.material.values() if isinstance(self.material, Mapping) else (self.material,)
+        return next(iter(materials)).hypothesis
 
     @property
     def held_by(self) -> str:
@@ -173,6 +174,8 @@ class Body(LinearBody):
                 nodes = np.array([self.elasticity.node_at(where)], dtype=np.int32)
             for component in components:
                 held[nodes, "xy".index(component)] = True
+        if self.axisymmetric:
+            held[self.elasticity.on_axis, 0] = True
         return held
 
     @cached_property
@@ -181,6 +184,9 @@ class Body(LinearBody):
         nodes = np.flatnonzero(self.supported.any(axis=1))
         axes = "".join(axis for number, axis in enumerate("xy") if not self.supported[:, number].any())
         points, corners = self.space.nodes, np.unique(self.mesh.boundary_edges)
+        if self.axisymmetric:
+            first, axes = int(corners[0]), axes.replace("x", "")
+            return RigidFreedom(points[first], axes, False, {first: axes} if axes else {})
         if len(nodes) > 1:
             return RigidFreedom(points[nodes[0]], axes, False, {int(nodes[0]): axes} if axes else {})
         first = int(nodes[0] if len(nodes) else corners[points[corners].sum(axis=1).argmin()])
@@ -220,9 +226,10 @@ class Body(LinearBody):
         rows: ArrayLike | None = None,
         held: ArrayLike = (),
         thickness: float = 1.0,
+        axisymmetric: bool = False,
     ) -> StiffnessBody:
         """Return a body of a stiffness matrix that another program has assembled; `StiffnessBody` has the arguments."""
-        return StiffnessBody(name, stiffness, coordinates, surfaces, order, rows, held, thickness)
+        return StiffnessBody(name, stiffness, coordinates, surfaces, order, rows, held, thickness, axisymmetric)
 
 
 @dataclass(frozen=True, eq=False)
@@ -236,10 +243,28 @@ class Part:
     body
         The body.
     placement
-        Position of the body's frame.
+        Position of the body's frame; a body of revolution is only shifted along its axis.
+
+    Raises
+    ------
+    InputError
+        If a body of revolution is placed off its axis.
 
     """
 
     name: str
     body: LinearBody
     placement: Placement = field(default_factory=Placement)
+
+    def __post_init__(self) -> None:
+        self.refuse_off_axis("a placement", self.placement)
+
+    def refuse_off_axis(self, what: str, placement: Placement) -> None:
+        """Raise `InputError` if a placement takes a body of revolution off its axis."""
+        off = placement.rotation_rad or placement.translation[0] or placement.mirrored
+        if off and isinstance(self.body, LinearBody) and self.body.axisymmetric:
+            raise InputError(
+                f"{what} of part {self.name!r}, a body of revolution: {placement}",
+                "a shift along its axis y",
+                "write Placement(0.0, (0.0, y))",
+            )

@@ -149,6 +149,11 @@ class Elasticity:
         """Diagonal of the mesh's bounding box."""
         return float(np.linalg.norm(np.ptp(self.space.mesh.points, axis=0)))
 
+    @cached_property
+    def on_axis(self) -> NDArray[np.int64]:
+        """Nodes on the axis of a body of revolution."""
+        return np.flatnonzero(self.space.nodes[:, 0] <= ON_AXIS * self.size)
+
     def depth(self, points: Floats) -> Floats | float:
         """Length out of the plane at points (..., 2), shape (...): the thickness, or the circumference."""
         if self.axisymmetric:

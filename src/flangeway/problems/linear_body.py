@@ -55,12 +55,22 @@ class LinearBody(ABC):
     name
         Name for messages and results.
     thickness
-        Length out of the plane.
+        Length out of the plane; 1 of a body of revolution.
 
     """
 
     name: str
     thickness: float
+
+    @property
+    def axisymmetric(self) -> bool:
+        """Whether the body is one of revolution about y, x the radius, and forces are summed around the axis."""
+        return self.hypothesis == "axisymmetric"
+
+    @property
+    def depth(self) -> float:
+        """Length out of the plane; of a body of revolution by the radius."""
+        return 2.0 * np.pi if self.axisymmetric else self.thickness
 
     @property
     @abstractmethod
@@ -117,7 +127,7 @@ class LinearBody(ABC):
     @property
     @abstractmethod
     def hypothesis(self) -> str | None:
-        """Plane strain or plane stress; None where it is not known."""
+        """Plane strain, plane stress or axisymmetric; None where it is not known."""
 
     @property
     @abstractmethod

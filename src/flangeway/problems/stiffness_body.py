@@ -14,6 +14,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product, point_text
 from flangeway.mesh.connectivity import edge_places
 from flangeway.mesh.meeting import meeting
+from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.problems.linear_body import LinearBody
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Bools, Floats, Ints
@@ -27,7 +28,7 @@ NEAR = 3.0
 
 @dataclass(frozen=True, eq=False)
 class StiffnessBody(LinearBody):
-    """A plane body given by its stiffness matrix; forces on it need no load vector, stresses are not known here.
+    """A plane body or one of revolution, given by its stiffness matrix; stresses are not known here.
 
     Parameters
     ----------
@@ -52,6 +53,9 @@ class StiffnessBody(LinearBody):
         Rows of K that do not move.
     thickness
         Length out of the plane over which surfaces touch.
+    axisymmetric
+        Whether K is that of a body of revolution about y, x the radius, with forces summed around the axis (integrals
+        with ``2 pi x``); what moves nodes off the axis must be held.
 
     Raises
     ------
@@ -70,6 +74,7 @@ class StiffnessBody(LinearBody):
     rows: ArrayLike | None = None
     held: ArrayLike = ()
     thickness: float = 1.0
+    axisymmetric: bool = False
 
     def __post_init__(self) -> None:
         check_positive(self._owner, "thickness", self.thickness, "a positive length", "take 1 for forces per length")
@@ -79,6 +84,8 @@ class StiffnessBody(LinearBody):
             )
         self._check_matrix()
         self._check_places()
+        if self.axisymmetric:
+            self._check_axis()
         if not self.surfaces:
             raise InputError(f"{self._owner} without surfaces", "at least one", "name the nodes along its boundary")
         for surface in self.surfaces:
@@ -179,7 +186,9 @@ class StiffnessBody(LinearBody):
     @cached_property
     def modulus(self) -> float:
         """The maximum diagonal entry of K over the thickness, as large as the modulus of plane elements."""
-        return float(self._matrix.diagonal().max()) / self.thickness
+        return float(self._matrix.diagonal().max()) / (
+            self.depth * (self.nodes[:, 0].max() if self.axisymmetric else 1.0)
+        )
 
     @property
     def softness(self) -> float:
@@ -187,9 +196,9 @@ class StiffnessBody(LinearBody):
         return 1.0 / self.modulus
 
     @property
-    def hypothesis(self) -> None:
-        """Not known."""
-        return None
+    def hypothesis(self) -> str | None:
+        """Axisymmetric, or not known."""
+        return "axisymmetric" if self.axisymmetric else None
 
     @property
     def held_by(self) -> str:
@@ -291,6 +300,17 @@ class StiffnessBody(LinearBody):
                 f"{self._owner}: K[{rows[number]}, {rows[number]}] is {diagonal[number]:.6g}, of {self.named(number)}",
                 "a positive definite matrix of the unknowns that are not held",
                 "a multiplier or an unknown without stiffness is no displacement: eliminate it, or hold it",
+            )
+
+    def _check_axis(self) -> None:
+        loose = (self.nodes[:, 0] <= ON_AXIS * self.size) & ~self.supported[:, 0]
+        if self.thickness != 1.0 or self.nodes[:, 0].min() < -ON_AXIS * self.size or loose.any():
+            least = f"radii from {self.nodes[:, 0].min():g}"
+            raise InputError(
+                f"{self._owner} of revolution with thickness {self.thickness:g}, {least}, and {int(loose.sum())} nodes on "
+                "the axis that can leave it",
+                "thickness 1, radii x >= 0, and held x components of nodes on the axis",
+                "hold their rows with held=...",
             )
 
     def _check_surface(self, name: str) -> None:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 
 from flangeway.errors import InputError, short
 from flangeway.problems import Elasticity, PrescribedDisplacement, RigidHandle
-from flangeway.problems.elasticity_problem import ON_AXIS
 from flangeway.problems.prescribed import scalar_at
 from flangeway.problems.supports import axes
 from flangeway.types import Floats, Ints
@@ -150,7 +149,7 @@ def _prescribed_rows(problem: Elasticity) -> Rows:
                 directions = np.broadcast_to(direction, (len(nodes), 2))
                 parts.append(Rows(np.full(len(nodes), number), nodes, directions, given))
     if problem.axisymmetric:
-        nodes = np.flatnonzero(problem.space.nodes[:, 0] <= ON_AXIS * problem.size)
+        nodes = problem.on_axis
         directions = np.broadcast_to(np.array([1.0, 0.0]), (len(nodes), 2))
         parts.append(Rows(np.full(len(nodes), AXIS), nodes, directions, np.zeros(len(nodes))))
     return Rows.joined(parts, 2)

@@ -15,6 +15,7 @@ from flangeway.validation.friction.friction_reproduced import (
     reproduce_friction,
     stick_rows,
 )
+from flangeway.validation.friction.revolved_contact import REVOLVED_LIMIT
 from flangeway.validation.published_numbers import percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
@@ -45,7 +46,9 @@ FRICTION = Reproduction(
         {percent(WORK_LIMIT)}. A load of 1 makes all slip; that of the reversal is counted from its start, and
         twice as large. A rigid flat punch that slides: the centre of its pressure (Johnson, 1985, "Contact
         Mechanics", 2.8) within {percent(PUNCH_LIMIT)}; the pressure has no limit at the punch's ends. Pressures
-        and tractions are those of segment-to-segment contact with multipliers. No load step may take more than
+        and tractions are those of segment-to-segment contact with multipliers. A rigid flat punch and a rigid sphere on
+        a half-space, bodies of revolution, with the forces of the whole circumference (Boussinesq, Hertz): within
+        {percent(REVOLVED_LIMIT)} on the finest of three meshes. No load step may take more than
         {MOST_ITERATIONS} iterations.""",
         (
             PagePicture(

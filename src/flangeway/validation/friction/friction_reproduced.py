@@ -18,14 +18,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, Surface, press
-from flangeway.elements import Lagrange
-from flangeway.geometry import Placement
+from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSegment, press
 from flangeway.materials import Elastic
-from flangeway.mesh import PolyMesh, rectangle_grid
-from flangeway.problems import Body, Part
+from flangeway.problems import Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats
+from flangeway.validation.friction.blocks import block, face, shift
+from flangeway.validation.friction.revolved_contact import revolved_contact
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare
 
 YOUNG_MPA, POISSON, MU = 210e3, 0.3, 0.3
@@ -33,6 +32,7 @@ RADIUS_MM = 1000.0  # relative radius of the cylinders; their contact is about 2
 APPROACH_MM = 0.0077
 PUSH_MM = 0.0013
 REACH_MM, SIZE_MM, FINE_MM = 2000.0, 0.03, 1.5  # half-width and height of the blocks; edges, and where they are fine
+NEAR_MM = 2.0 * FINE_MM
 N_STEPS = 5
 PUNCH_MM, PUNCH_SIZE_MM = 1.0, 0.025  # half-width of the punch, and edges below it
 PUNCH_FRICTIONS = (0.2, 0.5)
@@ -85,6 +85,9 @@ def reproduce_friction(
         punch = _sliding_punch(mu)
         solutions.append(punch)
         numbers.append(_punch_number(punch, mu))
+    revolved, more = revolved_contact(progress)
+    numbers += revolved
+    solutions += more
     most = max(step.state.status.iterations for solution in solutions for step in solution.steps)
     words = f"{MOST_ITERATIONS:g}"
     given = ("all load steps", "all", "iterations of the slowest step", "1", (0.0, float(most)), MOST_ITERATIONS)
@@ -106,10 +109,10 @@ def stick_rows(found: FrictionReproduction) -> list[Row]:
     ]
 
 
-def block(
-    name: str, *, above: bool, half: float, radius: float = np.inf, young: float = YOUNG_MPA, size: float = SIZE_MM
+def _plane_block(
+    name: str, *, half: float, radius: float = np.inf, young: float = YOUNG_MPA, size: float = SIZE_MM
 ) -> Part:
-    """A block above or below y = 0, fine at the contact and held far from it; its face is bulged by a radius."""
+    """A block above or below y = 0, fine at the contact; its face is bulged by a radius."""
     coarse = FINE_MM + size * np.cumsum(1.4 ** np.arange(1, 60))
     side = np.concatenate((np.arange(0.0, FINE_MM + size / 2.0, size), coarse))
     side = side[side < half] if half < REACH_MM else side[side < REACH_MM]
@@ -118,35 +121,13 @@ def block(
     depth = np.concatenate(([0.0], size * np.cumsum(1.3 ** np.arange(60))))
     height = min(half, REACH_MM)  # a punch is as high as half of its width, so that it does not bend
     depth = np.append(depth[depth < 0.8 * height], height)
-    y = depth if above else -depth[::-1]
-    grid = rectangle_grid(1.0, 1.0, len(x) - 1, len(y) - 1)
-    across, up = (each.ravel() for each in np.meshgrid(x, y))
-    far = np.maximum(np.abs(across) - 2.0 * FINE_MM, 0.0)
-    near = np.minimum(np.abs(across), 2.0 * FINE_MM)
-    bulge = (near**2 / 2.0 + far * near) / radius * (1.0 - np.abs(up) / height)
-    points = np.column_stack((across, up + bulge))
-    mesh = PolyMesh(points, grid.cell_offsets, grid.cell_points, {}, grid.edge_sets)
-    return Part(name, Body(name, mesh, Lagrange(1), Elastic(young, POISSON), "top" if above else "bottom"))
-
-
-def face(part: Part) -> Surface:
-    """The face of a block near the contact."""
-    mesh = part.body.elasticity.space.mesh
-    edges = mesh.edge_sets["bottom" if part.name == "upper" else "top"]
-    middle = mesh.points[edges][:, :, 0].mean(axis=1)
-    return Surface(part, edges[np.abs(middle) < 2.0 * FINE_MM])
-
-
-def _shift(part: Part, x: float, y: float) -> dict[Part, Placement]:
-    return {part: Placement(0.0, (x, y))}
+    return block(name, x, depth, Elastic(young, POISSON), near=NEAR_MM, radius=radius)
 
 
 def _cylinders() -> tuple[tuple[PartialSlip, ...], list[ReproducedNumber], list[ContactSolution]]:
-    upper = block("upper", above=True, half=REACH_MM, radius=RADIUS_MM)
-    contact = Contact(
-        face(upper), face(block("lower", above=False, half=REACH_MM)), SegmentToSegment(), Multiplier(), MU
-    )
-    path = [_shift(upper, 0.0, -APPROACH_MM), _shift(upper, PUSH_MM, 0.0), _shift(upper, -2.0 * PUSH_MM, 0.0)]
+    upper, lower = _plane_block("upper", half=REACH_MM, radius=RADIUS_MM), _plane_block("lower", half=REACH_MM)
+    contact = Contact(face(upper, NEAR_MM), face(lower, NEAR_MM), SegmentToSegment(), Multiplier(), MU)
+    path = [shift(upper, 0.0, -APPROACH_MM), shift(upper, PUSH_MM, 0.0), shift(upper, -2.0 * PUSH_MM, 0.0)]
     equal = StepSettings(1.0 / N_STEPS, 1.0 / N_STEPS)
     solution = press([contact], path, steps=[StepSettings(), equal, equal])
     slips: list[PartialSlip] = []
@@ -199,15 +180,10 @@ def _half_width(x: Floats, ellipse: Floats) -> float:
 
 
 def _sliding_punch(mu: float) -> ContactSolution:
-    upper = block("upper", above=True, half=PUNCH_MM, young=1e4 * YOUNG_MPA, size=PUNCH_SIZE_MM)
-    contact = Contact(
-        face(upper),
-        face(block("lower", above=False, half=REACH_MM, size=PUNCH_SIZE_MM)),
-        SegmentToSegment(),
-        Multiplier(),
-        mu,
-    )
-    return press([contact], [_shift(upper, 0.0, -APPROACH_MM), _shift(upper, 10.0 * mu * APPROACH_MM, 0.0)])
+    upper = _plane_block("upper", half=PUNCH_MM, young=1e4 * YOUNG_MPA, size=PUNCH_SIZE_MM)
+    lower = _plane_block("lower", half=REACH_MM, size=PUNCH_SIZE_MM)
+    contact = Contact(face(upper, NEAR_MM), face(lower, NEAR_MM), SegmentToSegment(), Multiplier(), mu)
+    return press([contact], [shift(upper, 0.0, -APPROACH_MM), shift(upper, 10.0 * mu * APPROACH_MM, 0.0)])
 
 
 def _punch_number(solution: ContactSolution, mu: float) -> ReproducedNumber:

@@ -1,0 +1,46 @@
+"""Blocks of rectangular cells, fine where they touch, for the contact problems of friction."""
+
+import numpy as np
+
+from flangeway.contact import Surface
+from flangeway.elements import Lagrange
+from flangeway.geometry import Placement
+from flangeway.materials import Elastic
+from flangeway.mesh import PolyMesh, rectangle_grid
+from flangeway.problems import Body, Part
+from flangeway.types import Floats
+
+
+def growing(start: float, size: float, end: float, factor: float = 1.3) -> Floats:
+    """Coordinates from a start to an end, at first a size apart, then growing by a factor."""
+    steps = start + size * np.cumsum(factor ** np.arange(1, 100))
+    return np.concatenate(([start], steps[steps < start + 0.8 * (end - start)], [end]))
+
+
+def block(
+    name: str, x: Floats, depth: Floats, material: Elastic, *, near: float, radius: float = np.inf, order: int = 1
+) -> Part:
+    """The part ``upper`` above y = 0, or another one below, of columns at x and rows at depths, held far from the face.
+
+    The face is bulged by a radius up to x = ``near``, and straight beyond.
+    """
+    above = name == "upper"
+    grid = rectangle_grid(1.0, 1.0, len(x) - 1, len(depth) - 1)
+    across, up = (each.ravel() for each in np.meshgrid(x, depth if above else -depth[::-1]))
+    far, close = np.maximum(np.abs(across) - near, 0.0), np.minimum(np.abs(across), near)
+    bulge = (close**2 / 2.0 + far * close) / radius * (1.0 - np.abs(up) / depth[-1])
+    mesh = PolyMesh(np.column_stack((across, up + bulge)), grid.cell_offsets, grid.cell_points, {}, grid.edge_sets)
+    return Part(name, Body(name, mesh, Lagrange(order), material, "top" if above else "bottom"))
+
+
+def face(part: Part, reach: float) -> Surface:
+    """The face of a block up to a distance from x = 0."""
+    mesh = part.body.elasticity.space.mesh
+    edges = mesh.edge_sets["bottom" if part.name == "upper" else "top"]
+    middle = mesh.points[edges][:, :, 0].mean(axis=1)
+    return Surface(part, edges[np.abs(middle) < reach])
+
+
+def shift(part: Part, x: float, y: float) -> dict[Part, Placement]:
+    """A motion of a part."""
+    return {part: Placement(0.0, (x, y))}
