@@ -307,8 +307,8 @@ class StiffnessBody(LinearBody):
         if self.thickness != 1.0 or self.nodes[:, 0].min() < -ON_AXIS * self.size or loose.any():
             least = f"radii from {self.nodes[:, 0].min():g}"
             raise InputError(
-                f"{self._owner} of revolution with thickness {self.thickness:g}, {least}, and {int(loose.sum())} nodes on "
-                "the axis that can leave it",
+                f"{self._owner} of revolution with thickness {self.thickness:g}, {least}, and {int(loose.sum())} nodes "
+                "on the axis that can leave it",
                 "thickness 1, radii x >= 0, and held x components of nodes on the axis",
                 "hold their rows with held=...",
             )
