@@ -20,9 +20,9 @@ MAX_LINES = {
     "elements": 1940,
     "space": 942,
     "materials": 398,
-    "problems": 2839,
+    "problems": 2899,
     "solve": 4092,
-    "contact": 7016,
+    "contact": 7092,
     "post": 1984,
     "forms": 366,
     "railway.profiles": 3671,
@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8199,
-    "validation": 7419,
+    "validation": 7530,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 70_810
-MAX_FILES_OF_ALL = 373
+MAX_LINES_OF_ALL = 71_057
+MAX_FILES_OF_ALL = 375
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
