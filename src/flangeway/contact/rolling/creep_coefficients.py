@@ -35,10 +35,9 @@ def creep_coefficients(ratio: float, poisson: float) -> CreepCoefficients:
     the coefficients are splines of that of a/b, and inverse coefficients parabolas of Poisson's ratio. Beyond the
     table, a/b from 0.05 to 20, the splines' ends are continued straight.
     """
-    ratios, table = _table()
-    x, ends = np.log(ratio), np.log(ratios[[0, -1]])
-    inside = float(np.clip(x, *ends))
-    spline = CubicSpline(np.log(ratios), np.log(table), axis=0)
+    spline = _spline()
+    x = np.log(ratio)
+    inside = float(np.clip(x, *spline.x[[0, -1]]))
     inverse = np.exp(-(spline(inside) + (x - inside) * spline(inside, 1)))
     weights = (
         8.0 * (poisson - 0.25) * (poisson - 0.5),
@@ -49,7 +48,7 @@ def creep_coefficients(ratio: float, poisson: float) -> CreepCoefficients:
 
 
 @lru_cache(maxsize=1)
-def _table() -> tuple[np.ndarray, np.ndarray]:
-    """Ratios (n,) and coefficients (n, 3, 4) by ratio, Poisson's ratio and kind."""
+def _spline() -> CubicSpline:
+    """Logarithms of the coefficients (3, 4) by Poisson's ratio and kind, over the logarithm of the ratio."""
     rows = np.loadtxt(TABLE, delimiter=",", skiprows=1)
-    return rows[::3, 0], rows[:, 2:].reshape(-1, 3, 4)
+    return CubicSpline(np.log(rows[::3, 0]), np.log(rows[:, 2:].reshape(-1, 3, 4)), axis=0)

@@ -91,7 +91,7 @@ def roll(
         old, forces = step.contact.normal_forces, _forces(result)
         new = contact.pressed(result.raised, old).forces
         change = float(np.abs(new - old).sum()) / contact.force
-        step = replace(step, contact=replace(contact, pressures=new / contact.areas))
+        step = replace(step, contact=step.contact.under(new / contact.areas))
         result = step.found(forces, result.motion, wanted, tolerance)
     message = f"{result.status.message}; pressures change by {change:.1e} after {turn} turns"
     met = result.status.converged and change <= PRESSURE_CHANGE

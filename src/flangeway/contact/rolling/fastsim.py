@@ -1,6 +1,7 @@
 """FASTSIM and FaStrip: tractions of an ellipse, strip by strip from the leading to the trailing edge."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -17,33 +18,6 @@ LEAST = 1e-12
 """Coefficient of friction that is none."""
 MOST_PASSES, PASS_CHANGE = 20, 1e-3
 """Passes over all strips, and the change of the coefficients at which they end, where friction falls with slip."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class SimplifiedRolling(CreepForces):
-    """Creep forces with tractions on the cells of the patch.
-
-    Parameters
-    ----------
-    contact
-        The patch.
-    tractions, slip_velocities, states
-        As those of `flangeway.contact.rolling.rolling_result.Rolling`, interpolated along the strips; forces are
-        integrals of the tractions along them.
-    power_density
-        Tractions times slip.
-
-    """
-
-    contact: RollingContact
-    tractions: Floats
-    slip_velocities: Floats
-    states: Ints
-
-    @property
-    def power_density(self) -> Floats:
-        """Frictional power over area."""
-        return -np.sum(self.tractions * self.slip_velocities, axis=2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,6 +63,68 @@ class _Strips:
         forces = tractions[:, :, 1:-1] * (self.widths[:, None] * (self.x[:, :-2] - self.x[:, 2:]) / 2.0)
         moment = np.sum(self.x[:, 1:-1] * forces[1] - self.y[:, None] * forces[0])
         return float(forces[0].sum()), float(forces[1].sum()), float(moment)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class SimplifiedRolling(CreepForces):
+    """Creep forces with fields on the cells of the patch, interpolated along the strips.
+
+    Parameters
+    ----------
+    contact
+        The patch.
+    ellipse, strips
+        Its ellipse and strips; forces are integrals of the tractions along them.
+    nodes
+        Tractions and slip over the distance (2, n, n_steps + 1), and which nodes slip, in Kalker's axes.
+
+    """
+
+    contact: RollingContact
+    ellipse: EllipticContact
+    strips: _Strips
+    nodes: tuple[Floats, Floats, Bools]
+
+    @cached_property
+    def tractions(self) -> Floats:
+        """As those of `flangeway.contact.rolling.rolling_result.Rolling`, shape (n_cells, n_strips, 2)."""
+        return self._on_cells(self.nodes[0])
+
+    @cached_property
+    def slip_velocities(self) -> Floats:
+        """Slip of the second body on the first one, shape (n_cells, n_strips, 2)."""
+        return abs(self.motion.speed) * self._on_cells(self.nodes[1])
+
+    @cached_property
+    def states(self) -> Ints:
+        """`NO_CONTACT`, `STICKS` or `SLIPS`, shape (n_cells, n_strips)."""
+        place, met = self._places
+        states = np.full(self.contact.pressures.shape, NO_CONTACT)
+        near = np.clip(np.rint(place).astype(int), 1, self.strips.x.shape[1] - 1)
+        slips = self.nodes[2][np.arange(len(near))[:, None], near]
+        states[self.strips.inside] = np.where(met, np.where(slips, SLIPS, STICKS), NO_CONTACT)
+        return states
+
+    @property
+    def power_density(self) -> Floats:
+        """Tractions times slip: frictional power over area."""
+        return -np.sum(self.tractions * self.slip_velocities, axis=2)
+
+    @cached_property
+    def _places(self) -> tuple[Floats, Bools]:
+        """Places of the cells among the nodes of their strips, and which lie on these."""
+        x = self.ellipse.direction * (self.contact.places[1] - self.ellipse.centre[1])
+        cosine = x / self.strips.half[:, None]
+        return np.arccos(np.clip(cosine, -1.0, 1.0)) * (self.strips.x.shape[1] - 1) / np.pi, np.abs(cosine) < 1.0
+
+    def _on_cells(self, values: Floats) -> Floats:
+        place, met = self._places
+        before = np.clip(place.astype(int), 0, self.strips.x.shape[1] - 2)
+        part, rows = place - before, np.arange(len(before))[:, None]
+        found = values[:, rows, before] * (1.0 - part) + values[:, rows, before + 1] * part
+        whole = np.zeros((*self.contact.pressures.shape, 2))
+        whole[self.strips.inside] = self.ellipse.direction * (found * met)[::-1].transpose(1, 2, 0)
+        return whole
 
 
 def fastsim(
@@ -258,30 +294,12 @@ def _record(
     contact: RollingContact,
     motion: Creepages,
     places: tuple[EllipticContact, _Strips],
-    fields: tuple[Floats, Floats, Bools],
+    nodes: tuple[Floats, Floats, Bools],
 ) -> SimplifiedRolling:
-    """Resultants, and fields on the cells, of tractions, slip and where strips slip."""
+    """Resultants of tractions, with slip and where strips slip."""
     ellipse, strips = places
-    along, across, moment = ellipse.forces(*strips.resultants(fields[0])).tolist()
-    shape = contact.pressures.shape
-    x = ellipse.direction * (contact.places[1] - ellipse.centre[1])
+    along, across, moment = ellipse.forces(*strips.resultants(nodes[0])).tolist()
     n_steps = strips.x.shape[1] - 1
-    cosine = x / strips.half[:, None]
-    met = np.abs(cosine) < 1.0
-    place = np.arccos(np.clip(cosine, -1.0, 1.0)) * n_steps / np.pi
-    before = np.clip(place.astype(int), 0, n_steps - 1)
-    part = place - before
-    rows = np.arange(len(strips.y))[:, None]
-
-    def on_cells(values: Floats) -> Floats:
-        whole = np.zeros((*shape, 2))
-        found = values[:, rows, before] * (1.0 - part) + values[:, rows, before + 1] * part
-        whole[strips.inside] = ellipse.direction * (found * met)[::-1].transpose(1, 2, 0)
-        return whole
-
-    states = np.full(shape, NO_CONTACT)
-    near = np.clip(np.rint(place).astype(int), 1, n_steps)
-    states[strips.inside] = np.where(met, np.where(fields[2][rows, near], SLIPS, STICKS), NO_CONTACT)
     return SimplifiedRolling(
         motion=motion,
         along=along,
@@ -291,7 +309,7 @@ def _record(
         status=Status(True, f"{len(strips.y)} strips of {n_steps} steps", n_steps),
         notices=(*motion.notices, *contact.friction.notices),
         contact=contact,
-        tractions=on_cells(fields[0]),
-        slip_velocities=abs(motion.speed) * on_cells(fields[1]),
-        states=states,
+        ellipse=ellipse,
+        strips=strips,
+        nodes=nodes,
     )

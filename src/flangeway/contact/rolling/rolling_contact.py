@@ -173,9 +173,13 @@ class RollingContact:
         return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
 
     def under(self, pressures: Floats) -> "RollingContact":
-        """The same cells under other pressures; operators are shared."""
+        """The same cells under other pressures; operators are shared, and the box holds that before too."""
         found = replace(self, pressures=pressures)
         object.__setattr__(found, "_operators", self._operators)
+        vars(found)["box"] = tuple(
+            slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(self.box, found.box, strict=True)
+        )
+        vars(found).update({name: vars(self)[name] for name in ("coupled", "_beyond") if name in vars(self)})
         return found
 
     def operator(self, weights: tuple[float, ...]) -> SlipOperator:

@@ -139,7 +139,8 @@ class WheelsetCreep:
             known = self._contacts[key] = contact_in(state, normal, inside, friction, whole=True)
             return known
         box = rows_of(state, known), strips_of(state, known)
-        return known.under(np.where(inside, normal, 0.0)[box] / known.areas)
+        new = self._contacts[key] = known.under(np.where(inside, normal, 0.0)[box] / known.areas)
+        return new
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
