@@ -5,6 +5,8 @@ the geometry as it is deformed now, and its derivatives B by the position and D 
 the track and rolls, and the patch with it. D has a low rank. The set changes with the signs of forces and gaps.
 """
 
+from typing import NamedTuple
+
 import numpy as np
 import scipy.linalg
 
@@ -28,6 +30,22 @@ MAX_MOVED_MM = 0.5
 
 MAX_BENT_MM = 0.1
 """The same by creep forces."""
+N_RESULTANTS = 7
+
+
+class CreepSlopes(NamedTuple):
+    """How creep forces of a side change: `motion` and `shape` with the resultant (7) and lateral forces of rows (n).
+
+    - `motion`: by the axle's x, y, roll, the wheel's tilt, its rate of rotation and the yaw, where normal forces stay,
+      (7 + n, 6).
+    - `shape`: by what changes of the normal forces: of each patch its force, over itself, and the place of its centre
+      across and along, over the standard deviation of the places, (7 + n, k).
+    - `weights`: of the forces of cells in these, (k, n, n_z).
+    """
+
+    motion: Floats
+    shape: Floats
+    weights: Floats
 
 
 class SideNewton:
@@ -47,8 +65,9 @@ class SideNewton:
         """Creep forces on the wheel's rows of cells, (n, 2), which bend the bodies too."""
         self.raised: Floats = np.zeros(self.forces.shape)
         """What they open the gaps besides, (n, n_z)."""
-        self.ratios: Floats = np.zeros(len(self.forces))
-        """Lateral creep forces over the normal forces of the rows, which they follow, (n,)."""
+        self.slopes: CreepSlopes | None = None
+        self.shape: Floats = np.zeros(0)
+        """Values of the normal forces for `CreepSlopes.shape` at which the creep forces were found, (k,)."""
         self.bent = False
 
     def linearise(self, pose: WheelPose) -> None:
@@ -91,30 +110,31 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats, raised: Floats, normal: Floats) -> None:
+    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes) -> None:
         """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
 
         - `raised`: see `SideCreep`.
-        - `normal`: normal forces of the rows, (n,).
+        - `forces`: normal forces on the cells in contact under which they were found, (m,).
+        - `slopes`: how they change.
         """
         before = np.zeros_like(creep) if self.creep is None else self.creep
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, creep[:, 0] - before[:, 0])
         share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
         self.creep = before + share * (creep - before)
         self.bent = share < 1.0
-        self.ratios = np.divide(self.creep[:, 0], normal, out=np.zeros(len(normal)), where=normal > 0.0)
+        self.slopes, self.shape = slopes, slopes.weights[:, self.touching] @ forces
         # rail points that move by v are as a wheel that moves by -v
         change = share * (raised - self.raised)
         self.raised = self.raised + change
         self.values = self.values + change - share * np.einsum("izx,ix->iz", self.gap.by_motion[..., :2], moved)
 
-    def solve(self, *, yaw: bool = False) -> tuple[Floats, Floats]:
+    def solve(self, *, rolls: bool = False) -> tuple[Floats, Floats]:
         """Forces on the cells in contact, (m,), and derivatives by the axle's x, y, roll and the tilt, (m, 4).
 
-        - `yaw`: whether those by the yaw are wanted too, (m, 5).
+        - `rolls`: whether those by the rate of rotation and the yaw are wanted too, (m, 6); creep forces change too.
         """
         if self._factor is None:
-            return np.zeros(0), np.zeros((0, 5 if yaw else 4))
+            return np.zeros(0), np.zeros((0, 6 if rolls else 4))
         rows, strips = np.nonzero(self.touching)
         by, arms = self.gap.by_motion[rows, strips, :2], self.gap.arms[rows, strips]
         # a wheel that moves by v changes the gaps by by . v; a rotation moves the hits by (-arm_y, arm_x)
@@ -128,9 +148,10 @@ class SideNewton:
             ),
             axis=1,
         )
-        if yaw:
+        if rolls:
             all_by = self.gap.by_motion[rows, strips]
-            slopes = np.column_stack((slopes, all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]))
+            yawing = all_by[:, 2] * arms[:, 0] - all_by[:, 0] * arms[:, 2]
+            slopes = np.column_stack((slopes, np.zeros(len(rows)), yawing))
         # D = left right: by_motion . n = 1, so that n - by_motion lies across
         grid = self.grid
         modes, loads = grid.bending_modes
@@ -138,11 +159,14 @@ class SideNewton:
         right = loads[:, rows]
         # h is that of the forces so far: their part in D is taken off
         values = self.values[rows, strips] - left @ (right @ self.forces[rows, strips])
-        if self.creep is not None and self.ratios.any():
+        if self.slopes is not None:
             modes, loads = grid.bending_modes_across
-            across = -np.einsum("mx,mxk->mk", by, modes[rows])
-            values = values - across @ (loads @ self.creep[:, 0])
-            left, right = np.hstack((left, across)), np.vstack((right, (loads * self.ratios)[:, rows]))
+            across = -np.einsum("mx,mxk->mk", by, modes[rows]) @ loads
+            of_shape = across @ self.slopes.shape[N_RESULTANTS:]
+            values = values - of_shape @ self.shape
+            if rolls:
+                slopes = slopes + across @ self.slopes.motion[N_RESULTANTS:]
+            left, right = np.hstack((left, of_shape)), np.vstack((right, self.slopes.weights[:, rows, strips]))
         found = scipy.linalg.cho_solve(self._factor, np.column_stack((values, slopes, left)), check_finite=False)
         n = 1 + slopes.shape[1]
         solved, inner = found[:, :n], found[:, n:]
@@ -165,14 +189,24 @@ class SideNewton:
         return float(arms @ forces), arms @ by_motion
 
     def stiffness(self, forces: Floats, by_motion: Floats) -> tuple[Floats, Floats]:
-        """Resultant of forces of `solve`, (3,), and its derivatives by the axle's x, y, roll and the tilt, (3, 4)."""
+        """Resultant of forces of `solve`, (3,), and its derivatives by what theirs are by, (3, 4) or (3, 6)."""
         found = self.resultants(np.column_stack((forces, by_motion)))
         # the moment changes too as the axle's middle moves away from where the forces act
-        found[2, 1:4] += (-found[1, 0], found[0, 0], 0.0)
+        found[2, 1:3] += (-found[1, 0], found[0, 0])
         return found[:, 0], found[:, 1:]
 
-    def take(self, forces: Floats) -> float:
-        """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum."""
+    def creep_now(self, forces: Floats, by_motion: Floats, found: Floats) -> tuple[Floats, Floats]:
+        """Resultant of creep forces (7,), and its derivatives (7, 6), at forces of `solve` from that at `bend`."""
+        assert self.slopes is not None
+        weights, own = self.slopes.weights[:, self.touching], self.slopes.shape[:N_RESULTANTS]
+        now = found + own @ (weights @ forces - self.shape)
+        return now, self.slopes.motion[:N_RESULTANTS] + own @ (weights @ by_motion)
+
+    def take(self, forces: Floats, step: Floats | None = None) -> float:
+        """Take forces on the cells in contact, or a part of the way to them; how much they change, over their sum.
+
+        - `step`: by what the axle moves, as the derivatives of `solve`; creep forces change with it.
+        """
         new = np.zeros(self.forces.shape)
         new[self.touching] = forces
         change = new - self.forces
@@ -181,8 +215,11 @@ class SideNewton:
         )
         share = min(1.0, MAX_MOVED_MM / max(float(moved[self.touching.any(axis=1)].max(initial=0.0)), 1e-300))
         self.forces = self.forces + share * change if share < 1.0 else new
-        if self.creep is not None and self.ratios.any():
-            self.creep = np.column_stack((self.ratios * self.forces.sum(axis=1), self.creep[:, 1]))
+        if self.slopes is not None and self.creep is not None and step is not None:
+            shape = self.slopes.weights[:, self.touching] @ self.forces[self.touching]
+            change_of_rows = self.slopes.shape @ (shape - self.shape) + self.slopes.motion @ step
+            self.creep = self.creep + np.outer(change_of_rows[N_RESULTANTS:], (1.0, 0.0))
+            self.shape = shape
         total = float(np.abs(new).sum())
         return float(np.abs(change).sum()) / total if total > 0.0 else float(change.any())
 

@@ -85,7 +85,7 @@ class WheelsetNewton:
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
         self.own: dict[Side, Floats] = {}
-        self.changes: dict[Side, tuple[Floats, Floats, list[int]]] = {}
+        self.changes: dict[Side, tuple[Floats, Floats, Floats, list[int]]] = {}
         self.rolled: dict[Side, SideCreep] = {}
         self.turning = 0.0  # yaw moment of normal forces
         self.creep_now, self.creeping = np.zeros(5), np.zeros((5, n))
@@ -93,21 +93,21 @@ class WheelsetNewton:
         for number, (side, newton) in enumerate(self.sides.items()):
             newton.linearise(pose_of(self.problem, self.position, side, self.yaw, self.tilts[number]))
             rolls = self.creep is not None
-            forces, by = newton.solve(yaw=rolls)
+            forces, by = newton.solve(rolls=rolls)
             if rolls:
-                change = self._bent_by_creep(side, newton, forces, by)
-                forces, by = newton.solve(yaw=True)
-            resultant, own = newton.stiffness(forces, by[:, :4])
+                self._bent_by_creep(side, newton, forces)
+                forces, by = newton.solve(rolls=True)
+            resultant, own = newton.stiffness(forces, by)
             signs = signs_of(side)
-            by_signs = [*signs, signs[0]]
-            columns = [0, 1, 2, 3 + number]  # of the axle's x, y and roll and this side's tilt
-            self.own[side], self.resultants[side] = own, signs * resultant
-            self.changes[side] = forces, by[:, :4] * by_signs, columns
+            by_signs = np.array([*signs, signs[0], 1.0, signs[0]])[: by.shape[1]]
+            columns = [0, 1, 2, 3 + number, RATE, YAW][: by.shape[1]]  # of the axle's x, y and roll, this side's tilt
+            self.own[side], self.resultants[side] = own[:, :4], signs * resultant
+            self.changes[side] = forces, by, by_signs, columns
             slopes = signs[:, None] * own * by_signs
             jacobian[:3, columns] += slopes
             jacobian[3:5, columns] -= self.by_forces[number] @ slopes
             if rolls:
-                self._add_creep(number, side, forces, by, change)
+                self._add_creep(number, side)
             total += self.resultants[side]
         jacobian[2, 2] += loads_of(self.problem).moment_by_roll(self.position.roll_rad)
         jacobian[3:5, 3:5] += np.eye(2)
@@ -119,32 +119,25 @@ class WheelsetNewton:
             self._add_equations(self.creep)
         self.history.append(self.relative)
 
-    def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats, by: Floats) -> Floats:
-        """Find creep forces under normal ones, and let them bend the bodies; their derivatives, (7, 6)."""
+    def _bent_by_creep(self, side: Side, newton: SideNewton, forces: Floats) -> None:
+        """Find creep forces under normal ones, and let them bend the bodies."""
         assert self.creep is not None
         normal = np.zeros(newton.forces.shape)
         normal[newton.touching] = np.maximum(forces, 0.0)
         found = self.rolled[side] = self.creep.of_side(side, newton, normal)
-        change = self.creep.derivatives(side, newton, forces, by, found)
-        newton.bend(found.rows, found.raised, normal.sum(axis=1))
-        return change
+        newton.bend(found.rows, found.raised, forces, self.creep.derivatives(side, newton, normal, found))
 
-    def _add_creep(self, number: int, side: Side, forces: Floats, by: Floats, change: Floats) -> None:
-        """Add what creep forces and the yaw of a side change."""
-        newton, signs, to_track = self.sides[side], signs_of(side), signs_of_creep(side)
-        columns = [0, 1, 2, 3 + number, RATE, YAW]
-        change = to_track @ change * [*signs, signs[0], 1.0, signs[0]]
-        now = to_track @ self.rolled[side].resultant
+    def _add_creep(self, number: int, side: Side) -> None:
+        """Add creep forces of a side and what they change."""
+        newton, to_track = self.sides[side], signs_of_creep(side)
+        forces, by, by_signs, columns = self.changes[side]
+        now, change = newton.creep_now(forces, by, self.rolled[side].resultant)
+        now, change = to_track @ now, to_track @ change * by_signs
         self.creeping[:, columns] += change
         self.creep_now += now
         self.resultants[side] = self.resultants[side] + now[:3]
         self.jacobian[3:5, columns] -= self.by_forces[number] @ change[:3]
-        yawed = signs * newton.resultants(by[:, 4:])[:, 0] * signs[0]
-        self.jacobian[:3, YAW] += yawed
-        self.jacobian[3:5, YAW] -= self.by_forces[number] @ yawed
-        columns, by = [*columns[:4], YAW], by * [*signs, signs[0], signs[0]]
-        self.changes[side] = forces, by, columns
-        moment, slopes = newton.yaw_moment(forces, by)
+        moment, slopes = newton.yaw_moment(forces, by * by_signs)
         self.turning -= SIDE_SIGN[side] * moment
         self.jacobian[YAW, columns] -= SIDE_SIGN[side] * slopes
 
@@ -222,9 +215,10 @@ class WheelsetNewton:
             step /= max(1.0, excess)
         else:
             step = self._limited(step, now)
-        change = max(
-            self.sides[side].take(forces + by @ step[columns]) for side, (forces, by, columns) in self.changes.items()
-        )
+        change = 0.0
+        for side, (forces, by, by_signs, columns) in self.changes.items():
+            own = by_signs * step[columns]
+            change = max(change, self.sides[side].take(forces + by @ own, own))
         most = share * FINE_FORCES
         if self.creep is None:
             most = min(most, COARSE_FORCES)

@@ -4,8 +4,9 @@ The slip of the wheel's surface on a rail at rest is ``v + omega x r`` projected
 cells: v of the axle's middle, the rotation about the wheel's tilted and yawed axis, and the yaw rate with V / R.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -27,7 +28,7 @@ from flangeway.railway.spatial.rolling.patch_rolling import (
 )
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
 from flangeway.railway.spatial.side_contact import SideState, WheelPose, tangents_of
-from flangeway.railway.spatial.side_newton import SideNewton
+from flangeway.railway.spatial.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.types import Bools, Floats
 
@@ -39,7 +40,10 @@ FAST: dict[Theory, Callable[[RollingContact, Creepages], CreepForces]] = {
 }
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
-N_RESULTANTS = 7
+MERGED = 0.25
+"""Maximum force of a cell on the row between two patches that were apart, over that of the lesser, at which they are one."""
+SHAPE_STEP = 1e-3
+"""Difference by `CreepSlopes.shape`."""
 
 
 class PatchCreep(NamedTuple):
@@ -88,6 +92,7 @@ class WheelsetCreep:
     tolerance: float = 1e-4
     _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
     _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
+    _parts: dict[object, list[Bools]] = field(default_factory=dict)
 
     def creepages(
         self, side: Side, pose: WheelPose, rate: float, rows: tuple[Floats, Floats], contact: RollingContact
@@ -110,7 +115,8 @@ class WheelsetCreep:
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
-        for inside in patches_of(normal):
+        parts = self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
+        for inside in parts:
             contact = self._contact(state, normal, inside)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
@@ -161,16 +167,14 @@ class WheelsetCreep:
                 raised[own, strips_of(state, contact)] += found.raised + moved
         return SideCreep(patches, total, rows, raised)
 
-    def derivatives(self, side: Side, newton: SideNewton, forces: Floats, by: Floats, found: SideCreep) -> Floats:
-        """Derivatives of `SideCreep.resultant` by x, y, roll, tilt, rate of rotation and yaw, shape (7, 6).
+    def derivatives(self, side: Side, newton: SideNewton, normal: Floats, found: SideCreep) -> CreepSlopes:
+        """How creep forces under normal forces (n, n_z) change.
 
-        By differences of FASTSIM, or of the theory itself if it is fast, at forces (m,) with their derivatives by all
-        of these but the rate, (m, 5).
+        By differences of FASTSIM, or of the theory itself if it is fast.
         """
-        theory: Theory = "fastsim" if self.theory == "exact" else self.theory
-        fast = replace(self, theory=theory)
-        pose, columns = newton.pose, []
-        base = fast.changed(side, newton, pose, forces, self.rate_rad_s, found)
+        fast = replace(self, theory="fastsim" if self.theory == "exact" else self.theory)
+        pose, columns, weights, changes = newton.pose, [], [], []
+        base = fast.changed(side, newton, pose, normal, self.rate_rad_s, found)
         for number, step in enumerate(STEPS):
             change = np.zeros(len(STEPS))
             change[number] = step * (self.rate_rad_s if number == 4 else 1.0)
@@ -182,22 +186,34 @@ class WheelsetCreep:
                 tilt_rad=pose.tilt_rad + change[3],
                 yaw_rad=pose.yaw_rad + change[5],
             )
-            normal = forces + by @ np.delete(change, 4)
             new = fast.changed(side, newton, moved, normal, self.rate_rad_s + change[4], found)
-            columns.append((new - base) / change[number])
-        return np.stack(columns, axis=1)
+            columns.append((new - base).sum(axis=0) / change[number])
+        grid = newton.grid.grid
+        ones = np.ones(normal.shape)
+        for places in (ones, ones * grid.stations[:, None], ones * grid.z):
+            part, change_of = np.zeros(normal.shape), []
+            for inside, *_ in found.patches:
+                forces = np.where(inside, normal, 0.0)
+                total = float(forces.sum())
+                away = places if places is ones else places - float((places * forces).sum()) / total
+                spread = np.sqrt(float((away**2 * forces).sum()) / total)
+                away = np.where(inside, away, 0.0) / max(spread, np.finfo(float).tiny)
+                part += away
+                change_of.append(away / total)
+            new = fast.changed(side, newton, pose, normal * (1.0 + SHAPE_STEP * part), self.rate_rad_s, found)
+            weights += change_of
+            changes += list((new - base) / SHAPE_STEP)
+        n = N_RESULTANTS + len(normal)
+        shape = np.reshape(changes, (-1, n)).T, np.reshape(weights, (-1, *normal.shape))
+        return CreepSlopes(np.stack(columns, axis=1), *shape)
 
     def changed(
-        self, side: Side, newton: SideNewton, pose: WheelPose, forces: Floats, rate: float, found: SideCreep
+        self, side: Side, newton: SideNewton, pose: WheelPose, normal: Floats, rate: float, found: SideCreep
     ) -> Floats:
-        """Resultant of the same patches at another pose, other forces (m,) and another rate."""
-        normal = np.zeros(newton.forces.shape)
-        normal[newton.touching] = np.maximum(forces, 0.0)
-        patches = []
+        """Resultants and lateral forces of rows, of the same patches at another pose, under other forces, (p, 7 + n)."""
         friction = self.motion.friction_on(newton.normals)
-        for inside, _, _, points in found.patches:
-            if not normal[inside].any():
-                continue
+        changed = np.zeros((len(found.patches), N_RESULTANTS + len(normal)))
+        for number, (inside, _, _, points) in enumerate(found.patches):
             contact = contact_in(newton, normal, inside, friction, bodies=False)
             rows = rows_of(newton, contact)
             # where the rays along the rail's normals meet the wheel that has moved
@@ -206,8 +222,10 @@ class WheelsetCreep:
             moved = pose.middle - newton.pose.middle + turned * np.stack((-y, x), axis=1)
             met = points + (moved * newton.normals).sum(axis=1)[:, None] * newton.normals
             motion = self.creepages(side, pose, rate, (met[rows], newton.normals[rows]), contact)
-            patches.append(PatchCreep(inside, contact, FAST[self.theory](contact, mean_of(contact, motion)), met))
-        return self._side(newton, pose, tuple(patches)).resultant
+            patch = PatchCreep(inside, contact, FAST[self.theory](contact, mean_of(contact, motion)), met)
+            new = self._side(newton, pose, (patch,))
+            changed[number] = np.append(new.resultant, new.rows[:, 0])
+        return changed
 
 
 def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
@@ -215,9 +233,25 @@ def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
     return motion.mean(contact.places[0], contact.row_shares)
 
 
-def patches_of(normal: Floats) -> list[Bools]:
-    """Separate patches of normal forces (n, n_z), by falling force."""
-    return sorted(separate_patches(normal > 0.0), key=lambda inside: -float(normal[inside].sum()))
+def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
+    """Separate patches of normal forces (n, n_z), by falling force.
+
+    Creep forces jump where two patches become one. So patches that were apart before, (n, n_z) each, and touch now, are
+    divided at the row with the least forces, as long as these are below `MERGED` of the maximum of both patches.
+    """
+    found = []
+    for region in separate_patches(normal > 0.0):
+        own = [each & region for each in before if (each & region).any()]
+        most = np.where(region, normal, 0.0).max(axis=1)
+        peaks = sorted({int(np.where(each, normal, 0.0).max(axis=1).argmax()) for each in own})
+        cuts = [0]
+        for first, last in pairwise(peaks):
+            least = first + int(most[first : last + 1].argmin())
+            if most[least] < MERGED * min(most[first], most[last]):
+                cuts.append(least)
+        rows = np.searchsorted(cuts, np.arange(len(normal)), side="right")[:, None]
+        found += [region & (rows == number) for number in range(1, len(cuts) + 1)]
+    return sorted(found, key=lambda inside: -float(normal[inside].sum()))
 
 
 def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
