@@ -1,5 +1,6 @@
 """Separate patches of a contact: resultants, equivalent ellipses, and Hertz's contact beside them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -87,9 +88,10 @@ class CellForces:
         """Mean pressures of the cells, shape (n_cells, n_strips)."""
         return self.forces / (np.diff(self.cells, axis=1) * self.strip)
 
-    def patches(self) -> list[ContactEllipse]:
-        """Separate patches, by falling force."""
-        found = [self._ellipse(inside) for inside in separate_patches(self.forces > 0.0)]
+    def patches(self, insides: Sequence[Bools] | None = None) -> list[ContactEllipse]:
+        """Separate patches, or those of given cells, by falling force."""
+        insides = separate_patches(self.forces > 0.0) if insides is None else insides
+        found = [self._ellipse(inside) for inside in insides]
         return sorted(found, key=lambda each: -float(np.linalg.norm(each.force)))
 
     def _ellipse(self, inside: Bools) -> ContactEllipse:

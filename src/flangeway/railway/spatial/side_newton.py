@@ -38,9 +38,8 @@ class CreepSlopes(NamedTuple):
 
     - `motion`: by the axle's x, y, roll, the wheel's tilt, its rate of rotation and the yaw, where normal forces stay,
       (7 + n, 6).
-    - `shape`: by what changes of the normal forces: of each patch its force, over itself, and the place of its centre
-      across and along, over the standard deviation of the places, (7 + n, k).
-    - `weights`: of the forces of cells in these, (k, n, n_z).
+    - `shape`: by products of the normal forces with functions on the patches, (7 + n, k).
+    - `weights`: these functions, (k, n, n_z).
     """
 
     motion: Floats

@@ -195,7 +195,9 @@ def solve_position(
     patches: list[SpatialPatch] = []
     for side in SIDES if equilibrium.status.converged else ():
         state = equilibrium.state.sides[side]
-        patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches()]
+        rolled = equilibrium.state.rolled
+        insides = None if rolled is None else [each.inside for each in rolled.creep[side].patches]
+        patches += [SpatialPatch(side, state, each, materials) for each in state.cells.patches(insides)]
     timings["contact"] = time.perf_counter() - begun
     status, warnings = equilibrium.status, []
     lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]

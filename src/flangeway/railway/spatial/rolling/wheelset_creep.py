@@ -27,7 +27,7 @@ from flangeway.railway.spatial.rolling.patch_rolling import (
     window_of,
 )
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
-from flangeway.railway.spatial.side_contact import SideState, WheelPose, tangents_of
+from flangeway.railway.spatial.side_contact import SideGrid, SideState, WheelPose, tangents_of
 from flangeway.railway.spatial.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.types import Bools, Floats
@@ -41,7 +41,9 @@ FAST: dict[Theory, Callable[[RollingContact, Creepages], CreepForces]] = {
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
 MERGED = 0.25
-"""Maximum force of a cell on the row between two patches that were apart, over that of the lesser, at which they are one."""
+"""Maximum force of a cell between two patches that were apart, over that of the lesser, at which they are one."""
+DISTINCT = 1e-6
+"""Least singular value, over the first one, of places in a patch that has several rows and strips."""
 SHAPE_STEP = 1e-3
 """Difference by `CreepSlopes.shape`."""
 
@@ -173,7 +175,7 @@ class WheelsetCreep:
         By differences of FASTSIM, or of the theory itself if it is fast.
         """
         fast = replace(self, theory="fastsim" if self.theory == "exact" else self.theory)
-        pose, columns, weights, changes = newton.pose, [], [], []
+        pose, columns, changes = newton.pose, [], []
         base = fast.changed(side, newton, pose, normal, self.rate_rad_s, found)
         for number, step in enumerate(STEPS):
             change = np.zeros(len(STEPS))
@@ -188,29 +190,21 @@ class WheelsetCreep:
             )
             new = fast.changed(side, newton, moved, normal, self.rate_rad_s + change[4], found)
             columns.append((new - base).sum(axis=0) / change[number])
-        grid = newton.grid.grid
-        ones = np.ones(normal.shape)
-        for places in (ones, ones * grid.stations[:, None], ones * grid.z):
-            part, change_of = np.zeros(normal.shape), []
-            for inside, *_ in found.patches:
-                forces = np.where(inside, normal, 0.0)
-                total = float(forces.sum())
-                away = places if places is ones else places - float((places * forces).sum()) / total
-                spread = np.sqrt(float((away**2 * forces).sum()) / total)
-                away = np.where(inside, away, 0.0) / max(spread, np.finfo(float).tiny)
-                part += away
-                change_of.append(away / total)
-            new = fast.changed(side, newton, pose, normal * (1.0 + SHAPE_STEP * part), self.rate_rad_s, found)
-            weights += change_of
-            changes += list((new - base) / SHAPE_STEP)
-        n = N_RESULTANTS + len(normal)
-        shape = np.reshape(changes, (-1, n)).T, np.reshape(weights, (-1, *normal.shape))
-        return CreepSlopes(np.stack(columns, axis=1), *shape)
+        shapes = np.array([shapes_of(newton.grid.grid, normal, inside) for inside, *_ in found.patches])
+        for shape in shapes.sum(axis=0):
+            new = fast.changed(side, newton, pose, normal * (1.0 + SHAPE_STEP * shape), self.rate_rad_s, found)
+            changes.append((new - base) / SHAPE_STEP)
+        totals = np.array([normal[inside].sum() for inside, *_ in found.patches])
+        return CreepSlopes(
+            np.stack(columns, axis=1),
+            np.reshape(np.swapaxes(changes, 0, 1), (-1, N_RESULTANTS + len(normal))).T,
+            (shapes / totals[:, None, None, None]).reshape(-1, *normal.shape),
+        )
 
     def changed(
         self, side: Side, newton: SideNewton, pose: WheelPose, normal: Floats, rate: float, found: SideCreep
     ) -> Floats:
-        """Resultants and lateral forces of rows, of the same patches at another pose, under other forces, (p, 7 + n)."""
+        """Resultants and lateral forces of rows of the same patches elsewhere, under other forces, (p, 7 + n)."""
         friction = self.motion.friction_on(newton.normals)
         changed = np.zeros((len(found.patches), N_RESULTANTS + len(normal)))
         for number, (inside, _, _, points) in enumerate(found.patches):
@@ -252,6 +246,23 @@ def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
         rows = np.searchsorted(cuts, np.arange(len(normal)), side="right")[:, None]
         found += [region & (rows == number) for number in range(1, len(cuts) + 1)]
     return sorted(found, key=lambda inside: -float(normal[inside].sum()))
+
+
+def shapes_of(grid: SideGrid, normal: Floats, inside: Bools) -> Floats:
+    """Polynomials of second order of the places in a patch, orthonormal under its forces, (5, n, n_z).
+
+    A theory on an ellipse knows only the products of normal forces with these: force, centre, semi-axes and, where they
+    vary across in this way, creepages.
+    """
+    rows, columns = np.nonzero(inside)
+    share = normal[inside] / normal[inside].sum()
+    s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (grid.stations[rows], grid.z[columns]))
+    terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
+    _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
+    found = np.zeros((terms.shape[1], *inside.shape))
+    kept = sizes > DISTINCT * sizes[0]
+    found[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
+    return found
 
 
 def resultant_of(at: tuple[Floats, Floats], pose: WheelPose, rows: Floats, ahead: Floats, spinning: Floats) -> Floats:
