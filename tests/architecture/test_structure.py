@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2899,
     "solve": 4092,
-    "contact": 7092,
+    "contact": 7115,
     "post": 1984,
     "forms": 366,
     "railway.profiles": 3671,
@@ -30,7 +30,7 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3877,
+    "railway.spatial": 3955,
     "cases": 7115,
     "campaign": 1923,
     "tables": 1441,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 71_057
+MAX_LINES_OF_ALL = 71_158
 MAX_FILES_OF_ALL = 375
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
