@@ -4,7 +4,7 @@ import itertools
 import math
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -20,6 +20,8 @@ from flangeway.problems import Elasticity, Load, PrescribedDisplacement, Pressur
 from flangeway.solve import ElasticitySolution, solve_elasticity, solve_torsion
 from flangeway.space import Space
 from flangeway.types import Floats
+from flangeway.validation.curved import curved_hertz
+from flangeway.validation.curved.curved_hertz import PressureRow, pressure_failures, pressure_numbers, pressures
 from flangeway.validation.elasticity.closed_form import (
     CYLINDER,
     PLATE,
@@ -58,6 +60,7 @@ class CurvedReproduction(Reproduced):
     """Errors on curved edges and on chords."""
 
     rows: tuple[CurvedRow, ...]
+    pressures: tuple[PressureRow, ...]
 
     def rate(self, body: str, element: str, *, curved: bool) -> float:
         """Order of the error in energy between the two finest meshes."""
@@ -77,9 +80,9 @@ class CurvedReproduction(Reproduced):
 
     @property
     def failures(self) -> tuple[str, ...]:
-        """Orders that do not improve the stress at the hole."""
+        """Orders that do not improve the stress at the hole, or whose pressures are no smoother on curved edges."""
         peaks = _peak_errors(self.rows)
-        return tuple(
+        return tuple(pressure_failures(self.pressures)) + tuple(
             f"the error of the stress at the hole is {after:.2g} with order {k + 1} and {before:.2g} with order {k}"
             for k, (before, after) in enumerate(itertools.pairwise(peaks), start=1)
             if not after < before
@@ -191,8 +194,14 @@ def reproduce_curved(*, quick: bool = False, progress: Progress = lambda _: None
                     error, peak, n = solved(body, element, level, on_curves=on_curves)
                     peak = peak if level == PEAK_LEVEL else math.nan
                     rows.append(CurvedRow(body, name, on_curves, level, n, error, peak))
-    found = CurvedReproduction(numbers=(), rows=tuple(rows), seconds=0.0)
-    return CurvedReproduction(numbers=tuple(_numbers(found)), rows=tuple(rows), seconds=time.perf_counter() - start)
+    progress("Hertz")
+    contacts = tuple(
+        pressures(order, level, on_curves=on_curves)
+        for order, on_curves, level in itertools.product(curved_hertz.ORDERS, (True, False), curved_hertz.LEVELS)
+    )
+    found = CurvedReproduction(numbers=(), rows=tuple(rows), pressures=contacts, seconds=0.0)
+    numbers = (*_numbers(found), *pressure_numbers(contacts))
+    return replace(found, numbers=numbers, seconds=time.perf_counter() - start)
 
 
 def _numbers(found: CurvedReproduction) -> Iterator[ReproducedNumber]:
@@ -220,3 +229,8 @@ def _numbers(found: CurvedReproduction) -> Iterator[ReproducedNumber]:
 def error_rows(found: CurvedReproduction) -> list[Row]:
     """Rows of ``errors.csv``."""
     return [asdict(row) for row in found.rows]
+
+
+def pressure_rows(found: CurvedReproduction) -> list[Row]:
+    """Rows of ``pressures.csv``."""
+    return [asdict(row) for row in found.pressures]
