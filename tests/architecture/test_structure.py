@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8199,
-    "validation": 7530,
+    "validation": 7656,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 71_158
-MAX_FILES_OF_ALL = 375
+MAX_LINES_OF_ALL = 71_284
+MAX_FILES_OF_ALL = 376
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
