@@ -42,7 +42,11 @@ from flangeway.solve.status import Status
 from flangeway.types import Floats
 
 SETTLE_AFTER = 8
-"""Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever."""
+"""Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever.
+
+At a stiff penalty one node that goes to and fro between two edges can upset all others before: a second attempt holds
+pairs from its second iteration on.
+"""
 
 HALVE_AFTER = 16
 """Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
@@ -314,6 +318,7 @@ class _Run:
 
     def iterate(self, correction: int) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
+        settled = 1 if self.damped else SETTLE_AFTER
         for iteration in range(self.settings.max_iterations):
             if len(self.current.nodes) == 0 and (loose := self._loose()):
                 return loose
@@ -331,7 +336,7 @@ class _Run:
             moved = self.response.displacements(self.rotations, nodes, applied[nodes])
             if halved:
                 moved = (self.displacements + moved) / 2.0
-            after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= SETTLE_AFTER)
+            after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= settled)
             carried, tangential = (_carried(self.current, each, after) for each in (new_forces, new_tangential))
             slides = self._slides(after, moved)
             scale = max(float(np.abs(moved).max(initial=0.0)), float(np.abs(self.reference - self.begun).max()), 1e-300)
