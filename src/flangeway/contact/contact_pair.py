@@ -19,7 +19,7 @@ ENFORCEMENTS = "Penalty(...) or AugmentedLagrange(...) or Multiplier(...) or Bar
 
 @dataclass(frozen=True, eq=False)
 class Contact:
-    """Contact between two surfaces, without friction or with Coulomb's.
+    """Contact between two surfaces of two parts or of one, without friction or with Coulomb's.
 
     Of bodies of revolution areas, forces and dissipated work are those of the whole circumference.
 
@@ -40,9 +40,9 @@ class Contact:
     Raises
     ------
     InputError
-        If the surfaces belong to one part or to parts of different thickness or hypothesis, if the pairing and the
-        enforcement do not go together, if a penalty has no value (the message suggests one for these bodies), or if
-        the friction is no number >= 0 or falls with the slip velocity, which statics does not know.
+        If the surfaces have nodes in common or belong to parts of different thickness or hypothesis, if the pairing
+        and the enforcement do not go together, if a penalty has no value (the message suggests one for these bodies),
+        or if the friction is no number >= 0 or falls with the slip velocity, which statics does not know.
 
     """
 
@@ -57,11 +57,11 @@ class Contact:
         for name, (kind, allowed) in kinds.items():
             if not isinstance(value := getattr(self, name), kind):
                 raise refused("Contact", name, value, allowed, "make one, with its parentheses")
-        if self.secondary.part is self.primary.part:
+        if self.secondary.part is self.primary.part and np.intersect1d(self.secondary.nodes, self.primary.nodes).size:
             raise InputError(
-                f"a contact of {self.primary.part.name!r} with itself",
-                "surfaces of two parts",
-                "model the two sides as two parts",
+                f"a contact of {self.primary.part.name!r} with itself, whose surfaces have nodes in common",
+                "surfaces of two parts, or two of one part that do not meet",
+                "leave the edges at the common corner out of one of them, such as at the root of a slit",
             )
         if self.secondary.part.body.thickness != self.primary.part.body.thickness:
             raise InputError(

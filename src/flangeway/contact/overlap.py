@@ -93,8 +93,11 @@ class Boundary:
             inside[here] = np.bincount(which[right], minlength=len(x)) % 2 == 1
         return inside
 
-    def nearest(self, points: Floats) -> tuple[Floats, Ints]:
-        """Distances of points (m, 2) from the boundary, and the segments that are nearest, each (m,)."""
+    def nearest(self, points: Floats, facing: Floats | None = None) -> tuple[Floats, Ints]:
+        """Distances of points (m, 2) from the boundary, and the segments that are nearest, each (m,).
+
+        With ``facing`` (m, 2) only segments that run against these directions count.
+        """
         starts = self.segments[:, 0]
         chords = self.segments[:, 1] - starts
         squares = (chords**2).sum(axis=1)
@@ -103,6 +106,8 @@ class Boundary:
             x, y = (points[here, axis, None] - starts[:, axis] for axis in range(2))
             share = np.clip((x * chords[:, 0] + y * chords[:, 1]) / squares, 0.0, 1.0)
             apart = (x - share * chords[:, 0]) ** 2 + (y - share * chords[:, 1]) ** 2
+            if facing is not None:
+                apart[facing[here] @ chords.T >= 0.0] = np.inf
             numbers[here] = apart.argmin(axis=1)
             distances[here] = np.sqrt(apart.min(axis=1))
         return distances, numbers
@@ -133,6 +138,25 @@ class Boundary:
             return None
         depths, nearest = other.nearest(points)
         allowed = self.sagittas[owner] + other.sagittas[nearest]
+        deepest = int(np.argmax(depths - allowed))
+        x, y = points[deepest].tolist()
+        return Intrusion(float(depths[deepest]), (x, y), float(allowed[deepest]))
+
+    def within_itself(self, apart: float) -> Intrusion | None:
+        """Return the point of this boundary that lies in the body's own other side, seen from ``apart`` outside of it.
+
+        The body is where the boundary winds round once: a point outside of it that is inside lies in an overlap.
+        """
+        starts, chords = self.segments[:, 0], self.segments[:, 1] - self.segments[:, 0]
+        outward = np.stack((chords[:, 1], -chords[:, 0]), axis=1) / np.hypot(*chords.T)[:, None]
+        along = starts[:, None] + SAMPLES[1:-1, None] * chords[:, None] + apart * outward[:, None]
+        points, owner = along.reshape(-1, 2), np.repeat(np.arange(len(starts)), len(SAMPLES) - 2)
+        inside = self.contains(points)
+        if not inside.any():
+            return None
+        points, owner = points[inside], owner[inside]
+        depths, nearest = self.nearest(points, chords[owner])
+        allowed = self.sagittas[owner] + self.sagittas[nearest]
         deepest = int(np.argmax(depths - allowed))
         x, y = points[deepest].tolist()
         return Intrusion(float(depths[deepest]), (x, y), float(allowed[deepest]))
@@ -169,12 +193,12 @@ def _chunks(n: int, width: int) -> list[slice]:
 
 @dataclass(frozen=True)
 class BodyOverlap:
-    """How deep two parts overlap.
+    """How deep two parts overlap, or one overlaps itself.
 
     Parameters
     ----------
     parts
-        Names of the two.
+        Names of the two, or twice that of the one.
     depth
         Distance of a point of one body's boundary from that of the other, in which it lies.
     position
@@ -198,8 +222,10 @@ class BodyOverlap:
     def __str__(self) -> str:
         """Return a sentence."""
         x, y = self.position
+        one, other = self.parts
+        who = f"{one} overlaps itself" if one == other else f"{one} and {other} overlap"
         return (
-            f"{self.parts[0]} and {self.parts[1]} overlap by {self.depth:.3g} at ({x:.4g}, {y:.4g}), where contact and "
+            f"{who} by {self.depth:.3g} at ({x:.4g}, {y:.4g}), where contact and "
             f"the chords of curves explain {self.allowed:.1e}; give all edges that may touch, move in smaller steps, "
             "or take a finer mesh there"
         )
@@ -208,7 +234,9 @@ class BodyOverlap:
 def body_overlaps(
     system: ContactSystem, response: BodyResponse, state: ContactState, fields: Sequence[Floats] | None = None
 ) -> tuple[BodyOverlap, ...]:
-    """Deepest overlap of each pair of deformed parts, whatever edges were given to their contacts.
+    """Deepest overlap of each pair of deformed parts, and of each part in contact with itself.
+
+    The whole boundaries count, whatever edges were given to the contacts.
 
     Parameters
     ----------
@@ -220,8 +248,8 @@ def body_overlaps(
     Returns
     -------
     tuple of BodyOverlap
-        One for each pair that overlaps, also where it is explained. A boundary that is not closed has no inside: pairs
-        with such a body are left out.
+        One for each pair that overlaps, and for each part in contact with itself that does, also where it is explained.
+        A boundary that is not closed has no inside: such bodies are left out.
 
     """
     lin = state.linearisation
@@ -240,11 +268,15 @@ def body_overlaps(
     moved = float(np.abs(state.displacements).max(initial=0.0))
     explained = [system.explained(lin, state.forces, number, moved) for number in range(len(system.contacts))]
     found = []
-    for (one, first_side), (other, other_side) in itertools.combinations(zip(system.parts, boundaries, strict=True), 2):
-        if not (one.body.boundary_is_closed and other.body.boundary_is_closed):
-            continue
+    sides = [each for each in zip(system.parts, boundaries, strict=True) if each[0].body.boundary_is_closed]
+    touched = {id(each.primary.part) for each in system.contacts if each.primary.part is each.secondary.part}
+    alone = [(side, side) for side in sides if id(side[0]) in touched]
+    for (one, first_side), (other, other_side) in itertools.chain(itertools.combinations(sides, 2), alone):
         law = _between(system, one, other, explained)
-        deepest = deepest_intrusion(first_side, other_side)
+        if one is other:
+            deepest = first_side.within_itself(ROUND_OFF * one.body.size)
+        else:
+            deepest = deepest_intrusion(first_side, other_side)
         if deepest is not None:
             allowed = deepest.allowed + law + ROUND_OFF * min(one.body.size, other.body.size)
             found.append(BodyOverlap((one.name, other.name), deepest.depth, deepest.position, allowed))

@@ -7,7 +7,6 @@ from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
-from numpy.typing import NDArray
 
 from flangeway.contact.contact_pair import Contact
 from flangeway.contact.enforcement import Barrier
@@ -354,9 +353,8 @@ def _no_slides(pairs: Pairs) -> Slides:
 
 def _refuse_twice(first: Contact, second: Contact) -> None:
     """Raise `InputError` if two contacts have edges of both bodies in common, whichever is secondary."""
-    others = {id(surface.part): surface.edges for surface in (second.secondary, second.primary)}
-    pairs = [(surface.edges, others.get(id(surface.part))) for surface in (first.secondary, first.primary)]
-    if all(theirs is not None and _share_edges(mine, theirs) for mine, theirs in pairs):
+    mine, theirs = ((each.secondary, each.primary) for each in (first, second))
+    if any(all(map(_share_edges, mine, others)) for others in (theirs, theirs[::-1])):
         raise InputError(
             f"two contacts of {first.secondary.part.name!r} and {first.primary.part.name!r} along the same edges",
             "each pair of edges in one contact",
@@ -364,8 +362,9 @@ def _refuse_twice(first: Contact, second: Contact) -> None:
         )
 
 
-def _share_edges(one: NDArray[np.int32], other: NDArray[np.int32]) -> bool:
-    return not set(map(tuple, one.tolist())).isdisjoint(map(tuple, other.tolist()))
+def _share_edges(one: Surface, other: Surface) -> bool:
+    shared = not set(map(tuple, one.edges.tolist())).isdisjoint(map(tuple, other.edges.tolist()))
+    return one.part is other.part and shared
 
 
 def _union(surfaces: list[Surface]) -> SurfaceNodes:

@@ -51,6 +51,13 @@ pairs from its second iteration on.
 HALVE_AFTER = 16
 """Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
 
+ROUND_OFF = 1e-9
+"""Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
+stiffness is above the tolerance."""
+
+STALLED = 3
+"""Iterations without a change of constraints, none of which halves the residual, after which it no longer falls."""
+
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
@@ -282,6 +289,8 @@ class _Run:
                 return self.result(failure, converged=False)
             if self.penetration_is_tolerated():
                 more = f" and {_counted(correction, 'correction')} of the forces" if correction else ""
+                if self._is_at_round_off():
+                    more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
                 return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
             self.correct()
         return self.result(
@@ -357,9 +366,15 @@ class _Run:
             self.tangential, self.slides, self.applied = tangential, slides, applied
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
-            if residual <= max(self.settings.tolerance, floor) and not halved:
+            if (residual <= max(self.settings.tolerance, floor) and not halved) or self._is_at_round_off():
                 return None
         return self._explain()
+
+    def _is_at_round_off(self) -> bool:
+        """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
+        last = [each for each in self.history[-STALLED - 1 :] if not each.changed]
+        small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
+        return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
 
     def _gaps(self, lin: Linearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
