@@ -61,7 +61,7 @@ class Contact:
             raise InputError(
                 f"a contact of {self.primary.part.name!r} with itself, whose surfaces have nodes in common",
                 "surfaces of two parts, or two of one part that do not meet",
-                "leave the edges at the common corner out of one of them, such as at the root of a slit",
+                "name the edges of both; leave the edges at the common corner out of one of them",
             )
         if self.secondary.part.body.thickness != self.primary.part.body.thickness:
             raise InputError(
