@@ -176,6 +176,9 @@ class ContactLine:
         See `PressurePatch`; 0 where the contact is open, shape (n,).
     gaps
         To the primary surface, negative where it is penetrated; not-a-number where nothing is within reach. Shape (n,).
+    tractions, slips
+        Of friction, on the secondary along the primary's edges, whose body is on their left; slips of the last step,
+        each (n,).
 
     """
 
@@ -185,6 +188,8 @@ class ContactLine:
     positions: Floats
     pressures: Floats
     gaps: Floats
+    tractions: Floats
+    slips: Floats
 
 
 def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLine]:
@@ -211,9 +216,20 @@ def contact_lines(system: ContactSystem, state: ContactState) -> list[ContactLin
                 state.positions[system.nodes_of(surface)[places]],
                 pressures[places],
                 gaps[places],
+                *(each[places] for each in _sliding(pairs, state, slice(*lin.starts[number : number + 2]), n)),
             )
         )
     return found
+
+
+def _sliding(pairs: Pairs, state: ContactState, mine: slice, n: int) -> tuple[Floats, Floats]:
+    """Tractions and slips at the n nodes of a surface; those of several constraints of a node are averaged."""
+    if state.friction is None:
+        return np.zeros(n), np.zeros(n)
+    at, areas = pairs.nodes, pairs.areas * (state.forces[mine] > 0.0)
+    whole = np.maximum(np.bincount(at, areas, n), 1e-300)
+    slips = np.bincount(at, areas * state.friction.slips[mine], n) / whole
+    return np.bincount(at, state.friction.forces[mine], n) / whole, slips
 
 
 def _along(pairs: Pairs, contact: Contact) -> NDArray[np.int64]:

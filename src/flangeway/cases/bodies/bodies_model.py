@@ -32,6 +32,7 @@ from flangeway.cases.bodies.pressing import Push
 from flangeway.cases.case import closest
 from flangeway.contact import (
     AugmentedLagrange,
+    Barrier,
     Contact,
     ContactSystem,
     Multiplier,
@@ -92,9 +93,20 @@ class BodiesModel:
 
     bodies: Mapping[str, BodyModel]  # bodies by name
     contacts: tuple[Contact, ...]  # contacts
-    motion: Mapping[Part, Placement]  # rigid motion of the supports of parts
+    legs: tuple[Mapping[Part, Placement], ...]  # rigid motions of the supports of parts, one leg of the path each
     push: Push | None  # force on the supports of one part
     notices: tuple[str, ...]  # what was repaired or assumed
+
+    @property
+    def motion(self) -> Mapping[Part, Placement]:
+        """Motions of the first leg."""
+        return self.legs[0]
+
+    @property
+    def follows_path(self) -> bool:
+        """Whether bodies are held by contact alone, friction acts, or there are several legs: `press` solves these."""
+        floats = any(body.part is not None and not body.part.body.supported.any() for body in self.bodies.values())
+        return floats or any(each.friction_coefficient for each in self.contacts) or len(self.legs) > 1
 
 
 def build_bodies(case: BodiesInputs) -> BodiesModel:
@@ -146,8 +158,16 @@ class _Builder:
         )
         if contacts:
             ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
-        motion, push = self._motions(bodies)
-        return BodiesModel(bodies, contacts, motion, push, tuple(self.notices))
+        model = BodiesModel(bodies, contacts, *self._motions(bodies), tuple(self.notices))
+        moved = [body for body in bodies.values() if body.part is not None and body.moved_before_contact]
+        push = model.push
+        if model.follows_path and (moved or (push is not None and (push.force == 0.0 or 0.0 not in push.direction))):
+            raise InputError(
+                f"loads or displacements of supports of body {moved[0].name!r}" if moved else "a push that is oblique",
+                "with friction, bodies without supports, or several legs: motions of bodies, and push_N along x or y",
+                "move or push the supports of a body instead",
+            )
+        return model
 
     def _match_boundaries(self) -> None:
         """Give bodies in node-to-node contact each other's nodes; triangles with more nodes become virtual elements."""
@@ -279,21 +299,15 @@ class _Builder:
             space = Space(mesh, elements_of(table, mixed=name in self.mixed))
             problem = Elasticity(space, material, thickness, loads, supports, name)
             return BodyModel(name, problem, None, problem.load_vector().sum(axis=0))
-        if not held:
-            raise InputError(
-                f"body {name!r} in contact without supports",
-                "supports that fix both translations and the rotation, contact left out",
-                "add [[supports]]; to press it by a force, fix it and add [[motions]] with push_N",
-            )
         components: dict[Where, Components] = {}
         for support, where in held:
             components[where] = "xy" if where in components and components[where] != support.hold else support.hold
-        slides = free_axis(name, mesh, components)
+        slides = free_axis(name, mesh, components) if held else None  # without any, contact alone holds it
         if slides is not None:
             hold = fixed_point(name, mesh, self._touching(name))
             components[hold] = slides
             supports.append(PrescribedDisplacement(hold, **{slides: 0.0}))
-        body = Body(name, mesh, elements_of(table, mixed=name in self.mixed), material, components, thickness)
+        body = Body(name, mesh, elements_of(table, mixed=name in self.mixed), material, components or None, thickness)
         problem = Elasticity(body.space, material, thickness, loads, supports, name)
         return BodyModel(name, problem, Part(name, body), problem.load_vector().sum(axis=0), slides)
 
@@ -327,7 +341,7 @@ class _Builder:
         }[table.pairing]
         try:
             found = Contact(sides[0], sides[1], pairing, Multiplier())
-            return replace(found, enforcement=_enforcement(table, found))
+            return replace(found, enforcement=_enforcement(table, found), friction=table.friction)
         except InputError as reason:
             raise InputError(f"{key}: {reason.given}", reason.allowed, reason.advice) from reason
 
@@ -372,8 +386,9 @@ class _Builder:
             return None
         return curve
 
-    def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[dict[Part, Placement], Push | None]:
-        motion: dict[Part, Placement] = {}
+    def _motions(self, bodies: Mapping[str, BodyModel]) -> tuple[tuple[dict[Part, Placement], ...], Push | None]:
+        n_legs = max((table.leg for table in self.case.motions), default=1)
+        legs: tuple[dict[Part, Placement], ...] = tuple({} for _ in range(n_legs))
         push = None
         for number, table in enumerate(self.case.motions, 1):
             key = f"motions[{number}]"
@@ -384,20 +399,26 @@ class _Builder:
                     "bodies in contact",
                     "move its supports by x_mm",
                 )
-            if part in motion or (push is not None and push.part is part):
+            motion = legs[table.leg - 1]
+            if part in motion or (table.leg == 1 and push is not None and push.part is part):
                 raise InputError(f"{key}.body = {table.body!r} for the second time", "one motion each", "join them")
+            if not part.body.supported.any():
+                raise InputError(
+                    f"{key}.body = {table.body!r}, which has no supports", "bodies with supports", "contact moves it"
+                )
             if table.push_N is None:
                 motion[part] = _placement(table)
                 continue
-            if push is not None or table.rotation_deg or table.shift_mm != (0.0, 0.0) or table.push_N == (0.0, 0.0):
+            moves = table.rotation_deg or table.shift_mm != (0.0, 0.0)
+            if push is not None or table.leg > 1 or moves or table.push_N == (0.0, 0.0):
                 raise InputError(
                     f"{key}.push_N = {list(table.push_N)}",
-                    "one push in a case, of a force that is not zero, without shift and rotation",
+                    "one push in a case, in leg 1, of a force that is not zero, without shift and rotation",
                     "press one body by a force and fix or shift the others",
                 )
             size = float(np.hypot(*table.push_N))
             push = Push(part, (table.push_N[0] / size, table.push_N[1] / size), size)
-        return motion, self._sliding(bodies, push)
+        return legs, self._sliding(bodies, push)
 
     def _sliding(self, bodies: Mapping[str, BodyModel], push: Push | None) -> Push | None:
         """Push of the one body that its supports let slide: none but its loads."""
@@ -425,6 +446,14 @@ def _placement(table: MotionTable) -> Placement:
 def _enforcement(table: ContactTable, contact: Contact) -> Enforcement:
     if table.enforcement == "multiplier":
         return Multiplier()
+    if table.enforcement == "barrier":
+        if table.barrier_N_per_mm is None or table.barrier_reach_mm is None:
+            raise InputError(
+                "a barrier without barrier_N_per_mm or barrier_reach_mm",
+                "both",
+                "start with a thousandth of the expected pressure times the approach, and the approach",
+            )
+        return Barrier(table.barrier_N_per_mm, table.barrier_reach_mm)
     if table.nodal_penalty_N_per_mm is not None and table.penalty_MPa_mm is not None:
         raise InputError("penalty_MPa_mm and nodal_penalty_N_per_mm", "one of both", "leave one out")
     penalty = table.nodal_penalty_N_per_mm or table.penalty_MPa_mm or contact.suggested_penalty

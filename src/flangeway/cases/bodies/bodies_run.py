@@ -13,7 +13,7 @@ from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel
 from flangeway.cases.bodies.bodies_tables import BodiesInputs
 from flangeway.cases.case import Case, Progress, RunnableCase
 from flangeway.cases.summary import RunResult, StatusSummary, Summary, SummaryPart
-from flangeway.contact import ContactSolution, LoadStep
+from flangeway.contact import ContactLinearisation, ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, cell_stresses, corner_stresses, nodal_residual, pressure_patches
@@ -47,6 +47,20 @@ class PairSummary(SummaryPart):
     max_pressure_MPa: float
     max_pressure_remark: str | None
     patches: Sequence[PatchSummary]
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrictionSummary(SummaryPart):
+    """Friction of a contact: tractions, slips and the sticking share of the length in contact at the end, and work."""
+
+    secondary: str
+    primary: str
+    coefficient: float
+    tangential_force_N: float
+    max_traction_MPa: float
+    max_slip_in_step_mm: float
+    sticking_share: float
+    dissipated_N_mm: float
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,6 +102,7 @@ class BodiesSummary(Summary):
     results: dict[str, Any]
     forces: Sequence[ForcesSummary] = ()
     contacts: Sequence[PairSummary]
+    friction: Sequence[FrictionSummary] = ()
     bodies: Sequence[BodySummary]
     supports: Sequence[ReactionRow] = ()
     notices: Sequence[str]
@@ -152,10 +167,10 @@ class BodiesRun(RunResult):
 
     def at_step(self, step: LoadStep) -> dict[str, BodyResult]:
         """Displacements of all bodies at one of the load steps of `contact`; those in no contact carry its share."""
-        contact, state = self.contact, step.state
+        contact, state, share = self.contact, step.state, min(step.share, 1.0)
         assert contact is not None
         found = {
-            name: BodyResult(ElasticField(body.field.problem, step.share * body.field.displacements), body.placement)
+            name: BodyResult(ElasticField(body.field.problem, share * body.field.displacements), body.placement)
             for name, body in self.bodies.items()
         }
         rotations = contact.response.rotations(state.placements)
@@ -164,7 +179,7 @@ class BodiesRun(RunResult):
             contact.system.parts, self._fields_of_loads, fields, state.placements, strict=True
         ):
             # the response is that under all loads, and the bodies are linear
-            displacements = field - (1.0 - step.share) * all_loads
+            displacements = field - (1.0 - share) * all_loads
             found[part.name] = BodyResult(ElasticField(self.bodies[part.name].field.problem, displacements), placement)
         return found
 
@@ -210,6 +225,7 @@ def summarise_bodies(
         results=dict(results),
         forces=forces,
         contacts=[] if contact is None else _contacts(contact),
+        friction=[] if contact is None else _friction(contact),
         bodies=[_body(name, body) for name, body in bodies.items()],
         supports=supports,
         notices=notices,
@@ -259,6 +275,39 @@ def _contacts(contact: ContactSolution) -> list[PairSummary]:
             )
         )
     return rows
+
+
+def _friction(contact: ContactSolution) -> list[FrictionSummary]:
+    table = {name: np.asarray(values) for name, values in contact.friction_table.columns.items()}
+    rows = []
+    for number, each in enumerate(contact.system.contacts):
+        if not each.friction_coefficient:
+            continue
+        mine = table["contact"] == number
+        lengths = np.divide(table["normal_force"], table["pressure"])[mine]
+        rows.append(
+            FrictionSummary(
+                secondary=each.secondary.part.name,
+                primary=each.primary.part.name,
+                coefficient=each.friction_coefficient,
+                tangential_force_N=float(table["tangential_force"][mine].sum()),
+                max_traction_MPa=float(np.abs(table["traction"][mine]).max(initial=0.0)),
+                max_slip_in_step_mm=float(np.abs(table["slip"][mine]).max(initial=0.0)),
+                sticking_share=float(lengths[table["sticks"][mine]].sum() / max(lengths.sum(), 1e-300)),
+                dissipated_N_mm=float(sum(_work(step, number) for step in contact.steps)),
+            )
+        )
+    return rows
+
+
+def _work(step: LoadStep, number: int) -> float:
+    """Work that a contact dissipated in a step."""
+    lin, friction = step.state.linearisation, step.state.friction
+    assert isinstance(lin, ContactLinearisation)
+    if friction is None:
+        return 0.0
+    mine = slice(*lin.starts[number : number + 2])
+    return 0.0 - float(friction.forces[mine] @ friction.slips[mine])
 
 
 def support_reactions_of(

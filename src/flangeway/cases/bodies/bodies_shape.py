@@ -295,7 +295,7 @@ def edges_at(
 def free_edges(body: LinearBody, pairs: Ints) -> Ints:
     """Edges without a point that is fixed in both components, where no contact force could act."""
     nodes = body.edge_nodes(pairs)
-    loose: NDArray[np.bool_] = np.asarray(body.free.reshape(-1, 2).any(axis=1))
+    loose: NDArray[np.bool_] = np.logical_not(body.supported.all(axis=1))
     return pairs[loose[nodes].all(axis=1)]
 
 

@@ -12,6 +12,7 @@ from flangeway.materials import Elastic
 
 HypothesisName = Literal["plane-strain", "plane-stress"]
 MethodName = Literal["fem", "vem", "vem-triangles"]
+EnforcementName = Literal["multiplier", "augmented-lagrange", "penalty", "barrier"]
 StabilisationName = Literal["default", "trace"]
 STABILISATION_MEANING = "stabilisation of virtual elements; trace: half of the trace (Moherdaui 2021, 3.96)"
 PAIRING_MEANING = (
@@ -135,6 +136,9 @@ class MotionTable(Table):
     """Rigid motion of all supports of a body, or a force on them."""
 
     body: str = Field(description="name of the body")
+    leg: int = Field(
+        1, ge=1, le=100, description="leg of the path: motions of 2 follow those of 1; forces act from 1 on"
+    )
     shift_mm: Pair = Field((0.0, 0.0), description="shift of the body's supports")
     rotation_deg: float = Field(0.0, ge=-90.0, le=90.0, description="rotation of the supports, counter-clockwise")
     centre_mm: Pair = Field((0.0, 0.0), description="centre of this rotation")
@@ -160,9 +164,10 @@ class ContactTable(Table):
     pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
         "segment-to-segment", description=PAIRING_MEANING
     )
-    enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
-        "augmented-lagrange", description="constraint enforcement"
-    )
+    enforcement: EnforcementName = Field("augmented-lagrange", description="constraint enforcement")
+    friction: float = Field(0.0, ge=0.0, le=10.0, description="coefficient of Coulomb's friction")
+    barrier_N_per_mm: float | None = Field(None, gt=0.0, description="pressure times gap of a barrier, needed for it")
+    barrier_reach_mm: float | None = Field(None, gt=0.0, description="gap from which a barrier has no pressure")
     penalty_MPa_mm: float | None = Field(
         None, gt=0.0, description="pressure per penetration (default: from stiffness and edges of the bodies)"
     )
@@ -175,7 +180,9 @@ class ContactTable(Table):
 class StepsTable(Table):
     """How loads and motions are applied."""
 
-    number: int = Field(1, ge=1, le=1000, description="number of equal steps; a step that does not converge is halved")
+    number: int = Field(
+        1, ge=1, le=1000, description="number of equal steps of each leg; a step that does not converge is halved"
+    )
 
 
 class BodiesInputs(Case):
@@ -187,7 +194,7 @@ class BodiesInputs(Case):
     supports: list[SupportTable] = Field([], description="supports, with or without a prescribed displacement")
     loads: list[LoadTable] = Field([], description="pressures, tractions, point forces and forces per volume")
     motions: list[MotionTable] = Field([], description="rigid motions of bodies in contact, or forces on supports")
-    contacts: list[ContactTable] = Field([], description="pairs of surfaces that may touch, without friction")
+    contacts: list[ContactTable] = Field([], description="pairs of surfaces that may touch")
     steps: StepsTable = Field(
         default_factory=lambda: StepsTable(number=1), description="how loads and motions are applied"
     )

@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from flangeway.cases.case import Progress
-from flangeway.contact import Contact, ContactLinearisation, ContactSolution, ContactSystem, LoadStep
+from flangeway.contact import Contact, ContactLinearisation, ContactSolution, ContactSystem, LoadStep, press
+from flangeway.contact.press import Load
 from flangeway.geometry import Placement
 from flangeway.problems import Part
 from flangeway.solve import CondensedBodies, ContactState, Status, StepSettings, follow, solve_contact
@@ -85,6 +86,30 @@ def press_loaded(
         return Pressed(driver.solution(state))
     load = np.zeros(2) if loads is None else loads.get(push.part, np.zeros(2))
     return _Search(driver, push, load, state).run()
+
+
+def press_path(
+    contacts: Sequence[Contact],
+    legs: Sequence[Mapping[Part, Placement]],
+    push: Push | None,
+    n_steps: int = 1,
+    progress: Progress = lambda _: None,
+) -> Pressed:
+    """Follow a path of motions, with friction and bodies that contact alone holds; a push along x or y grows in leg 1.
+
+    Each leg has `n_steps` equal steps, halved where one does not converge.
+    """
+    step = 1.0 / n_steps
+    loads: dict[Part, Load] = {}
+    if push is not None:
+        x, y = (push.force * each or None for each in push.direction)
+        loads[push.part] = (x, y, None)
+    sizes = StepSettings(step, step, min(step, SMALLEST_STEP))
+    found = Pressed(press(contacts, list(legs), loads=loads, steps=[sizes] * len(legs), progress=progress))
+    if push is None:
+        return found
+    start, last = push.part.placement.translation, found.placement(push.part).translation
+    return replace(found, pushed=float(np.subtract(last, start) @ push.direction))
 
 
 def moved_part(part: Part, motion: Mapping[Part, Placement], share: float) -> Placement:

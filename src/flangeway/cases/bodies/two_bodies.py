@@ -16,7 +16,7 @@ from flangeway.cases.bodies.bodies_run import (
     support_reactions_of,
 )
 from flangeway.cases.bodies.bodies_tables import BodiesInputs
-from flangeway.cases.bodies.pressing import Pressed, moved_part, press_loaded
+from flangeway.cases.bodies.pressing import Pressed, moved_part, press_loaded, press_path
 from flangeway.cases.case import Progress
 from flangeway.contact import ContactSolution
 from flangeway.errors import InputError
@@ -119,6 +119,8 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
                 fields[body.part] = solve_elasticity(body.problem).displacements
                 loads[body.part] = body.load_N
         progress("condensing the bodies to their surfaces")
+        if model.follows_path:
+            return press_path(model.contacts, model.legs, model.push, self.steps.number, progress)
         return press_loaded(
             model.contacts,
             motion=model.motion,

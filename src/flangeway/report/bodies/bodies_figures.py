@@ -8,6 +8,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
+from flangeway.post import contact_lines
 from flangeway.report.figures.display import display, displayed_stresses
 from flangeway.report.figures.drawing import GREY, INK, draw_lines, new_figure
 from flangeway.report.figures.plots import COLOURS
@@ -75,6 +76,28 @@ def pressure_figure(run: BodiesRun) -> Figure:
     axes.set_ylim(bottom=0.0)
     axes.grid(color="#dddddd", linewidth=0.6)
     axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+    return figure
+
+
+def traction_figure(run: BodiesRun) -> Figure:
+    """Draw the tangential tractions of the contacts with friction between their limits, one contact below another."""
+    assert run.contact is not None
+    lines = [line for line in contact_lines(run.contact.system, run.contact.state) if line.contact.friction_coefficient]
+    lines = [line for line in lines if line.pressures.any()]
+    figure = new_figure(8.0, 2.2 * len(lines) + 0.6)
+    for axes, line in zip(figure.subplots(len(lines), squeeze=False)[:, 0], lines, strict=True):
+        loaded = np.flatnonzero(line.pressures)
+        near = np.arange(max(loaded[0] - 1, 0), min(loaded[-1] + 2, len(line.nodes)))
+        way = np.concatenate(([0.0], np.cumsum(np.linalg.norm(np.diff(line.positions[near], axis=0), axis=1))))
+        limits = line.contact.friction_coefficient * line.pressures[near]
+        for sign in (1.0, -1.0):
+            axes.plot(way, sign * limits, color=GREY, lw=1.2, ls="--")
+        axes.plot(way, line.tractions[near], color=INK, lw=1.0, marker="o", ms=3.0, mfc="white")
+        names = f"{line.contact.secondary.part.name} on {line.contact.primary.part.name}"
+        axes.set_title(names, fontsize=9)
+        axes.set(ylabel="traction in MPa")
+        axes.grid(color="#dddddd", linewidth=0.6)
+    axes.set_xlabel("length along the surface in mm")
     return figure
 
 

@@ -9,7 +9,7 @@ from flangeway.cases.case import RunnableCase
 from flangeway.elements import Element, Lagrange
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
-from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure
+from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure, traction_figure
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
 from flangeway.report.figures.newton_history import newton_figure, steps_table
 from flangeway.report.figures.series import write_collection, write_contacts
@@ -70,6 +70,8 @@ def _tables(run: BodiesRun) -> list[SummaryTable]:
     summary, found = run.summary, []
     if summary.contacts:
         found.append(contacts_of_bodies(summary))
+    if summary.friction:
+        found.append(table_of("Friction", summary.friction, FRICTION))
     if summary.forces:
         found.append(table_of("Forces on the bodies", summary.forces, FORCES))
     if summary.supports:
@@ -149,7 +151,11 @@ def _assumptions(run: BodiesRun) -> list[str]:
         f"{each.primary.part.name} is the primary surface for {each.secondary.part.name}"
         for each in run.contact.system.contacts
     )
-    return [*sentences, "Frictionless contact.", f"Contact pairs: {pairs}."]
+    coefficients = {each.friction_coefficient for each in run.contact.system.contacts}
+    law = "Frictionless contact."
+    if any(coefficients):
+        law = f"Coulomb's friction, coefficient {' and '.join(f'{each:g}' for each in sorted(coefficients))}."
+    return [*sentences, law, f"Contact pairs: {pairs}."]
 
 
 UNITS = {"_N_mm_per_mm": "N mm per mm", "_MPa": "MPa", "_mm": "mm", "_N": "N", "_rad": "rad", "_deg": "degrees"}
@@ -205,6 +211,12 @@ FORCES: tuple[Column, ...] = (
     *(("", "body", ""), ("contact {x|y}, N", "contact_N", "z.6g")),
     *(("loads {x|y}, N", "loads_N", "z.6g"), ("supports {x|y}, N", "supports_N", "z.6g")),
 )
+FRICTION: tuple[Column, ...] = (
+    *(("secondary", "secondary", ""), ("primary", "primary", ""), ("coefficient", "coefficient", "g")),
+    *(("tangential force, N", "tangential_force_N", "z.6g"), ("maximum traction, MPa", "max_traction_MPa", ".6g")),
+    ("maximum slip in the last step, mm", "max_slip_in_step_mm", ".4g"),
+    *(("sticking share", "sticking_share", ".3f"), ("dissipated work, N mm", "dissipated_N_mm", ".6g")),
+)
 SUPPORTS: tuple[Column, ...] = (("", "number", ""), ("body", "body", ""), ("force on it {x|y}, N", "force_N", "z.6g"))
 SIZES: tuple[Column, ...] = (
     *(("", "name", ""), ("elements", "elements", ","), ("unknowns", "unknowns", ",")),
@@ -236,8 +248,8 @@ def _pressure(contact: PairSummary) -> str:
 
 STEPS = "steps"  # folder of the earlier load steps
 COLLECTION, CONTACT = "bodies.pvd", "contact.vtu"
-STRESSES, PRESSURE, CONVERGENCE = "stresses.png", "pressure.png", "convergence.png"
-NAMES = (COLLECTION, CONTACT, STRESSES, PRESSURE, CONVERGENCE)
+STRESSES, PRESSURE, TRACTION, CONVERGENCE = "stresses.png", "pressure.png", "traction.png", "convergence.png"
+NAMES = (COLLECTION, CONTACT, STRESSES, PRESSURE, TRACTION, CONVERGENCE)
 """Names of the files, except the fields, which have the names of the bodies."""
 
 
@@ -284,6 +296,15 @@ def _pictures(run: BodiesRun) -> list[Picture]:
                 lambda: pressure_figure(run),
                 f"Contact pressure along each region of contact, node by node{theory}.",
                 f"Contact pressure along the surface{theory}.",
+            )
+        )
+    if run.patches and run.summary.friction:
+        pictures.append(
+            Picture(
+                TRACTION,
+                lambda: traction_figure(run),
+                "Tangential traction of each contact, and the limits of friction, along the surface.",
+                "Tangential traction along the surface (solid) between the limits of friction (dashed).",
             )
         )
     if contact is not None:

@@ -1,5 +1,7 @@
 """Convergence: the Newton iterations of load steps as a figure and a table, and the equilibrium of a wheelset."""
 
+import math
+
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
@@ -20,8 +22,11 @@ def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
     """Name and state of each load step, a force that was sought after them, and where it ended without success."""
     found: list[tuple[str, ContactState]] = []
     last = 0.0
+    legs = any(step.share > 1.0 for step in contact.steps)
     for step in contact.steps:
-        found.append(("pushed" if step.share == last == 1.0 else f"{100.0 * step.share:.4g} %", step.state))
+        leg = max(math.ceil(step.share), 1)
+        name = f"leg {leg}: " * legs + f"{100.0 * (step.share - leg + 1):.4g} %"
+        found.append(("pushed" if step.share == last == 1.0 else name, step.state))
         last = step.share
     if not contact.status.converged:
         found.append(("not converged", contact.state))

@@ -134,7 +134,9 @@ def write_contacts(path: Path, system: ContactSystem, state: ContactState, start
     """Write pressure and gap at the nodes of all secondary surfaces, as lines, with their displacement.
 
     Point arrays: ``pressure_MPa``, 0 where the contact is open; ``gap_mm``, not-a-number where the primary surface is
-    out of reach; ``displacement_mm`` from where the bodies are drawn. Cell array ``body_id``: number of the body.
+    out of reach; ``displacement_mm`` from where the bodies are drawn; with friction ``traction_MPa`` and ``slip_mm`` of
+    the last step, on the secondary surface along the primary's edges, whose body is on their left. Cell array
+    ``body_id``: number of the body.
 
     - `starts`: where the bodies are drawn, by their names in the order of their numbers.
     """
@@ -149,6 +151,9 @@ def write_contacts(path: Path, system: ContactSystem, state: ContactState, start
         "gap_mm": np.concatenate([line.gaps for line in found]),
         "displacement_mm": np.vstack([line.positions for line in found]) - points,
     }
+    if state.friction is not None:
+        arrays["traction_MPa"] = np.concatenate([line.tractions for line in found])
+        arrays["slip_mm"] = np.concatenate([line.slips for line in found])
     lines = np.vstack([line.lines + start for line, start in zip(found, first[:-1], strict=True)])
     write_vtu_lines(path, points, lines, arrays, body_id=np.repeat(numbers, [len(line.lines) for line in found]))
 
