@@ -23,7 +23,7 @@ MAX_LINES = {
     "problems": 2899,
     "solve": 4111,
     "contact": 7146,
-    "post": 1984,
+    "post": 2000,
     "forms": 366,
     "railway.profiles": 3671,
     "railway.track": 568,
@@ -31,17 +31,17 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3955,
-    "cases": 7115,
+    "cases": 7566,
     "campaign": 1923,
     "tables": 1441,
-    "report": 8199,
+    "report": 8253,
     "validation": 7656,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 71_334
-MAX_FILES_OF_ALL = 376
+MAX_LINES_OF_ALL = 71_855
+MAX_FILES_OF_ALL = 377
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 
