@@ -179,6 +179,7 @@ def test_every_unit_is_in_its_name():
             "size_scale",
             "size",
             "lower_poisson",
+            "upper_friction",
             "wheel_poisson",
         ),
         *("rail_poisson", "hold", "sleeper_position"),
