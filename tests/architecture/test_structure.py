@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2899,
     "solve": 4111,
-    "contact": 7146,
+    "contact": 7148,
     "post": 2000,
     "forms": 366,
     "railway.profiles": 3671,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 71_855
+MAX_LINES_OF_ALL = 71_857
 MAX_FILES_OF_ALL = 377
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
