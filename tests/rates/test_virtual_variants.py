@@ -41,7 +41,7 @@ def families():
         "dual": [dual(triangles(size)) for size in (0.1, 0.055)],
         "voronoi": [voronoi(square(1.0, (0.5, 0.5)), n) for n in (40, 160)],
         "stars": [stars(n) for n in (3, 6)],
-        "agglomerated": [agglomerated(triangles(0.5 / n), n * n) for n in (5, 12)],
+        "agglomerated": [agglomerated(triangles(0.5 / n), n * n) for n in (6, 14)],
     }
 
 
@@ -50,7 +50,7 @@ VARIANTS = {
     "virtual": (Virtual, ORDERS),
     "serendipity": (Serendipity, ORDERS),
     "serendipity, four lines": (lambda k: Serendipity(k, lines=4), ORDERS | {"stars": (2, 3), "agglomerated": (3,)}),
-    "stabilisation-free": (StabilisationFree, ORDERS | {"agglomerated": (1,)}),
+    "stabilisation-free": (StabilisationFree, ORDERS),
 }
 """Elements, and the orders that they have on each family; the energy converges like h^k."""
 

@@ -57,8 +57,9 @@ class StabilisationFree(Element):
         Order k, 1 to 3; above, cells of Voronoi meshes need degrees that lose all digits.
     degree
         Degree l of the projected gradient, from k - 1. None takes for n sides what regular polygons need (measured):
-        the least degree with enough strains, one more for k >= 2 and n >= 4, and at least ``n // 2 + k - 2``. Cells
-        with several sides in one line need more.
+        the least degree with enough strains, one more for k >= 2 and n >= 4, and at least ``n // 2 + k - 2``; where
+        gradients of that degree leave a motion free, as in polygons with several sides in one line, the least degree
+        up to 14 that does not, found for the cells of a batch together.
 
     """
 
@@ -97,10 +98,17 @@ class StabilisationFree(Element):
         """Project as `Virtual` does, and the gradient onto the higher degree too; see `Element.reconstruct`."""
         plain = Virtual(self.order).reconstruct(vertices)
         degree = self.degree_of(len(vertices))
-        cells = Polygons.of(vertices, max(degree, self.order), principal_frame(vertices))
-        energetic = Reconstruction(
-            degree + 1, plain.frame, plain.value, cells.moments, plain.monomial_dofs, _moments(cells, plain, degree)
-        )
+        while True:
+            cells = Polygons.of(vertices, max(degree, self.order), principal_frame(vertices))
+            energetic = Reconstruction(
+                degree + 1, plain.frame, plain.value, cells.moments, plain.monomial_dofs, _moments(cells, plain, degree)
+            )
+            if self.degree is not None or degree == HIGHEST_DEGREE:
+                break
+            values = np.linalg.eigvalsh(energetic.gradient_energy(energetic.gradient, np.ones(1)).transpose(2, 0, 1))
+            if values.shape[1] < 2 or (values[:, 1] > WITHOUT_ENERGY * values[:, -1]).all():
+                break
+            degree += 1
         return _Enlarged(
             plain.order,
             plain.frame,
@@ -130,7 +138,7 @@ class StabilisationFree(Element):
                 f"StabilisationFree({self.order}) in the cell at ({x:g}, {y:g}): {free.max()} motions without energy "
                 f"besides the {rigid} rigid ones, with gradients of degree {degree}",
                 "plane problems, and a degree that leaves rigid motions only",
-                f"choose degree={degree + 1} or more, or take Virtual({self.order})",
+                f"{f'choose degree={degree + 1} or more, or ' * (self.degree is not None)}take Virtual({self.order})",
             )
 
 
