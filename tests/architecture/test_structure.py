@@ -17,7 +17,7 @@ MAX_LINES = {
     "geometry": 1353,
     "mesh": 3552,
     "formats": 2010,
-    "elements": 1940,
+    "elements": 1948,
     "space": 942,
     "materials": 398,
     "problems": 2899,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 71_857
+MAX_LINES_OF_ALL = 71_865
 MAX_FILES_OF_ALL = 377
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
