@@ -23,7 +23,7 @@ MAX_LINES = {
     "problems": 2899,
     "solve": 4111,
     "contact": 7148,
-    "post": 2000,
+    "post": 2032,
     "forms": 366,
     "railway.profiles": 3671,
     "railway.track": 568,
@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8253,
-    "validation": 7656,
+    "validation": 7990,
     "cli": 1301,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 71_865
-MAX_FILES_OF_ALL = 377
+MAX_LINES_OF_ALL = 72_231
+MAX_FILES_OF_ALL = 379
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

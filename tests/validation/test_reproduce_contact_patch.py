@@ -120,7 +120,7 @@ def test_quick_leaves_out_the_finest_meshes(found: ContactPatchReproduction, mon
     def again(code: str, *_: object, **__: object) -> PatchRun:
         return left.pop(next(i for i, run in enumerate(left) if run.code == code))
 
-    monkeypatch.setattr(contact_patch_reproduced, "_run", again)
+    monkeypatch.setattr(contact_patch_reproduced, "patch_run", again)
     quick = reproduce_contact_patch(quick=True)
     assert {run.level for run in left} == {3}
     assert {run.code[4] for run in quick.published} == {"1", "2"}

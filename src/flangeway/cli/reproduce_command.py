@@ -11,7 +11,7 @@ from flangeway.errors import InputError
 
 NAMES = (
     *("torsion", "elasticity", "hertz", "contact-patch", "wheel-rail", "spatial", "rolling", "wheelset3d", "conicity"),
-    "curved",
+    *("curved", "friction", "vem-contact"),
 )
 ReproductionName = Annotated[
     str,

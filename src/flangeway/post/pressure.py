@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.contact import Contact, ContactLinearisation, ContactSystem, SegmentToSegment
+from flangeway.contact import Contact, ContactLinearisation, ContactSystem, NodeToNode, SegmentToSegment
 from flangeway.contact.pairs import Pairs
 from flangeway.results import Result, ResultTable
 from flangeway.solve import ContactState
@@ -25,6 +25,10 @@ FOURTH = np.array([1.0, -4.0, 6.0, -4.0, 1.0])
 HARDLY = 0.5
 """Share of a node's area that the primary faces below which its force counts with its neighbour's: a corner that is
 beside a node presses on a sliver, whose pressure has no limit."""
+
+SHORT = 0.2
+"""Area of a node over its neighbour's below which the force of node-to-node contact counts with the neighbour's: what a
+short edge's node carries is a small part of the errors of its neighbours' forces, but not of their pressures."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,8 +51,9 @@ class PressurePatch(Result):
         Contact forces of the nodes, shape (n,).
     pressures
         Contact forces over the nodes' areas: for node-to-segment by influence width (Moherdaui 2021, Figure 63), for
-        segment-to-segment the values of the integrated field, shape (n,). A node of whose area the primary faces less
-        than half has the mean pressure of itself and its neighbour.
+        node-to-node by the integrals of the shape functions, for segment-to-segment the values of the integrated field,
+        shape (n,). A node of whose area the primary faces less than half has the mean pressure of itself and its
+        neighbour, and so has node-to-node one with less than a fifth of its neighbour's area.
     width
         Sum of the lengths that belong to the nodes.
     secondary_point, primary_point
@@ -268,7 +273,12 @@ def _patch(
         (along - share @ along)[starts],
         np.add.reduceat(force[:, None] * _directions(pairs)[group], starts),
         total,
-        _pressures(total, pairs.areas[first], pairs.whole_areas[first]),
+        _pressures(
+            total,
+            pairs.areas[first],
+            pairs.whole_areas[first],
+            SHORT if isinstance(contact.pairing, NodeToNode) else 0.0,
+        ),
         float(contact.node_areas[nodes[0] : nodes[-1] + 1].sum()) / secondary.part.body.thickness,
         share @ on_secondary,
         share @ on_primary,
@@ -277,8 +287,15 @@ def _patch(
     )
 
 
-def _pressures(forces: Floats, areas: Floats, whole_areas: Floats) -> Floats:
-    """Pressures of the nodes of a patch, along the surface."""
+def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float = 0.0) -> Floats:
+    """Pressures of the nodes of a patch, along the surface.
+
+    Nodes with less than a part `least` of the area of one beside them have the mean pressure of both.
+    """
+    of_node = _groups(areas, least)
+    if of_node[-1] + 1 < len(of_node):
+        one, two, three = (np.bincount(of_node, each).astype(np.float64) for each in (forces, areas, whole_areas))
+        return _pressures(one, two, three)[of_node]
     n = len(forces)
     slivers = areas < HARDLY * whole_areas
     if n == 1:
@@ -289,6 +306,21 @@ def _pressures(forces: Floats, areas: Floats, whole_areas: Floats) -> Floats:
         label[label == label[sliver]] = label[max(sides, key=lambda side: areas[side])]
     pressures: Floats = (np.bincount(label, forces, n) / np.maximum(np.bincount(label, areas, n), 1e-300))[label]
     return pressures
+
+
+def _groups(areas: Floats, least: float) -> Ints:
+    """Number of the group of each node along a surface; groups have at least a part of their neighbours' areas."""
+    sums, sizes = areas.tolist(), [1] * len(areas)
+    while True:
+        beside = [max(sums[max(i - 1, 0) : i] + sums[i + 1 : i + 2], default=0.0) for i in range(len(sums))]
+        short = [i for i, area in enumerate(sums) if area < least * beside[i]]
+        if not short:
+            return np.repeat(np.arange(len(sums)), sizes)
+        i = min(short, key=sums.__getitem__)
+        j = i + 1 if i + 1 < len(sums) and sums[i + 1] == beside[i] else i - 1
+        for values in (sums, sizes):
+            values[j] += values[i]
+            del values[i]
 
 
 def _directions(pairs: Pairs) -> Floats:

@@ -17,6 +17,7 @@ from flangeway.validation.reproduction import Reproduction
 from flangeway.validation.rolling.rolling_chapter import ROLLING
 from flangeway.validation.spatial.spatial_chapter import SPATIAL
 from flangeway.validation.torsion.torsion_page import TORSION
+from flangeway.validation.vem_contact.vem_contact_chapter import VEM_CONTACT
 from flangeway.validation.wheel_rail.wheel_rail_page import WHEEL_RAIL
 from flangeway.validation.wheelset3d.wheelset3d_chapter import WHEELSET3D
 
@@ -32,6 +33,7 @@ REPRODUCTIONS: dict[str, Reproduction] = {
     "conicity": CONICITY,
     "curved": CURVED,
     "friction": FRICTION,
+    "vem-contact": VEM_CONTACT,
 }
 
 

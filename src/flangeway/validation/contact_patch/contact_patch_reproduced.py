@@ -187,13 +187,13 @@ def reproduce_contact_patch(*, quick: bool = False, progress: Progress = lambda 
     published = []
     for code, elements, level in _published_codes(levels):
         progress(f"node-to-segment: {code}")
-        published.append(_run(code, "penalty", (elements, elements), level, NODAL_PENALTY))
+        published.append(patch_run(code, "penalty", (elements, elements), level, NODAL_PENALTY))
     proper = []
     for sides, level, matching, changed in _proper_cases(levels):
         code = f"{sides[0]} on {sides[1]} M{level}" + (" matching" if matching else "")
         for law, keys in LAWS.items():
             progress(f"segment-to-segment: {code}, {law}")
-            proper.append(_run(code, law, sides, level, {**keys, **changed}, matching=matching))
+            proper.append(patch_run(code, law, sides, level, {**keys, **changed}, matching=matching))
     return ContactPatchReproduction(
         published=tuple(published),
         proper=tuple(proper),
@@ -224,9 +224,10 @@ def _proper_cases(levels: Sequence[int]) -> Iterator[tuple[tuple[str, str], int,
         yield sides, 1, False, rotated
 
 
-def _run(
+def patch_run(
     code: str, law: str, sides: tuple[str, str], level: int, keys: Mapping[str, Any], *, matching: bool = False
 ) -> PatchRun:
+    """Compute one test: its `PatchRun.code`, `law`, `sides` and `level`, and keys of the case."""
     n_upper, n_lower = N_EDGES[level]
     values: dict[str, Any] = {"width_mm": WIDTH, "height_mm": HEIGHT, "approach_mm": APPROACH, "young_MPa": STEEL.young}
     for box, elements, n_edges in zip(
