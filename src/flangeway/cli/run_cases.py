@@ -154,8 +154,9 @@ def cases(case: ListedName = None, units: Units = None) -> None:
 
         console = stdout()
         if case is None:
+            width = max(map(len, CASES)) + 1
             for kind in CASES.values():
-                console.print(f"{kind.name:18}{kind.title}", markup=False, soft_wrap=True)
+                console.print(f"{kind.name:{width}}{kind.title}", markup=False, soft_wrap=True)
             console.print("`flangeway cases NAME` lists the inputs of one of them.", markup=False)
             return
         kind = find_case(case)

@@ -161,6 +161,7 @@ class ContactTable(Table):
         description="whether gaps are measured between the drawn arcs, not between straight edges of the mesh "
         "(default: yes for bodies with an outline)",
     )
+    interference: bool = Field(False, description="whether an overlap before any motion is intended: no warning then")
     pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
         "segment-to-segment", description=PAIRING_MEANING
     )

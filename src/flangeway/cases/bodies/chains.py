@@ -200,7 +200,7 @@ class BearingRingCase(ChainPreset):
     ring_height_mm: float = Field(12.0, gt=0.0, description="thickness of the ring, whose outer circle is held")
     interference_mm: float = Field(0.05, ge=0.0, description="how much thicker the rollers are than the room for them")
     force_N: float = Field(10e3, gt=0.0, description="force on the shaft, downwards, through its bore")
-    size_mm: float = Field(0.06, ge=1e-6, description="edge length of the triangles at the contacts")
+    size_mm: float = Field(0.03, ge=1e-6, description="edge length of the triangles at the contacts")
     body_size_mm: float = Field(4.0, ge=1e-6, description="edge length of the triangles elsewhere")
 
     def layout(self) -> Layout:
@@ -238,7 +238,8 @@ class BearingRingCase(ChainPreset):
                     f"{role}_box_mm": (*(at - 0.6 * roller).tolist(), *(at + 0.6 * roller).tolist())
                     for role, at in (("secondary", centre + sign * thick * way), ("primary", radius * way))
                 }
-                contacts.append({"secondary": name, "primary": other, "primary_edges": "race", **boxes})
+                pair = {"secondary": name, "primary": other, "primary_edges": "race", "interference": True}
+                contacts.append(pair | boxes)
         return {
             "bodies": [body | size for body in bodies],
             "contacts": contacts,
@@ -296,6 +297,7 @@ class ShrinkFitCase(ChainPreset):
                     "primary": "shaft",
                     "primary_edges": "fit",
                     "curved": True,
+                    "interference": True,
                 }
             ],
             "supports": [{"body": name, "edges": axis, "hold": axis} for name in ("shaft", "hub") for axis in "xy"],

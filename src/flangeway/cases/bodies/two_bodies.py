@@ -15,7 +15,7 @@ from flangeway.cases.bodies.bodies_run import (
     summarise_bodies,
     support_reactions_of,
 )
-from flangeway.cases.bodies.bodies_tables import BodiesInputs
+from flangeway.cases.bodies.bodies_tables import BodiesInputs, ContactTable
 from flangeway.cases.bodies.pressing import Pressed, moved_part, press_loaded, press_path
 from flangeway.cases.case import Progress
 from flangeway.contact import ContactSolution
@@ -105,7 +105,7 @@ class TwoBodiesCase(BodiesInputs, BodiesCase):
             results={} if pressed is None else _push_results(pressed, model),
             forces=[] if pressed is None else _forces(pressed, model),
             supports=support_reactions_of(self, model, in_order, contact) if status.converged else [],
-            notices=[*model.notices, *_notices(contact), *checks],
+            notices=[*model.notices, *_notices(contact, self.contacts), *checks],
         )
         return BodiesRun(self, status, summary, in_order, contact)
 
@@ -150,14 +150,14 @@ def _alone(body: BodyModel, progress: Progress) -> ElasticitySolution:
     return solve_elasticity(body.problem)
 
 
-def _notices(contact: ContactSolution | None) -> list[str]:
+def _notices(contact: ContactSolution | None, tables: Sequence[ContactTable]) -> list[str]:
     if contact is None:
         return []
     return [
         f"{each.secondary.part.name} on {each.primary.part.name}: the surfaces overlapped by {depth:.3g} mm before any "
-        "motion; the overlap is removed as an interference fit."
-        for each, depth in zip(contact.system.contacts, contact.initial_penetration, strict=True)
-        if depth > 1e-9 * contact.system.parts[0].body.elasticity.size
+        "motion; the overlap is removed as an interference fit, which interference = true calls intended."
+        for each, depth, table in zip(contact.system.contacts, contact.initial_penetration, tables, strict=True)
+        if depth > 1e-9 * contact.system.parts[0].body.elasticity.size and not table.interference
     ]
 
 
