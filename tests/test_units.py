@@ -213,6 +213,24 @@ def test_the_inputs_in_us_units_are_listed(call):
     assert (status, "metric or us" in err) == (2, True)
 
 
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (("--units", "us"), "lateral_in = 1.5: the axle 0.5 in higher\n  allowed: up to 0.25 in\n  what to do: give a"),
+        (("--set", "gauge_in=56.5"), "lateral_mm = 38.1: the axle 12.7 mm higher\n  allowed: up to 6.35 mm"),
+    ],
+)
+def test_errors_of_a_run_have_the_units_of_its_inputs(call, monkeypatch, options, said):
+    """What only the computation finds is said in US units too, keys that were given metric in metric ones."""
+
+    def fails(*_):
+        raise InputError("lateral_mm = 38.1: the axle 12.7 mm higher", "up to 6.35 mm", "give a smaller lateral_mm")
+
+    monkeypatch.setattr(CASES["wheelset"], "run", fails)
+    status, _, err = call("run", "wheelset", *options)
+    assert (status, said in err) == (2, True)
+
+
 def test_axes_of_pictures_decode_keys_of_both_systems():
     """Words and units of keys that vary in a campaign, and names of quantities as one writes them."""
     assert named("axle_load_kip") == ("axle load", "kip")

@@ -562,7 +562,7 @@ def test_the_files_show_the_whole_motion(tmp_path):
     run = stack(0.3, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
     files = write_case(run, tmp_path)
     assert [file.name for file in files] == [
-        *("stresses.png", "pressure.png", "convergence.png", "1-upper.vtu", "2-lower.vtu", "contact.vtu", "bodies.pvd"),
+        *("stresses.png", "pressure.png", "1-upper.vtu", "2-lower.vtu", "contact.vtu", "bodies.pvd"),
         *("report.html", "summary.json"),
     ]
     assert json.loads(files[-1].read_text(encoding="utf-8")) == run.summary.to_dict()

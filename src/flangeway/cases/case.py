@@ -3,7 +3,8 @@
 import difflib
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
 
@@ -136,6 +137,15 @@ class Case(Table):
     def as_written(self, message: str) -> str:
         """Return a message with the inputs that were given in US units in them, or all of it if results are to be."""
         return in_us_units(message, None if self.units == "us" else self._us_keys)
+
+    @contextmanager
+    def errors_as_written(self, place: Callable[[str], str] = lambda _: "") -> Iterator[None]:
+        """Raise errors with all parts `as_written`, after the place that a function finds for what was given."""
+        try:
+            yield
+        except InputError as reason:
+            given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
+            raise InputError(f"{place(given)}{given}", allowed, advice) from reason
 
     @classmethod
     def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[tuple[str, str, str, str]]]]:

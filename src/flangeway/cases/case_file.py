@@ -132,12 +132,8 @@ def _refuse_other_file(file: Path) -> None:
 
 def check_case(case: RunnableCase, file: str | Path | None = None) -> None:
     """Raise `InputError` for what is wrong beyond single values; the message names the file, if one is given."""
-    try:
+    with case.errors_as_written(lambda given: "" if file is None else CaseText.read(Path(file)).place(_key_in(given))):
         case.check()
-    except InputError as reason:
-        given, allowed, advice = map(case.as_written, (reason.given, reason.allowed, reason.advice))
-        place = "" if file is None else CaseText.read(Path(file)).place(_key_in(given))
-        raise InputError(f"{place}{given}", allowed, advice) from reason
 
 
 def _key_in(message: str) -> Key:

@@ -110,7 +110,8 @@ def _command_on_a_case(work: CaseWork) -> CaseWork:
         named = {"method": method, "order": order, "size_scale": size_scale, "primary": primary}
         inputs = _case(case, set_, **named, crown_radius_in=crown_radius, units=show.units)
         show.units = inputs.units
-        return work(case, inputs, out, show)
+        with inputs.errors_as_written():
+            return work(case, inputs, out, show)
 
     return work
 

@@ -117,6 +117,7 @@ ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that ch
 MIN_CHANGE = 1e-5  # relative differences below it are shown as such
 
 SHOWN_ONLY = "shown only"
+PLAIN = r"\d[\d.]*(?:e-?\d+)?"  # a limit in words that is a number without a unit
 NAMES = {"n_dof": "unknowns", "h": "maximum element diameter"}  # quantities that have another name on the page
 COMPARED = ("published or exact", "computed", "difference", "limit", "within")
 
@@ -169,7 +170,7 @@ def worst_table(numbers: Iterable[ReproducedNumber]) -> SummaryTable:
         if worst.required:
             within = f"{sum(n.within for n in members)} of {len(members)}"
             within = within if all(n.within for n in members) else f"**{within}**"
-            limit = " or ".join(dict.fromkeys(_compared(n)[3] for n in members))
+            limit = _range([*dict.fromkeys(_compared(n)[3] for n in members)])
         rows.append((name, code, *values, limit, within))
     head = ("quantity", "largest deviation", *COMPARED)
     # those with a limit first
@@ -199,6 +200,15 @@ def outside(numbers: Iterable[ReproducedNumber]) -> list[tuple[ReproducedNumber,
     return found
 
 
+def _range(limits: list[str]) -> str:
+    """Different limits in words: from the least to the largest one, if all are numbers, or all in per cent."""
+    for kind in (PLAIN, f"{PLAIN} %"):
+        if len(limits) > 1 and all(re.fullmatch(kind, each) for each in limits):
+            limits = sorted(limits, key=lambda each: float(each.removesuffix(" %")))
+            return f"{limits[0]} to {limits[-1]}"
+    return " or ".join(limits)
+
+
 def _short(text: str) -> str:
     """Write 1e-09 as 1e-9."""
     return text.replace("e-0", "e-")
@@ -214,13 +224,19 @@ def _table(name: int | str) -> str:
 def _quantity(number: ReproducedNumber, name: str) -> str:
     """Return table, quantity and unit."""
     shown = f"{_table(number.table)}: {NAMES.get(name, name).replace('_', ' ')}"
-    return shown if number.unit in ("", "1") else f"{shown}, {number.unit}"
+    unit = re.sub(r"\^([2-6])", lambda power: "²³⁴⁵⁶"[int(power[1]) - 2], number.unit)
+    return shown if unit in ("", "1") else f"{shown}, {unit}"
 
 
 def _compared(number: ReproducedNumber) -> tuple[str, str, str, str, str]:
     """Return the cells of `COMPARED`."""
-    plain = number.published == 0.0 or abs(number.computed - number.published) < ROUND_OFF
-    difference = digits(number.relative_difference, 2) if plain else relative(number.relative_difference)
+    apart = number.computed - number.published
+    if number.published == 0.0 or abs(apart) < ROUND_OFF:
+        difference = digits(number.relative_difference, 2)
+    elif number.required and re.fullmatch(PLAIN, number.limit):
+        difference = f"{'+' * (apart > 0.0)}{digits(apart, 2)}"
+    else:
+        difference = relative(number.relative_difference)
     within = ("yes" if number.within else "**no**") if number.required else ""
     limit = _short(number.limit) or SHOWN_ONLY
     return published(number), digits(number.computed), difference, limit, within

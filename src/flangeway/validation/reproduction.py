@@ -44,10 +44,10 @@ ends with status 1 if a part is not passed.
 
 {extent}
 
-A *difference* is the relative difference of the computed number from the published one; beside a published zero it is
-the computed number. A number with a *limit* must be within this limit. A number that is *shown only* has no limit; the
-reason for a large difference is given below the table. Round-off is shown as `< 1e-10`, a relative difference below
-1e-5 as `< 0.001 %`.
+A *difference* is the relative difference of the computed number from the published one, or the computed number less the
+published one where the limit is a number without "%" or zero is published. A number with a *limit* must be within this
+limit. A number that is *shown only* has no limit; the reason for a large difference is given below the table. Round-off
+is shown as `< 1e-10`, a relative difference below 1e-5 as `< 0.001 %`.
 """
 WHOLE = "All meshes of all parts are computed."
 QUICK = (
@@ -222,9 +222,10 @@ class Reproduction:
     def record(self, name: str, found: Reproduced, command: str) -> Record:
         """Return what was found, under a name; `command` computes it again."""
         chapter, required = self.chapter, [number for number in found.numbers if number.required]
-        described = {picture.draw: picture.alt for picture in chapter.pictures}
+        described = {_function(picture.draw): picture.alt for picture in chapter.pictures}
         words = {
-            file: described.get(draw, f"{Path(file).stem.replace('_', ' ')}.") for file, draw in self.figures.items()
+            file: f"{described.get(_function(draw)) or _described(file, draw)}".rstrip(".") + "."
+            for file, draw in self.figures.items()
         }
         remarks = [text for number, text in outside(found.numbers) if not number.required]
         return Record(
@@ -236,7 +237,7 @@ class Reproduction:
             message=summary_sentence(found).removesuffix(" Passed.").removesuffix(" Not passed."),
             facts=[
                 (f"{sum(number.within for number in required)} of {len(required)}", "numbers with a limit within it"),
-                (f"{len(found.numbers) - len(required)}", "numbers shown only"),
+                *([(f"{others}", "numbers shown only")] if (others := len(found.numbers) - len(required)) else []),
             ],
             results=_short_table(found.numbers),
             summary={
@@ -266,6 +267,19 @@ class Reproduction:
         rows = {name: make(found) for name, make in self.rows.items()}
         writers: dict[str, Writer] = {name: partial(write_rows, rows=each) for name, each in rows.items() if each}
         return writers | {TABLE: lambda path: write_numbers(path, found.numbers)}
+
+
+def _function(draw: Callable[[Any], Figure]) -> object:
+    """What is the same for two partial functions that are."""
+    return (draw.func, *draw.keywords.items()) if isinstance(draw, partial) else draw
+
+
+def _described(file: str, draw: Callable[[Any], Figure]) -> str:
+    """Words of a file's name, and what the function that draws it says."""
+    function = draw.func if isinstance(draw, partial) else draw
+    says = (function.__doc__ or "").partition("\n")[0].removeprefix("Draw ")
+    name = Path(file).stem.replace("_", " ")
+    return f"{name[0].upper()}{name[1:]}: {says[:1].lower()}{says[1:]}"
 
 
 def _short_table(numbers: Sequence[ReproducedNumber]) -> SummaryTable:

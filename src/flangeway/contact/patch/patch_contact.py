@@ -58,10 +58,10 @@ class PatchContact:
     def status(self) -> Status:
         """How the iteration ended, with the errors of the solution."""
         status = self.contact.status
+        elsewhere = f"overlaps elsewhere up to {self.overlap:.1e}" if self.overlap > 0.0 else "no overlaps elsewhere"
         return Status(
             status.converged,
-            f"{status.message}; gaps under pressure up to {self.closed_error:.1e} and overlaps elsewhere up to "
-            f"{self.overlap:.1e} of the approach",
+            f"{status.message}; gaps under pressure up to {self.closed_error:.1e} of the approach, {elsewhere}",
             status.iterations,
         )
 

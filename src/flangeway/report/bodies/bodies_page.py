@@ -11,7 +11,7 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
 from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure, traction_figure
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
-from flangeway.report.figures.newton_history import newton_figure, steps_table
+from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
 from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
@@ -248,6 +248,7 @@ def _pressure(contact: PairSummary) -> str:
 
 STEPS = "steps"  # folder of the earlier load steps
 COLLECTION, CONTACT = "bodies.pvd", "contact.vtu"
+FEW = 2  # iterations, of which the table says all
 STRESSES, PRESSURE, TRACTION, CONVERGENCE = "stresses.png", "pressure.png", "traction.png", "convergence.png"
 NAMES = (COLLECTION, CONTACT, STRESSES, PRESSURE, TRACTION, CONVERGENCE)
 """Names of the files, except the fields, which have the names of the bodies."""
@@ -307,7 +308,7 @@ def _pictures(run: BodiesRun) -> list[Picture]:
                 "Tangential traction along the surface (solid) between the limits of friction (dashed).",
             )
         )
-    if contact is not None:
+    if contact is not None and sum(len(state.history) for _, state in load_steps(contact)) > FEW:
         pictures.append(
             Picture(
                 CONVERGENCE,

@@ -17,6 +17,8 @@ from flangeway.report.viewer import field_viewer
 from flangeway.system.output_folder import bytes_writer, text_writer, write_together
 
 SHOWN_SIZE = 0.55  # pixels of the page for one of a picture, so that letters have one size in wide and narrow pictures
+LONG, SHORT = 40, 12  # rows of a table above which it is folded, letters of a cell up to which it is not broken
+NUMBER_CELL = re.compile(r"–|yes|no||[-+(\d.,) e/–]+")
 INSTEAD = "The figures above and the figures below show the most important fields."
 Drawn = Sequence[tuple[Picture, bytes]]  # pictures and the contents of their PNG files
 
@@ -97,7 +99,7 @@ def _summary(record: Record, first: Drawn) -> str:
         f'<ul class="facts">\n{facts}\n</ul>' if facts else "",
         *(_figure(*each) for each in first),
         _tables([record.results]),
-        *(f"<p>{escape(each)}</p>" for each in record.sentences),
+        *(f"<p>{_text_with_names(each)}</p>" for each in record.sentences),
     ]
     return "\n".join(part for part in parts if part)
 
@@ -117,7 +119,7 @@ def _again(again: Again) -> str:
         )
         parts = [command, other, case_file]
     if again.files:
-        parts.append("<p>{}</p>".format(re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(again.files))))
+        parts.append(f"<p>{_text_with_names(again.files)}</p>")
     return "\n".join(parts)
 
 
@@ -138,10 +140,15 @@ def _axes(axes: Mapping[str, str]) -> str:
     return f"\n<h3>Axes and signs</h3>\n<dl>\n{rows}\n</dl>"
 
 
+def _text_with_names(text: str) -> str:
+    """Names of files and keys are between backticks."""
+    return re.sub(r"`([^`]+)`", r"<code>\1</code>", escape(text))
+
+
 def _items(sentences: Sequence[str]) -> str:
     if not sentences:
         return ""
-    items = "\n".join(f"<li>{escape(sentence)}</li>" for sentence in sentences)
+    items = "\n".join(f"<li>{_text_with_names(sentence)}</li>" for sentence in sentences)
     return f'<ul class="plain">\n{items}\n</ul>'
 
 
@@ -158,21 +165,25 @@ def _figure(picture: Picture, content: bytes) -> str:
 
 def _table(table: SummaryTable) -> str:
     kind = ' class="words"' if table.of_words else ""
-    head = "".join(f'<th scope="col">{escape(name)}</th>' for name in table.header)
+    words = {i for i, text in enumerate(table.rows[0] if table.rows else ()) if not NUMBER_CELL.fullmatch(text)}
+    head = "".join(
+        f'<th scope="col"{" class=text" * (i in words)}>{escape(name)}</th>' for i, name in enumerate(table.header)
+    )
     rows = "\n".join(
         f'<tr><th scope="row">{escape(row[0])}</th>{"".join(_cell(text) for text in row[1:])}</tr>'
         for row in table.rows
     )
     remarks = "".join(f'<p class="remark">{escape(remark)}</p>' for remark in table.remarks)
-    return (
+    whole = (
         f'<div class="block"><div class="scroll"><table{kind}>\n<caption>{escape(table.caption)}</caption>\n'
         f"<thead><tr>{head}</tr></thead>\n<tbody>\n{rows}\n</tbody>\n</table></div>{remarks}</div>"
     )
+    return _folded(escape(table.caption), whole) if len(table.rows) > LONG else whole
 
 
 def _cell(text: str) -> str:
-    is_number = re.fullmatch(r"–|yes|no|[-+(\d.,) e/–]+", text)
-    return f"<td>{_marked(text)}</td>" if is_number else f'<td class="text">{_marked(text)}</td>'
+    kind = "" if NUMBER_CELL.fullmatch(text) else ' class="text short"' if len(text) <= SHORT else ' class="text"'
+    return f"<td{kind}>{_marked(text)}</td>"
 
 
 def _marked(text: str) -> str:

@@ -48,7 +48,17 @@
   }
 
   for (const image of document.querySelectorAll("figure img")) {
-    image.addEventListener("click", () => image.classList.toggle("large"));
+    const figure = image.closest("figure");
+    const button = Object.assign(document.createElement("button"), { type: "button", className: "copy enlarge" });
+    const label = () => (button.textContent = figure.classList.contains("large") ? "Fit the picture" : "Enlarge");
+    for (const each of [image, button]) {
+      each.addEventListener("click", () => {
+        figure.classList.toggle("large");
+        label();
+      });
+    }
+    label();
+    figure.querySelector("figcaption").before(button);
   }
 
   const button = document.getElementById("theme");

@@ -33,7 +33,12 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
         summary_file=SUMMARY,
         again=Again(command, files=f"The same numbers, for programs, are in `{SUMMARY}`."),
         versions=coarse.versions,
-        warnings=list(dict.fromkeys([*coarse.warnings, *fine.warnings])),
+        warnings=[
+            text if text in coarse.warnings and text in fine.warnings else f"size scale {scale:g}: {text}"
+            for text, scale in {
+                text: each.case["size_scale"] for each in (fine, coarse) for text in each.warnings
+            }.items()
+        ],
         assumptions=coarse.assumptions,
         pictures=[Picture(PICTURE, lambda: halved_figure(convergence), f"{SHOWN}.", f"{SHOWN}.")]
         if convergence.converged
@@ -62,12 +67,12 @@ def _convergence_table(convergence: Convergence) -> SummaryTable:
         name: str, values: Sequence[float], digits: int, limit: str = "–", *, relative: bool = True
     ) -> tuple[str, ...]:
         change = values[1] / values[0] - 1.0 if relative else values[1] - values[0]
-        shown = f"{100.0 * change:+.3f} %" if relative else f"{change:+.3f} mm"
-        return (name, *(number(value, digits) for value in values), shown, limit)
+        change *= 100.0 if relative else 1.0
+        return (name, *(number(value, digits) for value in values), f"{change:+.3f}", "%" if relative else "mm", limit)
 
-    shift = f"{MAX_POSITION_CHANGE_MM:g} mm"
+    shift = f"{MAX_POSITION_CHANGE_MM:g}"
     approach = [each.position.approach_mm for each in both]
-    rows = [row("approach, mm", approach, 5, f"{100.0 * MAX_APPROACH_CHANGE:g} %")]
+    rows = [row("approach, mm", approach, 5, f"{100.0 * MAX_APPROACH_CHANGE:g}")]
     for coarse, fine in convergence.pairs() if convergence.converged else ():
         pair, name = (coarse, fine), coarse.side
         rows += [
@@ -76,9 +81,9 @@ def _convergence_table(convergence: Convergence) -> SummaryTable:
             row("  maximum pressure, MPa", [each.max_pressure_MPa for each in pair], 1),
             row("  half width, mm", [each.half_width_mm for each in pair], 3),
         ]
-    rows.append(("unknowns", *(f"{sum(body.unknowns for body in each.bodies):,}" for each in both), "", ""))
+    rows.append(("unknowns", *(f"{sum(body.unknowns for body in each.bodies):,}" for each in both), "", "", ""))
     scales = [f"size scale {each.case['size_scale']:g}" for each in both]
-    return SummaryTable("The mesh halved", ("", *scales, "change", "limit"), tuple(rows))
+    return SummaryTable("The mesh halved", ("", *scales, "change", "in", "limit"), tuple(rows))
 
 
 def halved_figure(convergence: Convergence) -> Figure:

@@ -39,6 +39,8 @@ BELOW: tuple[Column, ...] = (
     ("nodes in contact", "n_nodes", "d"),
 )
 """CONTACT, BELOW: the numbers of a contact, those of the table of results and further ones."""
+ROUND_OFF = 1e-9
+"""Coordinates below it, in mm or rad, are zero."""
 SLICE = "Of the slice alone, which carries the whole load: compare runs with each other, not with a rail in track."
 
 
@@ -74,7 +76,7 @@ def position_table(summary: WheelsetSummary) -> SummaryTable:
         ("approach after first touch, mm", number(position.approach_mm, 4)),
         ("vertical position, mm", number(position.vertical_mm, 4)),
         ("lateral position, mm", _coordinate(position.lateral_mm)),
-        ("roll, rad", _small(position.roll_rad)),
+        ("roll, rad", _coordinate(position.roll_rad)),
     ]
     if published is not None:
         rows += [
@@ -229,7 +231,9 @@ def _small(value: float | None) -> str:
 
 
 def _coordinate(value: float | None) -> str:
-    """Return a coordinate with four decimals, or its size where these are all zero."""
+    """Return a coordinate with four decimals, or its size where these are all zero; 0 for round-off."""
+    if value is not None and abs(value) < ROUND_OFF:
+        return "0"
     return _small(value) if value is None or abs(value) < 5e-4 else f"{value:.4f}"
 
 
