@@ -6,6 +6,7 @@ import re
 import shlex
 from dataclasses import replace
 from html.parser import HTMLParser
+from types import SimpleNamespace
 
 import pytest
 
@@ -15,9 +16,11 @@ from flangeway.errors import InputError
 from flangeway.report import command_line, write_case
 from flangeway.report.case_outputs import case_files
 from flangeway.report.page.html_page import report_page
+from flangeway.report.page.tables import SummaryTable
 from flangeway.report.wheelset import wheelset_page as outputs
 from flangeway.report.wheelset.wheelset_page import PICTURES, wheelset_record
 from flangeway.system.output_folder import refuse_unwritable
+from flangeway.validation.registry import REPRODUCTIONS
 
 VOID = {"meta", "img", "br", "link", "input"}
 
@@ -145,6 +148,31 @@ def test_text_is_escaped_and_warnings_are_shown(runs):
     assert "<li>x &lt; y</li>" in page
     assert "NOT converged with 1 warning:" in Page(page).words
     assert 'class="status failed"' in page
+
+
+def test_long_tables_are_folded_and_names_of_files_set_apart(runs):
+    """A table of 41 rows is behind its caption, one of 40 is not; what stands between backticks is code."""
+    record = wheelset_record(runs["fem"])
+    rows = tuple((f"row {number}", "word", "1.5") for number in range(41))
+    tables = [SummaryTable("long", ("", "a", "b"), rows), SummaryTable("short", ("", "a", "b"), rows[:-1])]
+    page = report_page(replace(record, tables=tables, sentences=["in `a_b.csv` & more"]))
+    assert "<details><summary>long</summary>" in page
+    assert "<summary>short</summary>" not in page
+    assert "in <code>a_b.csv</code> &amp; more" in page
+    assert '<th scope="col" class=text>a</th><th scope="col">b</th>' in page
+
+
+def test_every_picture_of_a_study_has_a_sentence():
+    """Captions of reproductions say what is drawn: those of the page, or what the function says that draws it."""
+    for study in REPRODUCTIONS.values():
+        found = SimpleNamespace(numbers=(), failures=(), passed=True, seconds=1.0)
+        chapter = replace(study.chapter, tables=lambda _: ())
+        record = replace(study, chapter=chapter).record("a", found, "flangeway reproduce a")
+        assert [each.file for each in record.pictures] == list(study.figures)
+        for picture in record.pictures:
+            assert picture.caption.endswith(".")
+            assert len(picture.caption.split()) > 5
+            assert picture.caption[0].isupper()
 
 
 @pytest.mark.parametrize(

@@ -275,11 +275,11 @@ def _function(draw: Callable[[Any], Figure]) -> object:
 
 
 def _described(file: str, draw: Callable[[Any], Figure]) -> str:
-    """Words of a file's name, and what the function that draws it says."""
+    """Words of a file's name, and what the function that draws it sentence."""
     function = draw.func if isinstance(draw, partial) else draw
-    says = (function.__doc__ or "").partition("\n")[0].removeprefix("Draw ")
+    sentence = (function.__doc__ or "").partition("\n")[0].removeprefix("Draw ")
     name = Path(file).stem.replace("_", " ")
-    return f"{name[0].upper()}{name[1:]}: {says[:1].lower()}{says[1:]}"
+    return f"{name[0].upper()}{name[1:]}: {sentence[:1].lower()}{sentence[1:]}"
 
 
 def _short_table(numbers: Sequence[ReproducedNumber]) -> SummaryTable:

@@ -143,6 +143,13 @@ def test_the_page_of_bodies_in_contact_in_a_narrow_dark_window(open_page, folder
     """It does not scroll sideways with all its tables, and the button of the contact shows both bodies there."""
     opened = open_page(folders("two-bodies") / "report.html", "dark", 400)
     assert opened.page.evaluate("document.documentElement.scrollWidth") <= 400
+    image = opened.page.locator("figure img").first
+    before = image.bounding_box()["width"]
+    opened.page.get_by_role("button", name="Enlarge").first.click()
+    assert image.bounding_box()["width"] > 1.5 * before
+    assert opened.page.evaluate("document.documentElement.scrollWidth") <= 400
+    opened.page.get_by_role("button", name="Fit the picture").click()
+    assert image.bounding_box()["width"] == before
     assert opened.shot("header")[2, 2].mean() < 0.4
     opened.canvas.scroll_into_view_if_needed()
     opened.fly("contact")
