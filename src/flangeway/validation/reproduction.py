@@ -275,7 +275,7 @@ def _function(draw: Callable[[Any], Figure]) -> object:
 
 
 def _described(file: str, draw: Callable[[Any], Figure]) -> str:
-    """Words of a file's name, and what the function that draws it sentence."""
+    """Words of a file's name, and the first sentence of the function that draws it."""
     function = draw.func if isinstance(draw, partial) else draw
     sentence = (function.__doc__ or "").partition("\n")[0].removeprefix("Draw ")
     name = Path(file).stem.replace("_", " ")
