@@ -31,16 +31,16 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3955,
-    "cases": 7569,
+    "cases": 7575,
     "campaign": 1923,
     "tables": 1441,
-    "report": 8253,
-    "validation": 7990,
-    "cli": 1302,
+    "report": 8275,
+    "validation": 8020,
+    "cli": 1303,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_235
+MAX_LINES_OF_ALL = 72_294
 MAX_FILES_OF_ALL = 379
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
