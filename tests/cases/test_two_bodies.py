@@ -249,6 +249,23 @@ def test_the_contact_patch_case_passes_with_segments_and_fails_with_nodes():
     assert nodes["maximum_difference"] > 0.01
 
 
+@pytest.mark.parametrize("method", ["fem", "vem"])
+@pytest.mark.parametrize("order", [1, 2])
+def test_node_to_node_cases_get_the_nodes_that_they_need(method, order):
+    """Boxes of different meshes pass to round-off, turned too; only triangles with more nodes become virtual."""
+    keys = {
+        f"{side}_{key}": value for side in ("upper", "lower") for key, value in (("method", method), ("order", order))
+    }
+    run = load_case("contact-patch", pairing="node-to-node", rotation_deg=20.0, **keys).run()
+    assert run.status.converged
+    assert run.summary.results["maximum_difference"] < 1e-9
+    body = run.contact.system.parts[0].body
+    assert (body.mesh.cell_sizes > 3).any()
+    if method == "fem":
+        assert set(body.element) == {"triangles", "polygons"}
+        assert len(body.mesh.cell_sets["triangles"]) > len(body.mesh.cell_sets["polygons"]) > 0
+
+
 def test_a_push_that_meets_nothing_ends_and_says_so():
     """A force that pulls the bodies apart is no error of the program: the run ends as not converged, with a reason."""
     run = stack(motions=[{"body": "upper", "push_N": [0.0, 240.0]}]).run()

@@ -302,7 +302,7 @@ class ContactPatchCase(BodiesPreset):
     upper_size_mm: float = Field(2.3, ge=1e-6, description="edge length of the upper box's triangles")
     lower_size_mm: float = Field(3.1, ge=1e-6, description="edge length of the lower box's triangles")
     pairing: Literal["segment-to-segment", "node-to-segment", "node-to-node"] = Field(
-        "segment-to-segment", description="contact discretisation; node-to-segment does not pass"
+        "segment-to-segment", description="contact discretisation; all but node-to-segment pass"
     )
     enforcement: Literal["multiplier", "augmented-lagrange", "penalty"] = Field(
         "multiplier", description="constraint enforcement"
