@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8275,
-    "validation": 8020,
+    "validation": 8249,
     "cli": 1303,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_294
-MAX_FILES_OF_ALL = 379
+MAX_LINES_OF_ALL = 72_523
+MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

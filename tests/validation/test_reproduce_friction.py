@@ -1,9 +1,22 @@
 """Coulomb friction of plane bodies: `flangeway reproduce friction`."""
 
+import numpy as np
 import pytest
 
 from flangeway.validation.friction.friction_chapter import FRICTION
 from flangeway.validation.friction.friction_reproduced import partial_slip_work, reproduce_friction, stick_rows
+from flangeway.validation.friction.sliding_bodies import (
+    DRUM_MM,
+    MU,
+    SLIPPING,
+    STRIP_MM,
+    STRIP_MPA,
+    belt_exponent,
+    belt_tensions,
+    strip_force,
+    strip_turn,
+    turned_belt,
+)
 
 
 @pytest.mark.ci
@@ -12,13 +25,43 @@ def test_friction_is_that_of_the_exact_solutions(same_as_page) -> None:
     found = reproduce_friction()
     assert found.passed
     coarse = {number.code for number in found.numbers if not number.required}
-    assert coarse == {"8 cells", "16 cells"}
+    assert coarse == {"8 cells", "16 cells", "thickness 0.02 of the radius", "thickness 0.01 of the radius"}
     for quantity in {(each.table, each.quantity) for each in found.numbers if each.code == "8 cells"}:
         errors = {e.code: abs(e.relative_difference) for e in found.numbers if (e.table, e.quantity) == quantity}
         assert errors["32 cells"] < max(errors["8 cells"], 0.0025)
+    belts = [abs(each.relative_difference) for each in found.numbers if each.table == "Belt on a drum"]
+    assert belts[::2] == sorted(belts[::2], reverse=True)
+    assert belts[1::2] == sorted(belts[1::2], reverse=True)
     same_as_page(FRICTION.chapter, found, whole=True)
     assert len(stick_rows(found)) == sum(len(each.x_mm) for each in found.slips)
     assert all((abs(each.tractions) <= 0.3 * each.pressures * (1.0 + 1e-9)).all() for each in found.slips)
+
+
+def test_the_closed_form_of_the_strip_is_a_loop() -> None:
+    """Forces of a push, a reversal and a return meet at their ends; the last leg ends in sliding of all."""
+    force, u = MU * STRIP_MPA * SLIPPING * STRIP_MM, strip_turn()
+    assert strip_force(0, u) == pytest.approx(force)
+    assert strip_force(1, u) == pytest.approx(force)
+    assert strip_force(1, -u) == pytest.approx(-force)
+    assert strip_force(2, -u) == pytest.approx(-force)
+    assert strip_force(2, u) == pytest.approx(force)
+    assert strip_force(3, 2.5 * u) == pytest.approx(MU * STRIP_MPA * STRIP_MM)
+
+
+def test_the_exponent_of_a_belt_is_the_coefficient_of_friction_when_it_is_thin() -> None:
+    """It falls with the thickness, by the factor 1 - (1 + mu^2) h / 2 R."""
+    assert belt_exponent(0.0) == MU
+    thin = 1e-3
+    assert belt_exponent(thin) == pytest.approx(MU * (1.0 - (1.0 + MU**2) * thin / (2.0 * DRUM_MM)), rel=1e-9)
+
+
+def test_a_coarse_belt_slips_as_eytelwein_says() -> None:
+    """Thickness 2 % of the radius, 40 cells: within 1 % of the ratio with its thickness, and no point sticks."""
+    belt = turned_belt(2.0, 40)
+    assert belt.status.converged, belt.status.message
+    assert not any(belt.friction_table.columns["sticks"])
+    ratio = np.divide(*belt_tensions(belt))
+    assert ratio == pytest.approx(np.exp(belt_exponent(1.0) * np.pi), rel=0.01)
 
 
 def test_the_exact_work_grows_with_the_square_of_the_force() -> None:

@@ -1,4 +1,4 @@
-"""Figure and chapter of Coulomb friction of plane bodies."""
+"""Figures and chapter of Coulomb friction of plane bodies."""
 
 import matplotlib as mpl
 import numpy as np
@@ -16,6 +16,7 @@ from flangeway.validation.friction.friction_reproduced import (
     stick_rows,
 )
 from flangeway.validation.friction.revolved_contact import REVOLVED_LIMIT
+from flangeway.validation.friction.sliding_bodies import BELT_LIMIT, LEGS, STRIP_LIMIT, strip_force
 from flangeway.validation.published_numbers import percent
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
@@ -37,6 +38,23 @@ def tractions_figure(found: FrictionReproduction) -> Figure:
     return figure
 
 
+def loop_figure(found: FrictionReproduction) -> Figure:
+    """Draw the force of the strip by the displacement of its end, with the closed form."""
+    figure = new_figure(7.0, 4.2)
+    axes = figure.subplots()
+    legs, at, forces = found.strip
+    for leg, name in enumerate(LEGS):
+        ends = at[legs == leg]
+        start = 0.0 if leg == 0 else at[legs == leg - 1][-1]
+        places = np.linspace(start, ends[-1], 200)
+        exact = [strip_force(leg, each) for each in places.tolist()]
+        axes.plot(1e3 * places, exact, color=INK, lw=1.0, label="" if leg else "closed form")
+        axes.plot(1e3 * ends, forces[legs == leg], "o", ms=4.0, label=name)
+    axes.set(xlabel="displacement in micrometres", ylabel="force per thickness in N/mm")
+    axes.legend(frameon=False, fontsize=8)
+    return figure
+
+
 FRICTION = Reproduction(
     reproduce_friction,
     Chapter(
@@ -48,8 +66,14 @@ FRICTION = Reproduction(
         Mechanics", 2.8) within {percent(PUNCH_LIMIT)}; the pressure has no limit at the punch's ends. Pressures
         and tractions are those of segment-to-segment contact with multipliers. A rigid flat punch and a rigid sphere on
         a half-space, bodies of revolution, with the forces of the whole circumference (Boussinesq, Hertz): within
-        {percent(REVOLVED_LIMIT)} on the finest of three meshes. No load step may take more than
-        {MOST_ITERATIONS} iterations.""",
+        {percent(REVOLVED_LIMIT)} on the finest of three meshes, and the same with so much friction that the flat punch
+        sticks (Mossakovskii, Spence). A strip pressed upon a base, pulled, pushed back and pulled until all slides: its
+        hysteresis loop and the work within {percent(STRIP_LIMIT)} of the closed form of a bar with distributed friction
+        (Masing, 1926); the shear of the part that sticks is left out of it. A belt on half of a drum that turns until
+        all slips (Euler, Eytelwein): the ratio of the tensions is within {percent(BELT_LIMIT)} of exp(mu pi) for the
+        thinnest belt, and of the ratio that its thickness changes for all. What limits the first is the thickness,
+        0.5 % of the radius: friction acts at the drum's radius, the tension in the middle of the belt. No load step
+        may take more than {MOST_ITERATIONS} iterations.""",
         (
             PagePicture(
                 "friction-tractions",
@@ -57,10 +81,16 @@ FRICTION = Reproduction(
                 "limit by the pressure at the ends of the contact first, and stay below it in the middle",
                 tractions_figure,
             ),
+            PagePicture(
+                "friction-loop",
+                "Force of a strip with distributed friction by the displacement of its end: a push, a reversal and a "
+                "return close a loop of parabolas, until all slides under a constant force",
+                loop_figure,
+            ),
         ),
         lambda _: [],
     ),
-    {"tractions.png": tractions_figure},
+    {"tractions.png": tractions_figure, "loop.png": loop_figure},
     {"tractions.csv": stick_rows},
     brief=True,
 )

@@ -22,9 +22,10 @@ from flangeway.contact import Contact, ContactSolution, Multiplier, SegmentToSeg
 from flangeway.materials import Elastic
 from flangeway.problems import Part
 from flangeway.solve import StepSettings
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 from flangeway.validation.friction.blocks import block, face, shift
 from flangeway.validation.friction.revolved_contact import revolved_contact
+from flangeway.validation.friction.sliding_bodies import sliding_bodies, strip_loop
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare
 
 YOUNG_MPA, POISSON, MU = 210e3, 0.3, 0.3
@@ -63,6 +64,7 @@ class FrictionReproduction(Reproduced):
     """What was computed."""
 
     slips: tuple[PartialSlip, ...]
+    strip: tuple[Ints, Floats, Floats]  # see `strip_loop`
     not_converged: tuple[str, ...]
 
     @property
@@ -85,15 +87,20 @@ def reproduce_friction(
         punch = _sliding_punch(mu)
         solutions.append(punch)
         numbers.append(_punch_number(punch, mu))
-    revolved, more = revolved_contact(progress)
-    numbers += revolved
-    solutions += more
+    loop: ContactSolution | None = None
+    for study in (sliding_bodies, revolved_contact):
+        rows, more = study(progress)
+        numbers += rows
+        solutions += more
+        loop = loop or more[0]
+    assert loop is not None
     most = max(step.state.status.iterations for solution in solutions for step in solution.steps)
     words = f"{MOST_ITERATIONS:g}"
     given = ("all load steps", "all", "iterations of the slowest step", "1", (0.0, float(most)), MOST_ITERATIONS)
     numbers.append(compare(*given, words=words))
     return FrictionReproduction(
         slips=slips,
+        strip=strip_loop(loop),
         not_converged=tuple(each.status.message for each in solutions if not each.status.converged),
         numbers=tuple(numbers),
         seconds=time.perf_counter() - start,
