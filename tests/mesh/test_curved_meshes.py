@@ -8,7 +8,7 @@ import meshio
 import numpy as np
 import pytest
 
-from flangeway.elements import Element, Lagrange, Virtual
+from flangeway.elements import Element, Lagrange, Serendipity, StabilisationFree, Virtual
 from flangeway.errors import InputError
 from flangeway.formats import read_mesh, write_vtu
 from flangeway.geometry import Arc, Line, Outline, Placement, Spline, circle, rectangle
@@ -198,3 +198,39 @@ def test_files_and_pictures_follow_the_curves(tmp_path: Path) -> None:
     ends = np.concatenate([line for line in rim if np.hypot(*line.mean(axis=0)) > 0.99])
     assert np.abs(np.hypot(*ends.T) - 1.0).max() < 1e-9
     assert len(ends) > 8 * len(mesh.boundary_edges)
+
+
+LOOP = [[1.0, 1.0], [0.2, 1.4], [0.2, 0.8], [0.8, 1.4], [0.0, 1.0]]
+BULGE = Arc((-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), False)
+
+
+def bent_cell(points: list[list[float]], pair: tuple[int, int], curve: Spline | Arc, end: float = 1.0) -> Space:
+    """One cell with one curved edge."""
+    table = EdgeCurves(np.array([pair], dtype=np.int32), (curve,), np.array([0]), np.array([[0.0, end]]))
+    return Space(replace(PolyMesh.from_cells(points, [range(len(points))]), curves=table), Virtual(3))
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: bent_cell([[0, 0], [1, 0], [1, 1], [0, 1]], (2, 3), Spline(LOOP)), "cell 0 near .* that leaves it"),
+        (lambda: bent_cell([[-1, 0], [1, 0], [1, 0.1], [-1, 0.1]], (0, 1), BULGE), "cell 0 near .* that leaves it"),
+        (
+            lambda: bent_cell([[-1, 0], [1, 0], [1, 1], [-1, 1]], (0, 1), BULGE, 0.9),
+            r"the edge \(0, 1\) .* from the curve",
+        ),
+        (lambda: triangulate(OUTER, size=0.5, outline="circle"), "'c' as a curve of the boundary"),
+        (lambda: curved(ring(), 3.0), "3.0 as a curve of the boundary"),
+        (lambda: curved(ring(), [[[0.0, 1.0], [1.0, 0.0]]]), "as a curve of the boundary"),
+        (lambda: triangulate(rectangle(1.0, 1.0), size=0.5, outline=rectangle(1.0, 1.0)), "no edge of the mesh lies"),
+        (
+            lambda: Space(dual(curved(ring(), OUTER)), StabilisationFree(2)),
+            "StabilisationFree on cells with curved edges",
+        ),
+        (lambda: Space(dual(curved(ring(), OUTER)), Serendipity(3)), "Serendipity on cells with curved edges"),
+    ],
+)
+def test_curves_that_make_no_cells_are_refused(make, words: str) -> None:
+    """A spline that crosses itself, an arc through the other side, one that ends elsewhere, and what is no curve."""
+    with pytest.raises(InputError, match=words):
+        make()

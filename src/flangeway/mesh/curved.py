@@ -6,7 +6,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from flangeway.errors import InputError
+from flangeway.errors import InputError, short
 from flangeway.geometry.contour import Contour
 from flangeway.geometry.region import Region, Section
 from flangeway.geometry.segments import Line, Segment
@@ -147,7 +147,15 @@ def _loops(curves: Curves) -> list[Contour | Spline]:
         return list(curves.loops)
     if isinstance(curves, Section):
         return [loop for region in curves.regions for loop in region.loops]
-    return list(curves)
+    several = list(curves) if isinstance(curves, Iterable) else [curves]
+    for each in several:
+        if not isinstance(each, Contour | Spline):
+            raise InputError(
+                f"{short(each)} as a curve of the boundary",
+                "outlines, chains and splines, one or several; or a region, or a section",
+                "give what was meshed, or fw.geometry.Spline(points)",
+            )
+    return several
 
 
 def snapped_points(mesh: PolyMesh, curves: Curves) -> Floats:

@@ -20,6 +20,8 @@ SHORT = 1e-9
 """Area between a side and the middle of a cell, over the cell's, below which the side is looked at more closely; and
 length of a side over the cell's size below which its ends count as one point."""
 
+OFF_CURVE = 1e-5  # distance of an edge's end from its curve, over its length, up to which it lies on it
+
 CELLS_AT_A_TIME = 10_000  # their corners stay in cache
 
 _sound: WeakSet[PolyMesh] = WeakSet()
@@ -330,6 +332,17 @@ def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -
     - `cells`: cells with curved edges.
     - `order`: of the elements: the more points of a curve belong to an edge.
     """
+    assert mesh.curves is not None
+    ends = mesh.points[mesh.curves.pairs]
+    apart = np.hypot(*np.moveaxis(mesh.curves.points([0.0, 1.0]) - ends, -1, 0)).max(axis=1)
+    off = apart > OFF_CURVE * np.hypot(*(ends[:, 1] - ends[:, 0]).T)
+    if off.any():
+        a, b = mesh.curves.pairs[off.argmax()]
+        raise InputError(
+            f"the edge ({a}, {b}) near {point_text(mesh.points[a])} with an end {apart.max():.3g} from the curve it follows",
+            "edges with both ends on their curves",
+            "put the points there, or let flangeway.mesh.curved do so",
+        )
     try:
         _check_cells(as_polylines(mesh, 4 * order, cells))
     except InputError as error:
