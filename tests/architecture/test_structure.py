@@ -15,7 +15,7 @@ MAX_LINES = {
     "system": 776,
     "exact": 1106,
     "geometry": 1353,
-    "mesh": 3552,
+    "mesh": 3573,
     "formats": 2010,
     "elements": 1948,
     "space": 942,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_523
+MAX_LINES_OF_ALL = 72_544
 MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
