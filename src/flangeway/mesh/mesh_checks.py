@@ -339,7 +339,7 @@ def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -
     if off.any():
         a, b = mesh.curves.pairs[off.argmax()]
         raise InputError(
-            f"the edge ({a}, {b}) near {point_text(mesh.points[a])} with an end {apart.max():.3g} from the curve it follows",
+            f"the edge ({a}, {b}) near {point_text(mesh.points[a])} that ends {apart.max():.3g} from its curve",
             "edges with both ends on their curves",
             "put the points there, or let flangeway.mesh.curved do so",
         )
