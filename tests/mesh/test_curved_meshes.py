@@ -217,7 +217,7 @@ def bent_cell(points: list[list[float]], pair: tuple[int, int], curve: Spline | 
         (lambda: bent_cell([[-1, 0], [1, 0], [1, 0.1], [-1, 0.1]], (0, 1), BULGE), "cell 0 near .* that leaves it"),
         (
             lambda: bent_cell([[-1, 0], [1, 0], [1, 1], [-1, 1]], (0, 1), BULGE, 0.9),
-            r"the edge \(0, 1\) .* from the curve",
+            r"the edge \(0, 1\) .* from its curve",
         ),
         (lambda: triangulate(OUTER, size=0.5, outline="circle"), "'c' as a curve of the boundary"),
         (lambda: curved(ring(), 3.0), "3.0 as a curve of the boundary"),
