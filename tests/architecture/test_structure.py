@@ -35,12 +35,12 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8275,
-    "validation": 8249,
+    "validation": 8253,
     "cli": 1303,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_544
+MAX_LINES_OF_ALL = 72_548
 MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
