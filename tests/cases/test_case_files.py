@@ -9,7 +9,7 @@ from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from flangeway.cases import CASES, WheelsetCurveCase, WheelsetTangentCase, load_case, schema, write_template
-from flangeway.cases.case import GivenText
+from flangeway.cases.case import GivenText, grouped
 from flangeway.cases.case_file import FORMAT, check_case, read_case
 from flangeway.cases.case_template import toml_value
 from flangeway.errors import InputError
@@ -319,3 +319,13 @@ def test_values_are_written_as_toml_reads_them():
 def test_the_old_way_stays():
     """Cases by name, without a file, are what they were."""
     assert load_case("wheelset-tangent", method="vem") == WheelsetTangentCase.from_values({"method": "vem"})
+
+
+@pytest.mark.parametrize(("name", "first"), [("crossed-cylinders", "force_kN"), ("hertz", "radius_mm")])
+def test_loads_and_dimensions_are_a_group_of_inputs(name, first):
+    """They do not stand below the elements, after which a case lists them, nor elements below a contact."""
+    ((_, rows),) = CASES[name].tables_of_inputs()
+    groups = {caption: [row[0] for row in members] for caption, members in grouped(rows).items()}
+    assert groups["Load and dimensions of the bodies"][0] == first
+    assert all(key.endswith(("method", "order", "mm", "growth")) for key in groups["Elements and mesh"])
+    assert not {"force_kN", "force_N", "radius_mm", "upper_radius_mm"} & {*groups["Elements and mesh"]}

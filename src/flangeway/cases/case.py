@@ -199,8 +199,11 @@ GROUPS = {
     "lateral_mm": "Position",
     "rail_support": "Rails on sleepers, wheels and axle",
     "wheel_young_MPa": "Materials of wheels and rails",
-    "method": "Elements and mesh",
+    **dict.fromkeys(("method", "upper_method", "size_mm", "cell_mm"), "Elements and mesh"),
     "pairing": "Contact",
+    **dict.fromkeys(
+        ("force_kN", "radius_mm", "width_mm", "shaft_radius_mm", "bore_radius_mm"), "Load and dimensions of the bodies"
+    ),
     "equilibria": "Equilibrium",
 }
 """Captions of the groups of inputs, by the key that begins the group."""

@@ -57,7 +57,7 @@ class Program(TyperGroup):
 
 app = typer.Typer(
     cls=Program,
-    help="Elastic contact in two dimensions with finite and virtual elements, up to a wheelset on two rails.",
+    help="Elastic contact with finite and virtual elements: a wheelset on two rails in three dimensions, plane bodies.",
     context_settings={"help_option_names": ["-h", "--help"]},
     invoke_without_command=True,
     pretty_exceptions_enable=False,
