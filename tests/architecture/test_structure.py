@@ -31,7 +31,7 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3955,
-    "cases": 7575,
+    "cases": 7578,
     "campaign": 1923,
     "tables": 1441,
     "report": 8275,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_548
+MAX_LINES_OF_ALL = 72_551
 MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
