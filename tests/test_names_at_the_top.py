@@ -30,8 +30,8 @@ def test_every_name_is_there():
 
 
 def test_names_are_few_and_explained():
-    """There are not more than thirty-five names, and the package's own text speaks of each."""
-    assert len(flangeway.__all__) <= 35
+    """There are not more than thirty-six names, and the package's own text speaks of each."""
+    assert len(flangeway.__all__) <= 36
     assert [name for name in flangeway.__all__ if f"`{name}`" not in flangeway.__doc__] == []
 
 
