@@ -44,6 +44,7 @@ MERGED = 0.25
 """Maximum force of a cell between two patches that were apart, over that of the lesser, at which they are one."""
 DISTINCT = 1e-6
 """Least singular value, over the first one, of places in a patch that has several rows and strips."""
+N_SHAPES = 5
 SHAPE_STEP = 1e-3
 """Difference by `CreepSlopes.shape`."""
 
@@ -190,7 +191,9 @@ class WheelsetCreep:
             )
             new = fast.changed(side, newton, moved, normal, self.rate_rad_s + change[4], found)
             columns.append((new - base).sum(axis=0) / change[number])
-        shapes = np.array([shapes_of(newton.grid.grid, normal, inside) for inside, *_ in found.patches])
+        shapes = np.zeros((len(found.patches), N_SHAPES, *normal.shape))
+        for number, (inside, *_) in enumerate(found.patches):
+            shapes[number] = shapes_of(newton.grid.grid, normal, inside)
         for shape in shapes.sum(axis=0):
             new = fast.changed(side, newton, pose, normal * (1.0 + SHAPE_STEP * shape), self.rate_rad_s, found)
             changes.append((new - base) / SHAPE_STEP)
@@ -259,7 +262,7 @@ def shapes_of(grid: SideGrid, normal: Floats, inside: Bools) -> Floats:
     s, z = (np.divide(each - share @ each, np.ptp(each) or 1.0) for each in (grid.stations[rows], grid.z[columns]))
     terms = np.stack((np.ones(len(s)), s, z, s**2, z**2), axis=1)
     _, sizes, turned = np.linalg.svd(np.sqrt(share)[:, None] * terms, full_matrices=False)
-    found = np.zeros((terms.shape[1], *inside.shape))
+    found = np.zeros((N_SHAPES, *inside.shape))
     kept = sizes > DISTINCT * sizes[0]
     found[: kept.sum(), rows, columns] = (terms @ turned[kept].T / sizes[kept]).T
     return found
