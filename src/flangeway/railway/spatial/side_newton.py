@@ -121,7 +121,10 @@ class SideNewton:
         share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
         self.creep = before + share * (creep - before)
         self.bent = share < 1.0
-        self.slopes, self.shape = slopes, slopes.weights[:, self.touching] @ forces
+        part = np.ones((len(slopes.motion), 1))
+        part[N_RESULTANTS:] = share
+        self.slopes = slopes._replace(motion=part * slopes.motion, shape=part * slopes.shape)
+        self.shape = slopes.weights[:, self.touching] @ forces
         # rail points that move by v are as a wheel that moves by -v
         change = share * (raised - self.raised)
         self.raised = self.raised + change
