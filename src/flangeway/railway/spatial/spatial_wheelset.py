@@ -131,16 +131,19 @@ class SpatialWheelset:
             found = self._rolled(grids, found, progress, creep, ROLLING_RESIDUAL, NEARBY)
             if found.status.converged or found.status.iterations == MOST_ROLLING_STEPS:
                 break
-        found = self._fine(found, progress, creep)
+        # the exact theory goes on from the fast one, which is several per cent off
+        enough = COARSE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+        found = self._fine(found, progress, creep, enough)
         beyond = self._beyond(grids, found) if found.status.converged else None
         if beyond is not None:
-            found = self._fine(replace(found, state=beyond), progress, creep)
+            found = self._fine(replace(found, state=beyond), progress, creep, enough)
         if motion.theory != "exact" or not found.status.converged:
             return found
         fine = {side: state.grid for side, state in found.state.sides.items()}
         exact = replace(creep, theory="exact")
         # the position of the exact theory is another one: patches may have come to the ends of their cells
-        return self._fine(self._rolled(fine, found, progress, exact, EXACT_RESIDUAL), progress, exact)
+        found = self._rolled(fine, found, progress, exact, EXACT_RESIDUAL)
+        return self._fine(found, progress, exact, EXACT_RESIDUAL)
 
     def _rolled(
         self,
@@ -170,8 +173,12 @@ class SpatialWheelset:
         found: Equilibrium[SpatialState],
         progress: Callable[[str], None],
         creep: WheelsetCreep | None = None,
+        tolerance: float = FINE_RESIDUAL,
     ) -> Equilibrium[SpatialState]:
-        """Equilibrium on cells that are fine enough for the patches, from a coarser one."""
+        """Equilibrium on cells that are fine enough for the patches, from a coarser one.
+
+        - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
+        """
         for _ in range(MOST_GRIDS):
             if not found.status.converged:
                 break
@@ -179,8 +186,7 @@ class SpatialWheelset:
             if all(new is found.state.sides[side].grid for side, new in grids.items()):
                 break
             if creep is not None:
-                exact = creep.theory == "exact"
-                found = self._rolled(grids, found, progress, creep, EXACT_RESIDUAL if exact else FAST_RESIDUAL)
+                found = self._rolled(grids, found, progress, creep, tolerance)
                 continue
             tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
             contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
