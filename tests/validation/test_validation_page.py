@@ -170,9 +170,30 @@ def test_the_command_writes_page_pictures_and_a_summary(call, monkeypatch, tmp_p
     assert len((folder / "table.csv").read_text(encoding="utf-8").splitlines()) == 3
 
 
+def test_one_chapter_is_made_again(call, monkeypatch, tmp_path):
+    """A page with one NAME has the chapter's new numbers, and its other chapters as they were; others are refused."""
+    one, two = (made_up(Found(numbers=NUMBERS[::2]), []) for _ in range(2))
+    two = replace(two, chapter=replace(two.chapter, title="Second", pictures=()))
+    monkeypatch.setattr(reproductions, "REPRODUCTIONS", {"one": one, "two": two})
+    assert call("reproduce", "all", "--page", "mine.md")[0] == 0
+    before = (tmp_path / "mine.md").read_text(encoding="utf-8")
+    assert call("reproduce", "two", "--page", "mine.md")[0] == 0
+    assert (tmp_path / "mine.md").read_text(encoding="utf-8") == before
+    new = replace(made_up(Found(numbers=NUMBERS[:2]), []), chapter=one.chapter)
+    monkeypatch.setattr(reproductions, "REPRODUCTIONS", {"one": new, "two": two})
+    assert call("reproduce", "one", "--page", "mine.md")[0] == 1
+    after = (tmp_path / "mine.md").read_text(encoding="utf-8")
+    assert "| Title | 2 | 1 | 0 | **not passed** |\n| Second | 1 | 1 | 1 | passed |" in after
+    assert after.partition("## Second")[2] == before.partition("## Second")[2]
+    assert after.partition("## Title")[0].splitlines()[:3] == before.splitlines()[:3]
+    third = replace(one, chapter=replace(one.chapter, title="Third"))
+    monkeypatch.setattr(reproductions, "REPRODUCTIONS", {"one": third, "two": two})
+    assert call("reproduce", "one", "--page", "mine.md")[0] == 2
+
+
 @pytest.mark.parametrize(("name", "page"), [("one", "mine.md"), ("all", "folder"), ("all", "file/mine.md")])
 def test_a_page_that_cannot_be_is_refused_first(call, monkeypatch, tmp_path, name, page):
-    """A page of one reproduction, in the place of a folder or below a file is status 2 before anything is computed."""
+    """A page of one that does not exist, in the place of a folder or below a file is status 2 before any computing."""
     asked = []
     made = {key: made_up(Found(numbers=NUMBERS), asked) for key in ("one", "two")}
     monkeypatch.setattr(reproductions, "REPRODUCTIONS", made)

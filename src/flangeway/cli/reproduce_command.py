@@ -30,7 +30,7 @@ Page = Annotated[
     typer.Option(
         "--page",
         metavar="FILE.md",
-        help="Write the page of validation with its pictures in images/ beside it; for all.",
+        help="Write the page of validation with its pictures in images/ beside it; of one NAME: its chapter of a page.",
         show_default=False,
         parser=path_given,
     ),
@@ -48,6 +48,7 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
         find_reproductions,
         make_section,
         print_verdicts,
+        replace_chapters,
         write_page,
     )
 
@@ -56,8 +57,12 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
     for key, reproduction in wanted.items():
         reproduction.check_folder(folder / key)
     if page is not None:
-        if len(wanted) < len(REPRODUCTIONS):
-            raise InputError(f"--page with {name}", "a page of all", f"flangeway reproduce all --page {page}")
+        if len(wanted) < len(REPRODUCTIONS) and not page.is_file():
+            raise InputError(
+                f"--page {page} with {name}, a page that does not exist",
+                "a page of all, whose chapter is replaced",
+                f"flangeway reproduce all --page {page}",
+            )
         check_page(page, [reproduction.chapter for reproduction in wanted.values()])
     verdicts, sections, summaries = {}, [], {}
     for key, reproduction in wanted.items():
@@ -69,7 +74,8 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
             sections.append(make_section(reproduction.chapter, found, page))
         verdicts[key], summaries[key] = Verdict.of(found), record.summary
     if page is not None:
-        show.files(write_page(page, sections, quick=quick)[-1:])
+        every = len(wanted) == len(REPRODUCTIONS)
+        show.files((write_page(page, sections, quick=quick) if every else replace_chapters(page, sections))[-1:])
     if len(verdicts) > 1 and not show.as_json:
         print_verdicts(stdout(), verdicts)
     show.json(summaries if len(summaries) > 1 else summaries[name])

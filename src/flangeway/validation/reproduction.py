@@ -1,5 +1,6 @@
 """A study that ``flangeway reproduce`` computes: its files, its summary, and its chapter of the page of validation."""
 
+import re
 import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
@@ -153,7 +154,29 @@ def write_page(page: Path, sections: Sequence[PageSection], *, quick: bool) -> l
     """
     command = f"flangeway reproduce all {'--quick ' * quick}--page {page.as_posix()}"
     head = HEAD.format(command=command, extent=QUICK if quick else WHOLE)
-    text = "\n".join([head, _verdicts(sections), "", *(section.markdown for section in sections)])
+    return _written(page, sections, "\n".join([head, _verdicts(sections), "", *(each.markdown for each in sections)]))
+
+
+def replace_chapters(page: Path, sections: Sequence[PageSection]) -> list[Path]:
+    """Write chapters of a page anew, with their pictures and their rows of its first table; return the files.
+
+    It is an `InputError` if the page has no such chapter.
+    """
+    text = page.read_text(encoding="utf-8")
+    for section in sections:
+        chapter = re.compile(rf"^## {re.escape(section.title)}\n.*?(?=^## |\Z)", re.MULTILINE | re.DOTALL)
+        row = re.compile(rf"^\| {re.escape(section.title)} \|.*$", re.MULTILINE)
+        if not (chapter.search(text) and row.search(text)):
+            raise InputError(
+                f"{page} without the chapter {section.title!r}", "a page of validation", "write it by reproduce all"
+            )
+        text = row.sub(lambda _, new=section: _verdicts([new]).splitlines()[-1], text, count=1)  # type: ignore[misc]
+        last = chapter.search(text).end() == len(text)  # type: ignore[union-attr]
+        text = chapter.sub(lambda _, new=section, end="" if last else "\n": new.markdown + end, text)  # type: ignore[misc]
+    return _written(page, sections, text)
+
+
+def _written(page: Path, sections: Sequence[PageSection], text: str) -> list[Path]:
     pictures = {name: bytes_writer(data) for section in sections for name, data in section.pictures.items()}
     files = write_together(page.parent / PICTURES, pictures)
     return [*files, *write_together(page.parent, {page.name: text_writer(text)})]

@@ -172,13 +172,13 @@ class RollingContact:
         rows, strips = (np.flatnonzero(self.pressures.any(axis=axis)) for axis in (1, 0))
         return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
 
-    def under(self, pressures: Floats) -> "RollingContact":
-        """The same cells under other pressures; operators are shared, and the box holds that before too."""
+    def under(self, pressures: Floats, near: "RollingContact | None" = None) -> "RollingContact":
+        """The same cells under other pressures; operators are shared, and the box holds that of a near contact too."""
         found = replace(self, pressures=pressures)
         object.__setattr__(found, "_operators", self._operators)
-        vars(found)["box"] = tuple(
-            slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in zip(self.box, found.box, strict=True)
-        )
+        if near is not None:
+            pairs = zip(near.box, found.box, strict=True)
+            vars(found)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
         vars(found).update({name: vars(self)[name] for name in ("coupled", "_beyond") if name in vars(self)})
         return found
 

@@ -131,6 +131,8 @@ class SpatialWheelset:
             found = self._rolled(grids, found, progress, creep, ROLLING_RESIDUAL, NEARBY)
             if found.status.converged or found.status.iterations == MOST_ROLLING_STEPS:
                 break
+        if not found.status.converged:
+            return replace(found, status=_none(found))
         # the exact theory goes on from the fast one, which is several per cent off
         enough = COARSE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         found = self._fine(found, progress, creep, enough)
@@ -162,11 +164,7 @@ class SpatialWheelset:
             new = self._refined(contact, found.position, found.state, progress, tolerance, creep=creep, reach=reach)
         if new is not None:
             return new
-        message = (
-            f"no equilibrium with friction in {MOST_ROLLING_STEPS} steps; check that friction can transmit the torque, "
-            "and that no flange climbs: give lateral_mm, a smaller yaw or torque"
-        )
-        return replace(found, status=Status(False, message, MOST_ROLLING_STEPS))
+        return replace(found, status=_none(found))
 
     def _fine(
         self,
@@ -316,6 +314,16 @@ class SpatialWheelset:
         return GriddedSide(surfaces, grid, pose)
 
 
+def _none(found: Equilibrium[SpatialState]) -> Status:
+    """No equilibrium with friction."""
+    where = f"the wheelset was last at {found.position.lateral_mm:.1f} mm"
+    message = (
+        f"no equilibrium with friction in {MOST_ROLLING_STEPS} steps; {where}; check that friction can transmit the "
+        "torque, and that creep forces by the yaw push no flange up its rail: give lateral_mm, a smaller yaw or torque"
+    )
+    return Status(False, message, MOST_ROLLING_STEPS)
+
+
 @dataclass(frozen=True)
 class _Window:
     """Ends of a patch along the rail's surface and along z, its cells across and along, and its share of the force."""
@@ -362,34 +370,32 @@ def finer(state: SideState) -> GriddedSide:
     )
     if enough and not (loaded & grid.at_edge).any():
         return old
-    spans = []
-    for each in windows:
-        width, more = each.ends[1] - each.ends[0], max(MARGIN * (each.ends[1] - each.ends[0]), 0.6 * each.cell)
-        cell = min(each.cell, max(width / ACROSS, strip / LENGTHENED), LENGTHENED * strip)
-        spans.append([each.ends[0] - more, each.ends[1] + more, cell])
+    spans: list[list[float]] = []
+    reached = -np.inf
+    for each in sorted(windows, key=lambda each: each.ends):
+        (first, last), before = each.ends, spans[-1] if spans else None
+        more = max(MARGIN * (last - first), 0.6 * each.cell)
+        cell = min(each.cell, max((last - first) / ACROSS, strip / LENGTHENED), LENGTHENED * strip)
+        low, high = first - more, last + more
+        if before is not None and first < reached:
+            before[1:] = max(before[1], high), min(before[2], cell)
+        else:
+            if before is not None and low < before[1]:  # each patch has its own cells, up to the middle between them
+                low = before[1] = (first + reached) / 2.0
+            spans.append([low, high, cell])
+        reached = max(last, reached)
     # as many cells as a factorisation takes
     strips = sum(each.planes[1] - each.planes[0] for each in windows) / max(len(windows), 1) / strip
     many = np.sqrt(max(sum((high - low) / cell for low, high, cell in spans) * strips / MOST_ON_A_SIDE, 1.0))
     strip *= many
     spans = [[low, high, cell * many] for low, high, cell in spans]
     limits = np.sort(old.surfaces.rail_stations[[0, -1], 1])
-    cells, taken = [], limits[0]
-    for low, high, cell in _merged(spans):
-        ends = np.linspace(max(low, taken), min(high, limits[1]), int(np.ceil((high - low) / cell)) + 1)
+    cells = []
+    for low, high, cell in spans:
+        first, last = max(low, limits[0]), min(high, limits[1])
+        ends = np.linspace(first, last, int(np.ceil((last - first) / cell)) + 1)
         cells.append(np.stack((ends[:-1], ends[1:]), axis=1))
-        taken = ends[-1]
     first, last = min(each.planes[0] for each in windows), max(each.planes[1] for each in windows)
     more = max(MARGIN * (last - first), 0.6 * grid.strip)
     planes = np.arange(int(np.floor((first - more) / strip)), int(np.ceil((last + more) / strip)) + 1)
     return GriddedSide(old.surfaces, SideGrid(np.concatenate(cells), strip, planes), state.pose)
-
-
-def _merged(spans: list[list[float]]) -> list[list[float]]:
-    """Spans (start, end, cell) by rising start, those that overlap joined with the smaller cell."""
-    found: list[list[float]] = []
-    for low, high, cell in sorted(spans):
-        if found and low <= found[-1][1]:
-            found[-1] = [found[-1][0], max(found[-1][1], high), min(found[-1][2], cell)]
-        else:
-            found.append([low, high, cell])
-    return found

@@ -223,7 +223,7 @@ class WheelsetNewton:
         if self.creep is None:
             most = min(most, COARSE_FORCES)
         moving = any(each.changed or each.bent for each in self.sides.values())
-        settled = change <= most and (not moving or most > COARSE_FORCES)
+        settled = change <= most and (not moving or most >= COARSE_FORCES)
         if error <= tolerance and float(np.abs(self.tilts - self.bent).max()) <= share * FINE_TILT_RAD and settled:
             return True
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))

@@ -118,38 +118,40 @@ class WheelsetCreep:
     def of_side(self, side: Side, state: SideNewton | SideState, normal: Floats) -> SideCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
+        windows: list[int] = []
         parts = self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
         for inside in parts:
-            contact = self._contact(state, normal, inside)
+            window = window_of(state.grid.grid, box_of(inside)[0]).start
+            key = (state.grid, window, sum(each == window for each in windows))
+            windows.append(window)
+            contact = self._contact(state, normal, inside, key)
             rows = rows_of(state, contact)
             # bodies of one material stretch alike under pressure: the wheel rolls on its undeformed radius
             nearest = int(np.abs(state.grid.grid.z - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
-            window = contact.grid.bounds[0]
-            key = (state.grid, window, sum(each.contact.grid.bounds[0] == window for each in patches))
             patches.append(PatchCreep(inside, contact, self._forces(key, contact, motion), points))
         return self._side(state, state.pose, tuple(patches))
 
     def _forces(self, key: tuple[object, ...], contact: RollingContact, motion: Creepages) -> CreepForces:
         if self.theory != "exact":
             return FAST[self.theory](contact, mean_of(contact, motion))
-        found = roll(contact, motion, start=self._last.get(key), tolerance=self.tolerance)
-        self._last[key] = found
+        found = self._last[key] = roll(contact, motion, start=self._last.get(key), tolerance=self.tolerance)
         return found
 
-    def _contact(self, state: SideNewton | SideState, normal: Floats, inside: Bools) -> RollingContact:
+    def _contact(
+        self, state: SideNewton | SideState, normal: Floats, inside: Bools, key: tuple[object, ...]
+    ) -> RollingContact:
         friction = self.motion.friction_on(state.normals)
         if self.theory != "exact":
             return contact_in(state, normal, inside, friction, bodies=False)
-        key = (state.grid, window_of(state.grid.grid, box_of(inside)[0]).start)
-        known = self._contacts.get(key)
-        if known is None:
-            known = self._contacts[key] = contact_in(state, normal, inside, friction, whole=True)
-            return known
-        box = rows_of(state, known), strips_of(state, known)
-        new = self._contacts[key] = known.under(np.where(inside, normal, 0.0)[box] / known.areas)
-        return new
+        whole = self._contacts.get(key[:2])
+        if whole is None:
+            whole = self._contacts[key[:2]] = contact_in(state, normal, inside, friction, whole=True)
+        box = rows_of(state, whole), strips_of(state, whole)
+        pressures = np.where(inside, normal, 0.0)[box] / whole.areas
+        found = self._contacts[key] = whole.under(pressures, self._contacts.get(key))
+        return found
 
     def _side(self, state: SideNewton | SideState, pose: WheelPose, patches: tuple[PatchCreep, ...]) -> SideCreep:
         """Resultants of the patches' forces at a pose."""
