@@ -30,17 +30,17 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3955,
+    "railway.spatial": 3975,
     "cases": 7578,
     "campaign": 1923,
     "tables": 1441,
     "report": 8275,
-    "validation": 8253,
-    "cli": 1303,
+    "validation": 8276,
+    "cli": 1309,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_551
+MAX_LINES_OF_ALL = 72_600
 MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
