@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from benchmarks import (
     cache,
     elasticity,
+    friction,
     growth,
     hertz,
     hertz_block_times,
@@ -30,6 +31,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-sections": torsion_sections.measurements,
     "hertz": hertz.measurements,
     "hertz-block": hertz_block_times.measurements,
+    "friction": friction.measurements,
     "elasticity": elasticity.measurements,
     "growth": growth.measurements,
     "positions": positions.measurements,
@@ -48,6 +50,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "torsion-assembly": torsion_assembly.quick,
     "torsion-sections": torsion_sections.quick,
     "hertz-block": hertz_block_times.quick,
+    "friction": friction.quick,
     "elasticity": elasticity.quick,
     "growth": growth.quick,
     "stabilisation": stabilisation.quick,

@@ -110,6 +110,22 @@ class Pressed:
     force_error: float | None = None
     approach: float = 0.0
     note: str = ""
+    tractions: Floats | None = None
+    tangential_force: float = 0.0
+
+    def centre_traction_error(self, friction: float) -> float:
+        """Relative error of the tangential traction at the centre from Cattaneo's and Mindlin's for the forces found.
+
+        It is the mean over the middle fifth of the contact, of both.
+        """
+        assert self.tractions is not None
+        theory, x = self.theory, self.x
+        inside = np.abs(x) < 0.1 * theory.half_width
+        stick = np.sqrt(1.0 - self.tangential_force / (friction * self.force))
+        narrow = stick * np.sqrt(1.0 - (x[inside] / (stick * theory.half_width)) ** 2)
+        whole = np.sqrt(1.0 - (x[inside] / theory.half_width) ** 2)
+        exact = friction * theory.max_pressure * (whole - narrow)
+        return float(np.abs(self.tractions[inside]).mean() / exact.mean() - 1.0)
 
     @property
     def theory(self) -> LineContact:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from benchmarks.hertz_block import BASE, RADIUS, STEEL, TOP, Block, Floats, Pressed
 from benchmarks.peers import run_calculix, run_python
-from benchmarks.peers.calculix_deck import deck, read
+from benchmarks.peers.calculix_deck import deck, read_tractions
 from flangeway.cases.bodies.bodies_shape import ARC, CUT
 from flangeway.mesh import PolyMesh
 
@@ -75,8 +75,19 @@ def bodies(block: Block) -> tuple[Quadratic, Quadratic]:
     return quadratic(block, block.upper, ARC, CUT), quadratic(block, block.lower, TOP, BASE)
 
 
-def press_with_kratos(block: Block, approach: float, folder: Path, *, n_steps: int = 1, threads: int = 1) -> Pressed:
+def press_with_kratos(
+    block: Block,
+    approach: float,
+    folder: Path,
+    *,
+    n_steps: int = 1,
+    threads: int = 1,
+    friction: float = 0.0,
+    shift: float = 0.0,
+) -> Pressed:
     """Mortar contact with augmented multipliers (ContactStructuralMechanicsApplication).
+
+    With friction the cut moves to the right by a shift after the approach.
 
     Raises
     ------
@@ -99,15 +110,29 @@ def press_with_kratos(block: Block, approach: float, folder: Path, *, n_steps: i
         approach=approach,
         young=STEEL.young,
         poisson=STEEL.poisson,
+        friction=friction,
+        shift=shift,
     )
     told = run_python("kratos", "kratos_block.py", str(folder), str(n_steps), threads=threads)
     return Pressed(
-        told["seconds"], np.array(told["x"]), np.array(told["pressures"]), told["force"], note=told["version"]
-    )
+        told["seconds"], np.array(told["x"]), np.array(told["pressures"]), told["force"], note=told["version"],
+        tractions=np.array(told["tractions"]), tangential_force=abs(told["tangential_force"]),
+    )  # fmt: skip
 
 
-def press_with_calculix(block: Block, approach: float, folder: Path, *, n_steps: int = 1, threads: int = 1) -> Pressed:
+def press_with_calculix(
+    block: Block,
+    approach: float,
+    folder: Path,
+    *,
+    n_steps: int = 1,
+    threads: int = 1,
+    friction: float = 0.0,
+    shift: float = 0.0,
+) -> Pressed:
     """CPE6 with surface-to-surface penalty contact; the time is that of the whole program.
+
+    With friction the cut moves to the right by a shift after the approach.
 
     Raises
     ------
@@ -128,8 +153,13 @@ def press_with_calculix(block: Block, approach: float, folder: Path, *, n_steps:
         penalty=PENALTY_FACTOR * STEEL.young,
         approach=approach,
         n_steps=n_steps,
+        friction=friction,
+        shift=shift,
     )
     (folder / "block.inp").write_text(text, encoding="ascii")
     seconds, version = run_calculix(folder, "block", threads=threads)
-    x, pressures, force = read(folder / "block")
-    return Pressed(seconds, x, pressures, force, note=version)
+    x, values, force = read_tractions(folder / "block")
+    return Pressed(
+        seconds, x, values[:, 0], float(force[1]), note=version,
+        tractions=values[:, 1], tangential_force=float(abs(force[0])),
+    )  # fmt: skip

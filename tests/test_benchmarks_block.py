@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from benchmarks.friction import FRICTION, memory, push_block
 from benchmarks.hertz_block import HERTZ, mesh_block, press_block
 from benchmarks.hertz_block_peers import bodies
 from benchmarks.peers import PeerMissingError, run_python
@@ -28,6 +29,20 @@ def test_the_block_finds_hertz_under_the_load(n_steps: int) -> None:
     assert found.force_error < 1e-8
     assert abs(found.peak_error) < 0.01
     assert abs(found.half_width_error) < 0.01
+
+
+def test_the_pushed_block_has_cattaneos_and_mindlins_traction() -> None:
+    """On a coarse mesh the tangential traction in the middle is within 2 % under the forces found."""
+    block = mesh_block(0.15, 0.3)
+    found = push_block(block, press_block(block).approach)
+    assert 0.05 < found.tangential_force / found.force < FRICTION
+    assert abs(found.centre_traction_error(FRICTION)) < 0.02
+
+
+def test_memory_is_that_of_a_process_of_its_own() -> None:
+    """The peak is measured for the number of unknowns asked, and is plausible."""
+    more = memory(120).more
+    assert 50.0 < more["peak_memory_MB"] < 2000.0
 
 
 def test_the_peers_get_the_same_nodes() -> None:

@@ -21,6 +21,8 @@ def deck(
     penalty: float,
     approach: float,
     n_steps: int,
+    friction: float = 0.0,
+    shift: float = 0.0,
 ) -> str:
     """Input of a cylinder moved down onto a block.
 
@@ -42,6 +44,8 @@ def deck(
         Motion of the cut, in equal increments.
     n_steps
         Their number.
+    friction, shift
+        Coefficient of friction, and motion of the cut to the right in a further step where there is one.
 
     """
     lines = ["*NODE, NSET=ALL"]
@@ -57,6 +61,7 @@ def deck(
         "*MATERIAL, NAME=STEEL", "*ELASTIC", f"{young},{poisson}",
         "*SOLID SECTION, ELSET=EALL, MATERIAL=STEEL", "1.",
         "*SURFACE INTERACTION, NAME=HARD", "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR", f"{penalty:.6g}",
+        *(["*FRICTION", f"{friction},{penalty:.6g}"] if friction else []),
         "*CONTACT PAIR, INTERACTION=HARD, TYPE=SURFACE TO SURFACE", "CYLINDER,BLOCK",
         "*BOUNDARY", "BASE,1,2", "CUT,1,1",
         "*STEP, INC=1000", "*STATIC, DIRECT", f"{1.0 / n_steps},1.",
@@ -65,6 +70,11 @@ def deck(
         "*CONTACT FILE, FREQUENCY=1000", "CSTR",
         "*END STEP",
     ]  # fmt: skip
+    if friction:
+        lines += [
+            "*STEP, INC=1000", "*STATIC, DIRECT", f"{1.0 / n_steps},1.",
+            "*BOUNDARY", f"CUT,2,2,{-approach:.14g}", f"CUT,1,1,{shift:.14g}", "*END STEP",
+        ]  # fmt: skip
     return "\n".join(lines) + "\n"
 
 
@@ -78,12 +88,18 @@ def _faces(triangles: Ints, pairs: Ints) -> Iterator[str]:
 
 
 def read(path: Path) -> tuple[Floats, Floats, float]:
-    """Places and pressures of the nodes in contact, and the force on the base, from ``path.frd`` and ``path.dat``.
+    """Places and pressures of the nodes in contact, and the force on the base, from ``path.frd`` and ``path.dat``."""
+    x, values, forces = read_tractions(path)
+    return x, values[:, 0], float(forces[1])
+
+
+def read_tractions(path: Path) -> tuple[Floats, Floats, Floats]:
+    """Places of nodes in contact (n,), pressures and tangential tractions (n, 2), and the force on the base x and y.
 
     A plane element is written with the thickness that it is computed with: nodes are found again by their place.
     """
     places: dict[int, tuple[float, float]] = {}
-    pressures: dict[int, float] = {}
+    pressures: dict[int, tuple[float, float]] = {}
     block = ""
     for line in path.with_suffix(".frd").read_text(encoding="ascii", errors="replace").splitlines():
         if line.startswith("    2C"):
@@ -98,11 +114,11 @@ def read(path: Path) -> tuple[Floats, Floats, float]:
             if block == "nodes":
                 places[number] = (values[0], values[1])
             else:
-                pressures[number] = values[3]
+                pressures[number] = values[3], values[4]
     forces = path.with_suffix(".dat").read_text(encoding="ascii").split()
-    found: dict[float, float] = {}
-    for number, pressure in pressures.items():
-        if pressure > 0.0:
-            found[places[number][0]] = max(pressure, found.get(places[number][0], 0.0))
+    found: dict[float, tuple[float, float]] = {}
+    for number, each in pressures.items():
+        if each[0] > 0.0:
+            found[places[number][0]] = max(each, found.get(places[number][0], (0.0, 0.0)))
     x = np.array(sorted(found))
-    return x, np.array([found[place] for place in x]), float(forces[-2])
+    return x, np.array([found[place] for place in x]), np.array(forces[-3:-1], dtype=np.float64)

@@ -21,12 +21,20 @@ PARTS = ("upper", "lower", "cut", "base", "contact", "slave")
 
 def parameters(folder: Path, stored: Any, n_steps: int) -> KM.Parameters:
     """Settings as in Kratos' own test of Hertz's problem, with its fastest linear solver in the wheels."""
+    friction = float(stored["friction"])
+    kind = "Frictional" if friction else "Frictionless"
+    down = -float(stored["approach"])
+    motions = [_held("cut", [0.0, f"{down!r}*t/{n_steps}.0", 0.0], n_steps if friction else "End")]
+    if friction:  # then sideways
+        motions.append(
+            _held("cut", [f"{float(stored['shift'])!r}*(t-{n_steps}.0)/{n_steps}.0", down, 0.0], first=n_steps)
+        )
     settings = {
         "problem_data": {
             "problem_name": "block",
             "parallel_type": "OpenMP",
             "start_time": 0.0,
-            "end_time": n_steps - 0.01,
+            "end_time": (2 if friction else 1) * n_steps - 0.01,
             "echo_level": 0,
         },
         "solver_settings": {
@@ -38,7 +46,7 @@ def parameters(folder: Path, stored: Any, n_steps: int) -> KM.Parameters:
             "model_import_settings": {"input_type": "use_input_model_part"},
             "material_import_settings": {"materials_filename": str(folder / "kratos_materials.json")},
             "time_stepping": {"time_step": 1.0},
-            "contact_settings": {"mortar_type": "ALMContactFrictionless", "fancy_convergence_criterion": False},
+            "contact_settings": {"mortar_type": f"ALMContact{kind}", "fancy_convergence_criterion": False},
             "clear_storage": True,
             "reform_dofs_at_each_step": True,
             "convergence_criterion": "contact_residual_criterion",
@@ -51,7 +59,7 @@ def parameters(folder: Path, stored: Any, n_steps: int) -> KM.Parameters:
         "processes": {
             "constraints_process_list": [
                 _held("base", [0.0, 0.0, 0.0]),
-                _held("cut", [0.0, f"{-float(stored['approach'])!r}*t/{n_steps}.0", 0.0]),
+                *motions,
             ],
             "contact_process_list": [
                 {
@@ -61,7 +69,8 @@ def parameters(folder: Path, stored: Any, n_steps: int) -> KM.Parameters:
                         "model_part_name": "Structure",
                         "assume_master_slave": {"0": ["slave"]},
                         "contact_model_part": {"0": ["contact"]},
-                        "contact_type": "Frictionless",
+                        "contact_type": kind,
+                        "friction_coefficients": {"0": friction},
                         # its own choice, boxes that overlap, misses the outer third of the contact on fine meshes
                         "search_parameters": {"type_search": "in_radius"},
                     },
@@ -72,15 +81,16 @@ def parameters(folder: Path, stored: Any, n_steps: int) -> KM.Parameters:
     return KM.Parameters(json.dumps(settings))
 
 
-def _held(name: str, value: list[Any]) -> dict[str, Any]:
+def _held(name: str, value: list[Any], last: float | str = "End", first: float = 0.0) -> dict[str, Any]:
     """Displacements given on the nodes of a part."""
+    begin = first + 0.5 if first else 0.0
     return {
         "python_module": "assign_vector_variable_process",
         "kratos_module": "KratosMultiphysics",
         "Parameters": {
             "model_part_name": f"Structure.{name}",
             "variable_name": "DISPLACEMENT",
-            "interval": [0.0, "End"],
+            "interval": [begin, last if isinstance(last, str) else last + 0.5],
             "constrained": [True, True, True],
             "value": value,
         },
@@ -158,6 +168,9 @@ def main(folder: Path, n_steps: int) -> None:
     nodes = [node for node in nodes if node.Is(KM.ACTIVE)]
     pressures = np.array([-node.GetValue(Contact.AUGMENTED_NORMAL_CONTACT_PRESSURE) for node in nodes])
     reaction = [part.Nodes[int(i) + 1].GetSolutionStepValue(KM.REACTION_Y) for i in stored["base"]]
+    aside = [part.Nodes[int(i) + 1].GetSolutionStepValue(KM.REACTION_X) for i in stored["base"]]
+    traction = Contact.AUGMENTED_TANGENT_CONTACT_PRESSURE
+    tractions = [node.GetValue(traction)[0] for node in nodes] if float(stored["friction"]) else []
     print(
         json.dumps(
             {
@@ -165,6 +178,8 @@ def main(folder: Path, n_steps: int) -> None:
                 "x": [node.X0 for node in nodes],
                 "pressures": pressures.tolist(),
                 "force": float(np.sum(reaction)),
+                "tractions": tractions,
+                "tangential_force": float(np.sum(aside)),
                 "version": version("KratosMultiphysics"),
             }
         )

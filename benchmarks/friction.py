@@ -1,0 +1,149 @@
+"""A half cylinder pressed on a block and pushed sideways with friction, beside Kratos and CalculiX; and memory.
+
+The meshes and the approach are those of the block without friction. The cut then moves to the right, until a third of
+the contact's width slides. Every program has both motions as one step each, on the same nodes; accuracy is the relative
+error of the mean tangential traction over the middle fifth of the contact from Cattaneo's and Mindlin's, under the
+normal and tangential force that the program itself found. The fastest run counts; the peers run once with one thread
+and once with all.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.hertz_block import STEEL, Block, Pressed, mesh_block, press_block
+from benchmarks.hertz_block_peers import press_with_calculix, press_with_kratos
+from benchmarks.hertz_block_times import COARSE, QUICK, ROUNDS
+from benchmarks.measurement import NO_PEER, Measurement, fastest, fastest_in_turns, taken
+from benchmarks.peers import PeerMissingError, threads_tried
+from flangeway.cases.bodies.bodies_shape import ARC, CUT
+from flangeway.contact import Contact, ContactLinearisation, Multiplier, NodeToSegment, SegmentToSegment, Surface, press
+from flangeway.elements import Lagrange
+from flangeway.geometry import Placement
+from flangeway.mesh import rectangle_grid
+from flangeway.problems import Body, Part
+
+FRICTION = 0.3
+SHIFT = 0.014  # mm
+MOST_UNKNOWNS = 12_000
+"""Surface unknowns of the contact whose memory is measured."""
+
+
+def measurements() -> Iterator[Measurement]:
+    """The coarser of the block's meshes, and the memory of a long surface."""
+    yield from compare(mesh_block(*COARSE), {"kratos": 5.0, "calculix": 10.0})
+    yield memory(MOST_UNKNOWNS)
+
+
+def quick() -> Iterator[Measurement]:
+    """A coarse mesh, and a short surface."""
+    yield from compare(mesh_block(*QUICK), {"kratos": None, "calculix": None})
+    yield memory(600)
+
+
+def push_block(block: Block, approach: float) -> Pressed:
+    """Press and push with flangeway: order 2, averaged gaps, multipliers, bodies condensed to their surfaces."""
+    start = time.perf_counter()
+    upper = Part("cylinder", Body("cylinder", block.upper, Lagrange(2), STEEL, CUT))
+    lower = Part("block", Body("block", block.lower, Lagrange(2), STEEL, "base"))
+    surfaces = (
+        Surface(upper, block.zone(block.upper, ARC), block.circle),
+        Surface(lower, block.zone(block.lower, "top"), block.outline),
+    )
+    contact = Contact(*surfaces, SegmentToSegment(weighting="dual"), Multiplier(), FRICTION)
+    path = [{upper: Placement(0.0, (0.0, -approach))}, {upper: Placement(0.0, (SHIFT, 0.0))}]
+    found = press([contact], path, path="condensed")
+    if not found.status.converged:
+        raise RuntimeError(f"the block's friction: {found.status.message}")
+    found.unknowns(upper)
+    seconds = time.perf_counter() - start
+    lin, state = found.state.linearisation, found.state
+    assert isinstance(lin, ContactLinearisation)
+    assert state.friction is not None
+    pairs, surface, loaded = lin.pairs[0], contact.secondary, state.forces > 0.0
+    x = surface.part.body.nodes[surface.nodes[pairs.nodes[loaded]], 0]
+    pressures, tractions = (each[loaded] / pairs.areas[loaded] for each in (state.forces, state.friction.forces))
+    aside, up = np.abs(found.forces[0])
+    return Pressed(seconds, x, pressures, float(up), tractions=tractions, tangential_force=float(aside))
+
+
+def compare(block: Block, asked: dict[str, float | None]) -> Iterator[Measurement]:
+    """Pressed and pushed beside peers, with the ratios asked."""
+    with tempfile.TemporaryDirectory() as folder:
+        approach = press_block(block).approach
+        peers = {"kratos": press_with_kratos, "calculix": press_with_calculix}
+        given = {"friction": FRICTION, "shift": SHIFT}
+        jobs = {"ours": partial(push_block, block, approach)}
+        rounds = {"ours": ROUNDS}
+        for name in asked:
+            for threads in threads_tried():
+                job = f"{name} {threads}"
+                jobs[job] = partial(peers[name], block, approach, Path(folder), threads=threads, **given)
+                rounds[job] = 1
+        found = fastest_in_turns(jobs, rounds, _seconds)
+    ours = taken(found["ours"])
+    work = f"a half cylinder pressed on a block and pushed with friction, {block.n_nodes} nodes"
+    error = ours.centre_traction_error(FRICTION)
+    ratio_of = f"tangential over normal force: ours {ours.tangential_force / ours.force:.4f}"
+    for name, ratio in asked.items():
+        peer = fastest([found[job] for job in jobs if job.split()[0] == name], _seconds)
+        if isinstance(peer, PeerMissingError):
+            yield Measurement(work, name, ours.seconds, None, error, None, str(peer), asked=ratio)
+            continue
+        yield Measurement(
+            work, name, ours.seconds, peer.seconds, error, peer.centre_traction_error(FRICTION),
+            f"{ratio_of}, the peer's {peer.tangential_force / peer.force:.4f}", peer_version=peer.note, asked=ratio,
+        )  # fmt: skip
+
+
+def _seconds(pressed: Pressed) -> float:
+    return pressed.seconds
+
+
+def memory(n_unknowns: int) -> Measurement:
+    """Peak memory of a contact with friction of surfaces with so many unknowns, in a process of its own."""
+    command = [sys.executable, "-m", "benchmarks.friction", str(n_unknowns)]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    told = json.loads(done.stdout.splitlines()[-1])
+    work = f"two blocks pressed and pushed with friction, {told['unknowns']} unknowns on the surfaces"
+    more = {"peak_memory_MB": told["peak_MB"], "asked_peak_memory_MB": 4000.0}
+    return Measurement(work, NO_PEER, told["cpu_s"], None, None, None, "time of the processors", more=more)
+
+
+def _press_long_surfaces(n_unknowns: int) -> None:
+    """Press two blocks of many surface nodes, whose faces are stepped so that little of them closes; print the peak."""
+    import resource  # noqa: PLC0415 (not on all systems)
+
+    n = n_unknowns // 4
+    meshes = [rectangle_grid(0.02 * n, 4.0, n - 1, 4, origin=(0.0, y)) for y in (0.0, -4.0)]
+    upper, lower = (
+        Part(name, Body(name, mesh, Lagrange(1), STEEL, held))
+        for name, mesh, held in zip(("upper", "lower"), meshes, ("top", "bottom"), strict=True)
+    )
+    surfaces = [
+        Surface(part, mesh.edge_sets[edges])
+        for part, mesh, edges in zip((upper, lower), meshes, ("bottom", "top"), strict=True)
+    ]
+    contact = Contact(*surfaces, NodeToSegment(), Multiplier(), FRICTION)
+    # a slightly turned block touches along a part of its surface
+    turned = Placement(2e-5, (0.0, -1e-3))
+    found = press([contact], [{upper: turned}, {upper: Placement(0.0, (5e-4, 0.0))}])
+    if not found.status.converged:
+        raise RuntimeError(found.status.message)
+    usage = resource.getrusage(resource.RUSAGE_SELF)
+    unknowns = 2 * sum(len(surface.nodes) for surface in surfaces)
+    closed = int((found.state.forces > 0.0).sum())
+    print(
+        json.dumps({"unknowns": unknowns, "closed": closed, "peak_MB": usage.ru_maxrss / 1e3, "cpu_s": usage.ru_utime})
+    )
+
+
+if __name__ == "__main__":
+    _press_long_surfaces(int(sys.argv[1]))
