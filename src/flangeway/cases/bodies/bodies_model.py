@@ -159,6 +159,13 @@ class _Builder:
         if contacts:
             ContactSystem(contacts)  # refuses contacts that do not go together, before anything is solved
         model = BodiesModel(bodies, contacts, *self._motions(bodies), tuple(self.notices))
+        parts = [body.part for body in bodies.values() if body.part is not None]
+        if parts and not any(part.body.supported.any() for part in parts):
+            raise InputError(
+                "bodies in contact of which none has supports",
+                "supports of one of them at least",
+                "add [[supports]]; to press a body by a force, fix it and add [[motions]] with push_N",
+            )
         moved = [body for body in bodies.values() if body.part is not None and body.moved_before_contact]
         push = model.push
         if model.follows_path and (moved or (push is not None and (push.force == 0.0 or 0.0 not in push.direction))):
