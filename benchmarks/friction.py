@@ -1,6 +1,6 @@
 """A half cylinder pressed on a block and pushed sideways with friction, beside Kratos and CalculiX; and memory.
 
-The meshes and the approach are those of the block without friction. The cut then moves to the right, until a third of
+The meshes and the approach are those of the block without friction. The cut then moves to the right, until a fifth of
 the contact's width slides. Every program has both motions as one step each, on the same nodes; accuracy is the relative
 error of the mean tangential traction over the middle fifth of the contact from Cattaneo's and Mindlin's, under the
 normal and tangential force that the program itself found. The fastest run counts; the peers run once with one thread
