@@ -31,7 +31,7 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3975,
-    "cases": 7578,
+    "cases": 7585,
     "campaign": 1923,
     "tables": 1441,
     "report": 8275,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_600
+MAX_LINES_OF_ALL = 72_607
 MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
