@@ -57,7 +57,7 @@ def push_block(block: Block, approach: float) -> Pressed:
         Surface(upper, block.zone(block.upper, ARC), block.circle),
         Surface(lower, block.zone(block.lower, "top"), block.outline),
     )
-    contact = Contact(*surfaces, SegmentToSegment(weighting="dual"), Multiplier(), FRICTION)
+    contact = Contact(surfaces[0], surfaces[1], SegmentToSegment(weighting="dual"), Multiplier(), FRICTION)
     path = [{upper: Placement(0.0, (0.0, -approach))}, {upper: Placement(0.0, (SHIFT, 0.0))}]
     found = press([contact], path, path="condensed")
     if not found.status.converged:
@@ -79,13 +79,13 @@ def compare(block: Block, asked: dict[str, float | None]) -> Iterator[Measuremen
     with tempfile.TemporaryDirectory() as folder:
         approach = press_block(block).approach
         peers = {"kratos": press_with_kratos, "calculix": press_with_calculix}
-        given = {"friction": FRICTION, "shift": SHIFT}
+        peer_of = {name: partial(each, friction=FRICTION, shift=SHIFT) for name, each in peers.items()}
         jobs = {"ours": partial(push_block, block, approach)}
         rounds = {"ours": ROUNDS}
         for name in asked:
             for threads in threads_tried():
                 job = f"{name} {threads}"
-                jobs[job] = partial(peers[name], block, approach, Path(folder), threads=threads, **given)
+                jobs[job] = partial(peer_of[name], block, approach, Path(folder), threads=threads)
                 rounds[job] = 1
         found = fastest_in_turns(jobs, rounds, _seconds)
     ours = taken(found["ours"])
@@ -118,7 +118,7 @@ def memory(n_unknowns: int) -> Measurement:
 
 
 def _press_long_surfaces(n_unknowns: int) -> None:
-    """Press two blocks of many surface nodes, whose faces are stepped so that little of them closes; print the peak."""
+    """Press two blocks of many surface nodes, which close along most of their surfaces; print the peak."""
     import resource  # noqa: PLC0415 (not on all systems)
 
     n = n_unknowns // 4
@@ -127,12 +127,8 @@ def _press_long_surfaces(n_unknowns: int) -> None:
         Part(name, Body(name, mesh, Lagrange(1), STEEL, held))
         for name, mesh, held in zip(("upper", "lower"), meshes, ("top", "bottom"), strict=True)
     )
-    surfaces = [
-        Surface(part, mesh.edge_sets[edges])
-        for part, mesh, edges in zip((upper, lower), meshes, ("bottom", "top"), strict=True)
-    ]
-    contact = Contact(*surfaces, NodeToSegment(), Multiplier(), FRICTION)
-    # a slightly turned block touches along a part of its surface
+    surfaces = Surface(upper, meshes[0].edge_sets["bottom"]), Surface(lower, meshes[1].edge_sets["top"])
+    contact = Contact(surfaces[0], surfaces[1], NodeToSegment(), Multiplier(), FRICTION)
     turned = Placement(2e-5, (0.0, -1e-3))
     found = press([contact], [{upper: turned}, {upper: Placement(0.0, (5e-4, 0.0))}])
     if not found.status.converged:
