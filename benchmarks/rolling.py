@@ -6,18 +6,23 @@ tractions at 1 % less creepage. Accuracy is the relative error of the longitudin
 cells, extrapolated; that of the fast theories is beside the exact one on the same cells.
 """
 
+import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from benchmarks.measurement import NO_PEER, Measurement, best_time, timed
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import creep_curve, roll
 from flangeway.contact.rolling.fast_theories import linear_theory, polach
 from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces
+from flangeway.railway.spatial.running_surfaces import running_surfaces
+from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
+from flangeway.system.disk_cache import Cache
 from flangeway.validation.rolling.rolling_cases import elliptic
 
 CELLS, FORCE = 30, 82_000.0
@@ -25,6 +30,13 @@ MOTION = Creepages(1e-3, 5e-4, -2e-4)
 POINTS = 120
 ASKED_COLD_S, ASKED_WARM_S, ASKED_CURVE_S, ASKED_FASTSIM_S = 0.5, 0.1, 5.0, 1e-3
 GRIDS = (20, 40, 80)
+ASKED_WHEELSET_S = 3.0
+WHEELSETS: dict[str, dict[str, float]] = {
+    "in the middle of straight track": {},
+    "2 mm to the right in a curve of 800 m": {"lateral_mm": 2.0, "yaw_mrad": 1.0, "curve_radius_m": 800.0},
+    "6 mm to the left, three patches": {"lateral_mm": -6.0, "yaw_mrad": 1.0},
+    "8 mm to the right, at the flange root": {"lateral_mm": 8.0},
+}
 FAST: dict[str, Callable[[RollingContact, Creepages], CreepForces]] = {
     "FASTSIM": fastsim, "FaStrip": fastrip, "Polach": polach, "linear theory": linear_theory,
 }  # fmt: skip
@@ -35,6 +47,7 @@ def measurements() -> Iterator[Measurement]:
     yield from patches((CELLS, *GRIDS), accurate=True)
     yield curve(CELLS, POINTS)
     yield from fast(CELLS)
+    yield from wheelsets(WHEELSETS)
 
 
 def quick() -> Iterator[Measurement]:
@@ -90,4 +103,26 @@ def fast(n: int) -> Iterator[Measurement]:
         yield Measurement(
             f"{name} on {n} rows of cells", NO_PEER, seconds, None, found.along / exact - 1.0, None, "",
             more={"asked_s": ASKED_FASTSIM_S} if name == "FASTSIM" else {},
+        )  # fmt: skip
+
+
+def wheelsets(places: dict[str, dict[str, float]]) -> Iterator[Measurement]:
+    """Wheelsets by the exact theory at 72 km/h with a friction of 0.3, from their rigid positions, surfaces ready.
+
+    Accuracy is the equilibrium residual; processor time is that of one core.
+    """
+    case = SpatialWheelsetCase.from_values({})
+    surfaces = running_surfaces(case.problem(), case.spatial_model(), cache=Cache.of_user())
+    for name, inputs in places.items():
+        one = SpatialWheelsetCase.from_values({"speed_km_h": 72.0, "friction": 0.3, **inputs})
+        wheelset = SpatialWheelset(one.problem(), surfaces, one.spatial_model())
+        _ = wheelset.start
+        start = time.process_time()
+        seconds, found = timed(wheelset.solve)
+        yield Measurement(
+            f"rolling wheelset {name}", NO_PEER, seconds, None, found.residuals.equilibrium_residual, None, "",
+            more={
+                "processor_s": time.process_time() - start, "converged": found.status.converged,
+                "asked_s": ASKED_WHEELSET_S,
+            },
         )  # fmt: skip
