@@ -95,7 +95,7 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
     axes.set(xlim=(low - 12.0, high + 12.0), ylim=(-32.0, LIFT_MM + 14.0))
     axes.set_aspect("equal", adjustable="box")
     axes.set_title(f"{side}: contact points at each millimetre", fontsize=9)
-    axes.set(xlabel="x in mm", ylabel=f"y in mm; wheel raised by {LIFT_MM:g}")
+    axes.set(xlabel="x in mm", ylabel=f"y in mm, wheel raised by {LIFT_MM:g} mm")
 
 
 def rolling_figure(run: GeometryRun) -> Figure:
