@@ -156,7 +156,7 @@ def test_edges_of_the_arc_are_halved_once():
     n_arc = len(mesh.edge_set("arc"))
     assert len(fine.edge_set("arc")) == 2 * n_arc
     assert fine.n_points == mesh.n_points + n_arc
-    assert (fine.cell_sizes[fine.cell_set("quadrilaterals")] == 4).all()
+    assert (fine.cell_sizes[fine.cell_set("polygons")] == 4).all()
     assert (fine.cell_sizes[fine.cell_set("triangles")] == 3).all()
     np.testing.assert_allclose(fine.cell_areas, mesh.cell_areas, rtol=1e-9)
 
@@ -167,7 +167,7 @@ def test_codes_name_methods_and_cells():
     elements = {code: space.element for code, space in spaces.items()}
     assert elements["FDO1"] == Lagrange(1)
     assert elements["VVO2"] == elements["VDO2"] == Virtual(2, TraceStabilisation())
-    assert elements["HEO2"] == {"triangles": Lagrange(2), "quadrilaterals": Virtual(2, TraceStabilisation())}
+    assert elements["HEO2"] == {"triangles": Lagrange(2), "polygons": Virtual(2, TraceStabilisation())}
     assert (spaces["VDO2"].mesh.cell_sizes == 3).all()
     assert spaces["VVO2"].mesh.cell_sizes.max() > 4
     assert published_case("VVO1", 4).nodal_penalty_N_per_mm == 2.56e4

@@ -49,7 +49,7 @@
 
   for (const image of document.querySelectorAll("figure img")) {
     const figure = image.closest("figure");
-    const button = Object.assign(document.createElement("button"), { type: "button", className: "copy enlarge" });
+    const button = Object.assign(document.createElement("button"), { type: "button", className: "enlarge" });
     const label = () => (button.textContent = figure.classList.contains("large") ? "Fit the picture" : "Enlarge");
     for (const each of [image, button]) {
       each.addEventListener("click", () => {

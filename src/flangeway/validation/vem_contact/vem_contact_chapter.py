@@ -81,8 +81,8 @@ VEM_CONTACT = Reproduction(
         f"""Two boundaries in contact get each other's nodes, and nodes opposite each other are paired. The contact
         patch test of blocks with different meshes (Moherdaui 2021, 6.2.1) must be exact to round-off for
         polygons of orders 1 and 2 with every enforcement, rotated too. Hertz's problem on the published meshes
-        (6.2.2) is computed with multipliers between the circles by three pairings and the same elements: node-
-        to-segment, segment-to-segment (dual weights) and node-to-node. The root mean square error of the
+        (6.2.2) is computed with multipliers between the circles by three pairings and the same elements:
+        node-to-segment, segment-to-segment (dual weights) and node-to-node. The root mean square error of the
         pressure must be smaller node-to-node than node-to-segment on every mesh, and on M2 and M3 at most
         {100.0 * RMS_LIMITS[2]:g} % of p0 at order 2. Edges down to a millionth of those beside them, one at
         every edge of the upper disc, must not change the force, and the error by less than a third. The limits
