@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from flangeway.contact import AugmentedLagrange, SegmentToSegment
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Placement
 from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_contact
+from flangeway.solve.newton import STALLED
 from flangeway.solve.sensitivity import motion_derivatives
+from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
 
 DEPTH = 0.05
 RADIUS, THICKNESS = 50.0, 10.0
@@ -227,3 +230,12 @@ def test_bodies_serve_many_places(press) -> None:
         np.testing.assert_array_equal(used.respond(rotations, nodes, tangent, loads), expected)
         sparse = SparseBodies(problem.system.surface_nodes).respond(rotations, nodes, tangent, loads)
         np.testing.assert_allclose(expected, sparse, atol=1e-9 * np.abs(sparse).max())
+
+
+def test_corrections_below_the_tolerance_are_not_said_to_be_limited_by_round_off() -> None:
+    """Corrections of augmented Lagrange below the tolerance each have simply converged, however many there are."""
+    boxes = BoxDiscretisation(0.31, "fem", 1), BoxDiscretisation(0.4, "fem", 1)
+    law = AugmentedLagrange(2e5, "length", 1e-9)
+    found = pressed_boxes(*boxes, SegmentToSegment(), law, rotation_rad=0.3).solve()
+    assert len(found.state.history) > STALLED + 1
+    assert found.status.message.endswith("corrections of the forces")

@@ -272,6 +272,7 @@ class _Run:
         if friction is not None:
             self.tangential = _carried(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
+        self.stalled = False
         self.correct()
 
     def move(self, motions: Floats) -> None:
@@ -289,7 +290,7 @@ class _Run:
                 return self.result(failure, converged=False)
             if self.penetration_is_tolerated():
                 more = f" and {_counted(correction, 'correction')} of the forces" if correction else ""
-                if self._is_at_round_off():
+                if self.stalled:
                     more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
                 return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
             self.correct()
@@ -327,7 +328,7 @@ class _Run:
 
     def iterate(self, correction: int) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
-        settled = 1 if self.damped else SETTLE_AFTER
+        settled, first = 1 if self.damped else SETTLE_AFTER, len(self.history)
         for iteration in range(self.settings.max_iterations):
             if len(self.current.nodes) == 0 and (loose := self._loose()):
                 return loose
@@ -366,15 +367,11 @@ class _Run:
             self.tangential, self.slides, self.applied = tangential, slides, applied
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
-            if (residual <= max(self.settings.tolerance, floor) and not halved) or self._is_at_round_off():
+            met = residual <= max(self.settings.tolerance, floor) and not halved
+            self.stalled = not met and _is_at_round_off(self.history[first:])
+            if met or self.stalled:
                 return None
         return self._explain()
-
-    def _is_at_round_off(self) -> bool:
-        """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
-        last = [each for each in self.history[-STALLED - 1 :] if not each.changed]
-        small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
-        return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
 
     def _gaps(self, lin: Linearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
@@ -552,6 +549,13 @@ class _Run:
             friction,
             self.motions,
         )
+
+
+def _is_at_round_off(history: Sequence[Iteration]) -> bool:
+    """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
+    last = [each for each in history[-STALLED - 1 :] if not each.changed]
+    small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
+    return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
 
 
 def _counted(number: int, word: str) -> str:
