@@ -15,14 +15,14 @@ MAX_LINES = {
     "system": 776,
     "exact": 1106,
     "geometry": 1353,
-    "mesh": 3573,
-    "formats": 2010,
+    "mesh": 3577,
+    "formats": 2009,
     "elements": 1948,
     "space": 942,
     "materials": 398,
     "problems": 2899,
-    "solve": 4111,
-    "contact": 7148,
+    "solve": 4115,
+    "contact": 7147,
     "post": 2032,
     "forms": 366,
     "railway.profiles": 3671,
@@ -31,16 +31,16 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 3975,
-    "cases": 7585,
+    "cases": 7575,
     "campaign": 1923,
     "tables": 1441,
-    "report": 8275,
+    "report": 8274,
     "validation": 8276,
     "cli": 1309,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_607
+MAX_LINES_OF_ALL = 72_602
 MAX_FILES_OF_ALL = 380
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

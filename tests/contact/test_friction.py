@@ -139,6 +139,7 @@ def test_a_block_sticks_slips_and_returns(pairing, law, imbalance) -> None:
         assert along == pytest.approx(sign * MU * across, rel=5e-3)  # the surface is not quite straight
     assert (solution.dissipated_work >= 0.0).all()
     assert solution.dissipated_work[-1] > 0.0
+    np.testing.assert_allclose(solution.dissipated_by_contact, [solution.dissipated_work.sum()], rtol=1e-12)
     assert not np.array(solution.friction_table.columns["sticks"]).any()
 
 

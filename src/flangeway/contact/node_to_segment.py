@@ -117,14 +117,6 @@ class NodeToSegment(Pairing):
                 "leave them out",
             )
 
-    def node_areas(self, secondary: Surface) -> Floats:
-        """See `Pairing.node_areas`."""
-        return secondary.tributary_areas
-
-    def key_nodes(self, secondary: Surface) -> Ints:
-        """See `Pairing.key_nodes`."""
-        return np.arange(len(secondary.nodes))
-
     def pair(
         self,
         secondary: Surface,

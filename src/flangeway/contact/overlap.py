@@ -41,6 +41,13 @@ class Intrusion:
     position: tuple[float, float]
     allowed: float
 
+    @classmethod
+    def deepest(cls, points: Floats, depths: Floats, allowed: Floats) -> Self:
+        """Of points (n, 2) at depths with what is allowed there, both (n,): the one with the largest excess."""
+        deepest = int(np.argmax(depths - allowed))
+        x, y = points[deepest].tolist()
+        return cls(float(depths[deepest]), (x, y), float(allowed[deepest]))
+
 
 @dataclass(frozen=True, eq=False)
 class Boundary:
@@ -138,9 +145,7 @@ class Boundary:
             return None
         depths, nearest = other.nearest(points)
         allowed = self.sagittas[owner] + other.sagittas[nearest]
-        deepest = int(np.argmax(depths - allowed))
-        x, y = points[deepest].tolist()
-        return Intrusion(float(depths[deepest]), (x, y), float(allowed[deepest]))
+        return Intrusion.deepest(points, depths, allowed)
 
     def within_itself(self, apart: float) -> Intrusion | None:
         """Return the point of this boundary that lies in the body's own other side, seen from ``apart`` outside of it.
@@ -157,9 +162,7 @@ class Boundary:
         points, owner = points[inside], owner[inside]
         depths, nearest = self.nearest(points, chords[owner])
         allowed = self.sagittas[owner] + self.sagittas[nearest]
-        deepest = int(np.argmax(depths - allowed))
-        x, y = points[deepest].tolist()
-        return Intrusion(float(depths[deepest]), (x, y), float(allowed[deepest]))
+        return Intrusion.deepest(points, depths, allowed)
 
 
 def deepest_intrusion(one: Boundary, other: Boundary) -> Intrusion | None:

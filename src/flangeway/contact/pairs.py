@@ -84,13 +84,13 @@ class Pairing(ABC):
     averages: ClassVar[bool]
     """Whether the gap of a constraint is an average over its area; False: it is that of a node or point."""
 
-    @abstractmethod
     def node_areas(self, secondary: Surface) -> Floats:
         """Areas that belong to the nodes of a surface, length times thickness, shape (n_nodes,)."""
+        return secondary.tributary_areas
 
-    @abstractmethod
     def key_nodes(self, secondary: Surface) -> Ints:
-        """Positions in `Surface.nodes` of the nodes of all possible constraints, by key, shape (n_keys,)."""
+        """Positions in `Surface.nodes` of the nodes of all possible constraints, by key, shape (n_keys,): all nodes."""
+        return np.arange(len(secondary.nodes))
 
     @abstractmethod
     def pair(

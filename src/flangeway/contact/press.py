@@ -177,6 +177,18 @@ class ContactSolution(Result):
         """Work that friction dissipated in each of the steps, >= 0, shape (n_steps,)."""
         return np.array([0.0 if step.state.friction is None else step.state.friction.work for step in self.steps])
 
+    @property
+    def dissipated_by_contact(self) -> Floats:
+        """Work that friction dissipated in each contact in all steps, >= 0, shape (n_contacts,)."""
+        total = np.zeros(len(self.system.contacts))
+        for step in self.steps:
+            lin, friction = step.state.linearisation, step.state.friction
+            assert isinstance(lin, ContactLinearisation)
+            if friction is not None:
+                at = np.repeat(np.arange(len(total)), np.diff(lin.starts))
+                total -= np.bincount(at, friction.forces * friction.slips, len(total))
+        return total
+
     def nodal_forces(self, part: Part) -> Floats:
         """Contact forces on the nodes of a part in space, shape (n_nodes, 2)."""
         number = self._number(part)

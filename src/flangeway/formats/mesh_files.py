@@ -15,7 +15,7 @@ from flangeway.errors import InputError
 from flangeway.formats.abaqus_mesh import read_abaqus
 from flangeway.formats.mesh_repair import DrawnMesh, MeshFile, repaired_mesh
 from flangeway.mesh.connectivity import next_in_row
-from flangeway.mesh.curved import as_polylines
+from flangeway.mesh.curved import PIECES, as_polylines
 from flangeway.mesh.gmsh_mesher import gmsh_model
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.system.file_content import is_file
@@ -30,7 +30,6 @@ _CORNERS = {
 }
 """Number of corners, which come first, of meshio's plane cells and lines."""
 
-PIECES = 16  # of a curved edge as a polyline
 
 _OPTIONS = {"General.Terminal": 0, "Mesh.MshFileVersion": 4.1, "Mesh.Binary": 0, "Mesh.SaveAll": 0}
 
@@ -258,7 +257,7 @@ def write_vtu(
             {name: _between(mesh, array, at_entries=each is at_corners) for name, array in each.items()}
             for each in (at_points, at_corners)
         )
-        mesh = as_polylines(mesh, PIECES)
+        mesh = as_polylines(mesh)
         space = np.column_stack((mesh.points, np.zeros(mesh.n_points)))
     if at_corners:
         at_points = {name: array[mesh.cell_points] for name, array in at_points.items()} | at_corners

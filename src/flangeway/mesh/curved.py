@@ -26,6 +26,7 @@ As large as that, since the middle of a coarse chord is far from its arc; the ne
 """
 
 ON_CURVE = 1e-6  # distance of both ends of an edge from a curve, over its length, up to which it can lie on it
+PIECES = 16  # of a curved edge as a polyline in pictures and files
 
 
 def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
@@ -81,7 +82,7 @@ def curved(mesh: PolyMesh, curves: Curves) -> PolyMesh:
     return PolyMesh(points, mesh.cell_offsets, mesh.cell_points, mesh.cell_sets, mesh.edge_sets, table)
 
 
-def as_polylines(mesh: PolyMesh, pieces: int, cells: NDArray[np.integer] | None = None) -> PolyMesh:
+def as_polylines(mesh: PolyMesh, pieces: int = PIECES, cells: NDArray[np.integer] | None = None) -> PolyMesh:
     """Return the mesh, or some of its cells, with curved edges as straight ones between points of their curves.
 
     Behind its own points it has ``pieces - 1`` for each row of ``mesh.curves``, at equal steps of the parameter. Cells

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from flangeway.checks import is_finite
 from flangeway.errors import InputError, short
-from flangeway.geometry.arrays import as_points, cross_product, point_text
+from flangeway.geometry.arrays import IntArray, as_points, cross_product, point_text
 from flangeway.mesh.connectivity import edge_places, offsets_of, ordered_pairs, row_numbers
 from flangeway.mesh.edge_curves import EdgeCurves, united
 from flangeway.mesh.polymesh import PolyMesh
@@ -41,8 +41,7 @@ def divided(mesh: PolyMesh, edges: NDArray[np.integer], places: Floats) -> PolyM
     places
         Where the points are on them, from 0 to 1, (n,); of an edge on a curve in parts of its parameter.
     """
-    rim, count = mesh.boundary_edges.astype(np.int64), np.bincount(mesh.cell_edges, minlength=mesh.n_edges)
-    entries = np.flatnonzero(count[mesh.cell_edges] == 1)  # in the order of boundary_edges
+    rim = mesh.boundary_edges.astype(np.int64)
     start, end = mesh.points[rim[edges, 0]], mesh.points[rim[edges, 1]]
     points = (1.0 - places)[:, None] * start + places[:, None] * end
     order = np.lexsort((places, edges))
@@ -63,19 +62,28 @@ def divided(mesh: PolyMesh, edges: NDArray[np.integer], places: Floats) -> PolyM
             mine = on & (curves.number[rows[edges]] == number)
             points[mine] = curve.point(parameters[mine])
         curves = _divided_curves(curves, rows[owner], pieces, ends[owner], spans)
-    more = np.bincount(row_numbers(mesh.cell_offsets)[entries[at]], minlength=mesh.n_cells)
     sets = {}
     for name, pairs in mesh.edge_sets.items():
         rows, known = edge_places(pairs, mesh.boundary_edges, mesh.n_points)
         sets[name] = np.concatenate((pairs[~known], pieces[np.isin(owner, rows[known])])).astype(np.int32)
     return PolyMesh(
         np.concatenate((mesh.points, points)),
-        offsets_of(mesh.cell_sizes + more),
-        np.insert(mesh.cell_points, entries[at] + 1, numbers),
+        *corners_added(mesh, at, numbers),
         mesh.cell_sets,
         sets,
         curves,
     )
+
+
+def corners_added(mesh: PolyMesh, edges: Ints, points: Ints) -> tuple[IntArray, IntArray]:
+    """Offsets and points of the cells with further corners on boundary edges, in their order along the boundary.
+
+    - `edges`, `points`: rows of ``mesh.boundary_edges``, rising, and numbers of the corners, (n,).
+    """
+    count = np.bincount(mesh.cell_edges, minlength=mesh.n_edges)
+    entries = np.flatnonzero(count[mesh.cell_edges] == 1)[edges]  # in the order of boundary_edges
+    more = np.bincount(row_numbers(mesh.cell_offsets)[entries], minlength=mesh.n_cells)
+    return offsets_of(mesh.cell_sizes + more), np.insert(mesh.cell_points, entries + 1, points)
 
 
 def _curve_ends(curves: EdgeCurves, rim: Ints, rows: Ints) -> Floats:

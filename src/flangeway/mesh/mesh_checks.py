@@ -10,6 +10,7 @@ from flangeway.errors import InputError
 from flangeway.geometry.arrays import IntArray, point_text
 from flangeway.mesh.connectivity import edge_places, next_in_row, offsets_of, row_numbers
 from flangeway.mesh.curved import as_polylines
+from flangeway.mesh.insertion import corners_added
 from flangeway.mesh.meeting import Meeting, layers, meeting, touching_distance
 from flangeway.mesh.polymesh import PolyMesh
 from flangeway.types import Bools, Ints
@@ -310,15 +311,9 @@ def conforming(mesh: PolyMesh) -> PolyMesh:
             "points that hang on straight edges",
             "take conforming(mesh.straight()), then curved(mesh, outline) again",
         )
-    counts = np.bincount(mesh.cell_edges, minlength=mesh.n_edges)
-    entries = np.flatnonzero(counts[mesh.cell_edges] == 1)  # in the order of boundary_edges
     along = np.hypot(*(mesh.points[points] - mesh.points[pairs[edges, 0]]).T)
     order = np.lexsort((along, edges))
-    edges, points = edges[order], points[order]
-    cell_points = np.insert(mesh.cell_points, entries[edges] + 1, points)
-    more = np.bincount(row_numbers(mesh.cell_offsets)[entries[edges]], minlength=mesh.n_cells)
-    offsets = offsets_of(mesh.cell_sizes + more)
-    whole = PolyMesh(mesh.points, offsets, cell_points, mesh.cell_sets, curves=mesh.curves)
+    whole = PolyMesh(mesh.points, *corners_added(mesh, edges[order], points[order]), mesh.cell_sets, curves=mesh.curves)
     outer = set(map(tuple, whole.boundary_edges.tolist()))
     for name, given in mesh.edge_sets.items():
         kept = [pair for pair in given.tolist() if tuple(pair) in outer]

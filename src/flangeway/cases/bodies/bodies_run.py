@@ -13,7 +13,7 @@ from flangeway.cases.bodies.bodies_model import BodiesModel, BodyModel
 from flangeway.cases.bodies.bodies_tables import BodiesInputs
 from flangeway.cases.case import Case, Progress, RunnableCase
 from flangeway.cases.summary import RunResult, StatusSummary, Summary, SummaryPart
-from flangeway.contact import ContactLinearisation, ContactSolution, LoadStep
+from flangeway.contact import ContactSolution, LoadStep
 from flangeway.exact import LineContact
 from flangeway.geometry import Placement
 from flangeway.post import PressurePatch, cell_stresses, corner_stresses, nodal_residual, pressure_patches
@@ -279,7 +279,7 @@ def _contacts(contact: ContactSolution) -> list[PairSummary]:
 
 def _friction(contact: ContactSolution) -> list[FrictionSummary]:
     table = {name: np.asarray(values) for name, values in contact.friction_table.columns.items()}
-    rows = []
+    rows, works = [], contact.dissipated_by_contact
     for number, each in enumerate(contact.system.contacts):
         if not each.friction_coefficient:
             continue
@@ -294,20 +294,10 @@ def _friction(contact: ContactSolution) -> list[FrictionSummary]:
                 max_traction_MPa=float(np.abs(table["traction"][mine]).max(initial=0.0)),
                 max_slip_in_step_mm=float(np.abs(table["slip"][mine]).max(initial=0.0)),
                 sticking_share=float(lengths[table["sticks"][mine]].sum() / max(lengths.sum(), 1e-300)),
-                dissipated_N_mm=float(sum(_work(step, number) for step in contact.steps)),
+                dissipated_N_mm=float(works[number]),
             )
         )
     return rows
-
-
-def _work(step: LoadStep, number: int) -> float:
-    """Work that a contact dissipated in a step."""
-    lin, friction = step.state.linearisation, step.state.friction
-    assert isinstance(lin, ContactLinearisation)
-    if friction is None:
-        return 0.0
-    mine = slice(*lin.starts[number : number + 2])
-    return 0.0 - float(friction.forces[mine] @ friction.slips[mine])
 
 
 def support_reactions_of(

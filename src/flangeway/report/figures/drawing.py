@@ -236,7 +236,7 @@ def _well_inside(axes: Axes, x: float, y: float) -> bool:
 
 def draw_outline(axes: Axes, mesh: PolyMesh, points: Floats | None = None, *, dashed: bool = False) -> None:
     """Draw the outer boundary of a mesh and the holes', its points being at `points`."""
-    mesh = as_polylines(mesh, PIECES) if points is None else mesh
+    mesh = as_polylines(mesh) if points is None else mesh
     places = mesh.points if points is None else points
     style = {"color": GREY, "linestyle": (0, (4, 2))} if dashed else {"color": INK, "linestyle": "solid"}
     for loop in boundary_loops(mesh):
@@ -304,7 +304,6 @@ def draw_field(axes: Axes, mesh: PolyMesh, values: Floats, shades: ColourSteps, 
 Colour = tuple[float, float, float, float]
 
 LINE_WIDTH = 0.2
-PIECES = 16  # of a curved edge as a polyline
 NOT_SHOWN = -1
 
 

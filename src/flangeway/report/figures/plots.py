@@ -18,7 +18,7 @@ from flangeway.mesh.curved import as_polylines
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, PIECES, SIGNED, draw_outline, named, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SIGNED, draw_outline, named, new_figure
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
@@ -63,7 +63,7 @@ def plot_mesh(
         Unit of the coordinates, for the labels.
 
     """
-    axes, mesh = _prepared(axes, length_unit), as_polylines(mesh, PIECES)
+    axes, mesh = _prepared(axes, length_unit), as_polylines(mesh)
     handles = []
     if cell_sets:
         for number, (name, cells) in enumerate(mesh.cell_sets.items()):
@@ -118,7 +118,7 @@ def plot_function(
     """
     shown = _fine_display(space)
     values = shown.function(np.asarray(dofs, dtype=np.float64)[:, None])[:, 0]
-    axes, mesh = _prepared(axes, length_unit), as_polylines(space.mesh, PIECES)
+    axes, mesh = _prepared(axes, length_unit), as_polylines(space.mesh)
     _fill(axes, shown, shown.points, values, _with_unit(label, unit), limits)
     if edges:
         _draw_edges(axes, mesh.points[mesh.edges], mesh)
