@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2899,
     "solve": 4115,
-    "contact": 7147,
+    "contact": 7199,
     "post": 2032,
     "forms": 366,
     "railway.profiles": 3671,
@@ -30,18 +30,18 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3975,
-    "cases": 7575,
+    "railway.spatial": 3966,
+    "cases": 7966,
     "campaign": 1923,
     "tables": 1441,
-    "report": 8274,
-    "validation": 8276,
+    "report": 8641,
+    "validation": 8272,
     "cli": 1309,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 72_602
-MAX_FILES_OF_ALL = 380
+MAX_LINES_OF_ALL = 73_399
+MAX_FILES_OF_ALL = 384
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

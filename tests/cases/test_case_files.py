@@ -27,6 +27,7 @@ COARSE = {
     "roller": {"order": 1, "crown_radius_mm": 20.0},
     "crossed-cylinders": {"order": 1},
     "spatial": {"tolerance": 0.1, "bodies.bar.order": 1, "bodies.wheel.order": 1},
+    "rolling-patch": {"cells_along": 8, "cells_across": 8, "curve_points": 3},
     "stack": {"size_mm": 10.0},
     "roller-between-plates": {"size_mm": 0.3, "body_size_mm": 8.0},
     "bearing-ring": {"size_mm": 0.25, "body_size_mm": 8.0},
@@ -184,6 +185,7 @@ def test_every_unit_is_in_its_name():
         ),
         *("rail_poisson", "hold", "sleeper_position"),
         *("friction", "kinetic_friction", "flange_friction"),
+        *("upper_poisson", "longitudinal_creepage", "lateral_creepage", "curve_end"),
     }
     units = (
         "_mm",

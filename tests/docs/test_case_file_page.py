@@ -20,7 +20,7 @@ def block(kind, start):
 def test_the_page_runs_from_top_to_bottom(follow, tmp_path):
     """Every file is saved, every command ends with status 0, every script runs, and what is shown is printed."""
     done = follow("how-to/write-a-case-file.md", tolerance=0.01, skip=["flangeway: cylinders.toml"])
-    assert done == {"toml": 5, "inp": 1, "sh": 6, "text": 3, "python": 2}
+    assert done == {"toml": 5, "inp": 1, "sh": 7, "text": 4, "python": 2}
     assert (tmp_path / "out" / "mine" / "summary.json").is_file()
     assert load_case(tmp_path / "curve.toml").rail == "60E1"
     shortest = re.search(r"Save as `curve.toml`.*?```toml\n(.*?)```", TEXT, flags=re.DOTALL)[1]

@@ -3,7 +3,7 @@
 import difflib
 import math
 from abc import abstractmethod
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from types import UnionType
 from typing import Annotated, Any, ClassVar, Literal, Protocol, Self, Union, get_args, get_origin
@@ -147,6 +147,16 @@ class Case(Table):
             given, allowed, advice = map(self.as_written, (reason.given, reason.allowed, reason.advice))
             raise InputError(f"{place(given)}{given}", allowed, advice) from reason
 
+    def refuse_without_effect(self, keys: Iterable[str], key: str, wanted: str) -> None:
+        """Refuse inputs that another one leaves without effect, if they are not those by default."""
+        for name in keys:
+            if getattr(self, name) != type(self).model_fields[name].default:
+                raise InputError(
+                    f"{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
+                    f"{name} with {key} = {wanted}",
+                    f"leave {name} out, or give {key} = {wanted}",
+                )
+
     @classmethod
     def tables_of_inputs(cls, units: Units = "metric") -> list[tuple[str, list[tuple[str, str, str, str]]]]:
         """Key, default, what is allowed, and meaning of every input; those inside tables apart, by the table's path."""
@@ -205,6 +215,8 @@ GROUPS = {
         ("force_kN", "radius_mm", "width_mm", "shaft_radius_mm", "bore_radius_mm"), "Load and dimensions of the bodies"
     ),
     "equilibria": "Equilibrium",
+    "longitudinal_creepage": "Motion and friction",
+    "curve": "Creep curve and cells",
 }
 """Captions of the groups of inputs, by the key that begins the group."""
 

@@ -10,6 +10,7 @@ from flangeway.cases.bodies.cook import CookCase
 from flangeway.cases.bodies.presets import ContactPatchCase, HertzCase
 from flangeway.cases.bodies.two_bodies import TwoBodiesCase
 from flangeway.cases.case import RunnableCase, closest, key_text, merged
+from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase
 from flangeway.cases.section.section_run import TorsionCase
 from flangeway.cases.spatial.spatial_case import SpatialCase
 from flangeway.cases.spatial.spatial_presets import CraneWheelCase, CrossedCylindersCase, RollerCase
@@ -27,7 +28,7 @@ CASES: dict[str, type[RunnableCase]] = {
         *(SpatialWheelsetCase, WheelsetTangentCase, WheelsetCurveCase),
         *(HertzCase, ContactPatchCase, CookCase, TorsionCase, TwoBodiesCase),
         *(StackCase, RollerBetweenPlatesCase, BearingRingCase, ShrinkFitCase),
-        *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase),
+        *(CraneWheelCase, RollerCase, CrossedCylindersCase, SpatialCase, RollingPatchCase),
     )
 }
 """Types of the cases by name."""

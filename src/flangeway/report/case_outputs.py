@@ -13,6 +13,7 @@ from flangeway.cases.bodies.bodies_run import BodiesCase
 from flangeway.cases.case import Case, Progress, Run
 from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.cases.rigid.rigid_run import ConicityRun, GeometryRun
+from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
 from flangeway.cases.section.section_run import SectionRun, TorsionCase, TorsionRun
 from flangeway.cases.spatial.spatial_case import SpatialRun, SpatialRunCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
@@ -29,6 +30,7 @@ from flangeway.report.page.record import REPORT, SUMMARY, Record
 from flangeway.report.page.us_record import in_units
 from flangeway.report.profile.profile_figures import shape_figure
 from flangeway.report.rigid.rigid_figures import conicity_figure, locus_figure
+from flangeway.report.rolling import rolling_patch_page
 from flangeway.report.section import section_page
 from flangeway.report.section.section_figures import warping_figure
 from flangeway.report.spatial import spatial_page
@@ -44,17 +46,18 @@ from flangeway.results import Result
 class CaseOutputs:
     """What makes the outputs of a kind of case."""
 
-    names: tuple[str, ...]  # names of the files, except the report and ``summary.json``
+    names: Callable[[Any], tuple[str, ...]]  # from a case to the names of the files, except report and ``summary.json``
     record: Callable[[Any], Record]  # from a run to what it found
 
 
 OUTPUTS: dict[type[Case], CaseOutputs] = {
-    WheelsetCase: CaseOutputs(wheelset_page.NAMES, wheelset_page.wheelset_record),
-    SpatialWheelsetCase: CaseOutputs(spatial_wheelset_page.NAMES, spatial_wheelset_page.spatial_wheelset_record),
-    BodiesCase: CaseOutputs(bodies_page.NAMES, bodies_page.bodies_record),
-    SpatialRunCase: CaseOutputs(spatial_page.NAMES, spatial_page.spatial_record),
+    WheelsetCase: CaseOutputs(lambda _: wheelset_page.NAMES, wheelset_page.wheelset_record),
+    SpatialWheelsetCase: CaseOutputs(spatial_wheelset_page.names, spatial_wheelset_page.spatial_wheelset_record),
+    BodiesCase: CaseOutputs(lambda _: bodies_page.NAMES, bodies_page.bodies_record),
+    SpatialRunCase: CaseOutputs(lambda _: spatial_page.NAMES, spatial_page.spatial_record),
+    RollingPatchCase: CaseOutputs(rolling_patch_page.names, rolling_patch_page.rolling_patch_record),
     TorsionCase: CaseOutputs(
-        section_page.NAMES,
+        lambda _: section_page.NAMES,
         lambda run: section_page.section_record(
             run.section, run.case, command=command_line(run.case), summary=run.summary, summary_file=SUMMARY
         ),
@@ -76,6 +79,7 @@ PLOTS: dict[type[Result], Callable[[Any], Figure]] = {
     SpatialWheelsetRun: section_figure,
     BodiesRun: stress_figure,
     SpatialRun: patch_figure,
+    RollingPatchRun: rolling_patch_page.main_figure,
     SectionRun: warping_figure,
     TorsionRun: lambda run: warping_figure(run.section),
     GeometryRun: locus_figure,
@@ -92,8 +96,8 @@ def _outputs(case: Case) -> CaseOutputs:
 
 
 def case_files(case: Case) -> tuple[str, ...]:
-    """Names of the files that a run of a case leaves, except fields of bodies, and pictures of friction."""
-    return *_outputs(case).names, REPORT, SUMMARY
+    """Names of the files that a run of a case may leave, except fields of bodies."""
+    return *_outputs(case).names(case), REPORT, SUMMARY
 
 
 def case_record(run: Run) -> Record:

@@ -1,7 +1,6 @@
 """The case of a wheelset on two rails in three dimensions."""
 
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import ClassVar, Literal
 
@@ -15,11 +14,12 @@ from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
 from flangeway.contact.patch.contact_ellipse import PARABOLIC
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.materials import Elastic
 from flangeway.railway.spatial.axle import Axle
 from flangeway.railway.spatial.rail_supports import RailSupport
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
 from flangeway.railway.spatial.running_surfaces import SpatialModel
 from flangeway.railway.spatial.spatial_result import SpatialResult, solve_spatial
 from flangeway.railway.spatial.whole_wheel import WheelDisc
@@ -197,7 +197,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     def plane(self) -> WheelsetTangentCase:
         """Return the plane wheelset of the same inputs; an `InputError` if it does not have one that was given."""
         plane = WheelsetTangentCase.model_fields
-        self._refuse(
+        self.refuse_without_effect(
             (key for key in type(self).model_fields if key not in plane and key != "model"), "model", "spatial"
         )
         shared = WheelsetTangentCase.model_fields.keys() & self.model_fields_set
@@ -212,7 +212,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
 
         It is an `InputError` if a profile is unknown, a number is not allowed, or inputs contradict each other.
         """
-        self._refuse(["thickness_mm"], "model", "plane")
+        self.refuse_without_effect(["thickness_mm"], "model", "plane")
         load = self.model_fields_set & {"axle_load_kN", "car_mass_t"}
         if self.vertical_mm is not None and load:
             raise InputError(
@@ -235,10 +235,10 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
         """Return supports, wheels, axle and yaw; an `InputError` if what was given does not belong together."""
         support = None
         if self.rail_support != "sleepers":
-            self._refuse(["sleeper_position"], "rail_support", "sleepers")
+            self.refuse_without_effect(["sleeper_position"], "rail_support", "sleepers")
         if self.rail_support == "fixed":
             seats = (key for key in type(self).model_fields if key.startswith(("seat_", "sleeper_")))
-            self._refuse(seats, "rail_support", "sleepers or continuous")
+            self.refuse_without_effect(seats, "rail_support", "sleepers or continuous")
         else:
             support = RailSupport(
                 self.rail_support,
@@ -260,7 +260,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     def _rolling(self) -> RollingMotion | None:
         """How the wheelset rolls, None without friction."""
         if not self.friction:
-            self._refuse(ROLLING_KEYS, "friction", "a coefficient above 0")
+            self.refuse_without_effect(ROLLING_KEYS, "friction", "a coefficient above 0")
             return None
         if not self.speed_km_h:
             raise InputError(
@@ -280,16 +280,6 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             None if stiffness is None else 1e6 * stiffness,
             self.rolling_theory,
         )
-
-    def _refuse(self, keys: Iterable[str], key: str, wanted: str) -> None:
-        """Refuse inputs that another one leaves without effect, if they are not those by default."""
-        for name in keys:
-            if getattr(self, name) != type(self).model_fields[name].default:
-                raise InputError(
-                    f"{name} = {getattr(self, name)} with {key} = {getattr(self, key)}",
-                    f"{name} with {key} = {wanted}",
-                    f"leave {name} out, or give {key} = {wanted}",
-                )
 
     @property
     def _base_words(self) -> str:

@@ -13,7 +13,7 @@ def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
     """Kalker's linear theory (1967, thesis, Delft; 1990, 2.2.3): no slip, forces in proportion to creepages.
 
     Range: forces up to about a third of the limit of friction, where it is some 20 % too large. A notice is given
-    where they exceed the limit.
+    where they exceed the limit; without friction there are none.
     """
     ellipse = EllipticContact.of(contact, motion)
     c, unit = ellipse.coefficients, ellipse.unit
@@ -23,7 +23,11 @@ def linear_theory(contact: RollingContact, motion: Creepages) -> CreepForces:
     moment = unit * size * (c.c23 * ellipse.eta - c.c33 * size * ellipse.phi)
     limit = ellipse.friction * ellipse.force
     beyond = float(np.hypot(x, y))
-    notices = () if beyond <= limit else (f"linear theory gives {beyond / limit:.3g} times the limit of friction",)
+    notices: tuple[str, ...] = ()
+    if limit == 0.0:
+        x = y = moment = 0.0
+    elif beyond > limit:
+        notices = (f"linear theory gives {beyond / limit:.3g} times the limit of friction",)
     return _closed_form("linear theory", contact, motion, ellipse, (x, y, moment), notices)
 
 

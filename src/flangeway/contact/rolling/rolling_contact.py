@@ -27,7 +27,9 @@ PressedBy = Callable[[Floats, Floats], NormalContact]
 
 @dataclass(frozen=True, eq=False)
 class RollingContact:
-    """A patch between two bodies: use `between_half_spaces`, `of_half_spaces` or `of_bodies`.
+    """A patch between two bodies.
+
+    Use `under_hertz`, `between_half_spaces`, `of_half_spaces` or `of_bodies`.
 
     Parameters
     ----------
@@ -87,6 +89,23 @@ class RollingContact:
     ) -> "RollingContact":
         """Known pressures between half-spaces."""
         return cls(grid, pressures, friction, materials, _half_spaces(grid, materials))
+
+    @classmethod
+    def under_hertz(
+        cls,
+        semi_axes: tuple[float, float],
+        force: float,
+        cells: tuple[int, int],
+        friction: Friction,
+        materials: tuple[Elastic, Elastic],
+    ) -> "RollingContact":
+        """Half-spaces under Hertz's pressure on an ellipse: semi-axes and numbers of cells along t and along z."""
+        (across, along), (n_rows, n_strips) = semi_axes, cells
+        grid = PatchGrid(across * np.linspace(-1.0, 1.0, n_rows + 1), 2.0 * along / n_strips, n_strips)
+        s = np.linspace(-1.0, 1.0, 2 * n_rows + 1)[1::2]
+        pressures = np.sqrt(np.maximum(1.0 - s[:, None] ** 2 - (grid.along / along) ** 2, 0.0))
+        pressures *= force / float((pressures * _areas(grid)).sum())
+        return cls.between_half_spaces(grid, pressures, friction, materials)
 
     @classmethod
     def of_half_spaces(

@@ -72,17 +72,17 @@ class ShownRolling:
 
     @property
     def slip_m_s(self) -> Floats:
-        """Slip velocity, shape (n_cells, n_strips)."""
+        """Slip velocity, of a shift the slip in mm, shape (n_cells, n_strips)."""
         return np.linalg.norm(self.fields.slip_velocities, axis=2) * self._scale
 
     @property
     def power_W_mm2(self) -> Floats:  # noqa: N802
-        """Frictional power over area, MPa m/s = W/mm^2, shape (n_cells, n_strips)."""
+        """Frictional power over area, MPa m/s = W/mm^2, of a shift its work in N/mm, shape (n_cells, n_strips)."""
         return self.fields.power_density * self._scale
 
     @property
     def _scale(self) -> float:
-        return self.speed_m_s / abs(self.found.motion.speed)
+        return self.speed_m_s / abs(self.found.motion.speed) if self.found.motion.rolls else 1.0
 
 
 def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
@@ -94,8 +94,9 @@ def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
     panels = figure.subplots(count, 3, squeeze=False, height_ratios=heights.tolist())
     for row, shown, box in zip(panels, patches, boxes, strict=False):
         _draw_states(row[0], shown)
-        _draw_values(row[1], shown, shown.slip_m_s, "slip velocity, m/s")
-        _draw_values(row[2], shown, shown.power_W_mm2, "frictional power, W/mm²")
+        rolls = shown.found.motion.rolls
+        _draw_values(row[1], shown, shown.slip_m_s, "slip velocity, m/s" if rolls else "slip, mm")
+        _draw_values(row[2], shown, shown.power_W_mm2, f"frictional {'power, W' if rolls else 'work, N mm'}/mm²")
         ends = box[:, 0].mean() + np.array([-0.5, 0.5]) * float(width.max())
         for axes in row:
             axes.set(xlim=ends, ylim=box[:, 1])

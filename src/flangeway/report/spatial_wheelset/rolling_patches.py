@@ -8,6 +8,7 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import Rolling
+from flangeway.contact.rolling.theories import WITH_TRACTIONS, Theory
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.report.page.record import Picture
@@ -31,6 +32,11 @@ AXES = {
     "and its moment counter-clockwise seen from above",
     "T-gamma": "energy that friction dissipates over the distance rolled, spin included; N is J/m",
 }
+
+
+def rolling_names(theory: Theory) -> tuple[str, ...]:
+    """Names of the pictures of patches that roll by a theory."""
+    return (*((MAPS,) if theory in WITH_TRACTIONS else ()), CURVES, SHAKEDOWN)
 
 
 def shown_patches(result: SpatialResult) -> list[ShownRolling]:

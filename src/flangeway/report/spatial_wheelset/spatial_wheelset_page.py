@@ -5,7 +5,7 @@ from functools import partial
 
 from matplotlib.figure import Figure
 
-from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
 from flangeway.railway.track.placements import SIDES
@@ -16,7 +16,13 @@ from flangeway.report.page.tables import Column, SummaryTable, marked, number, t
 from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
 from flangeway.report.spatial_wheelset.rails_along_track import rails_csv, rails_figure, rails_table
 from flangeway.report.spatial_wheelset.rolling_patches import AXES as ROLLING_AXES
-from flangeway.report.spatial_wheelset.rolling_patches import ROLLING, motion_tables, rolling_pictures, rolling_table
+from flangeway.report.spatial_wheelset.rolling_patches import (
+    ROLLING,
+    motion_tables,
+    rolling_names,
+    rolling_pictures,
+    rolling_table,
+)
 from flangeway.report.spatial_wheelset.running_surface_files import (
     PARTS,
     below_table,
@@ -30,6 +36,7 @@ from flangeway.report.spatial_wheelset.wheelset_patches import (
     pressures_figure,
     section_figure,
 )
+from flangeway.report.wheelset import wheelset_page
 from flangeway.system.output_folder import Writer, text_writer
 
 PICTURES: dict[str, tuple[Callable[[SpatialWheelsetRun], Figure], str, str]] = {
@@ -90,6 +97,13 @@ AXES = {key: WHEELSET_AXES[key] for key in ("space", "rail", "wheel", "forces")}
     "L/V": "lateral over vertical force of a wheel, positive where it pushes its rail outwards",
     "stresses": "tension positive",
 }
+
+
+def names(case: SpatialWheelsetCase) -> tuple[str, ...]:
+    """Names of the files of a run."""
+    if case.model == "plane":
+        return wheelset_page.NAMES
+    return *NAMES, *(rolling_names(case.rolling_theory) if case.friction else ())
 
 
 def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:

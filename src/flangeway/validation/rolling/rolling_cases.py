@@ -90,11 +90,7 @@ def elliptic(
     materials: tuple[Elastic, Elastic] = (STEEL, STEEL),
 ) -> RollingContact:
     """Half-spaces under Hertz's pressure on an ellipse of cells, numbers across and along its axes."""
-    grid = PatchGrid(across * np.linspace(-1.0, 1.0, cells[0] + 1), 2.0 * along / cells[1], cells[1])
-    s = np.linspace(-1.0, 1.0, 2 * cells[0] + 1)[1::2]
-    pressures = np.sqrt(np.maximum(1.0 - s[:, None] ** 2 - (grid.along / along) ** 2, 0.0))
-    pressures *= force / float((pressures * grid.widths[:, None] * grid.strip).sum())
-    return RollingContact.between_half_spaces(grid, pressures, Friction(friction), materials)
+    return RollingContact.under_hertz((across, along), force, cells, Friction(friction), materials)
 
 
 def line(half: float, peak: float, n: int) -> RollingContact:

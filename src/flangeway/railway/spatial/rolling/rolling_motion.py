@@ -1,16 +1,14 @@
 """How a wheelset rolls: speed, curve, yaw, torque and friction."""
 
 from dataclasses import dataclass, replace
-from typing import Literal
 
 import numpy as np
 
 from flangeway.checks import check_finite, check_positive
 from flangeway.contact.rolling.friction import Friction
+from flangeway.contact.rolling.theories import Theory
 from flangeway.errors import InputError
 from flangeway.types import Floats
-
-Theory = Literal["exact", "fastsim", "fastrip", "polach", "linear"]
 
 GAUGE_FACE_RAD = np.deg2rad(45.0)
 """Slope of the rail's surface from which it is the gauge face."""

@@ -4,7 +4,7 @@ The slip of the wheel's surface on a rail at rest is ``v + omega x r`` projected
 cells: v of the axle's middle, the rotation about the wheel's tilted and yawed axis, and the yaw rate with V / R.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -14,10 +14,9 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fast_theories import linear_theory, polach
-from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
+from flangeway.contact.rolling.theories import FAST, Theory
 from flangeway.railway.spatial.rolling.patch_rolling import (
     box_of,
     contact_in,
@@ -26,18 +25,12 @@ from flangeway.railway.spatial.rolling.patch_rolling import (
     strips_of,
     window_of,
 )
-from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion, Theory
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
 from flangeway.railway.spatial.side_contact import SideGrid, SideState, WheelPose, tangents_of
 from flangeway.railway.spatial.side_newton import N_RESULTANTS, CreepSlopes, SideNewton
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.types import Bools, Floats
 
-FAST: dict[Theory, Callable[[RollingContact, Creepages], CreepForces]] = {
-    "fastsim": fastsim,
-    "fastrip": fastrip,
-    "polach": polach,
-    "linear": linear_theory,
-}
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
 MERGED = 0.25

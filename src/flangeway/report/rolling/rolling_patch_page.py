@@ -1,0 +1,342 @@
+"""Files, report and terminal summary of one contact patch that rolls with friction."""
+
+from collections.abc import Callable
+from dataclasses import asdict
+from functools import partial
+from itertools import groupby
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
+from flangeway.cases.rolling.rolling_patch_summary import RollingPatchSummary
+from flangeway.contact.rolling.theories import TITLES, WITH_TRACTIONS
+from flangeway.errors import InputError
+from flangeway.formats import write_vtu
+from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
+from flangeway.report.page.case_text import case_text, command_line, inputs_tables
+from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.tables import Column, SummaryTable, number, table_across
+from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
+from flangeway.report.spatial.patch_map import strip_mesh
+from flangeway.report.viewer import Scene, ShownField, ShownPart
+from flangeway.results import ResultTable
+from flangeway.system.output_folder import Writer, text_writer
+from flangeway.types import Floats
+
+MAPS, SECTION, CURVE = "rolling.png", "tractions.png", "creep-curve.png"
+CELLS, CURVE_TABLE, PATCH = "cells.csv", "creep-curve.csv", "patch.vtu"
+CAPTIONS = {
+    MAPS: "The patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the upper "
+    "body; slip; frictional power over the area.",
+    SECTION: "Tractions on the upper body in the middle of the patch, along and across, below their limit, friction "
+    "times pressure. Where the size reaches it the surfaces slip.",
+    CURVE: "Creep forces on the upper body and spin moment over one creepage by all theories; the others are those of "
+    "the case. Dotted: the limit of friction.",
+}
+AXES = {
+    "ahead, right": "directions of rolling and across it, seen from above; z and x of the picture",
+    "creepage": "slip of the upper body on the lower one over the speed; spin counter-clockwise seen from above",
+    "force": "on the upper body, about the centre of pressure; the spin moment counter-clockwise",
+    "CONTACT": "for rolling ahead xi, eta and phi are the longitudinal, the lateral and minus the spin creepage; F_x, "
+    "F_y and M_z the longitudinal force, the lateral one, and minus the spin moment",
+}
+STYLES = {
+    TITLES["exact"]: (INK, "-"), TITLES["fastsim"]: ("#2166ac", (0, (5, 2))), TITLES["fastrip"]: ("#2e7d32", "--"),
+    TITLES["polach"]: ("#b35806", "dashdot"), TITLES["linear"]: (GREY, (0, (1, 1.5))),
+}  # fmt: skip
+CURVES = (
+    ("longitudinal_force_kN", "longitudinal force, kN"), ("lateral_force_kN", "lateral force, kN"),
+    ("spin_moment_Nm", "spin moment, N m"),
+)  # fmt: skip
+ROOM = Room(left=0.75, right=0.2, bottom=1.05, top=0.2, across=0.75)
+WIDE_IN = 7.5
+"""Width of a picture with room for all names beside each other."""
+FAR = 1.3
+"""Highest force that is drawn over the limit of friction: linear theory goes on."""
+ROUND_OFF = 1e-6
+"""Force over the limit of friction, and moment over this times the semi-axis along, that is none and not drawn."""
+DIGITS = 6
+FIELDS = {
+    "pressure_MPa": ("contact pressure", "MPa"),
+    "traction_MPa": ("traction", "MPa"),
+    "slip_velocity_m_s": ("slip velocity", "m/s"),
+    "slip_mm": ("slip", "mm"),
+    "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
+    "stick_slip_state": ("state: 1 sticks, 2 slips", ""),
+}
+
+
+def names(case: RollingPatchCase) -> tuple[str, ...]:
+    """Names of the files of a run."""
+    fields = (MAPS, SECTION) if case.rolling_theory in WITH_TRACTIONS else ()
+    return *fields, *((CURVE, CURVE_TABLE) if case.has_curve else ()), CELLS, PATCH
+
+
+def rolling_patch_record(run: RollingPatchRun) -> Record:
+    """Return what a run of one patch found."""
+    case, summary = run.case, run.summary
+    moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"
+    return Record(
+        name=case.name,
+        title=case.title,
+        subtitle=f"{summary.theory}, {summary.cells[0]} by {summary.cells[1]} cells, {moves}, coefficient of friction "
+        f"{case.friction:g}",
+        converged=summary.status.converged,
+        message=summary.status.message,
+        facts=_facts(summary),
+        results=_results(summary),
+        summary=summary,
+        again=Again(
+            command_line(case),
+            case_text(case),
+            files="The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all "
+            f"cells in `{CELLS}` and, for ParaView, in `{PATCH}`"
+            + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
+        ),
+        versions=summary.versions,
+        warnings=summary.notices,
+        assumptions=[
+            "Half-spaces, linear elastic; the patch is flat.",
+            "Fast theories take the ellipse with the second moments of the pressures, and the mean material.",
+        ],
+        scene=lambda: _scene(run),
+        pictures=[Picture(name, draw, CAPTIONS[name], CAPTIONS[name]) for name, draw in _pictures(run).items()],
+        tables=_tables(summary),
+        axes=AXES,
+        inputs=inputs_tables(case),
+        timings_s=summary.timings_s,
+        files=lambda: _files(run),
+    )
+
+
+def _facts(summary: RollingPatchSummary) -> list[tuple[str, str]]:
+    facts = [
+        (f"{summary.longitudinal_force_kN:z.3f} kN", "longitudinal force on the upper body"),
+        (f"{summary.lateral_force_kN:z.3f} kN", "lateral force"),
+        (number(summary.traction_coefficient, 3), "traction coefficient"),
+        (f"{summary.max_pressure_MPa:.0f} MPa", "maximum pressure"),
+    ]
+    if summary.slipping_share is not None:
+        facts.append((f"{100.0 * summary.slipping_share:.0f} %", "of the patch slips"))
+    if summary.rolling is not None:
+        facts.append((f"{summary.rolling.t_gamma_N:z.2f} N", "T-gamma"))
+    return facts
+
+
+def _results(summary: RollingPatchSummary) -> SummaryTable:
+    rolling, shift = summary.rolling, summary.shift
+    rows = [
+        (
+            "{along|across}: semi-axis of the patch, mm",
+            (summary.semi_axis_along_mm, summary.semi_axis_across_mm),
+            ".3f",
+        ),
+        ("maximum pressure, MPa", summary.max_pressure_MPa, ".1f"),
+    ]
+    if rolling is not None:
+        rows += [
+            ("{longitudinal|lateral} creepage, %",
+             (100.0 * rolling.longitudinal_creepage, 100.0 * rolling.lateral_creepage), "z.4f"),
+            ("spin creepage, 1/m", rolling.spin_creepage_per_m, "z.4f"),
+        ]  # fmt: skip
+    if shift is not None:
+        rows += [
+            ("shift {ahead|to the right}, mm", (shift.longitudinal_mm, shift.lateral_mm), "z.6f"),
+            ("rotation, mrad", shift.rotation_mrad, "z.4f"),
+            ("maximum slip, mm", shift.max_slip_mm, ".6f"),
+            ("work of friction, N mm", shift.dissipated_N_mm, ".4g"),
+        ]
+    rows += [
+        ("force {ahead|to the right}, kN", (summary.longitudinal_force_kN, summary.lateral_force_kN), "z.4f"),
+        ("spin moment, N m", summary.spin_moment_Nm, "z.3f"),
+        ("traction coefficient", summary.traction_coefficient, ".4f"),
+    ]
+    if summary.slipping_share is not None:
+        rows.append(("part of the patch that slips, %", 100.0 * summary.slipping_share, ".1f"))
+        rows.append(("maximum traction, MPa", summary.max_traction_MPa, ".1f"))
+    if rolling is not None:
+        rows += [
+            ("T-gamma, N", rolling.t_gamma_N, "z.3f"),
+            ("frictional power, W", summary.frictional_power_W, "z.1f"),
+            ("  over the area, at most, W/mm²", summary.max_power_density_W_mm2, "z.2f"),
+            ("maximum slip velocity, m/s", summary.max_slip_velocity_m_s, ".4f"),
+        ]
+    columns: list[Column] = [(name, partial(_constant, value), form) for name, value, form in rows]
+    return table_across("Results", ["value"], [summary], columns)
+
+
+def _constant(value: object, _: object) -> object:
+    return value
+
+
+def _tables(summary: RollingPatchSummary) -> list[SummaryTable]:
+    quantities: list[Column] = [
+        ("longitudinal force, kN", "longitudinal_force_kN", "z.4f"),
+        ("lateral force, kN", "lateral_force_kN", "z.4f"),
+        ("spin moment, N m", "spin_moment_Nm", "z.3f"),
+        ("T-gamma, N", "t_gamma_N", "z.3f"),
+    ]
+    found = []
+    if summary.theories:
+        names_of = [each.theory for each in summary.theories]
+        found.append(table_across("The same creepages by all theories", names_of, summary.theories, quantities))
+    if summary.residuals:
+        rows = [(f"law of friction: {name}", f"{value:.1e}") for name, value in summary.residuals.items()]
+        if summary.energy_error is not None:
+            rows.append(("frictional power less forces times creepages, over it", f"{summary.energy_error:.1e}"))
+        found.append(SummaryTable("Residuals", ("", "value"), tuple(rows)))
+    return found
+
+
+def _shown(run: RollingPatchRun) -> ShownRolling:
+    # t of the patch is drawn to the right
+    return ShownRolling("patch", run.found, run.contact, abs(run.found.motion.speed), 0.0, -1.0)
+
+
+def _pictures(run: RollingPatchRun) -> dict[str, Callable[[], Figure]]:
+    found: dict[str, Callable[[], Figure]] = {}
+    if run.fields is not None:
+        found[MAPS] = lambda: rolling_figure([_shown(run)])
+        found[SECTION] = lambda: section_figure(run)
+    if run.curve:
+        found[CURVE] = lambda: creep_curve_figure(run)
+    return found
+
+
+def main_figure(run: RollingPatchRun) -> Figure:
+    """Draw the first picture that there is; an `InputError` if there is none."""
+    for draw in _pictures(run).values():
+        return draw()
+    raise InputError(
+        f"a picture of {run.summary.theory} without a creep curve", "a theory with tractions, or a curve", "choose one"
+    )
+
+
+def section_figure(run: RollingPatchRun) -> Figure:
+    """Draw tractions and their limit through the middle of the patch, along and across."""
+    assert run.fields is not None
+    contact, tractions = run.contact, run.fields.tractions
+    middles = contact.places
+    limit = contact.friction.limits[0][:, None] * contact.pressures
+    row, strip = (int(np.abs(each).argmin()) for each in middles)
+    figure, (panels,) = figure_with_room(9.0, 3.7, ROOM, n_columns=2, sharey=True)
+    for axes, places, cells, word in (
+        (panels[0], middles[1], (row, slice(None)), "z ahead"),
+        (panels[1], middles[0], (slice(None), strip), "to the right"),
+    ):
+        axes.fill_between(places, limit[cells], color="#e8edf3", lw=0.0, label="up to the limit")
+        axes.plot(places, np.linalg.norm(tractions[cells], axis=-1), color=INK, lw=1.4, label="size")
+        axes.plot(places, tractions[cells][..., 1], color="#2166ac", lw=1.2, ls="--", label="ahead")
+        axes.plot(places, tractions[cells][..., 0], color="#b35806", lw=1.2, ls="dashdot", label="to the right")
+        axes.axhline(0.0, color=GREY, lw=0.6)
+        axes.set_xlabel(f"{word}, mm")
+        axes.grid(color="#e4e4e4", linewidth=0.5)
+    panels[0].set_ylabel("traction on the upper body, MPa")
+    _legend(figure, panels[0])
+    return figure
+
+
+def creep_curve_figure(run: RollingPatchRun) -> Figure:
+    """Draw forces and spin moment over the creepage of the curve by all theories."""
+    spin = run.case.curve == "spin"
+    key = f"{run.case.curve}_creepage" + "_per_m" * spin
+    limit = run.contact.friction.limits[0][0] * run.contact.force / 1e3
+    least = {"_kN": ROUND_OFF * limit, "_Nm": ROUND_OFF * limit * run.summary.semi_axis_along_mm}
+    drawn = [
+        (name, label)
+        for name, label in CURVES
+        if max(abs(getattr(each, name)) for each in run.curve) > least[name[name.rindex("_") :]]
+    ]
+    figure, (panels,) = figure_with_room(max(3.7 * len(drawn), 6.5), 3.9, ROOM, n_columns=len(drawn))
+    for axes, (name, label) in zip(panels, drawn, strict=True):
+        for theory, points in groupby(run.curve, key=lambda each: each.theory):
+            values: Floats = np.array([(getattr(each, key), getattr(each, name)) for each in points])
+            colour, style = STYLES[theory]
+            axes.plot(
+                (1.0 if spin else 100.0) * values[:, 0], values[:, 1], color=colour, ls=style, lw=1.3, label=theory
+            )
+        if run.summary.rolling is not None:
+            here = run.summary.rolling
+            at = (1.0 if spin else 100.0) * getattr(here, key), getattr(here, name)
+            axes.plot(*at, "D", color="#8b1a8b", ms=5.5, label="this state", zorder=5)
+        if name.endswith("_kN"):
+            low, high = axes.get_ylim()
+            axes.set_ylim(max(low, -FAR * limit), min(high, FAR * limit))
+            for sign in (-1.0, 1.0):
+                if low < sign * limit < high:
+                    axes.axhline(sign * limit, color=GREY, lw=0.8, ls="dotted")
+        axes.axhline(0.0, color=GREY, lw=0.6)
+        axes.set(xlabel=f"{run.case.curve} creepage, {'1/m' if spin else '%'}", ylabel=label)
+        axes.grid(color="#e4e4e4", linewidth=0.5)
+    _legend(figure, panels[0])
+    return figure
+
+
+def _legend(figure: Figure, axes: Axes) -> None:
+    columns = 6 if figure.get_figwidth() > WIDE_IN else 3
+    figure.legend(*axes.get_legend_handles_labels(), loc="lower center", ncols=columns, frameon=False, fontsize=9)
+
+
+def _fields(run: RollingPatchRun) -> dict[str, Floats]:
+    """Fields of the cells, (n_cells, n_strips) or vectors to the right and ahead with a third component 0."""
+    found = {"pressure_MPa": run.contact.pressures}
+    if run.fields is None:
+        return found
+    flat = ((0, 0), (0, 0), (0, 1))
+    found["traction_MPa"] = np.pad(run.fields.tractions, flat)
+    found["slip_velocity_m_s" if run.case.rolls else "slip_mm"] = np.pad(run.fields.slip_velocities, flat)
+    if run.case.rolls:
+        found["frictional_power_W_mm2"] = run.fields.power_density
+    return found | {"stick_slip_state": run.fields.states.astype(np.float64)}
+
+
+def _scene(run: RollingPatchRun) -> Scene:
+    grid = run.contact.grid
+    z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
+    n = len(grid.bounds)
+    mesh = strip_mesh(grid.bounds, z, np.stack((np.arange(n - 1), np.arange(1, n)), axis=1))
+    fields = _fields(run)
+    arrays = {name: np.linalg.norm(each, axis=2) if each.ndim > 2 else each for name, each in fields.items()}
+    shown = [ShownField(name, *FIELDS[name], "Contact", name, "value") for name in arrays]
+    part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
+    note = (
+        "The patch from above: x to the right, z ahead. Values are means over cells, vectors are shown by their sizes."
+    )
+    return Scene([part], shown, notes=(note,), axes=("x", "z"))
+
+
+def _write_patch(run: RollingPatchRun, path: Path) -> None:
+    part = _scene(run).parts[0]
+    space = np.column_stack((part.mesh.points, np.zeros(part.mesh.n_points)))
+    values = {name: each.reshape(-1, *each.shape[2:]) for name, each in _fields(run).items()}
+    arrays = {name: np.repeat(each, 4, axis=0) for name, each in values.items()}
+    write_vtu(path, part.mesh, corner_data=arrays, positions=space)
+
+
+def _cells_table(run: RollingPatchRun) -> str:
+    """Fields of the cells with pressure as CSV, places from the centre of pressure."""
+    s, z = run.contact.places
+    loaded = run.contact.pressures > 0.0
+    columns: dict[str, Floats] = {
+        "right_mm": np.broadcast_to(s[:, None], loaded.shape)[loaded],
+        "ahead_mm": np.broadcast_to(z, loaded.shape)[loaded],
+    }
+    for name, values in _fields(run).items():
+        if values.ndim == 2:
+            columns[name] = values[loaded]
+            continue
+        quantity, unit = next(
+            (name.removesuffix(unit), unit) for unit in ("_MPa", "_m_s", "_mm") if name.endswith(unit)
+        )
+        columns |= {f"{quantity}_{word}{unit}": values[loaded][:, axis] for axis, word in ((1, "ahead"), (0, "right"))}
+    return ResultTable(columns).csv(DIGITS)
+
+
+def _files(run: RollingPatchRun) -> dict[str, Writer]:
+    files: dict[str, Writer] = {CELLS: text_writer(_cells_table(run)), PATCH: partial(_write_patch, run)}
+    if run.curve:
+        files[CURVE_TABLE] = text_writer(ResultTable.of_rows([asdict(each) for each in run.curve]).csv(DIGITS))
+    return files

@@ -1,0 +1,148 @@
+"""The case of one patch that rolls: published numbers, closed forms, given forces, shifts, and its files."""
+
+import csv
+import io
+
+import meshio
+import numpy as np
+import pytest
+from rich.console import Console
+
+from flangeway.campaign import Campaign, results, run_campaign
+from flangeway.cases import load_case
+from flangeway.exact import PointContact, contact_modulus
+from flangeway.report.case_outputs import case_files, case_record, write_case
+from flangeway.report.page.record import print_record
+
+SMALL = {"cells_along": 14, "cells_across": 12, "curve": "none"}
+PLANE = 210e3 / (1.0 - 0.3**2)
+
+
+def run(**inputs):
+    return load_case("rolling-patch", **{**SMALL, **inputs}).run()
+
+
+def test_contacts_example_with_spin():
+    """CONTACT, example fastsim: F_y over its limit and M_z within 3 %; its phi and M_z are minus ours."""
+    found = run(
+        force_kN=82.0, semi_axis_along_mm=8.0, semi_axis_across_mm=4.0, young_MPa=2.56 * 82e3, poisson=0.28,
+        longitudinal_creepage=0.0, lateral_creepage=-0.000625, spin_creepage_per_m=-0.625, cells_along=40,
+        cells_across=40,
+    ).summary  # fmt: skip
+    assert found.lateral_force_kN / (0.3 * 82.0) == pytest.approx(-0.6074, rel=0.03)
+    assert found.spin_moment_Nm == pytest.approx(48.21, rel=0.03)
+    assert found.energy_error < 1e-9
+    assert max(found.residuals.values()) < 1e-3
+
+
+def test_radii_give_hertz_and_large_creepage_the_limit_of_friction():
+    """Semi-axes and maximum pressure within 2 % of Hertz; at 5 % creepage the force is friction times the load."""
+    found = run(longitudinal_creepage=0.04, lateral_creepage=-0.03).summary
+    hertz = PointContact(80e3, 300.0, 460.0, contact_modulus(PLANE, PLANE))
+    assert (found.semi_axis_across_mm, found.semi_axis_along_mm) == pytest.approx(hertz.semi_axes, rel=0.02)
+    assert found.max_pressure_MPa == pytest.approx(hertz.max_pressure, rel=0.02)
+    assert (found.longitudinal_force_kN, found.lateral_force_kN) == pytest.approx((-0.8 * 24.0, 0.6 * 24.0), rel=1e-3)
+    assert found.slipping_share == 1.0
+
+
+def test_given_forces_are_met_by_the_creepages_that_are_found():
+    """Forces given ahead and to the right come out, and their creepages, given, have these forces."""
+    found = run(longitudinal_force_kN=-9.0, lateral_force_kN=4.0, spin_creepage_per_m=0.1).summary
+    again = run(
+        longitudinal_creepage=found.rolling.longitudinal_creepage,
+        lateral_creepage=found.rolling.lateral_creepage,
+        spin_creepage_per_m=0.1,
+    ).summary
+    for each, limit in ((found, 1e-5), (again, 1e-3)):
+        assert each.longitudinal_force_kN == pytest.approx(-9.0, rel=limit)
+        assert each.lateral_force_kN == pytest.approx(4.0, rel=limit)
+
+
+def test_a_shift_is_that_of_cattaneo_and_mindlin():
+    """Spheres shifted by 0.875 of the limit stick within half of the radius; friction's work is positive."""
+    found = run(
+        speed_km_h=0.0, radius_along_mm=300.0, longitudinal_force_kN=-0.875 * 24.0, cells_along=30, cells_across=30
+    ).summary
+    assert np.sqrt(1.0 - found.slipping_share) == pytest.approx(0.5, abs=0.02)
+    assert found.rolling is None
+    assert found.theories == []
+    assert found.shift.longitudinal_mm > 0.0
+    assert found.shift.dissipated_N_mm > 0.0
+
+
+def test_rolling_backwards_turns_the_patch_round():
+    """With the speed reversed a longitudinal creepage has the same force, and the patch slips at its other end."""
+    ahead, back = (run(speed_km_h=speed) for speed in (72.0, -72.0))
+    assert back.summary.longitudinal_force_kN == pytest.approx(ahead.summary.longitudinal_force_kN, rel=1e-6)
+    assert (back.found.states == ahead.found.states[:, ::-1]).mean() > 0.98
+
+
+@pytest.mark.parametrize("theory", ["exact", "fastsim", "fastrip", "polach", "linear"])
+def test_without_friction_there_is_no_force_by_any_theory(theory):
+    """A coefficient of 0 is contact without friction: no force, no power, no curve."""
+    found = run(friction=0.0, rolling_theory=theory, curve="longitudinal")
+    assert found.status.converged
+    assert not found.curve
+    for each in found.summary.theories:
+        assert (each.longitudinal_force_kN, each.lateral_force_kN, each.spin_moment_Nm) == (0.0, 0.0, 0.0)
+
+
+def test_unusual_numbers_are_said():
+    """A coefficient above 1 and creepages above 0.1, perhaps percent by mistake, are warnings of every theory."""
+    for theory in ("exact", "fastsim", "polach"):
+        notices = " ".join(run(friction=1.5, longitudinal_creepage=0.2, rolling_theory=theory).summary.notices)
+        assert "friction of 1.5 is above 1" in notices
+        assert "creepage of 0.2 is above 0.1: creepages are ratios, not percent" in notices
+
+
+def test_the_curve_has_all_theories_from_zero_to_the_limit():
+    """Each theory starts at no force with the slope of linear theory; all but this one end near the limit."""
+    curve = run(curve="lateral", curve_points=9, longitudinal_creepage=0.0).curve
+    theories = {each.theory: [p for p in curve if p.theory == each.theory] for each in curve}
+    assert list(theories) == ["exact theory", "FASTSIM", "FaStrip", "Polach", "linear theory"]
+    for name, points in theories.items():
+        forces = np.array([point.lateral_force_kN for point in points])
+        assert forces[0] == pytest.approx(0.0, abs=1e-9)
+        assert (np.diff(forces) < 1e-9).all()
+        assert forces[-1] == pytest.approx(-72.0 if name == "linear theory" else -24.0, rel=0.1)
+
+
+def test_files_hold_the_forces_of_the_cells(tmp_path):
+    """All files are there; pressures and tractions times area are the forces, in the table and in ParaView."""
+    found = run(lateral_creepage=5e-4, curve="longitudinal", curve_points=3)
+    files = write_case(found, tmp_path)
+    assert {file.name for file in files} == set(case_files(found.case))
+    with (tmp_path / "cells.csv").open(encoding="utf-8") as file:
+        rows = [{key: float(value) for key, value in row.items()} for row in csv.DictReader(file)]
+    area = float(found.contact.areas[0, 0])
+    for key, wanted in (
+        ("pressure_MPa", 80.0), ("traction_ahead_MPa", found.summary.longitudinal_force_kN),
+        ("traction_right_MPa", found.summary.lateral_force_kN),
+    ):  # fmt: skip
+        assert 1e-3 * area * sum(row[key] for row in rows) == pytest.approx(wanted, rel=1e-4)
+    surface = meshio.read(tmp_path / "patch.vtu")
+    corners = surface.cells[0].data
+    assert surface.point_data["traction_MPa"][corners][:, 0].sum(axis=0) * area * 1e-3 == pytest.approx(
+        [found.summary.lateral_force_kN, found.summary.longitudinal_force_kN, 0.0], rel=1e-5
+    )
+    record = case_record(found)
+    console = Console(file=io.StringIO(), width=80)
+    print_record(console, record)
+    for text in (console.file.getvalue(), (tmp_path / "report.html").read_text(encoding="utf-8")):
+        assert f"{found.summary.longitudinal_force_kN:.4f}".removeprefix("-") in text
+    assert record.scene is not None
+    shown = [field.key for field in record.scene().fields]
+    assert shown == [
+        *("pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2", "stick_slip_state"),
+    ]
+
+
+def test_a_campaign_varies_it(tmp_path):
+    """A campaign over friction gives rows with forces, and without friction none."""
+    file = tmp_path / "patch.toml"
+    inputs = "".join(f"{key} = {value!r}\n" for key, value in SMALL.items())
+    file.write_text(f'case = "rolling-patch"\n[inputs]\n{inputs}[vary]\nfriction = [0.0, 0.1, 0.3]\n'.replace("'", '"'))
+    run_campaign(Campaign.from_file(file), tmp_path / "patch.sqlite", workers=1)
+    forces = results(tmp_path / "patch.sqlite").table.columns["longitudinal_force_kN"]
+    assert forces[0] == 0.0
+    assert 0.0 > forces[1] > forces[2]
