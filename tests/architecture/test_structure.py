@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1923,
     "tables": 1441,
     "report": 8641,
-    "validation": 8272,
+    "validation": 8521,
     "cli": 1309,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 73_399
-MAX_FILES_OF_ALL = 384
+MAX_LINES_OF_ALL = 73_648
+MAX_FILES_OF_ALL = 385
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

@@ -15,6 +15,7 @@ from flangeway.validation.friction.friction_reproduced import (
     reproduce_friction,
     stick_rows,
 )
+from flangeway.validation.friction.punch_with_friction import PULL_LIMIT, PUNCH_STICK_LIMIT
 from flangeway.validation.friction.revolved_contact import REVOLVED_LIMIT
 from flangeway.validation.friction.sliding_bodies import BELT_LIMIT, LEGS, STRIP_LIMIT, strip_force
 from flangeway.validation.published_numbers import percent
@@ -55,6 +56,29 @@ def loop_figure(found: FrictionReproduction) -> Figure:
     return figure
 
 
+def punch_figure(found: FrictionReproduction) -> Figure:
+    """Draw tractions on one half of the flat punch below the limit by the pressure, with the integral equations'."""
+    figure = new_figure(10.0, 4.2)
+    for axes, each in zip(figure.subplots(1, 2, sharey=True), found.punches, strict=True):
+        x, pressures, tractions = each.found
+        exact, inside = each.exact, x < 0.99
+        # the smallest intervals beside the end of the stick zone carry what is left of a singular traction
+        shown = (exact.x < 0.99) & (np.abs(exact.x - exact.stick) > 1e-3)
+        axes.axvspan(0.0, exact.stick, color="0.88", lw=0.0, label="stick zone")
+        axes.plot(exact.x[shown], each.friction * exact.pressures[shown], color=INK, lw=1.0, ls="dashed",
+                  label="limit by the pressure")  # fmt: skip
+        axes.plot(exact.x[shown], exact.tractions[shown], color=INK, lw=1.0, label="integral equations")
+        axes.plot(x[inside][::3], tractions[inside][::3], "o", ms=4.0, label="traction, finite elements")
+        axes.plot(x[inside][::3], each.friction * pressures[inside][::3], "x", ms=4.0, label="limit, finite elements")
+        axes.set(
+            xlabel="x over the half-width", ylabel="traction over force per half-width",
+            title=f"coefficient of friction {each.friction:g}", xlim=(0.0, 1.0), ylim=(0.0, 0.4),
+        )  # fmt: skip
+        axes.label_outer()
+    figure.axes[0].legend(frameon=False, fontsize=8, loc="upper left")
+    return figure
+
+
 FRICTION = Reproduction(
     reproduce_friction,
     Chapter(
@@ -72,8 +96,14 @@ FRICTION = Reproduction(
         (Masing, 1926); the shear of the part that sticks is left out of it. A belt on half of a drum that turns until
         all slips (Euler, Eytelwein): the ratio of the tensions is within {percent(BELT_LIMIT)} of exp(mu pi) for the
         thinnest belt, and of the ratio that its thickness changes for all. What limits the first is the thickness,
-        0.5 % of the radius: friction acts at the drum's radius, the tension in the middle of the belt. No load step
-        may take more than {MOST_ITERATIONS} iterations.""",
+        0.5 % of the radius: friction acts at the drum's radius, the tension in the middle of the belt. A flat
+        punch and a cylinder, both rigid, pressed on a half-plane with friction: the middle sticks, and the stick zone
+        is the same part of both contacts (Spence, 1968). No equation of it that can be cited for pressure and traction
+        coupled was found; the integral equations of the half-plane (Johnson, 1985, 2.25) are solved by themselves on
+        intervals that shrink to 1e-9, an independent route: the stick zone is within {percent(PUNCH_STICK_LIMIT)}, half
+        a finite element; the part of the force with which friction pulls the halves apart, within
+        {percent(PULL_LIMIT)}, and of the punch that sticks, where it is known (Muskhelishvili, 1953). No load step may
+        take more than {MOST_ITERATIONS} iterations.""",
         (
             PagePicture(
                 "friction-tractions",
@@ -87,10 +117,17 @@ FRICTION = Reproduction(
                 "return close a loop of parabolas, until all slides under a constant force",
                 loop_figure,
             ),
+            PagePicture(
+                "friction-punch",
+                "Tangential tractions below one half of a flat punch that is pressed on a half-plane, friction 0.2 and "
+                "0.3: they grow from the middle, reach the limit by the pressure at the end of the stick zone, and "
+                "follow it to the edge of the punch; finite elements lie on the solution of the integral equations",
+                punch_figure,
+            ),
         ),
         lambda _: [],
     ),
-    {"tractions.png": tractions_figure, "loop.png": loop_figure},
+    {"tractions.png": tractions_figure, "loop.png": loop_figure, "punch.png": punch_figure},
     {"tractions.csv": stick_rows},
     brief=True,
 )

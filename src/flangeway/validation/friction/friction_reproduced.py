@@ -24,6 +24,7 @@ from flangeway.problems import Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats, Ints
 from flangeway.validation.friction.blocks import block, face, shift
+from flangeway.validation.friction.punch_with_friction import PunchWithFriction, punches_with_friction
 from flangeway.validation.friction.revolved_contact import revolved_contact
 from flangeway.validation.friction.sliding_bodies import sliding_bodies, strip_loop
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare
@@ -65,6 +66,7 @@ class FrictionReproduction(Reproduced):
 
     slips: tuple[PartialSlip, ...]
     strip: tuple[Ints, Floats, Floats]  # see `strip_loop`
+    punches: tuple[PunchWithFriction, ...]
     not_converged: tuple[str, ...]
 
     @property
@@ -94,6 +96,9 @@ def reproduce_friction(
         solutions += more
         loop = loop or more[0]
     assert loop is not None
+    rows, more, punches = punches_with_friction(progress)
+    numbers += rows
+    solutions += more
     most = max(step.state.status.iterations for solution in solutions for step in solution.steps)
     words = f"{MOST_ITERATIONS:g}"
     given = ("all load steps", "all", "iterations of the slowest step", "1", (0.0, float(most)), MOST_ITERATIONS)
@@ -101,6 +106,7 @@ def reproduce_friction(
     return FrictionReproduction(
         slips=slips,
         strip=strip_loop(loop),
+        punches=punches,
         not_converged=tuple(each.status.message for each in solutions if not each.status.converged),
         numbers=tuple(numbers),
         seconds=time.perf_counter() - start,
