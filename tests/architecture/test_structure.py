@@ -21,26 +21,26 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2899,
-    "solve": 4115,
+    "solve": 4140,
     "contact": 7199,
-    "post": 2032,
+    "post": 2033,
     "forms": 366,
     "railway.profiles": 3671,
     "railway.track": 568,
     "railway.rigid": 1913,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 3966,
+    "railway.spatial": 4006,
     "cases": 7966,
     "campaign": 1923,
     "tables": 1441,
-    "report": 8641,
+    "report": 8642,
     "validation": 8521,
     "cli": 1309,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 73_648
+MAX_LINES_OF_ALL = 73_715
 MAX_FILES_OF_ALL = 385
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

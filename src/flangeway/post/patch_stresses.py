@@ -13,7 +13,7 @@ from flangeway.elements import Reconstruction, monomials
 from flangeway.exact.half_space_stresses import half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
 from flangeway.problems.harmonic import NAMES, Harmonic
-from flangeway.solve.surface_compliance import wave_sums, waves
+from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 
@@ -154,7 +154,8 @@ def patch_stresses(
     progress(f"stresses in {body.name}")
     forces = found.contact.forces[::-1] if pair.backwards(which) else found.contact.forces
     on_cells = np.stack((np.zeros_like(forces), -forces, np.zeros_like(forces)), axis=1)
-    even, odd = wave_sums(cells, on_cells, plane - grid.along, grid.strip, waves(LEAST_WAVENUMBER, grid.strip))
+    loaded = StripForces(cells, on_cells, plane - grid.along, grid.strip)
+    ((even, odd),) = wave_sums([loaded], waves(LEAST_WAVENUMBER, grid.strip))
     return SectionStresses(body, plane, even, odd)
 
 

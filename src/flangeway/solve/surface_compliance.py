@@ -26,7 +26,7 @@ from flangeway.solve.linear import cholesky
 from flangeway.solve.surface_cells import SAME, SurfaceCells
 from flangeway.system.disk_cache import Arrays, Cache
 from flangeway.system.memory_limits import memory_left, refuse_beyond_memory
-from flangeway.types import Floats
+from flangeway.types import Floats, Ints
 
 PER_DECADE = 3
 """Wavenumbers for each decade before their number is doubled where the interpolation is not good enough."""
@@ -296,9 +296,44 @@ def amplitudes(problem: Harmonic, wavenumbers: Floats, rhs: Floats) -> Iterator[
         yield from pool.map(answer, range(len(wavenumbers)))
 
 
-FurtherLoads = tuple[Floats, Callable[[int, Floats], Floats]]
-"""Loads (3 n_dofs, m), and their amounts (m, 2) for cosine and sine by the number of a wavenumber and the amplitudes
-(3 n_dofs, 2 + m) of what is summed and of these loads."""
+@dataclass(frozen=True, eq=False)
+class StripForces:
+    """Forces on cells of strips, whose amplitudes are summed at a section.
+
+    Parameters
+    ----------
+    cells
+        The cells.
+    forces
+        In the cells' frames, shape (n_cells, 3, n_strips).
+    apart
+        The section's z less those of the middles of the strips, shape (n_strips,).
+    strip
+        Width of the strips.
+
+    """
+
+    cells: SurfaceCells
+    forces: Floats
+    apart: Floats
+    strip: float
+
+    def at_waves(self, wavenumbers: Floats) -> tuple[Ints, Floats]:
+        """Unknowns (n,), and their loads for cosine and sine (n, n_k, 2)."""
+        even, odd = inverse_weights(wavenumbers, np.abs(self.apart), self.strip, averaged=1)
+        odd *= np.sign(self.apart)[:, None]
+        # f(c, a, i, cosine or sine): forces of the cells at the wavenumber i; those along z vary a quarter of a wave
+        # later
+        on_cells = np.stack((self.forces @ even, self.forces @ odd), axis=-1)
+        on_cells[:, 2] = on_cells[:, 2, :, ::-1] * (-1.0, 1.0)
+        nodes, loads = self.cells.nodes_and_loads
+        on_nodes = np.einsum("ns,ski->nki", loads, on_cells.reshape(-1, len(wavenumbers), 2))
+        return (3 * nodes[:, None] + np.arange(3)).ravel(), on_nodes
+
+
+FurtherLoads = tuple[Floats, Sequence[Callable[[int, Floats], Floats]]]
+"""Loads (3 n_dofs, m), and for each of the forces that are summed what gives the amounts (m, 2) for cosine and sine by
+the number of a wavenumber and the amplitudes (3 n_dofs, 2 + m) of these forces and of the loads."""
 
 
 def waves(least: float, strip: float) -> Floats:
@@ -308,27 +343,16 @@ def waves(least: float, strip: float) -> Floats:
 
 
 def wave_sums(
-    cells: SurfaceCells,
-    forces: Floats,
-    apart: Floats,
-    strip: float,
-    wavenumbers: Floats,
-    further: FurtherLoads | None = None,
-) -> tuple[Floats, Floats]:
+    loaded: Sequence[StripForces], wavenumbers: Floats, further: FurtherLoads | None = None
+) -> list[tuple[Floats, Floats]]:
     """Sum the amplitudes of all wavenumbers at a section, and the amplitudes times their wavenumbers.
 
     Strains are linear in both, ``B0 u + k B1 u``: the sums give all stresses.
 
     Parameters
     ----------
-    cells
-        The cells.
-    forces
-        Forces in the cells' frames, shape (n_cells, 3, n_strips).
-    apart
-        The section's z less those of the middles of the strips, shape (n_strips,).
-    strip
-        Width of the strips.
+    loaded
+        Forces on one body, each summed by itself: they share its factorisations.
     wavenumbers
         See `waves`.
     further
@@ -336,25 +360,26 @@ def wave_sums(
 
     Returns
     -------
-    tuple
-        Amplitudes of what varies as the cosine, and as the sine, each (2, n_dofs, 3): sum, and sum times wavenumber.
+    list
+        For each of the forces: amplitudes of what varies as the cosine, and as the sine, each (2, n_dofs, 3): sum, and
+        sum times wavenumber.
 
     """
-    even, odd = inverse_weights(wavenumbers, np.abs(apart), strip, averaged=1)
-    odd *= np.sign(apart)[:, None]
-    problem, space = cells.problem, cells.problem.elasticity.space
-    nodes, loads = cells.nodes_and_loads
-    # f(c, a, i, cosine or sine): forces of the cells at the wavenumber i; those along z vary a quarter of a wave later
-    at_waves = np.stack((forces @ even, forces @ odd), axis=-1)
-    at_waves[:, 2] = at_waves[:, 2, :, ::-1] * (-1.0, 1.0)
-    others, amounts = further or (np.zeros((3 * space.n_dofs, 0)), lambda _, __: np.zeros((0, 2)))
-    rhs = np.zeros((3 * space.n_dofs, len(wavenumbers), 2 + others.shape[1]))
-    rhs[..., 2:] = others[:, None]
-    on_nodes = np.einsum("ns,ski->nki", loads, at_waves.reshape(-1, len(wavenumbers), 2))
-    rhs[(3 * nodes[:, None] + np.arange(3)).ravel(), :, :2] = on_nodes
-    sums = np.zeros((2, len(rhs), 2))
-    for number, (k, each) in enumerate(zip(wavenumbers.tolist(), amplitudes(problem, wavenumbers, rhs), strict=True)):
-        found = each[:, :2] + each[:, 2:] @ amounts(number, each)
-        sums += np.stack((found, k * found))
-    cosine, sine = np.moveaxis(sums.reshape(2, -1, 3, 2), -1, 0)
-    return cosine, sine
+    problem = loaded[0].cells.problem
+    others, amounts = further or (np.zeros((3 * problem.elasticity.space.n_dofs, 0)), [])
+    first = others.shape[1]
+    rhs = np.zeros((len(others), len(wavenumbers), first + 2 * len(loaded)))
+    rhs[..., :first] = others[:, None]
+    for number, each in enumerate(loaded):
+        unknowns, loads = each.at_waves(wavenumbers)
+        rhs[unknowns, :, first + 2 * number : first + 2 * number + 2] = loads
+    sums = np.zeros((len(loaded), 2, len(others), 2))
+    for i, (k, found) in enumerate(zip(wavenumbers.tolist(), amplitudes(problem, wavenumbers, rhs), strict=True)):
+        by_others = found[:, :first]
+        for number in range(len(loaded)):
+            moved = found[:, first + 2 * number : first + 2 * number + 2]
+            if first:
+                moved = moved + by_others @ amounts[number](i, np.concatenate((moved, by_others), axis=1))
+            sums[number] += np.stack((moved, k * moved))
+    cosines, sines = np.moveaxis(sums.reshape(len(loaded), 2, -1, 3, 2), -1, 0)
+    return list(zip(cosines, sines, strict=True))

@@ -16,7 +16,7 @@ from flangeway.railway.spatial.running_surfaces import SpatialModel, running_sur
 from flangeway.railway.spatial.side_contact import tangents_of
 from flangeway.railway.spatial.spatial_contact import SpatialState
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.railway.spatial.supported_rail import supported_rail
+from flangeway.railway.spatial.supported_rail import SupportedRail, supported_rail
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
@@ -79,10 +79,12 @@ class SpatialResult:
     @cached_property
     def rails(self) -> dict[Side, RailAlongTrack]:
         """Both rails along the track under these contact forces, empty if their bases are fixed."""
-        support, found = self.wheelset.model.support, {}
+        support, found, done = self.wheelset.model.support, {}, dict[int, SupportedRail]()
         for side in SIDES if support is not None else ():
             assert support is not None
             profile, state = self.problem.track.rail_of(side), self.equilibrium.state.sides[side]
+            if id(profile) not in done:
+                done[id(profile)] = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
             grid, frame = state.grid.grid, state.grid.surfaces.rail_frame
             loaded = np.asarray(state.forces.any(axis=1))
             creep = np.zeros((len(loaded), 2)) if state.creep is None else state.creep
@@ -90,9 +92,8 @@ class SpatialResult:
             normals = state.normals[loaded]
             forces = -state.forces.sum(axis=1)[loaded, None] * frame.inverse().vectors(normals)
             forces = forces - creep[loaded, :1] * frame.inverse().vectors(tangents_of(normals))
-            rail = supported_rail(profile, self.problem.material_of("rail"), support, cache=self.cache)
             on_rail = np.column_stack((forces, -creep[loaded, 1]))
-            found[side] = rail_along_track(rail, profile, points, on_rail, placement=frame)
+            found[side] = rail_along_track(done[id(profile)], profile, points, on_rail, placement=frame)
         return found
 
     @property

@@ -16,7 +16,7 @@ from flangeway.mesh import PolyMesh
 from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_gap import FAR_MM, wheel_gap
-from flangeway.railway.spatial.whole_sections import whole_section
+from flangeway.railway.spatial.whole_sections import WholeSection
 from flangeway.railway.track.discretisation import ROLES, Role
 from flangeway.railway.track.placements import SIDE_SIGN, Side
 from flangeway.report.spatial.patch_map import surface_mesh
@@ -54,12 +54,11 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
 
 
-def write_section(result: SpatialResult, side: Side, role: Role, path: Path) -> None:
+def write_section(section: WholeSection, side: Side, role: Role, path: Path) -> None:
     """Write displacement and stresses of a whole section of a body, each cell with points of its own.
 
     A rail is drawn unloaded, a wheel in its place: "Warp By Vector" shows them as they touch.
     """
-    section = whole_section(result, side, role)
     arrays = {
         "displacement_mm": section.displacement[section.mesh.cell_points],
         "stress_MPa": section.stresses.components,

@@ -8,6 +8,8 @@ from matplotlib.figure import Figure
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase, SpatialWheelsetRun
 from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
 from flangeway.cases.wheelset.wheelset_summary import AXES as WHEELSET_AXES
+from flangeway.railway.spatial.whole_sections import whole_sections
+from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.series import write_collection
 from flangeway.report.page.case_text import case_text, command_line, inputs_tables
@@ -154,10 +156,10 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
         writers[RAILS] = text_writer(rails_csv(run))
     for name, (side, role) in SURFACES.items():
         writers[f"{name}.vtu"] = partial(write_surface, run.result, side, role)
-    touching = {patch.side for patch in run.result.patches}
-    found = {name: part for name, part in SECTIONS.items() if part[0] in touching}
-    for name, part in found.items():
-        writers[f"{name}.vtu"] = partial(write_section, run.result, *part)
+    sections = {role: whole_sections(run.result, role) for role in ROLES}
+    found = {name: (side, role) for name, (side, role) in SECTIONS.items() if side in sections[role]}
+    for name, (side, role) in found.items():
+        writers[f"{name}.vtu"] = partial(write_section, sections[role][side], side, role)
     files = [(0.0, name, f"{name}.vtu") for name in (*SURFACES, *found)]
     writers[COLLECTION] = lambda path: write_collection(path, files)
     writers[BELOW] = text_writer(below_table(run))
