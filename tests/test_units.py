@@ -170,7 +170,7 @@ def test_results_of_a_section_in_us_units(call, tmp_path):
     mass = cells["mass per length, steel of 490.1 lb/ft³, lb/yd"]
     assert mass == pytest.approx(found["mass_per_metre_kg_m"] * 0.9144 / 0.45359237, rel=1e-3)
     assert mass == pytest.approx(136.0, rel=0.01)
-    assert "JSON files and files for ParaView are in metric units" in report
+    assert "JSON, Parquet and ParaView files are in metric units" in report
     assert "--units us" in report
     assert not re.search(r"\d mm|, mm|, kg/m<", re.sub(r"<script.*?</script>", "", report, flags=re.DOTALL))
 
@@ -188,6 +188,7 @@ def test_csv_files_have_columns_in_us_units(tmp_path):
     texts = {
         "a.csv": "side,x_mm,force_N,angle_deg,note\nleft,25.4,4.4482216152605,3,1 mm\nright,,-8.896443230521,4,\n",
         "profile.csv": "# unit: mm\nx_mm,y_mm\n1,2\n",
+        "rows.csv": "lateral_in,lateral_mm,message,rail\n0.1,2.54,a gap of 25.4 mm,a 10 mm.csv\n",
         "a.txt": "x_mm\n1\n",
     }
     run = load_case("torsion", size=40.0, order=1, units="us").run()
@@ -197,6 +198,9 @@ def test_csv_files_have_columns_in_us_units(tmp_path):
         write(tmp_path / name)
         texts[name] = (tmp_path / name).read_text(encoding="utf-8")
     assert texts["a.csv"] == "side,x_in,force_lbf,angle_deg,note\nleft,1,1,3,1 mm\nright,,-2,4,\n"
+    assert (
+        texts["rows.csv"] == "lateral_in,message,rail\n0.1,a gap of 1 in,a 10 mm.csv\n"
+    )  # one column of each quantity
     assert in_units(replace(record, title="gauge 1435.1 mm"), "us").title == "gauge 56.5 in"
     assert texts["profile.csv"].startswith("# unit: mm\nx_mm")
     assert texts["a.txt"] == "x_mm\n1\n"
@@ -209,6 +213,8 @@ def test_the_inputs_in_us_units_are_listed(call):
     assert re.search(r"gauge_in .*\[default: 56.4961\]", out)
     assert "Track and wheelset" in out
     assert not re.search(r"_(mm|kN|MPa|km_h)\b", out)
+    status, _, err = call("run", "wheelset", "--units", "us", "--set", "axel_load=45")
+    assert (status, "did you mean axle_load_kip?" in err, "wheel_tape_mm" in err) == (2, True, False)
     status, _, err = call("section", "60E1", "--units", "imperial")
     assert (status, "metric or us" in err) == (2, True)
 

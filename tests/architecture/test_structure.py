@@ -25,22 +25,22 @@ MAX_LINES = {
     "contact": 7199,
     "post": 2033,
     "forms": 366,
-    "railway.profiles": 3671,
+    "railway.profiles": 3752,
     "railway.track": 568,
-    "railway.rigid": 1913,
+    "railway.rigid": 1916,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 4006,
-    "cases": 7966,
-    "campaign": 1923,
+    "cases": 7972,
+    "campaign": 1944,
     "tables": 1441,
-    "report": 8642,
+    "report": 8659,
     "validation": 8521,
-    "cli": 1309,
+    "cli": 1310,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 73_715
+MAX_LINES_OF_ALL = 73_844
 MAX_FILES_OF_ALL = 385
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

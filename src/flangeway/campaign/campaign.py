@@ -22,6 +22,7 @@ from flangeway.railway.profiles.formats.slice_files import files_of
 from flangeway.system.file_content import is_file
 from flangeway.system.toml_file import TomlFile, TomlKind
 from flangeway.system.versions import versions
+from flangeway.units import Units, us_key
 
 RESULTS = ("columns", "subsurface_shear")
 KEYS = ("case", "table", "inputs", "vary", "results")
@@ -139,20 +140,27 @@ class Campaign:
                 )
 
     @classmethod
-    def from_file(cls, path: str | Path) -> "Campaign":
+    def from_file(cls, path: str | Path, *, units: Units | None = None) -> "Campaign":
         """Read a campaign's file and check all of it.
 
         Parameters
         ----------
         path
             A TOML file with the keys ``case`` and ``table`` and the tables ``[inputs]``, ``[vary]`` and ``[results]``.
+        units
+            Units of messages and results, instead of those of the file.
 
         Raises
         ------
         InputError
             If anything in it is wrong; the message names file, key, value, what is allowed and what to do.
         """
-        return _CampaignText.read(Path(path)).campaign()
+        return _CampaignText.read(Path(path)).campaign(units)
+
+    @property
+    def units(self) -> Units:
+        """Units of its results; the database has metric ones."""
+        return self.rows[0].case.units
 
     @property
     def identity(self) -> str:
@@ -221,15 +229,23 @@ class _CampaignText(TomlFile):
         too_large="give many rows as a range, or as a table in a CSV file",
     )
 
-    def campaign(self) -> Campaign:
+    def campaign(self, units: Units | None) -> Campaign:
         self._refuse_unknown()
         case = self._case_name()
         given: dict[str, Any] = self.data.get("inputs", {})
         if is_case_file(case):  # else tables are inputs of their own
             given = flattened(given)
         inputs = {key: self._resolved(key, value, "inputs") for key, value in given.items()}
+        if units:
+            inputs["units"] = units
         keys, varied = self._varied()
         for key in keys:
+            if key == "units":
+                raise InputError(
+                    f"{self._line('vary', key)}units that vary",
+                    "one system of units for all rows",
+                    "move it to [inputs]",
+                )
             if key in inputs:
                 raise InputError(
                     f"{self._line('vary', key)}{key} under [inputs] and varied", "one of both", f"remove one {key}"
@@ -242,7 +258,9 @@ class _CampaignText(TomlFile):
         kind = type(rows[0].case)
         models = _models(rows)
         shear = self._shear(kind, models)
-        return Campaign(self.file.stem, kind, keys, tuple(rows), self._columns(kind, models, shear), shear)
+        with rows[0].case.errors_as_written():
+            columns = self._columns(kind, models, shear)
+        return Campaign(self.file.stem, kind, keys, tuple(rows), columns, shear)
 
     def _refuse_unknown(self) -> None:
         for key, value in self.data.items():
@@ -319,10 +337,11 @@ class _CampaignText(TomlFile):
         seen: set[str] = set()
         for row in rows:
             try:
-                if row.bodies not in seen:
-                    row.case.check()
-                elif isinstance(row.case, WheelsetInputs):
-                    row.case.load()
+                with row.case.errors_as_written():
+                    if row.bodies not in seen:
+                        row.case.check()
+                    elif isinstance(row.case, WheelsetInputs):
+                        row.case.load()
             except InputError as reason:
                 given = ", ".join(f"{key} = {short(value)}" for key, value in row.varied.items())
                 raise self._placed(reason, f"{self.file}, row {row.number} ({given}): ") from reason
@@ -371,6 +390,8 @@ class _CampaignText(TomlFile):
                 "columns of wheelsets",
                 "leave it out: all are kept",
             )
+        in_us = {unit.name: name for name in known if (unit := us_key(name))}
+        columns = [in_us.get(name, name) for name in columns]
         for name in columns:
             if name not in known:
                 asks = name in WHEELSET_SHEAR_COLUMNS

@@ -102,7 +102,7 @@ class Case(Table):
     name: ClassVar[str]
     title: ClassVar[str]
     units: Units = Field(
-        "metric", description="units of results; the units of inputs are those in their keys, axle_load_kN or _kip"
+        "metric", description="units of results and messages; an input has the unit at the end of its key"
     )
     _us_keys: set[str] = PrivateAttr(default_factory=set)  # inputs that were given in US units
 
@@ -381,6 +381,7 @@ def _input_error(
     case: type[Case], reason: ValidationError, values: Mapping[str, Any], where: Callable[[Key], str]
 ) -> InputError:
     given, allow, advice = [], [], []
+    in_us = values.get("units") == "us"
     faults: dict[Key, tuple[Any, type[Table], FieldInfo | None]] = {}
     for error in reason.errors(include_url=False, include_context=False):
         key, table, field = _found(case, error["loc"])
@@ -390,21 +391,26 @@ def _input_error(
         last = next((item for item in reversed(key) if isinstance(item, str)), "")
         unit = table.input_named(last)[1]
         if error["type"] == "missing" and field is not None:
-            given.append(f"{where(key[:-1])}no {text}")
-            allow.append(f"{name} is {allowed(field)}")
-            advice.append(_advice(name, field, None))
+            unit = us_key(name) if in_us else None
+            name = unit.name if unit else name
+            given.append(f"{where(key[:-1])}no {key_text((*key[:-1], name))}")
+            allow.append(f"{name} is {allowed(field, unit)}")
+            advice.append(_advice(name, field, unit))
         elif field is None and unit is not None:
             given.append(f"{where(key)}{text}, and the same quantity in another unit")
             allow.append("one of them")
             advice.append(f"leave {name} or the other one out")
         elif field is None:
             known = sorted(table.model_fields, key="units".__eq__)  # the last one of the list
-            us = [each.name for each in map(us_key, known) if each]
+            us = {each: unit.name for each in known if (unit := us_key(each))}
+            shown = [us.get(each, each) for each in known] if in_us else known
             inside = key_text(key[:-1])
             given.append(f"{where(key)}there is no input called {short(name)}{f' in {inside}' if inside else ''}")
-            allow.append(f"the inputs of {inside or case.name}: {', '.join(known)}")
+            allow.append(f"the inputs of {inside or case.name}: {', '.join(shown)}")
             new = RENAMED.get(name)
-            advice.append(f"{name} is now {new}" if new in known else closest(name, [*known, *us]))
+            advice.append(
+                f"{name} is now {new}" if new in known else closest(name, shown if in_us else [*known, *us.values()])
+            )
         else:
             given.append(f"{where(key)}{text} = {short(_at(values, key, error['input']))}")
             allow.append(f"{last} is {allowed(field, unit)}")

@@ -60,7 +60,8 @@ def campaign(
 
     if export is not None:
         refuse_format(export)
-    wanted = Campaign.from_file(file)
+    wanted = Campaign.from_file(file, units=show.units)
+    show.units = wanted.units
     folder = out or Path("out", file.stem)
     check_campaign_folder(folder)
     database = folder / DATABASE
@@ -77,7 +78,7 @@ def campaign(
     seconds = time.perf_counter() - begun
     record = campaign_record(wanted, end, table, export or "csv", command_typed(), seconds)
     if export is not None and had_all:
-        show.files(write_export(table, folder, export))
+        show.files(write_export(table, folder, export, wanted.units))
         show.json(record.summary)
         return end.all_converged
     show.record(record, folder, lambda: [database])

@@ -24,7 +24,7 @@ GeometryName = Annotated[
     typer.Argument(
         metavar="[CASE_OR_FILE]",
         help="wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or a file of "
-        "two columns, lateral displacement and rolling radius difference, for its conicity.",
+        "lateral displacements and rolling radius differences, for its conicity.",
     ),
 ]
 GeometrySet = Annotated[

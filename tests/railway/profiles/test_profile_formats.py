@@ -1,11 +1,15 @@
 """Files of all formats: what is read is what was written, and what headers ask for is done."""
 
+import re
+
 import numpy as np
 import pytest
 
 from flangeway.errors import InputError
 from flangeway.geometry import Contour, Outline
 from flangeway.railway.profiles.bundled import rail, wheel
+from flangeway.railway.profiles.formats.miniprof import write_miniprof
+from flangeway.railway.profiles.formats.simpack import write_simpack
 from flangeway.railway.profiles.profile_file import FORMATS, ReadOptions, profile_text, read_profile
 
 NANOMETRE = 1e-6  # in mm
@@ -126,7 +130,7 @@ def test_named_columns_are_taken_wherever_they_stand(head, tmp_path):
     path = saved(tmp_path, "p.txt", "\n".join([head, *rows]))
     found = read_profile(path, ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
     np.testing.assert_allclose(found.points, points, atol=6e-7)
-    assert any("numbers 2 and 3, by name, are taken" in notice for notice in found.notices)
+    assert any("numbers 2 and 3 are taken" in notice for notice in found.notices)
 
 
 @pytest.mark.parametrize(("unit", "length"), [("cm", 10.0), ("m", 1000.0), ("in", 25.4), ("ft", 304.8)])
@@ -267,7 +271,7 @@ def test_open_chains_of_dxf_may_come_in_any_order(tmp_path):
         ("a.txt", "# kind: tram\n1 2\n", "kind = 'tram'"),
         ("a.txt", "# origin: here\n1 2\n", "origin = 'here'"),
         ("a.txt", "# up: maybe\n1 2\n", "up = 'maybe'"),
-        ("a.txt", "1 nan\n", "line 1: the point"),
+        ("a.txt", "1 nan\n", "line 1: '1 nan'"),
         ("a.txt", "1 1e9\n", "line 1: the point"),
         ("a.csv", "type,x0,y0,x1,y1\nspline,0,0,1,1\n", "type = 'spline'"),
         ("a.csv", "type,x0_mm,y0_mm,x1_mm,y1_mm\nline,0,0,1,1\nline,5,5,9,9\n", "gap"),
@@ -301,3 +305,62 @@ def test_a_missing_file_is_refused(tmp_path):
     for name in ("none.txt", "folder.txt"):
         with pytest.raises(InputError, match=name):
             read_profile(tmp_path / name)
+
+
+@pytest.mark.parametrize("kind", ["rail", "wheel"])
+@pytest.mark.parametrize("ending", ["miniprof", "simpack"])
+def test_decimal_commas_are_read_in_files_of_other_programs(kind, ending, tmp_path):
+    """Instruments and tables of some countries write 1,5 for 1.5: the points are the same numbers."""
+    points = points_of(kind)
+    text = write_miniprof(points, kind, "a") if ending == "miniprof" else write_simpack(points, kind, "a")
+    names = {"miniprof": {"rail": "a.ban", "wheel": "a.whl"}, "simpack": {"rail": "a.prr", "wheel": "a.prw"}}
+    name = names[ending][kind]
+    options = ReadOptions(smooth_mm=0.0)
+    wanted = read_profile(saved(tmp_path, name, text), options)
+    found = read_profile(saved(tmp_path, name, re.sub(r"(\d)\.(\d)", r"\1,\2", text)), options)
+    np.testing.assert_array_equal(found.points, wanted.points)
+    assert found.orientation.tape_mm == wanted.orientation.tape_mm
+
+
+def test_columns_without_names_are_taken_by_their_numbers(tmp_path):
+    """A column that counts the points, or never changes, is no coordinate; a notice says which ones are."""
+    rows = "\n".join(f"{n}\t7.5\t{x:.6f}\t{y:.6f}" for n, (x, y) in enumerate(points_of("rail"), 1))
+    found = read_profile(saved(tmp_path, "p.txt", rows), ReadOptions(unit="mm", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
+    assert any("numbers 3 and 4 are taken" in notice for notice in found.notices)
+
+
+def test_a_miniprof_file_in_inches_is_found_and_read_with_its_unit(tmp_path):
+    """Six millimetres are no wheel: the message names the option, with which the file is read."""
+    points = points_of("wheel")
+    file = saved(tmp_path, "w.whl", write_miniprof(points / 25.4, "wheel", "a", 70.0 / 25.4))
+    with pytest.raises(InputError, match="--unit in"):
+        read_profile(file)
+    found = read_profile(file, ReadOptions(unit="in", tape_mm=70.0, smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=1e-6)
+
+
+@pytest.mark.parametrize("kind", [None, "rail"])
+def test_exchanged_columns_are_refused(kind, tmp_path):
+    """Heights first are not taken for lateral coordinates, whether the kind is given or not."""
+    file = saved(tmp_path, "p.txt", lines_of(points_of("rail")[:, ::-1]))
+    with pytest.raises(InputError, match="exchange the columns"):
+        read_profile(file, ReadOptions(unit="mm", kind=kind))
+
+
+def test_commas_that_separate_and_are_decimal_are_refused(tmp_path):
+    """Nothing tells which comma is which."""
+    file = saved(tmp_path, "p.csv", lines_of(points_of("rail"), "{:.3f}.{:.3f}").replace(".", ","))
+    with pytest.raises(InputError, match="with commas in the numbers and between them"):
+        read_profile(file)
+
+
+@pytest.mark.parametrize(("kind", "at"), [("rail", 753.7), ("rail", -753.7), ("wheel", 750.0)])
+def test_coordinates_of_the_track_need_an_origin(kind, at, tmp_path):
+    """A profile far from its own origin is not placed by a guess; with the option it has its own coordinates."""
+    points = points_of(kind)
+    file = saved(tmp_path, "p.txt", lines_of(points + np.array([at, 5.0])))
+    with pytest.raises(InputError, match="--origin X,Y"):
+        read_profile(file, ReadOptions(unit="mm", kind=kind))
+    found = read_profile(file, ReadOptions(unit="mm", kind=kind, origin=f"{at},5", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points, atol=2e-3)

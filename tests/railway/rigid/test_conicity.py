@@ -14,6 +14,7 @@ from flangeway.railway.rigid.conicity import (
     conicity_by_regression,
     equivalent_conicity,
     klingel_wavelength,
+    read_rolling_radius_difference,
 )
 from flangeway.railway.rigid.rigid_curve import RigidCurve
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
@@ -185,6 +186,22 @@ def test_wrong_differences_are_refused(lateral, values):
     """A rolling radius difference is two arrays of finite numbers over increasing lateral motions."""
     with pytest.raises(InputError):
         RollingRadiusDifference(lateral, values)
+
+
+def test_columns_are_taken_by_their_names(tmp_path):
+    """Of the table of `flangeway geometry` lateral displacement and difference are read, with their unit."""
+    lateral = np.linspace(-8.0, 8.0, 33)
+    rows = [f"{y},-0.5,{y / 9:.9f},{0.1 * y:.9f},,3" for y in lateral]
+    file = tmp_path / "table.csv"
+    head = "lateral_mm,vertical_mm,roll_mrad,rolling_radius_difference_mm,left_next_gap_mm,curvature_per_m"
+    file.write_text("\n".join([head, *rows]), encoding="utf-8")
+    found = read_rolling_radius_difference(file)
+    assert np.allclose(found.lateral_mm, lateral)
+    assert np.allclose(found.difference_mm, 0.1 * lateral)
+    file.write_text("case,lateral_mm,computed_mm\nA,0,1\nA,1,2\n", encoding="utf-8")
+    with pytest.raises(InputError, match="line 3: 'A,1,2'") as raised:
+        read_rolling_radius_difference(file)
+    assert "lateral displacement and rolling radius difference" in raised.value.allowed
 
 
 @pytest.mark.parametrize("amplitude", [0.0, -1.0, math.nan, 9.0])

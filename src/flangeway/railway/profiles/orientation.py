@@ -27,6 +27,7 @@ _TREAD_MM = 30.0
 _TREAD_DROP_MM = 12.0
 _FLANGE_WIDTHS_MM = (12.0, 45.0)
 _HEAD_WIDTHS_MM = (45.0, 120.0)
+_FAR_MM = 150.0  # the rim of a wheel is at most this far from its flange's back; half of a gauge is further
 
 
 @dataclass(frozen=True)
@@ -93,13 +94,19 @@ def orientation(
     """
     how: dict[str, str] = {}
     in_unit = agreed_unit(raw, unit)
-    how["unit"] = "given" if unit else "from the file" if raw.unit else "assumed"
+    how["unit"] = "given" if unit else "assumed"
+    if raw.unit and not unit:
+        how["unit"] = "from the file" if raw.unit_is_sure else "of the format"
     points = raw.points * UNITS_MM[in_unit]
     shape = _shape(points)
+    if shape is None and kind is None and raw.kind is None:
+        _refuse_exchanged(points)
     agreed_kind = _kind(raw, kind, shape, how)
     notices = list(raw.notices)
     if shape is None and agreed_kind == "rail" and not raw.kind_is_sure:
         shape = _half_head(points)
+    if shape is None:
+        _refuse_exchanged(points, agreed_kind)
     if shape is not None and shape.kind != agreed_kind:
         notices.append(f"The shape is that of a {shape.kind}; it is taken as a {agreed_kind} nevertheless.")
         shape = None
@@ -137,7 +144,7 @@ def agreed_unit(raw: RawProfile, unit: str | None) -> str:
     for name in (unit, raw.unit):
         if name is not None and name not in UNITS_MM:
             raise InputError(f"unit of length {name!r}", f"one of {', '.join(UNITS_MM)}", "name the unit")
-    if unit is not None and raw.unit is not None and unit != raw.unit:
+    if unit is not None and raw.unit is not None and raw.unit_is_sure and unit != raw.unit:
         raise InputError(f"--unit {unit} for a file in {raw.unit}", "the file's own unit", "leave --unit out")
     return unit or raw.unit or "mm"
 
@@ -165,6 +172,17 @@ def _kind(raw: RawProfile, kind: str | None, shape: _Shape | None, how: dict[str
         )
     how["kind"] = "from the shape"
     return shape.kind
+
+
+def _refuse_exchanged(points: FloatArray, *kinds: Kind) -> None:
+    """Refuse points (n, 2) that have the shape of a rail or wheel, or of a kind, with their columns exchanged."""
+    shape = _shape(np.ascontiguousarray(points[:, ::-1]))
+    if shape is not None and shape.kind in (kinds or KINDS):
+        raise InputError(
+            f"heights in the first column and lateral coordinates in the second: exchanged, they are a {shape.kind}",
+            "the lateral coordinate first, then the vertical one",
+            "exchange the columns",
+        )
 
 
 def _upwards(
@@ -218,6 +236,13 @@ def _origin(raw: RawProfile, kind: Kind, placed: FloatArray, origin: str | None,
             raise InputError(f"origin {stated} of a {kind}", ", ".join(allowed), "correct the file, or give --origin")
         return stated
     top, x = float(placed[:, 1].max()), placed[:, 0]
+    if min(abs(x.min()), abs(x.max())) > _FAR_MM and x.min() * x.max() > 0.0:
+        raise InputError(
+            f"lateral coordinates from {x.min():g} to {x.max():g} mm, far from where a {kind} has its origin",
+            f"(0, 0) at one of: {', '.join(allowed)}",
+            f"--origin X,Y gives the position of the {'top' if kind == 'rail' else 'tread at the tape line'} in the "
+            "file, in its unit; --to FILE writes the profile with its own origin, for cases",
+        )
     if kind == "rail":
         if top > 80.0:
             return "base"

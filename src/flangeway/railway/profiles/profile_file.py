@@ -209,7 +209,7 @@ def _profile(
     unit = agreed_unit(raw, options.unit)
     more: list[str] = []
     scale = UNITS_MM[unit]
-    sure = raw.unit is not None or options.unit is not None
+    sure = (raw.unit is not None and raw.unit_is_sure) or options.unit is not None
     if raw.contour is not None:
         refuse_length(raw.points * scale, sure)
     else:

@@ -30,6 +30,7 @@ REFERENCE_AMPLITUDE_MM = 3.0  # amplitude for which one number is usually given
 NO_DIFFERENCE_MM = 1e-4
 """Difference of rolling radii below which there is none, as between cylinders: less than is measured or published."""
 
+_COLUMNS = (("lateral", "rolling"), ("y", "delta"), ("y", "dr"))  # first words of their names, if there are several
 MAX_LATERAL_MM = 50.0  # lateral displacement beyond which a file holds something else, as a profile
 
 
@@ -140,13 +141,15 @@ def read_rolling_radius_difference(file: str | Path, unit: str | None = None) ->
     An `InputError` if the file cannot be read, names no unit, or does not hold a rolling radius difference.
 
     - `file`: lateral displacement to the right, and radius of the right wheel less that of the left one; separators,
-      decimal commas and comments as in profiles of two columns. Rows in either order.
+      decimal commas and comments as in profiles of two columns. Rows in either order. Of several columns, as in
+      ``table.csv`` of ``flangeway geometry``, those named ``lateral_mm`` and ``rolling_radius_difference_mm``.
     - `unit`: unit of both columns, one of `flangeway.railway.profiles.orientation.UNITS_MM`; by default what the file
       says in a comment such as ``# unit: mm`` or in the names of its columns such as ``y_mm, delta_r_mm``.
     """
     path = Path(file)
     try:
-        found = read_two_column(file_content(path, "a rolling radius difference").decode("utf-8-sig", "replace"))
+        text = file_content(path, "a rolling radius difference").decode("utf-8-sig", "replace")
+        found = read_two_column(text, _COLUMNS, "two numbers, lateral displacement and rolling radius difference")
         chosen = found.unit if unit is None else unit
         if chosen not in UNITS_MM:
             raise InputError(

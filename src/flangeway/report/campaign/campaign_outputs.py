@@ -12,8 +12,10 @@ from flangeway.report.campaign.sweep_animation import NAME as SWEEP
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames, sweep_gif
 from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
+from flangeway.report.page.us_record import files_in_units
 from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, write_together
 from flangeway.system.versions import versions
+from flangeway.units import Units
 
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
@@ -34,9 +36,9 @@ def check_campaign_folder(folder: Path) -> None:
     refuse_unwritable(folder, (DATABASE, *TABLES, *PICTURES, SWEEP, REPORT, SUMMARY))
 
 
-def write_export(table: CampaignTable, folder: Path, kind: str) -> list[Path]:
-    """Write the tables of a campaign as CSV or Parquet, together or not at all."""
-    return write_together(folder, export_writers(table, kind))
+def write_export(table: CampaignTable, folder: Path, kind: str, units: Units = "metric") -> list[Path]:
+    """Write the tables of a campaign as CSV, in some units, or as Parquet, together or not at all."""
+    return write_together(folder, files_in_units(export_writers(table, kind), units))
 
 
 def campaign_record(
@@ -80,7 +82,10 @@ def campaign_record(
         warnings=[
             *(f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]),
             *([f"{len(failures) - MOST} other reasons: column message of results.csv"] if len(failures) > MOST else []),
-            *(f"in {n} rows: {text}" for text, n in sorted(warned.items(), key=lambda each: -each[1])[:MOST_WARNINGS]),
+            *(
+                f"in {n} row{'s' * (n != 1)}: {text}"
+                for text, n in sorted(warned.items(), key=lambda each: -each[1])[:MOST_WARNINGS]
+            ),
             *(
                 [f"{len(warned) - MOST_WARNINGS} others: column warnings of results.csv"]
                 * (len(warned) > MOST_WARNINGS)

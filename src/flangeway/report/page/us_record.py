@@ -3,6 +3,7 @@
 import csv
 import math
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +12,8 @@ from flangeway.report.page.tables import Number, SummaryTable, formatted, marked
 from flangeway.system.output_folder import Writer
 from flangeway.units import NUMBER, Units, UsUnit, in_us_units, number_of, shown, us_key, us_unit
 
-METRIC_PARTS = "Numbers are in US units; pictures, fields, JSON files and files for ParaView are in metric units."
+METRIC_PARTS = "Numbers are in US units; pictures, fields, JSON, Parquet and ParaView files are in metric units."
+SENTENCES = ("message", "warnings")  # columns of CSV files with text of the program; other texts are names
 
 
 def in_units(record: Record, units: Units) -> Record:
@@ -34,8 +36,14 @@ def in_units(record: Record, units: Units) -> Record:
         chapters={name: [*map(_table, tables)] for name, tables in record.chapters.items()},
         axes={name: in_us_units(text) for name, text in record.axes.items()},
         inputs=[*map(_table, record.inputs)],
-        files=lambda: {name: _csv(write) if name.endswith(".csv") else write for name, write in files().items()},
+        files=lambda: files_in_units(files(), units),
     )
+
+
+def files_in_units(writers: Mapping[str, Writer], units: Units) -> dict[str, Writer]:
+    """Return functions that write files, by their names; those of CSV files do it in some units."""
+    in_us = units == "us"
+    return {name: _csv(write) if in_us and name.endswith(".csv") else write for name, write in writers.items()}
 
 
 def _table(table: SummaryTable) -> SummaryTable:
@@ -90,17 +98,21 @@ def _csv(write: Writer) -> Writer:
         write(path)
         with path.open(encoding="utf-8", newline="") as file:
             header, *rows = [[], *csv.reader(file)][1:] or [[]]
-        units = [us_key(name) for name in header]
-        if (header and header[0].startswith("#")) or not any(units):
+        units = {name: us_key(name) for name in header}
+        if (header and header[0].startswith("#")) or not any(units.values()):
             return
-        factors = [float(1 / unit.metric) if unit else 0.0 for unit in units]
+        # an input that is given in US units is a column already, beside the metric one of the results
+        kept = [place for place, name in enumerate(header) if not (unit := units[name]) or unit.name not in units]
         with path.open("w", encoding="utf-8", newline="") as file:
             writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(unit.name if unit else name for name, unit in zip(header, units, strict=True))
+            writer.writerow(unit.name if (unit := units[header[place]]) else header[place] for place in kept)
             for row in rows:
-                writer.writerow(
-                    f"{factor * float(cell):.10g}" if factor and re.fullmatch(NUMBER, cell) else cell
-                    for cell, factor in zip(row, factors, strict=True)
-                )
+                writer.writerow(_csv_cell(header[place], row[place], units[header[place]]) for place in kept)
 
     return converted
+
+
+def _csv_cell(column: str, cell: str, unit: UsUnit | None) -> str:
+    if unit and re.fullmatch(NUMBER, cell):
+        return f"{float(1 / unit.metric) * float(cell):.10g}"
+    return in_us_units(cell) if column in SENTENCES else cell

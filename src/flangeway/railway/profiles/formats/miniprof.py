@@ -3,9 +3,9 @@
 The head of the file has lines ``Key=value``, of which ``ColumnDef`` names the columns, ``XYPoints`` counts the points
 and ``WheelDiameterTaperline`` places the tape line; an empty line and one point a line follow. Files of old versions
 have ``MINIPROF`` in one of their first three lines, words without keys, and points behind the first empty line.
-Everything after ``"``, ``!`` or ``%`` is a comment. Lengths are mm. The second column of rails points up and that of
-wheels towards the flange's tip, unless the shape shows the contrary, since programs differ; the first column of wheels
-counts from the flange's back.
+Everything after ``"``, ``!`` or ``%`` is a comment. Lengths are mm, unless the user gives another unit. The second
+column of rails points up and that of wheels towards the flange's tip, unless the shape shows the contrary, since
+programs differ; the first column of wheels counts from the flange's back.
 """
 
 import re
@@ -89,7 +89,15 @@ def _profile(header: dict[str, tuple[int, str]], rows: list[tuple[int, list[floa
     tape = _tape(header) if kind == "wheel" else None
     title = next((header[key][1] for key in ("mpdn", "comment", "filename", "uof1") if header.get(key, (0, ""))[1]), "")
     return RawProfile(
-        points, lines, unit="mm", kind=kind, upwards=kind == "rail", tape_mm=tape, title=title, notices=tuple(notices)
+        points,
+        lines,
+        unit="mm",
+        unit_is_sure=False,
+        kind=kind,
+        upwards=kind == "rail",
+        tape_mm=tape,
+        title=title,
+        notices=tuple(notices),
     )
 
 

@@ -19,6 +19,7 @@ RAIL_ORIGINS: tuple[Origin, ...] = ("top", "base", "gauge")
 WHEEL_ORIGINS: tuple[Origin, ...] = ("tape", "flange-back")
 
 _NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eEdD][-+]?\d+)?"
+_DECIMAL_COMMAS = re.compile(r"\s*[-+]?\d+,\d+(?:[eE][-+]?\d+)?(?:\s+[-+]?\d+(?:,\d+)?(?:[eE][-+]?\d+)?)+\s*")
 LEADING_NUMBER = re.compile(rf"\s*({_NUMBER})(?=[\s,;]|$)")
 MAX_COORDINATE = 1e6  # in the file's unit: beyond it no profile was meant
 
@@ -30,6 +31,7 @@ class RawProfile:
     - `points`: points (n, 2) in the order of the file: lateral coordinate, vertical coordinate.
     - `lines`: line of the file that holds each point (n,), for messages.
     - `unit`: unit of length that the file names, None if it names none.
+    - `unit_is_sure`: whether the file names it, not only its format.
     - `kind`: ``"rail"`` or ``"wheel"`` if the file declares it.
     - `kind_is_sure`: whether the file declares it inside, not only by its name.
     - `upwards`: whether the second coordinate points up, None if the file does not declare it.
@@ -44,6 +46,7 @@ class RawProfile:
     points: FloatArray
     lines: NDArray[np.int64]
     unit: str | None = None
+    unit_is_sure: bool = True
     kind: Kind | None = None
     kind_is_sure: bool = False
     upwards: bool | None = None
@@ -77,6 +80,7 @@ def leading_numbers(line: str) -> list[float]:
     """Return the numbers that a line starts with, apart by blanks, commas or semicolons; words end them."""
     found = []
     place = 0
+    line = with_decimal_points(line)
     while match := LEADING_NUMBER.match(line, place):
         found.append(float(match[1].replace("d", "e").replace("D", "e")))
         place = match.end()
@@ -85,10 +89,15 @@ def leading_numbers(line: str) -> list[float]:
     return found
 
 
+def with_decimal_points(line: str) -> str:
+    """Return a line of numbers apart by blanks, ``-37,05  0,2``, with points for their decimal commas."""
+    return line.replace(",", ".") if _DECIMAL_COMMAS.fullmatch(line) else line
+
+
 def number_of(text: str, what: str, line: int) -> float:
     """Return a number from the header of a file. An `InputError` if the text is no finite number."""
     try:
-        value = float(text)
+        value = float(text.replace(",", "."))
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

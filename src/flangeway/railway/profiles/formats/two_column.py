@@ -5,13 +5,15 @@ where they are not separators as well. Comments start with ``#``, ``!``, ``%`` o
 ``# unit: mm``, ``# kind: rail``, ``# origin: top``, ``# up: yes``, ``# mirror``, ``# tape_mm: 70`` and ``# title: ...``
 are read, in small or capital letters, and without the colon before a single word. The first line may name the columns,
 with their unit: ``x_mm,y_mm`` or ``y [mm]; z [mm]``; of more than two columns those called x and y are taken, else
-those called y and z, else the first two.
+those called y and z or x and z, else the first two after those that count the points or never change.
 """
 
 import difflib
+import math
 import re
 from collections.abc import Mapping
 from dataclasses import replace
+from itertools import pairwise
 from typing import cast
 
 import numpy as np
@@ -28,25 +30,31 @@ from flangeway.railway.profiles.formats.raw_profile import (
     RawProfile,
     number_of,
     numbered_points,
+    with_decimal_points,
 )
 
 _COMMENT = re.compile(r"\s*(?:#|!|%|//)(.*)")
 _KEYS = ("unit", "kind", "origin", "up", "mirror", "tape_mm", "title")
 _SWITCH = ("yes", "no", "true", "false")
-_NAMES = (("x", "y"), ("y", "z"))
+_NAMES = (("x", "y"), ("y", "z"), ("x", "z"))
 _ORIGINS = (*RAIL_ORIGINS, *WHEEL_ORIGINS)
 
 
-def read_two_column(text: str) -> RawProfile:
+def read_two_column(
+    text: str, names_taken: tuple[tuple[str, str], ...] = _NAMES, allowed: str = "two numbers"
+) -> RawProfile:
     """Return the profile that a text of two columns holds; see the module for what is read.
 
     An `InputError` if a line is neither a comment nor a point, or a comment has a value that is not allowed.
+
+    - `names_taken`: first words of the names of the two columns to take of several, the first pair that is there.
+    - `allowed`: what a line has, for messages.
     """
     header: dict[str, tuple[int, str]] = {}
-    rows: list[tuple[int, float, float]] = []
+    rows: list[tuple[int, list[float]]] = []
     unit_of_columns = None
     notices: list[str] = []
-    n_wide, columns = 0, (0, 1)
+    names, last = list[str](), (0, "")
     for number, line in enumerate(text.splitlines(), 1):
         comment = _COMMENT.match(line)
         if comment:
@@ -56,24 +64,29 @@ def read_two_column(text: str) -> RawProfile:
             notices += [unread] if unread else []
         elif line.strip():
             cells = _cells(line)
-            if not rows and len(cells) <= max(columns):
-                columns = (0, 1)  # words of a sentence, no names
-            values = _numbers(cells, columns)
+            values = _numbers(cells)
             if values is None and not rows:
                 unit_of_columns = _unit_of_columns(line) or unit_of_columns
-                columns = _named_columns(cells)
+                names, last = cells, (number, line)
             elif values is None:
-                raise InputError(
-                    f"line {number}: {line.strip()[:60]!r}", "two numbers, or a comment after #", "correct this line"
-                )
+                raise _wrong_line(number, line, allowed)
             else:
-                n_wide += len(cells) > 2
-                rows.append((number, *values))
-    points, lines = numbered_points(rows)
+                rows.append((number, values))
+    if names and not rows:  # every line has words
+        raise _wrong_line(*last, allowed)
+    _refuse_commas_twice(text, rows)
+    first, second = columns = _columns_taken(names, names_taken, [values for _, values in rows])
+    if len(names) > max(columns):
+        unit_of_columns = _unit_of_columns(f"{names[first]},{names[second]}") or unit_of_columns
+    for number, values in rows:
+        if len(values) <= max(columns) or not math.isfinite(values[first] + values[second]):
+            raise _wrong_line(number, text.splitlines()[number - 1], allowed)
+    points, lines = numbered_points([(number, values[first], values[second]) for number, values in rows])
     stated = _stated(header)
-    taken = "the first two are" if columns == (0, 1) else f"numbers {columns[0] + 1} and {columns[1] + 1}, by name, are"
+    n_wide = sum(len(values) > 2 for _, values in rows)
     if n_wide:
-        notices.append(f"{n_wide} lines have more than two columns; {taken} taken.")
+        taken = "the first two" if columns == (0, 1) else f"numbers {first + 1} and {second + 1}"
+        notices.append(f"{n_wide} lines have more than two columns; {taken} are taken.")
     unit = header["unit"][1].lower() if "unit" in header else unit_of_columns
     return replace(stated, points=points, lines=lines, unit=unit, notices=tuple(notices))
 
@@ -124,34 +137,60 @@ def _keyed(words: str, number: int) -> tuple[str | None, str, str]:
 
 def _cells(line: str) -> list[str]:
     """Return the cells of a line; commas are decimal points where semicolons or blanks separate."""
-    line = line.strip()
+    line = with_decimal_points(line.strip())
     if ";" in line:
         return [cell.strip().replace(",", ".") for cell in line.rstrip(";").split(";")]
-    by_blanks = line.split()
-    if len(by_blanks) > 1 and all(re.fullmatch(r"[-+]?\d+,\d+(?:[eE][-+]?\d+)?", cell) for cell in by_blanks):
-        return [cell.replace(",", ".") for cell in by_blanks]
     if "," in line:
         return [cell.strip() for cell in line.rstrip(",").split(",")]
-    return by_blanks
+    return line.split()
 
 
-def _numbers(cells: list[str], columns: tuple[int, int]) -> tuple[float, float] | None:
+def _numbers(cells: list[str]) -> list[float] | None:
+    """Return the numbers of a line, NaN for empty cells; None if a cell is none, or there are fewer than two."""
     try:
-        values = [float(cell.replace("D", "e").replace("d", "e")) if cell else 0.0 for cell in cells]
+        values = [float(cell.replace("D", "e").replace("d", "e")) if cell else math.nan for cell in cells]
     except ValueError:
         return None
-    if len(values) <= max(columns) or not all(cells[column] for column in columns):
-        return None
-    return values[columns[0]], values[columns[1]]
+    return values if len(values) > 1 and any(cells) else None
 
 
-def _named_columns(cells: list[str]) -> tuple[int, int]:
-    """Return which columns hold the coordinates according to their names, the first two if these are not clear."""
-    names = [re.split(r"[\s_\[(]", cell.strip().strip('"').lower(), maxsplit=1)[0] for cell in cells]
-    for first, second in _NAMES if len(names) > 2 else ():
-        if names.count(first) == 1 and names.count(second) == 1:
-            return names.index(first), names.index(second)
-    return 0, 1
+def _wrong_line(number: int, line: str, allowed: str) -> InputError:
+    return InputError(
+        f"line {number}: {line.strip()[:60]!r}", f"{allowed}, or a comment after #", "correct this line, or remove it"
+    )
+
+
+def _refuse_commas_twice(text: str, rows: list[tuple[int, list[float]]]) -> None:
+    """Refuse rows, each after its line, whose decimal commas are those between the numbers too."""
+    text_lines = text.splitlines()
+    lines = [text_lines[number - 1] for number, _ in rows]
+    if rows and all(re.fullmatch(r"\s*[-+]?\d+,\d+,\s*[-+]?\d+,\d+\s*", line) for line in lines):
+        raise InputError(
+            f"line {rows[0][0]}: {lines[0].strip()[:60]!r}, with commas in the numbers and between them",
+            "semicolons, tabs or blanks between numbers with decimal commas",
+            "save the file so",
+        )
+
+
+def _columns_taken(
+    names: list[str], names_taken: tuple[tuple[str, str], ...], rows: list[list[float]]
+) -> tuple[int, int]:
+    """Return which columns hold the coordinates: by their names, else the first two that do."""
+    fewest = min(map(len, rows), default=2)
+    words = [re.split(r"[\s_\[(]", name.strip().strip('"').lower(), maxsplit=1)[0] for name in names]
+
+    def is_coordinate(column: int) -> bool:
+        """Whether a column neither counts the points nor is always the same."""
+        steps = {right[column] - left[column] for left, right in pairwise(rows)}
+        return not (steps == {0.0} or (steps == {1.0} and rows[0][column] in (0.0, 1.0)))
+
+    for first, second in names_taken if len(words) > 2 else ():
+        if words.count(first) == 1 and words.count(second) == 1 and max(map(words.index, (first, second))) < fewest:
+            places = words.index(first), words.index(second)
+            if all(map(is_coordinate, places)):
+                return places
+    found = [column for column in range(fewest) if is_coordinate(column)] if fewest > 2 else []
+    return (found[0], found[1]) if len(found) > 1 else (0, 1)
 
 
 def _unit_of_columns(line: str) -> str | None:
