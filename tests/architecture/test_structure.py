@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2899,
-    "solve": 4140,
+    "solve": 4156,
     "contact": 7199,
     "post": 2033,
     "forms": 366,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 73_844
+MAX_LINES_OF_ALL = 73_860
 MAX_FILES_OF_ALL = 385
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

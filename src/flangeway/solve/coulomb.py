@@ -13,13 +13,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.solve.complementarity import MAX_CHANGES, Motions, equations
+from flangeway.solve.complementarity import Motions, equations
 from flangeway.types import Bools, Floats, Ints
 
-MOST_PIECES = 2000
-"""Linear pieces of a path."""
+MOST_ROUNDS = 30
+"""Linear equations of Newton's method."""
+MEMORY, HALVINGS = 4, 10
+"""Steps whose maximum error the next one has to fall below, and how often a step is halved until it does."""
+MOST_PIECES, MOST_WORK = 10_000, 2e11
+"""Linear pieces of a path, and the multiplications that they may take: some ten seconds."""
 SAME, NEARLY = 1e-12, 1e-9
-"""Error of the law's equations, over the maximum force, that is round-off; and one where guesses go round with it."""
+"""Error of the law's equations, over the maximum force, that is round-off; and one that is taken where none is less."""
 AT_LIMIT = 1e-9
 """Part of the limit by which a tangential force is below it where surfaces stick."""
 Answer = tuple[Floats, Floats]
@@ -78,9 +82,7 @@ def violation(normal: Floats, tangential: Floats, slips: Floats, coefficients: F
     return beyond, float(wrong.max(initial=0.0))
 
 
-def solve(
-    matrix: Floats, offset: Floats, coefficients: Floats, guess: Floats, own: Floats | None = None
-) -> Floats | None:
+def solve(matrix: Floats, offset: Floats, coefficients: Floats, guess: Floats) -> Floats | None:
     """Solve ``(s, w) = M (p, q) + b`` with Coulomb's law.
 
     Parameters
@@ -91,8 +93,6 @@ def solve(
         Coefficients of friction, shape (m,).
     guess
         Forces p, then q, shape (2 m,).
-    own
-        Compliance of the bodies against each force alone, shape (2 m,); left out: the diagonal of M.
 
     Returns
     -------
@@ -101,7 +101,7 @@ def solve(
 
     """
     m = len(coefficients)
-    coefficients, stiffness = _scaled(coefficients, matrix.diagonal() if own is None else own)
+    coefficients, stiffness = _scaled(coefficients, matrix.diagonal())
 
     def solved(active: Bools, signs: Ints) -> Answer:
         forces = np.zeros(2 * m)
@@ -111,27 +111,27 @@ def solve(
             forces[m:] += ratios * forces[:m]
         return forces, matrix @ forces + offset
 
-    active = guess[:m] > 0.0 if guess[:m].any() else offset[:m] < 0.0
-    at_limit = np.abs(guess[m:]) >= (1.0 - AT_LIMIT) * coefficients * guess[:m]
-    signs = np.where((at_limit & (guess[m:] != 0.0)) | (coefficients == 0.0), np.sign(guess[m:]), 0.0).astype(np.int64)
-    signs[coefficients == 0.0] = 1
-    found = _by_guesses(solved, coefficients, stiffness, (active, signs))
+    found = _by_newton(solved, coefficients, stiffness, (guess, matrix @ guess + offset))
     if found is not None:
         return found
-    return _by_path(matrix, offset, coefficients, stiffness, guess)
+    found = _by_path(matrix, offset, coefficients)
+    if found is not None:
+        missed = np.abs(_projected(coefficients, stiffness, (found, matrix @ found + offset)) - found).max()
+        found = found if missed <= NEARLY * np.abs(found).max() else None
+    return found
 
 
 def solve_with_motions(
     matrix: Floats, offset: Floats, coefficients: Floats, guess: Floats, motions: Motions, *, soft: bool = True
 ) -> tuple[Floats, Floats, Floats] | None:
     """Solve with free motions: forces (2 m,), motions, what is kept zero; see `complementarity.solve_with_motions`."""
-    m, own = len(coefficients), matrix.diagonal()
+    m = len(coefficients)
     softened, lifted, yielding = motions.softened(matrix, offset)
-    forces = solve(softened, lifted, coefficients, guess, own)
+    forces = solve(softened, lifted, coefficients, guess)
     if forces is None:
         return None
     sprung = forces, yielding @ np.append(forces, 1.0), np.zeros((2, len(motions.residual), 0))
-    coefficients, stiffness = _scaled(coefficients, own)
+    coefficients, stiffness = _scaled(coefficients, matrix.diagonal())
     last, loads = sprung, motions.loads(forces)
 
     def solved(active: Bools, signs: Ints) -> Answer | None:
@@ -151,65 +151,76 @@ def solve_with_motions(
         return forces, matrix @ forces + motions.by_motion @ found[1] + offset
 
     gaps = matrix @ forces + motions.by_motion @ sprung[1] + offset
-    found = _by_guesses(solved, coefficients, stiffness, _sets(coefficients, stiffness, (forces, gaps)))
+    found = _by_newton(solved, coefficients, stiffness, (forces, gaps))
     return sprung if found is None else (found, *last[1:])
 
 
 def _scaled(coefficients: Floats, own: Floats) -> tuple[Floats, Floats]:
     """Coefficients, and stiffness (2 m,) against each force: with none their tangential force stays zero."""
-    own = np.maximum(own, 0.0)
+    own = np.abs(own)  # negative ones are of bodies that pressure makes unstable where surfaces are apart
     movable = own[len(coefficients) :] > 1e-12 * own.max(initial=0.0)
     stiffness = np.where(own > 0.0, 1.0 / np.where(own > 0.0, own, 1.0), 1.0 / own.max(initial=1e-300))
     return np.where(movable, coefficients, 0.0), stiffness
 
 
-def _by_guesses(
-    solved: Callable[[Bools, Ints], Answer | None], coefficients: Floats, stiffness: Floats, sets: tuple[Bools, Ints]
+def _by_newton(
+    solved: Callable[[Bools, Ints], Answer | None], coefficients: Floats, stiffness: Floats, answer: Answer
 ) -> Floats | None:
-    """Forces by the semismooth Newton method from a guess of what is closed and of the signs; None if it cycles."""
-    seen: set[bytes] = set()
-    for _ in range(MAX_CHANGES):
-        active, signs = sets
-        answer = solved(active, signs)
-        if answer is None:
+    """Forces by the semismooth Newton method from a guess and its gaps; None if it does not converge.
+
+    A step is halved until the error of the law's equations, by its energy, is below the maximum of the last steps (L.
+    Grippo, F. Lampariello and S. Lucidi, 1986, SIAM J. Numer. Anal. 23), and goes the whole way if it never is. Forces
+    and gaps are linear along it, so that no halving needs further equations.
+    """
+
+    def error(answer: Answer) -> float:
+        return float(np.linalg.norm((answer[0] - _projected(coefficients, stiffness, answer)) / np.sqrt(stiffness)))
+
+    errors, sets = [error(answer)], _sets(coefficients, stiffness, answer)
+    for number in range(MOST_ROUNDS):
+        found = solved(*sets)
+        if found is None:
             return None
-        forces = answer[0]
-        sets = _sets(coefficients, stiffness, answer)
-        if np.array_equal(sets[0], active) and np.array_equal(sets[1], signs):
-            return forces
-        projected = _projected(coefficients, stiffness, answer)
-        error = np.abs(projected - forces).max() / max(np.abs(forces).max(), 1e-300)
-        state = active.tobytes() + signs.tobytes()
-        if error <= (NEARLY if state in seen else SAME):
+        new_sets, projected = _sets(coefficients, stiffness, found), _projected(coefficients, stiffness, found)
+        if all(np.array_equal(*each) for each in zip(sets, new_sets, strict=True)):
+            return found[0]
+        tolerance = SAME if number < MOST_ROUNDS - 1 else NEARLY
+        if np.abs(projected - found[0]).max() <= tolerance * max(np.abs(found[0]).max(), 1e-300):
             return projected
-        if state in seen:
-            return None
-        seen.add(state)
+        for share in (*0.5 ** np.arange(HALVINGS), 1.0):
+            tried = (answer[0] + share * (found[0] - answer[0]), answer[1] + share * (found[1] - answer[1]))
+            if error(tried) < max(errors[-MEMORY:]):
+                break
+        answer = tried
+        errors.append(error(answer))
+        sets = _sets(coefficients, stiffness, answer)
     return None
 
 
-def _by_path(matrix: Floats, offset: Floats, coefficients: Floats, stiffness: Floats, guess: Floats) -> Floats | None:
-    """Forces at the end of a path from a guess, which solves the problem with another offset.
+def _by_path(matrix: Floats, offset: Floats, coefficients: Floats) -> Floats | None:
+    """Forces at the end of a path along which bodies that are apart are brought together.
 
-    As the offset goes over to its own, forces, gaps and slips change linearly until one constraint opens, closes,
-    sticks or slips: the path has pieces (D. Ralph, 1994, Math. Oper. Res. 19). None if it turns back.
+    With t added to all gaps forces, gaps and slips change linearly with t until one constraint opens, closes, sticks or
+    slips. Then t goes the way on which this constraint satisfies the law: mostly down, sometimes up again (C. E. Lemke,
+    1965, Manage. Sci. 11, without its tableau). It ends at t = 0 if M is positive definite, whatever the coefficients
+    are (R. W. Cottle, J.-S. Pang and R. E. Stone, 1992, The linear complementarity problem, 4.4: copositive matrices).
     """
     m = len(coefficients)
-    trial = guess - stiffness * (matrix @ guess + offset)
-    start = _projected(coefficients, stiffness, (trial, np.zeros(2 * m)))
-    other = (start - trial) / stiffness - matrix @ start - offset
-    active, signs = trial[:m] > 0.0, np.sign(trial[m:] - start[m:]).astype(np.int64)
-    signs[coefficients == 0.0] = 1
-    done = 0.0
-    for _ in range(MOST_PIECES):
+    moving = coefficients > 0.0
+    active, signs = np.zeros(m, dtype=np.bool_), np.where(moving, 0, 1)
+    lifted = np.column_stack((offset, np.repeat((1.0, 0.0), m)))
+    kind, which, added = 0, int(offset[:m].argmin()), -float(offset[:m].min())
+    if added <= 0.0:
+        return np.zeros(2 * m)
+    active[which], signs[which] = True, -np.sign(offset[m + which]) if moving[which] else 1
+    for _ in range(int(min(MOST_PIECES, MOST_WORK / (2.0 * m) ** 3))):
         system, _, rows, ratios = _equations(matrix, offset, coefficients, active, signs)
         both = np.zeros((2 * m, 2))
-        both[rows] = equations(system, -np.column_stack((offset, other))[rows])
+        both[rows] = equations(system, -lifted[rows])
         both[m:] += ratios[:, None] * both[:m]
-        gaps = matrix @ both + np.column_stack((offset, other))
-        left = 1.0 - done
+        gaps = matrix @ both + lifted
         slips, limits = active & (signs != 0), coefficients[:, None] * both[:m]
-        # what must not become negative, with -1 times its rate in the second column
+        # what must not become negative, with its rate by t in the second column
         kept = np.stack(
             (
                 np.where(active[:, None], both[:m], gaps[:m]),
@@ -217,20 +228,26 @@ def _by_path(matrix: Floats, offset: Floats, coefficients: Floats, stiffness: Fl
                 limits + both[m:],
             )
         )
-        watched = np.stack((np.ones(m, dtype=np.bool_), active & (coefficients > 0.0), active & (signs == 0)))
-        falling = watched & (kept[..., 1] > SAME * np.abs(kept[..., 1]).max(initial=1e-300))
-        values = kept[..., 0] + left * kept[..., 1]
-        ways = np.where(falling, np.maximum(values, 0.0) / np.where(falling, kept[..., 1], 1.0), np.inf)
-        kind, which = np.unravel_index(int(ways.argmin()), ways.shape)
-        if not ways[kind, which] < left:
+        watched = np.stack((np.ones(m, dtype=np.bool_), active & moving, active & moving & ~slips))
+        watched[kind, which] = False  # what has changed last is zero and grows
+        rates = np.sign(kept[kind, which, 1]) * kept[..., 1]
+        falling = watched & (rates < -SAME * np.abs(rates).max())
+        values = np.maximum(kept[..., 0] + added * kept[..., 1], 0.0)
+        ways = np.where(falling, values / np.where(falling, -rates, 1.0), np.inf)
+        way, down = float(ways.min()), kept[kind, which, 1] < 0.0
+        if down and way >= added:
             return both[:, 0]
-        done += float(ways[kind, which])
+        if not np.isfinite(way):
+            return None
+        added -= way if down else -way
+        kind, which = (int(each) for each in np.unravel_index(ways.argmin(), ways.shape))
         if kind == 0:
             active[which] = not active[which]
-            signs[which] = -np.sign(gaps[m + which] @ (1.0, 1.0 - done))  # what closes slips as it did
+            signs[which] = -np.sign(gaps[m + which] @ (1.0, added)) if moving[which] else 1  # it slips as it did
+        elif slips[which]:
+            kind, signs[which] = (1 if signs[which] > 0 else 2), 0
         else:
-            signs[which] = 0 if slips[which] else (1 if kind == 1 else -1)
-        signs[coefficients == 0.0] = 1
+            kind, signs[which] = 1, (1 if kind == 1 else -1)
     return None
 
 
@@ -261,8 +278,7 @@ def _projected(coefficients: Floats, stiffness: Floats, answer: Answer) -> Float
 def _sets(coefficients: Floats, stiffness: Floats, answer: Answer) -> tuple[Bools, Ints]:
     """What is closed, and the sign of the tangential force where it is at its limit, by the law's equations."""
     m, trial = len(coefficients), answer[0] - stiffness * answer[1]
-    limits = coefficients * np.maximum(answer[0][:m], 0.0)
+    limits = coefficients * np.maximum(trial[:m], 0.0)
     signs = np.where(np.abs(trial[m:]) > limits, np.sign(trial[m:]), 0.0).astype(np.int64)
-    signs[answer[0][:m] <= 0.0] = 0  # what closes sticks first
     signs[coefficients == 0.0] = 1
     return trial[:m] > 0.0, signs

@@ -126,15 +126,15 @@ def _strip_numbers(solution: ContactSolution) -> list[ReproducedNumber]:
     return rows
 
 
-def belt_exponent(thickness: float) -> float:
+def belt_exponent(thickness: float, mu: float = MU) -> float:
     """Exponent k of a belt with a thickness, see the head of the file."""
-    ratio, exponent = DRUM_MM / (DRUM_MM + thickness / 2.0), MU
+    ratio, exponent = DRUM_MM / (DRUM_MM + thickness / 2.0), mu
     for _ in range(50):
-        exponent = MU * ratio / (1.0 + exponent * MU * (1.0 - ratio))
+        exponent = mu * ratio / (1.0 + exponent * mu * (1.0 - ratio))
     return exponent
 
 
-def turned_belt(thickness: float, cells: int) -> ContactSolution:
+def turned_belt(thickness: float, cells: int, strain: float = BELT_STRAIN, mu: float = MU) -> ContactSolution:
     """A belt over the upper half of a drum that moves up and turns until all slips, with cells along the arc."""
     arc = np.linspace(0.0, np.pi * DRUM_MM, cells + 1)
     straight = np.linspace(0.0, SPAN_MM, cells // 10 + 1)[1:]
@@ -147,8 +147,8 @@ def turned_belt(thickness: float, cells: int) -> ContactSolution:
     edges = belt_mesh.edge_sets["bottom"]
     touching = edges[belt_mesh.points[edges].mean(axis=1)[:, 1] > 0.0]
     sides = Surface(belt, touching), Surface(drum, drum_mesh.edge_sets["top"])
-    contact = Contact(*sides, SegmentToSegment(), Multiplier(), MU)
-    up = BELT_STRAIN * (arc[-1] + 2.0 * SPAN_MM) / 2.0
+    contact = Contact(*sides, SegmentToSegment(), Multiplier(), mu)
+    up = strain * (arc[-1] + 2.0 * SPAN_MM) / 2.0
     turn = {drum: Placement.about((0.0, up), -2.5 * up / DRUM_MM)}
     return press([contact], [shift(drum, 0.0, up), turn], steps=[StepSettings(), StepSettings(0.5, 0.5)])
 
