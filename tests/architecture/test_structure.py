@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 7972,
     "campaign": 1944,
     "tables": 1441,
-    "report": 8659,
+    "report": 8676,
     "validation": 8521,
     "cli": 1310,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 73_860
+MAX_LINES_OF_ALL = 73_877
 MAX_FILES_OF_ALL = 385
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

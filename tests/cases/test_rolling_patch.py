@@ -132,9 +132,7 @@ def test_files_hold_the_forces_of_the_cells(tmp_path):
         assert f"{found.summary.longitudinal_force_kN:.4f}".removeprefix("-") in text
     assert record.scene is not None
     shown = [field.key for field in record.scene().fields]
-    assert shown == [
-        *("pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2", "stick_slip_state"),
-    ]
+    assert shown == ["pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2"]
 
 
 def test_a_campaign_varies_it(tmp_path):

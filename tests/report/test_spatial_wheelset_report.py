@@ -23,6 +23,7 @@ from flangeway.railway.track.placements import SIDE_SIGN
 from flangeway.report.case_outputs import case_files, case_record, write_case
 from flangeway.report.page import html_page
 from flangeway.report.page.record import print_record
+from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
 from flangeway.report.spatial_wheelset.wheelset_patches import patch_map
 
 INPUTS = {"lateral_force_kN": 60.0, "rail": "136RE", "wheel": "AAR-1B", "yaw_mrad": 5.0, "size_scale": 1.5}
@@ -100,6 +101,22 @@ def test_surfaces_carry_the_force_where_wheel_and_rail_meet(run, folder, side):
     assert radii.min() < min(inside) <= max(inside) < radii.max()
     # yaw: the right wheel is ahead and its flange root touches ahead of the axle, the left patch behind
     assert (touching[..., 2].mean() > 1.0) == (side == "right")
+
+
+def test_the_viewer_shows_friction_of_the_files(rolling, rolling_folder):
+    """The report's picture has pressure, sizes of traction and slip velocity, and power, as on the rails' surfaces."""
+    scene = pressure_scene(rolling)
+    keys = [field.key for field in scene.fields]
+    assert keys == ["pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2"]
+    for part in scene.parts:
+        _, arrays = quads(rolling_folder / f"{part.name}.vtu")
+        for key in keys:
+            wanted = arrays[key] if arrays[key].ndim == 1 else np.linalg.norm(arrays[key], axis=1)
+            shown = part.cell_arrays[key][:, 0]
+            # the cells of the contact come first, those around them have none
+            np.testing.assert_allclose(shown[: len(wanted)], wanted, rtol=1e-6, atol=1e-6 * wanted.max())
+            assert not shown[len(wanted) :].any()
+            assert wanted.max() > 0.0
 
 
 def test_collection_opens_all_surfaces_and_sections(folder):

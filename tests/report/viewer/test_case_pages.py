@@ -25,12 +25,19 @@ STACK = {
     ],
     "steps": {"number": 2},
 }
-INPUTS = {"cook": {"level": 1, "order": 2}, "torsion": {"size": 12.0}, "two-bodies": STACK}
+INPUTS = {
+    "cook": {"level": 1, "order": 2},
+    "torsion": {"size": 12.0},
+    "two-bodies": STACK,
+    "rolling-patch": {"lateral_creepage": 5e-4, "cells_along": 12, "cells_across": 10, "curve_points": 3},
+}
 FILES = {
     "cook": {"membrane": "membrane.vtu"},
     "torsion": {"section": "section.vtu"},
     "two-bodies": {"upper": "1-upper.vtu", "lower": "2-lower.vtu"},
+    "rolling-patch": {"patch": "patch.vtu"},
 }
+N_FIELDS = {"cook": 12, "torsion": 5, "two-bodies": 12, "rolling-patch": 4}
 STRESS = {
     **{f"stress_{name}_MPa": lambda s, i=i: s.components[:, i] for i, name in enumerate(("xx", "yy", "xy", "zz"))},
     "max_in_plane_shear_MPa": lambda s: s.in_plane_shear,
@@ -108,7 +115,7 @@ def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     assert opened.page.locator("#viewer").get_attribute("data-state") == "ready"
     box, first, seen = opened.canvas.bounding_box(), opened.shot(), set()
     keys = opened.fields()
-    assert len(keys) == (5 if name == "torsion" else 12)
+    assert len(keys) == N_FIELDS[name]
     for number, key in enumerate(keys):
         opened.choose(key)
         for y in (0.2, 0.8) if name == "two-bodies" else (0.5,):
@@ -121,9 +128,9 @@ def test_the_page_of_a_case_shows_what_its_files_hold(open_page, folders, name):
     assert [url for url in opened.requests if not url.startswith(("data:", "blob:"))] == [
         (folder / "report.html").as_uri()
     ]
-    # a section does not move in its plane
+    # a section does not move in its plane, nor do half-spaces
     for control in ("#viewer-slider", "#viewer-true"):
-        assert opened.page.locator(control).is_visible() == (name != "torsion")
+        assert opened.page.locator(control).is_visible() == (name in ("cook", "two-bodies"))
     assert opened.page.locator(".viewer-parts").is_visible() == (name == "two-bodies")
 
 

@@ -1,6 +1,6 @@
 """Patches that roll with friction from above: stick and slip with tractions, slip velocity, frictional power."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,7 @@ from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces, Rolling
 from flangeway.report.figures.drawing import INK, draw_title, new_figure
 from flangeway.report.figures.plots import COLOURS
+from flangeway.report.viewer import ShownField
 from flangeway.types import Floats
 
 STICK, SLIP = "#d3e3f3", "#f2b482"
@@ -22,6 +23,14 @@ ARROWS = 14
 PANEL_IN, HIGHEST_IN = 2.6, 3.6
 """Width of a panel, and the most of its height."""
 MARGIN = 0.06
+FIELDS = {
+    "pressure_MPa": ("contact pressure", "MPa"),
+    "traction_MPa": ("traction", "MPa"),
+    "slip_velocity_m_s": ("slip velocity", "m/s"),
+    "slip_mm": ("slip", "mm"),
+    "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
+}
+"""Words and units of fields of cells by the names of their arrays, for the viewer."""
 LENGTH = 1.7
 """Longest arrow over the distance of arrows."""
 
@@ -83,6 +92,13 @@ class ShownRolling:
     @property
     def _scale(self) -> float:
         return self.speed_m_s / abs(self.found.motion.speed) if self.found.motion.rolls else 1.0
+
+
+def shown_fields(fields: Mapping[str, Floats]) -> tuple[list[ShownField], dict[str, Floats]]:
+    """Fields of cells (n_cells, n_strips[, 3]) for the viewer, which shows vectors by their sizes, and their arrays."""
+    known = {name: each for name, each in fields.items() if name in FIELDS}
+    arrays = {name: np.linalg.norm(each, axis=2) if each.ndim > 2 else each for name, each in known.items()}
+    return [ShownField(name, *FIELDS[name], "Contact", name, "value") for name in arrays], arrays
 
 
 def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:

@@ -19,9 +19,9 @@ from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
 from flangeway.report.page.case_text import case_text, command_line, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across
-from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure
+from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
-from flangeway.report.viewer import Scene, ShownField, ShownPart
+from flangeway.report.viewer import Scene, ShownPart
 from flangeway.results import ResultTable
 from flangeway.system.output_folder import Writer, text_writer
 from flangeway.types import Floats
@@ -37,7 +37,7 @@ CAPTIONS = {
     "the case. Dotted: the limit of friction.",
 }
 AXES = {
-    "ahead, right": "directions of rolling and across it, seen from above; z and x of the picture",
+    "ahead, right": "directions of rolling and across it, seen from above; y and x in the file for ParaView",
     "creepage": "slip of the upper body on the lower one over the speed; spin counter-clockwise seen from above",
     "force": "on the upper body, about the centre of pressure; the spin moment counter-clockwise",
     "CONTACT": "for rolling ahead xi, eta and phi are the longitudinal, the lateral and minus the spin creepage; F_x, "
@@ -59,14 +59,6 @@ FAR = 1.3
 ROUND_OFF = 1e-6
 """Force over the limit of friction, and moment over this times the semi-axis along, that is none and not drawn."""
 DIGITS = 6
-FIELDS = {
-    "pressure_MPa": ("contact pressure", "MPa"),
-    "traction_MPa": ("traction", "MPa"),
-    "slip_velocity_m_s": ("slip velocity", "m/s"),
-    "slip_mm": ("slip", "mm"),
-    "frictional_power_W_mm2": ("frictional power over the area", "W/mm²"),
-    "stick_slip_state": ("state: 1 sticks, 2 slips", ""),
-}
 
 
 def names(case: RollingPatchCase) -> tuple[str, ...]:
@@ -298,14 +290,12 @@ def _scene(run: RollingPatchRun) -> Scene:
     z: Floats = grid.middle + grid.strip * (np.arange(grid.n_strips + 1, dtype=np.float64) - grid.n_strips / 2.0)
     n = len(grid.bounds)
     mesh = strip_mesh(grid.bounds, z, np.stack((np.arange(n - 1), np.arange(1, n)), axis=1))
-    fields = _fields(run)
-    arrays = {name: np.linalg.norm(each, axis=2) if each.ndim > 2 else each for name, each in fields.items()}
-    shown = [ShownField(name, *FIELDS[name], "Contact", name, "value") for name in arrays]
+    fields, arrays = shown_fields(_fields(run))
     part = ShownPart("patch", mesh, cell_arrays={name: each.reshape(-1, 1) for name, each in arrays.items()})
     note = (
-        "The patch from above: x to the right, z ahead. Values are means over cells, vectors are shown by their sizes."
+        "The patch from above: x to the right, y ahead. Values are means over cells, vectors are shown by their sizes."
     )
-    return Scene([part], shown, notes=(note,), axes=("x", "z"))
+    return Scene([part], fields, notes=(note,))
 
 
 def _write_patch(run: RollingPatchRun, path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The pressures of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer."""
+"""Pressures and friction of a wheelset on the running surfaces of its rails, in three dimensions, for the viewer."""
 
 import numpy as np
 
@@ -6,7 +6,9 @@ from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.mesh import PolyMesh
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
+from flangeway.report.rolling.rolling_maps import shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
+from flangeway.report.spatial_wheelset.running_surface_files import friction_fields
 from flangeway.report.spatial_wheelset.wheelset_patches import patch_name
 from flangeway.report.viewer import Scene, ShownField, ShownPart, View
 from flangeway.types import Floats, Ints
@@ -20,7 +22,7 @@ DEEP_MM, BELOW_MM = 14.0, 5.0
 """Depth of the heads that is shown, and at least below what is in contact."""
 NEAR = 40.0
 """Width of the view of a patch in mm."""
-FIELD = "pressure_MPa"
+PRESSURE = "pressure_MPa"
 
 
 def pressure_scene(run: SpatialWheelsetRun) -> Scene:
@@ -35,16 +37,20 @@ def pressure_scene(run: SpatialWheelsetRun) -> Scene:
     )
     z = np.concatenate([state.grid.grid.z for state in run.result.equilibrium.state.sides.values()])
     ends = float(z.min()) - ROUND_MM, float(z.max()) + ROUND_MM
+    if run.result.rolling:
+        note += " Tractions and slip velocities are shown by their sizes."
+    parts = [_part(run.result, side, ends) for side in SIDES]
     return Scene(
-        [_part(run.result, side, ends) for side in SIDES],
-        [ShownField(FIELD, "contact pressure", "MPa", "Contact", FIELD, "value")],
+        [part for part, _ in parts],
+        parts[0][1],
         views,
         notes=(note,),
         axes=("x", "z", "y"),
     )
 
 
-def _part(result: SpatialResult, side: Side, ends: tuple[float, float]) -> ShownPart:
+def _part(result: SpatialResult, side: Side, ends: tuple[float, float]) -> tuple[ShownPart, list[ShownField]]:
+    """Running surface of a rail with its fields."""
     state = result.equilibrium.state.sides[side]
     surfaces, cells = state.grid.surfaces, state.cells
     depths = surfaces.rail_points(surfaces.rail_stations[:, 1])[0][:, 1]
@@ -53,11 +59,16 @@ def _part(result: SpatialResult, side: Side, ends: tuple[float, float]) -> Shown
     nodes = _with_coarse(np.unique(cells.cells), float(stations.min()), float(stations.max()))
     strips = np.append(cells.z - cells.strip / 2.0, cells.z[-1] + cells.strip / 2.0)
     z = _with_coarse(strips, *ends)
-    pressures, later = np.zeros((len(nodes) - 1, len(z) - 1)), np.ones((len(nodes) - 1, len(z) - 1))
+    shape = len(nodes) - 1, len(z) - 1
     first = np.searchsorted(z, strips[0])
     window = np.searchsorted(nodes, cells.cells[:, 0]), slice(first, first + len(cells.z))
-    pressures[window], later[window] = cells.pressures, 0.0
-    around = np.pad(pressures, 1)
+    later = np.ones(shape)
+    later[window] = 0.0
+    fields, found = shown_fields({PRESSURE: cells.pressures} | friction_fields(result, side, "rail"))
+    arrays = {name: np.zeros(shape) for name in found}
+    for name, values in found.items():
+        arrays[name][window] = values
+    around = np.pad(arrays[PRESSURE], 1)
     at_nodes = (around[1:, 1:] + around[:-1, 1:] + around[1:, :-1] + around[:-1, :-1]) / 4.0
     points, _ = surfaces.rail_points(nodes)
     heights = np.repeat(points[:, 1], len(z)) + RAISED_MM_PER_MPA * at_nodes.ravel()
@@ -67,8 +78,8 @@ def _part(result: SpatialResult, side: Side, ends: tuple[float, float]) -> Shown
     # first the cells of the contact, with the numbers of the VTU file
     order = np.argsort(later.ravel(), kind="stable")
     mesh = PolyMesh(mesh.points, mesh.cell_offsets, mesh.cell_points.reshape(-1, 4)[order].ravel())
-    values = pressures.reshape(-1, 1)[order]
-    return ShownPart(f"rail-{side}", mesh, cell_arrays={FIELD: values}, side=side, heights=heights)
+    ordered = {name: values.reshape(-1, 1)[order] for name, values in arrays.items()}
+    return ShownPart(f"rail-{side}", mesh, cell_arrays=ordered, side=side, heights=heights), fields
 
 
 def _with_coarse(fine: Floats, low: float, high: float) -> Floats:

@@ -48,7 +48,7 @@ def write_surface(result: SpatialResult, side: Side, role: Role, path: Path) -> 
     offsets = 4 * np.arange(chosen.sum() + 1, dtype=np.int32)
     mesh = PolyMesh(mesh.points[used], offsets, numbers.ravel().astype(np.int32))
     gaps = np.where(opposite.reshape(state.gaps.shape), state.gaps, np.nan)
-    values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | _friction(result, side, role)
+    values = {"pressure_MPa": state.cells.pressures, "gap_mm": gaps} | friction_fields(result, side, role)
     cells = {key: each.reshape(opposite.size, *each.shape[2:])[chosen] for key, each in values.items()}
     arrays = {key: np.repeat(each, 4, axis=0) for key, each in cells.items()}
     write_vtu(path, mesh, corner_data=arrays, positions=places.reshape(-1, 3)[used], body_id=PARTS.index((side, role)))
@@ -68,7 +68,7 @@ def write_section(section: WholeSection, side: Side, role: Role, path: Path) -> 
     write_vtu(path, section.mesh, corner_data=arrays, positions=section.positions, body_id=number)
 
 
-def _friction(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
+def friction_fields(result: SpatialResult, side: Side, role: Role) -> dict[str, Floats]:
     """Arrays of friction on the cells of a side, (n, n_z) or vectors (n, n_z, 3); none without it."""
     state, total = result.equilibrium.state.sides[side], dict[str, Floats]()
     # directions t (across) and z of the cells in the track's axes
