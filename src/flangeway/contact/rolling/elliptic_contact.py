@@ -61,9 +61,14 @@ class EllipticContact:
         """
         if not motion.rolls:
             raise InputError("a speed of 0", "a speed of rolling", "shift by flangeway.contact.rolling.roll")
-        s, z = contact.places
         rows, strips = contact.normal_forces.sum(axis=1), contact.normal_forces.sum(axis=0)
-        total = contact.force
+        return cls.under(contact, motion, rows, strips)
+
+    @classmethod
+    def under(cls, contact: RollingContact, motion: Creepages, rows: Floats, strips: Floats) -> "EllipticContact":
+        """As `of` where normal forces of rows (n_cells,) and of strips (n_strips,) have other sums."""
+        s, z = contact.places
+        total = float(rows.sum())
         s0, z0 = float(rows @ s) / total, float(strips @ z) / total
         a = float(np.sqrt(5.0 * (strips @ (z - z0) ** 2 / total + contact.grid.strip**2 / 12.0)))
         b = float(np.sqrt(5.0 * (rows @ ((s - s0) ** 2 + contact.grid.widths**2 / 12.0) / total)))

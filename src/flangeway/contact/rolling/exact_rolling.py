@@ -195,20 +195,19 @@ class _Step:
         """Slip in the box by pressures and by the displacements before."""
         rows, strips = self.inside
         n, weights = strips.stop - strips.start, self.weights
-        none = np.zeros((len(self.contact.pressures), 2, self.contact.grid.n_strips))
 
         def ahead(displacements: Floats, k: int) -> Floats:
             start = strips.start + BEYOND + k
             return self.turned(displacements[:, ::2])[rows, :, start : start + n]
 
-        pressing = self.contact.displacements(none) if self.contact.coupled else None
+        pressing = self.contact.pressing if self.contact.coupled else None
         total = np.zeros((rows.stop - rows.start, 2, n))
         if self.steady:
             return total if pressing is None else sum((w * ahead(pressing, k) for k, w in enumerate(weights)), total)
         if pressing is not None:
             total += weights[0] * ahead(pressing, 0)
         if self.before is None and pressing is not None:
-            return total - ahead(self.pressed.displacements(none), 0)
+            return total - ahead(self.pressed.pressing, 0)
         moved = 1 if self.motion.rolls else 0
         for k, past in enumerate(() if self.before is None else self.before.displacements[: len(weights) - 1], 1):
             total += weights[k] * ahead(past, k * moved)
@@ -314,10 +313,9 @@ class _Step:
         forces, slips = self.outside(state.forces), self._velocity * self.outside(state.slips)
         loaded = contact.pressures > 0.0
         slips *= loaded[:, None]
-        displacements = contact.displacements(forces)
-        raised = np.zeros_like(displacements[:, 1])
-        if contact.coupled:
-            raised = contact.displacements(forces, normal=False)[:, 1]
+        by_friction = contact.displacements(forces)
+        raised = by_friction[:, 1] * contact.coupled
+        displacements = by_friction + contact.pressing
         sticks = self.outside(np.repeat(state.sticks * 1.0, 2, axis=1))[:, 0] != 0.0
         power, rolling = -np.sum(forces * slips, axis=1), 0.0
         if self.steady:

@@ -1,12 +1,14 @@
 """FASTSIM and FaStrip: tractions of an ellipse, strip by strip from the leading to the trailing edge."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
+from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces
 from flangeway.solve import Status
@@ -160,27 +162,51 @@ def fastsim(
     return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, slipping))
 
 
+def fastsim_rows(
+    contact: RollingContact,
+    ellipses: Sequence[EllipticContact],
+    speed: float,
+    *,
+    parabolic: bool = True,
+    n_steps: int = STEPS,
+) -> tuple[Floats, Floats]:
+    """Forces of `fastsim` on the rows of cells of a patch for m ellipses with creepages at once.
+
+    Returned: forces along t and z, (m, n_cells, 2), and sums of z times those along t, (m, n_cells), about the patch's
+    origin. Rows beyond an ellipse have none.
+    """
+    names = ("along", "across", "force", "xi", "eta", "phi", "direction")
+    a, b, force, *creepages, direction = (np.array([[getattr(each, name)] for each in ellipses]) for name in names)
+    s0, z0 = np.array([each.centre for each in ellipses]).T[..., None]
+    y = direction * (contact.places[0] - s0)
+    half = a * np.sqrt(np.maximum(1.0 - (y / b) ** 2, 0.0))
+    x = half * np.cos(np.pi * np.arange(n_steps + 1) / n_steps)[:, None, None]
+    share = np.maximum(1.0 - (x / a) ** 2 - (y / b) ** 2, 0.0)
+    pressures = force / (np.pi * a * b) * (2.0 * share if parabolic else 1.5 * np.sqrt(share))
+    flexibilities = np.array([_flexibilities(each) for each in ellipses]).T[..., None]
+    rows = np.broadcast_to(True, y.shape[1:])
+    tractions, _ = _traced((x, y), creepages, flexibilities, pressures, _coefficients(contact.friction, rows), speed)
+    # F_cm = sum over steps of tractions (n_steps + 1, 2, m, n) and areas
+    forces = direction * tractions[1:-1] * ((x[:-2] - x[2:]) * contact.grid.widths / 2.0)[:, None]
+    ahead = np.einsum("kmn,kmn->mn", z0 + direction * x[1:-1], forces[:, 1])
+    return forces.sum(axis=0)[::-1].transpose(1, 2, 0), ahead
+
+
 def fastsim_forces(contact: RollingContact, creepages: Floats) -> Floats:
     """Forces along and across and moments of `fastsim` under Hertz's limit, at many creepages at once, (n, 3) both.
 
     Rolling to +z; friction has its static coefficient.
     """
     ellipse = EllipticContact.of(contact, Creepages())
-    strips = _Strips.of(contact, ellipse, STEPS)
-    (s0, z0), flexibilities = ellipse.centre, _flexibilities(ellipse)
-    along, across, spin = (each[:, None] for each in np.asarray(creepages).T)
-    steps, x = -np.diff(strips.x, axis=1).T, ((strips.x[:, 1:] + strips.x[:, :-1]) / 2.0).T[:, None]
-    change = np.empty((len(steps), 2, len(along), len(strips.y)))
-    change[:, 0] = (along + spin * s0) / flexibilities[0] + spin * strips.y / flexibilities[2]
-    change[:, 1] = (across - spin * z0) / flexibilities[1] - spin * x / flexibilities[2]
-    mu = np.broadcast_to(contact.friction.limits[0], strips.inside.shape)[strips.inside]
-    tractions, _ = _marched(change * steps[:, None, None], mu * strips.pressures(ellipse, parabolic=False))
-    # F_cm = sum over steps and strips of tractions (n_steps + 1, 2, m, n) and areas
-    areas = (strips.x[:, :-2] - strips.x[:, 2:]).T * strips.widths / 2.0
-    forces = tractions[1:-1] * areas[:, None, None]
-    moment = np.sum(strips.x.T[1:-1, None] * forces[:, 1] - strips.y * forces[:, 0], axis=(0, 2))
-    ahead, sideways = forces.sum(axis=(0, 3))
-    return np.stack((ahead, sideways, s0 * ahead - z0 * sideways - moment), axis=1)
+    s0, z0 = ellipse.centre
+    static = replace(contact, friction=Friction(contact.friction.static))
+    moved = [
+        replace(ellipse, xi=along + spin * s0, eta=across - spin * z0, phi=-spin)
+        for along, across, spin in np.asarray(creepages).tolist()
+    ]
+    rows, ahead = fastsim_rows(static, moved, 1.0, parabolic=False)
+    moments = rows[..., 1] @ contact.places[0] - ahead.sum(axis=1)
+    return np.column_stack((rows.sum(axis=1)[:, ::-1], moments))
 
 
 def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None = None) -> SimplifiedRolling:
@@ -235,31 +261,59 @@ def _simplified(
     parabolic: bool,
 ) -> tuple[Floats, Floats, Bools]:
     """Tractions and slip (2, n, n_steps + 1) over the distance rolled, and which nodes slip."""
-    flexibilities = flexibilities or _flexibilities(ellipse)
-    flexible = np.array(flexibilities[:2])[:, None]
-    middles = (strips.x[:, 1:] + strips.x[:, :-1]) / 2.0
-    ratio = flexible[:, 0] / flexibilities[2]
-    rigid = np.empty((middles.shape[1], 2, len(strips.y)))
-    rigid[:, 0] = ellipse.xi - ratio[0] * ellipse.phi * strips.y
-    rigid[:, 1] = ellipse.eta + ratio[1] * ellipse.phi * middles.T
-    pressures = strips.pressures(ellipse, parabolic=parabolic)
-    steps = -np.diff(strips.x, axis=1).T[:, None]
-    change = rigid * steps / flexible
-    static, kinetic = (np.broadcast_to(each, strips.inside.shape)[strips.inside] for each in contact.friction.limits)
+    tractions, slips = _traced(
+        (strips.x.T, strips.y),
+        (ellipse.xi, ellipse.eta, ellipse.phi),
+        np.array(flexibilities or _flexibilities(ellipse))[:, None],
+        strips.pressures(ellipse, parabolic=parabolic),
+        _coefficients(contact.friction, strips.inside),
+        motion.speed,
+    )
+    return tractions.transpose(1, 2, 0), slips.transpose(1, 2, 0), (slips != 0.0).any(axis=1).T
+
+
+def _coefficients(friction: Friction, rows: Bools) -> Friction:
+    """Friction of some rows."""
+    static, kinetic = (np.broadcast_to(each, rows.shape)[rows] for each in friction.limits)
+    return Friction(static, kinetic, friction.decay)
+
+
+def _traced(
+    places: tuple[Floats, Floats],
+    creepages: Sequence[Floats | float],
+    flexibilities: Floats,
+    pressures: Floats,
+    friction: Friction,
+    speed: float,
+) -> tuple[Floats, Floats]:
+    """Tractions and slip over the distance rolled at the nodes of strips, both (n_steps + 1, 2, ..., n).
+
+    - `places`: x of the nodes from the leading edge, (n_steps + 1, ..., n), and y of the strips, (..., n).
+    - `creepages`: xi, eta and phi; `flexibilities`: L1, L2 and L3, (3, ..., 1).
+    - `pressures`: as x; `friction`: of the strips.
+    """
+    (x, y), (xi, eta, phi), (first, second, third) = places, creepages, flexibilities
+    steps = (x[:-1] - x[1:])[:, None]
+    change = np.empty((len(steps), 2, *x.shape[1:]))
+    change[:, 0] = xi / first - phi * y / third
+    change[:, 1] = eta / second + phi * (x[1:] + x[:-1]) / (2.0 * third)
+    change *= steps
+    static, kinetic = friction.limits
     coefficients: Floats = np.broadcast_to(static, pressures.shape)
     moved, passes = np.inf, 0
     while moved > PASS_CHANGE and passes < MOST_PASSES:
         passes += 1
         tractions, slips = _marched(change, coefficients * pressures)
-        if contact.friction.constant:
+        slips *= flexibilities[:2]
+        # slip at a node is that of the step before it
+        slips[1:] = np.divide(slips[1:], steps, out=np.zeros_like(change), where=steps > 0.0)
+        if friction.constant:
             break
-        speed = abs(motion.speed) * np.linalg.norm(_over_distance(slips, flexible, steps), axis=1)
-        decay = contact.friction.decay
-        part = np.exp(-speed / decay) if decay > 0.0 else (speed == 0.0) * 1.0
+        velocity = abs(speed) * np.linalg.norm(slips, axis=1)
+        part = np.exp(-velocity / friction.decay) if friction.decay > 0.0 else (velocity == 0.0) * 1.0
         new = kinetic + (static - kinetic) * part
         moved, coefficients = float(np.abs(new - coefficients).max()), new
-    slipping = (slips != 0.0).any(axis=1)
-    return tractions.transpose(1, 2, 0), _over_distance(slips, flexible, steps).transpose(1, 2, 0), slipping.T
+    return tractions, slips
 
 
 def _marched(change: Floats, limits: Floats) -> tuple[Floats, Floats]:
@@ -280,13 +334,6 @@ def _flexibilities(ellipse: EllipticContact) -> tuple[float, float, float]:
     unit = a / ellipse.shear
     spinning = float(np.pi * np.sqrt(a / b) / (4.0 * c.c23))
     return 8.0 * unit / (3.0 * c.c11), 8.0 * unit / (3.0 * c.c22), spinning * unit
-
-
-def _over_distance(slips: Floats, flexible: Floats, steps: Floats) -> Floats:
-    """Slip over the distance rolled at the nodes, from changes of tractions in the steps before them."""
-    found = slips * flexible
-    found[1:] /= steps
-    return found
 
 
 def _record(

@@ -198,7 +198,7 @@ class RollingContact:
         if near is not None:
             pairs = zip(near.box, found.box, strict=True)
             vars(found)["box"] = tuple(slice(min(a.start, b.start), max(a.stop, b.stop)) for a, b in pairs)
-        vars(found).update({name: vars(self)[name] for name in ("coupled", "_beyond") if name in vars(self)})
+        vars(found).update(coupled=self.coupled, _beyond=self._beyond)
         return found
 
     def operator(self, weights: tuple[float, ...]) -> SlipOperator:
@@ -224,15 +224,20 @@ class RollingContact:
     def _beyond(self) -> Convolution:
         return Convolution(self.coefficients[: self.grid.n_strips + 2 * BEYOND])
 
-    def displacements(self, tangential: Floats, *, normal: bool = True) -> Floats:
+    @cached_property
+    def pressing(self) -> Floats:
+        """Displacements by the normal forces, as `displacements`."""
+        forces = np.zeros((len(self.pressures), 3, self.grid.n_strips))
+        forces[:, 1] = self.normal_forces
+        return self._displacements(forces)
+
+    def displacements(self, tangential: Floats) -> Floats:
         """Displacements (t, n, z) of the second body less the first one's, on `BEYOND` more strips at each end.
 
         Parameters
         ----------
         tangential
             Forces (t, z) on the cells of the second body, shape (n_cells, 2, n_strips).
-        normal
-            Whether the normal forces act too.
 
         Returns
         -------
@@ -240,12 +245,13 @@ class RollingContact:
             Shape (n_cells, 3, n_strips + 2 BEYOND).
 
         """
-        n_cells, _, n_strips = tangential.shape
-        forces = np.zeros((n_cells, 3, n_strips + 2 * BEYOND))
-        forces[:, ::2, BEYOND:-BEYOND] = tangential
-        if normal:
-            forces[:, 1, BEYOND:-BEYOND] = self.normal_forces
-        return self._beyond(forces.reshape(3 * n_cells, -1)).reshape(forces.shape)
+        forces = np.zeros((len(tangential), 3, tangential.shape[2]))
+        forces[:, ::2] = tangential
+        return self._displacements(forces)
+
+    def _displacements(self, forces: Floats) -> Floats:
+        padded = np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND)))
+        return self._beyond(padded.reshape(3 * len(forces), -1)).reshape(padded.shape)
 
 
 def pair_coefficients(pair: PatchPair, n_distances: int) -> Floats:

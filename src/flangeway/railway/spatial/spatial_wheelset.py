@@ -41,7 +41,8 @@ PRESSED_MM = 0.3
 MOST_STEPS = 25
 MOST_ROLLING_STEPS = 60
 ROLLING_RESIDUAL, FAST_RESIDUAL, EXACT_RESIDUAL = 0.02, 1e-6, 1e-5
-"""Equilibrium residual with friction: on coarse cells, by fast theories, and by the exact one, which is less sharp."""
+"""Equilibrium residual with friction: where another theory or other cells follow, which change it by as much, by fast
+theories, and by the exact one, which is less sharp."""
 NEARBY, MOST_COARSE = 5.0, 12
 """Way over the step limits within which the coarse cells still fit, and the number of times they are made anew."""
 ACROSS = 26
@@ -133,8 +134,7 @@ class SpatialWheelset:
                 break
         if not found.status.converged:
             return replace(found, status=_none(found))
-        # the exact theory goes on from the fast one, which is several per cent off
-        enough = COARSE_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
+        enough = ROLLING_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
         found = self._fine(found, progress, creep, enough)
         beyond = self._beyond(grids, found) if found.status.converged else None
         if beyond is not None:

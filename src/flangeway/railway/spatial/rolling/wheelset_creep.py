@@ -4,7 +4,7 @@ The slip of the wheel's surface on a rail at rest is ``v + omega x r`` projected
 cells: v of the axle's middle, the rotation about the wheel's tilted and yawed axis, and the yaw rate with V / R.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import NamedTuple
@@ -13,7 +13,9 @@ import numpy as np
 
 from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.rolling.creepages import Creepages
+from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import roll
+from flangeway.contact.rolling.fastsim import fastsim_rows
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.contact.rolling.theories import FAST, Theory
@@ -31,6 +33,8 @@ from flangeway.railway.spatial.side_newton import N_RESULTANTS, CreepSlopes, Sid
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side
 from flangeway.types import Bools, Floats
 
+CLOSED: tuple[Theory, ...] = ("polach", "linear")
+"""Theories with a closed form."""
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
 MERGED = 0.25
@@ -168,61 +172,85 @@ class WheelsetCreep:
     def derivatives(self, side: Side, newton: SideNewton, normal: Floats, found: SideCreep) -> CreepSlopes:
         """How creep forces under normal forces (n, n_z) change.
 
-        By differences of FASTSIM, or of the theory itself if it is fast.
+        By differences of FASTSIM, or of the theory itself if it has a closed form.
         """
-        fast = replace(self, theory="fastsim" if self.theory == "exact" else self.theory)
-        pose, columns, changes = newton.pose, [], []
-        base = fast.changed(side, newton, pose, normal, self.rate_rad_s, found)
-        for number, step in enumerate(STEPS):
-            change = np.zeros(len(STEPS))
-            change[number] = step * (self.rate_rad_s if number == 4 else 1.0)
+        columns = np.zeros((N_RESULTANTS + len(normal), len(STEPS)))
+        changes, weights = [], []
+        for patch in found.patches:
+            shapes = shapes_of(newton.grid.grid, normal, patch.inside)
+            changed = self._changed(side, newton, normal, patch, shapes)
+            columns += changed[:, : len(STEPS)]
+            changes.append(changed[:, len(STEPS) :])
+            weights.append(shapes / normal[patch.inside].sum())
+        return CreepSlopes(columns, np.hstack(changes), np.concatenate(weights))
+
+    def _changed(self, side: Side, newton: SideNewton, normal: Floats, patch: PatchCreep, shapes: Floats) -> Floats:
+        """Derivatives of the resultant of a patch and of lateral forces of rows by `STEPS` and by shapes, (7 + n, m).
+
+        - `shapes`: (k, n, n_z); normal forces grow by their product with these.
+        """
+        contact, pose, rate = patch.contact, newton.pose, self.rate_rad_s
+        rows, strips = rows_of(newton, contact), strips_of(newton, contact)
+        sizes = np.array(STEPS) * [1.0, 1.0, 1.0, 1.0, rate, 1.0]
+        places, motions = [], []
+        for x, y, roll_rad, tilt, turning, yaw in np.vstack((np.zeros(len(STEPS)), np.diag(sizes))).tolist():
             moved = replace(
                 pose,
-                x=pose.x + change[0],
-                y=pose.y + change[1],
-                roll_rad=pose.roll_rad + change[2],
-                tilt_rad=pose.tilt_rad + change[3],
-                yaw_rad=pose.yaw_rad + change[5],
+                x=pose.x + x,
+                y=pose.y + y,
+                roll_rad=pose.roll_rad + roll_rad,
+                tilt_rad=pose.tilt_rad + tilt,
+                yaw_rad=pose.yaw_rad + yaw,
             )
-            new = fast.changed(side, newton, moved, normal, self.rate_rad_s + change[4], found)
-            columns.append((new - base).sum(axis=0) / change[number])
-        shapes = np.zeros((len(found.patches), N_SHAPES, *normal.shape))
-        for number, (inside, *_) in enumerate(found.patches):
-            shapes[number] = shapes_of(newton.grid.grid, normal, inside)
-        for shape in shapes.sum(axis=0):
-            new = fast.changed(side, newton, pose, normal * (1.0 + SHAPE_STEP * shape), self.rate_rad_s, found)
-            changes.append((new - base) / SHAPE_STEP)
-        totals = np.array([normal[inside].sum() for inside, *_ in found.patches])
-        return CreepSlopes(
-            np.stack(columns, axis=1),
-            np.reshape(np.swapaxes(changes, 0, 1), (-1, N_RESULTANTS + len(normal))).T,
-            (shapes / totals[:, None, None, None]).reshape(-1, *normal.shape),
-        )
-
-    def changed(
-        self, side: Side, newton: SideNewton, pose: WheelPose, normal: Floats, rate: float, found: SideCreep
-    ) -> Floats:
-        """Resultants and lateral forces of rows of the same patches elsewhere, under other forces, (p, 7 + n)."""
-        friction = self.motion.friction_on(newton.normals)
-        changed = np.zeros((len(found.patches), N_RESULTANTS + len(normal)))
-        for number, (inside, _, _, points) in enumerate(found.patches):
-            contact = contact_in(newton, normal, inside, friction, bodies=False)
-            rows = rows_of(newton, contact)
             # where the rays along the rail's normals meet the wheel that has moved
-            x, y = (points - newton.pose.middle).T
-            turned = pose.whole_roll - newton.pose.whole_roll
-            moved = pose.middle - newton.pose.middle + turned * np.stack((-y, x), axis=1)
-            met = points + (moved * newton.normals).sum(axis=1)[:, None] * newton.normals
-            motion = self.creepages(side, pose, rate, (met[rows], newton.normals[rows]), contact)
-            patch = PatchCreep(inside, contact, FAST[self.theory](contact, mean_of(contact, motion)), met)
-            new = self._side(newton, pose, (patch,))
-            changed[number] = np.append(new.resultant, new.rows[:, 0])
-        return changed
+            arms = (patch.points - pose.middle)[rows] @ np.array([[0.0, 1.0], [-1.0, 0.0]])
+            way = moved.middle - pose.middle + (moved.whole_roll - pose.whole_roll) * arms
+            normals = newton.normals[rows]
+            at = patch.points[rows] + (way * normals).sum(axis=1)[:, None] * normals, normals
+            places.append((at, moved))
+            motions.append(self.creepages(side, moved, rate + turning, at, contact))
+        places, motions = places + len(shapes) * places[:1], motions + len(shapes) * motions[:1]
+        forces = np.where(patch.inside, normal, 0.0)[rows, strips]
+        parts = [forces] * (1 + len(STEPS)) + [forces * (1.0 + SHAPE_STEP * each[rows, strips]) for each in shapes]
+        lateral, resultants = np.zeros((len(parts), len(normal))), []
+        for number, (of_rows, ahead, missing) in enumerate(_forces_of_rows(self.theory, contact, motions, parts)):
+            spinning = missing * np.append(contact.row_shares @ newton.normals[rows], 0.0)
+            resultants.append(resultant_of(places[number][0], places[number][1], of_rows, ahead, spinning))
+            lateral[number, rows] = of_rows[:, 0]
+        values = np.column_stack((resultants, lateral))
+        steps = np.append(sizes, np.full(len(shapes), SHAPE_STEP))
+        return ((values[1:] - values[0]) / steps[:, None]).T
 
 
 def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
     """Creepages of a patch from those of its rows."""
     return motion.mean(contact.places[0], contact.row_shares)
+
+
+def _forces_of_rows(
+    theory: Theory, contact: RollingContact, motions: Sequence[Creepages], parts: Sequence[Floats]
+) -> Iterator[tuple[Floats, Floats, float]]:
+    """Forces of rows along t and z (n_cells, 2), their sums of z times those along t, and what is missing of moments.
+
+    At creepages and normal forces (n_cells, n_strips), about the origin of the patch; along z from its place.
+    """
+    s, z = contact.places
+    middle = contact.grid.along[0] - z[0]
+    origin = contact.grid.bounds[:2].mean() - s[0], middle
+    if theory not in CLOSED:
+        ellipses = [
+            EllipticContact.under(contact, motion, part.sum(axis=1), part.sum(axis=0))
+            for motion, part in zip(motions, parts, strict=True)
+        ]
+        for rows, ahead in zip(*fastsim_rows(contact, ellipses, motions[0].speed), strict=True):
+            yield rows, ahead + middle * rows[:, 0], 0.0
+        return
+    for motion, part in zip(motions, parts, strict=True):
+        changed = replace(contact, pressures=part / contact.areas, origin=origin)
+        found = FAST[theory](changed, mean_of(changed, motion))
+        share = part / part.sum()
+        rows, ahead = np.outer(share.sum(axis=1), (found.across, found.along)), share @ z * found.across
+        yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
 
 
 def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
