@@ -36,11 +36,11 @@ MAX_LINES = {
     "tables": 1441,
     "report": 8676,
     "validation": 8521,
-    "cli": 1310,
+    "cli": 1443,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 73_969
+MAX_LINES_OF_ALL = 74_102
 MAX_FILES_OF_ALL = 385
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

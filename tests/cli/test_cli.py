@@ -184,11 +184,25 @@ def test_times_are_those_that_the_user_waits(call):
     assert sum(parts) == pytest.approx(whole, abs=0.16)
 
 
-def test_names_are_completed():
-    """The shell gets the names of the cases that begin with what is typed."""
+@pytest.mark.parametrize(
+    ("typed", "completed"),
+    [
+        ("run wheelset-", "wheelset-tangent wheelset-curve"),
+        ("run wheelset --set axle_", "axle_load_kN="),
+        ("geometry s1002-60e1 --set maximum_l", "maximum_lateral_mm="),
+        ("geometry en", "en15302"),
+        ("geometry en15302 --wheel S", "S1002"),
+        ("section 6", "60E1"),
+        ("profile S", "S-519-A S1002"),
+        ("run cook --units u", "us"),
+    ],
+)
+def test_names_are_completed(typed, completed):
+    """The shell gets cases, profiles, sections, keys of the case and choices that begin with what is typed."""
+    words = f"flangeway {typed}"
     done = subprocess.run(
         [sys.executable, "-c", MAIN], capture_output=True, text=True, check=False, timeout=60,
         env=environment()
-        | {"_FLANGEWAY_COMPLETE": "complete_bash", "COMP_WORDS": "flangeway run wheelset-", "COMP_CWORD": "2"},
+        | {"_FLANGEWAY_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))},
     )  # fmt: skip
-    assert done.stdout.split() == ["wheelset-tangent", "wheelset-curve"]
+    assert done.stdout.split() == completed.split()

@@ -9,12 +9,25 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import INTERRUPTED, Out, Show, command_typed, complain, show_progress, shows_results
+from flangeway.cli.common import (
+    INTERRUPTED,
+    Out,
+    Show,
+    choices,
+    command_typed,
+    complain,
+    completion,
+    show_progress,
+    shows_results,
+)
 
 if TYPE_CHECKING:
     from flangeway.campaign import CampaignProgress
 
-CampaignFile = Annotated[Path, typer.Argument(metavar="FILE", help="A campaign's file (.toml).")]
+CampaignFile = Annotated[
+    Path,
+    typer.Argument(metavar="FILE", help="A campaign's file (.toml).", autocompletion=completion(list, ".toml")),
+]
 WorkersOption = Annotated[
     int | None,
     typer.Option("--workers", metavar="N", help="Processes here; as many as cores if left out.", show_default=False),
@@ -29,7 +42,9 @@ Fresh = Annotated[bool, typer.Option("--fresh", help="Drop the results that are 
 Export = Annotated[
     str | None,
     typer.Option(
-        "--export", metavar="[csv|parquet]", help="Format of the tables; once all is done, nothing else is written."
+        "--export",
+        help="Format of the tables; once all is done, nothing else is written.",
+        **choices("csv", "parquet"),
     ),
 ]
 

@@ -5,6 +5,7 @@ NumPy, SciPy, Matplotlib and what needs them are imported inside of functions, s
 
 import functools
 import inspect
+import os
 import shlex
 import sys
 import time
@@ -19,6 +20,7 @@ import typer
 from flangeway.errors import InputError, MissingLibraryError, OutOfMemoryError
 
 if TYPE_CHECKING:
+    from flangeway.cases.case import Case
     from flangeway.cases.summary import Summary
     from flangeway.report.page.record import Record
     from flangeway.units import Units as UnitSystem
@@ -37,17 +39,38 @@ def path_given(text: str) -> Path:
     return Path(text)
 
 
+def completion(names: Callable[[], Iterable[str]], *endings: str) -> Callable[[str], list[str]]:
+    """Return what completes an argument in a shell: names, and files with some endings."""
+
+    def complete(incomplete: str) -> list[str]:
+        folder = Path(incomplete).parent if "/" in incomplete else Path()
+        files = [str(path) for path in folder.glob("*") if path.suffix.lower() in endings]
+        folders = [f"{path}/" for path in folder.glob("*") if endings and path.is_dir() and path.name[0] != "."]
+        return [each for each in [*names(), *sorted(files + folders)] if each.startswith(incomplete)]
+
+    return complete
+
+
+def choices(*words: str) -> dict[str, Any]:
+    """Return how an option that takes one of some words is shown in the help, and completed in a shell."""
+    return {"metavar": f"[{'|'.join(words)}]", "autocompletion": completion(lambda: words)}
+
+
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="DIR", help="Folder for the results.", show_default=False, parser=path_given),
 ]
 Unit = Annotated[
     str | None,
-    typer.Option("--unit", metavar="[mm|cm|m|in|ft]", help="Unit of a file that names none.", show_default=False),
+    typer.Option(
+        "--unit", help="Unit of a file that names none.", show_default=False, **choices("mm", "cm", "m", "in", "ft")
+    ),
 ]
 Units = Annotated[
     str | None,
-    typer.Option("--units", metavar="[metric|us]", help="Units of tables, tiles and CSV files.", show_default=False),
+    typer.Option(
+        "--units", help="Units of tables, tiles and CSV files.", show_default=False, **choices("metric", "us")
+    ),
 ]
 
 
@@ -59,22 +82,49 @@ def units_given(name: str | None) -> "UnitSystem | None":
     raise InputError(f"--units {name}", "metric or us", "choose one of these")
 
 
-def completion(names: Callable[[], Iterable[str]], *endings: str) -> Callable[[str], list[str]]:
-    """Return what completes an argument in a shell: names, and files with some endings."""
-
-    def complete(incomplete: str) -> list[str]:
-        folder = Path(incomplete).parent if "/" in incomplete else Path()
-        files = [str(path) for path in folder.glob("*") if path.is_dir() or path.suffix.lower() in endings]
-        return [each for each in [*names(), *sorted(files)] if each.startswith(incomplete)]
-
-    return complete
-
-
 def case_names() -> list[str]:
     """Names of all cases."""
     from flangeway.cases import CASES  # noqa: PLC0415
 
     return [*CASES]
+
+
+def geometry_names() -> list[str]:
+    """Names of all cases of ``flangeway geometry``."""
+    from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES  # noqa: PLC0415
+
+    return [*GEOMETRY_CASES]
+
+
+def profile_names(kind: str = "") -> list[str]:
+    """Names of the bundled rails, of the wheels, or of both if no kind is given."""
+    from flangeway.railway.profiles import bundled  # noqa: PLC0415
+
+    rails = [] if kind == "wheel" else [*bundled.SECTIONS, bundled.REFERENCE_RAIL]
+    return rails if kind == "rail" else [*rails, *bundled.WHEELS, *bundled.REFERENCE_WHEELS]
+
+
+def section_names() -> list[str]:
+    """Names of the bundled sections."""
+    from flangeway.railway.profiles.bundled import SECTIONS  # noqa: PLC0415
+
+    return [*SECTIONS]
+
+
+def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
+    """Complete the key of ``--set`` for the case that the command names."""
+    from flangeway.cases import CASES  # noqa: PLC0415
+    from flangeway.cases.rigid.rigid_case import GeometryCase  # noqa: PLC0415
+
+    # the parser has given up at a --set without a value, so that ctx lacks the case; bash and other shells name it here
+    typed = f"{os.environ.get('COMP_WORDS', '')} {os.environ.get('_TYPER_COMPLETE_ARGS', '')}".split()
+    named: list[type[Case]] = [CASES[word] for word in typed if word in CASES]
+    if ctx.info_name == "geometry":
+        named = [GeometryCase]
+    elif ctx.info_name == "creep-table":
+        named = [CASES["wheelset"]]
+    keys = [key for _, rows in named[0].tables_of_inputs() for key, *_ in rows] if named else []
+    return [f"{key}=" for key in keys if key.startswith(incomplete)]
 
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:

@@ -6,15 +6,35 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import INTERRUPTED, Out, Show, command_typed, complain, settings_of, shows_results
+from flangeway.cli.common import (
+    INTERRUPTED,
+    Out,
+    Show,
+    command_typed,
+    complain,
+    complete_setting,
+    completion,
+    settings_of,
+    shows_results,
+)
 from flangeway.errors import InputError
 
 TableCase = Annotated[
-    str, typer.Argument(metavar="[CASE_OR_FILE]", help="wheelset, or a case file of a wheelset in three dimensions.")
+    str,
+    typer.Argument(
+        metavar="[CASE_OR_FILE]",
+        help="wheelset, or a case file of a wheelset in three dimensions.",
+        autocompletion=completion(lambda: ["wheelset"], ".toml"),
+    ),
 ]
 TableSet = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="An input of the case, as often as needed: rail, wheel, ..."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="An input of the case, as often as needed: rail, wheel, ...",
+        autocompletion=complete_setting,
+    ),
 ]
 Lateral = Annotated[
     str, typer.Option("--lateral", metavar="VALUES", help="Lateral positions in mm: FROM:TO:STEP, or A,B,C.")

@@ -13,7 +13,9 @@ from flangeway.cli.common import (
     Show,
     Units,
     case_names,
+    choices,
     command_typed,
+    complete_setting,
     completion,
     errors_as_exit_status,
     path_given,
@@ -37,7 +39,14 @@ CaseOrFile = Annotated[
         autocompletion=completion(case_names, ".toml"),
     ),
 ]
-CaseFile = Annotated[Path, typer.Argument(metavar="FILE", help="A case file (.toml), or the name of a case.")]
+CaseFile = Annotated[
+    Path,
+    typer.Argument(
+        metavar="FILE",
+        help="A case file (.toml), or the name of a case.",
+        autocompletion=completion(case_names, ".toml"),
+    ),
+]
 NewName = Annotated[
     str,
     typer.Argument(
@@ -67,23 +76,29 @@ ListedName = Annotated[
 ]
 # text, not numbers or choices: the case checks all values, with one kind of message
 Method = Annotated[
-    str | None, typer.Option("--method", metavar="[fem|vem]", help="Triangles, or polygons with virtual elements.")
+    str | None, typer.Option("--method", help="Triangles, or polygons with virtual elements.", **choices("fem", "vem"))
 ]
 CaseOrder = Annotated[
-    str | None, typer.Option("--order", metavar="[1|2]", help="Order of the elements of a case.", show_default=False)
+    str | None,
+    typer.Option("--order", help="Order of the elements of a case.", show_default=False, **choices("1", "2")),
 ]
 SizeScale = Annotated[
     str | None, typer.Option("--size-scale", metavar="NUMBER", help="Factor on all element sizes; 0.5 halves them.")
 ]
 Primary = Annotated[
-    str | None, typer.Option("--primary", metavar="[auto|rail|wheel]", help="Bodies with the primary surface.")
+    str | None, typer.Option("--primary", help="Bodies with the primary surface.", **choices("auto", "rail", "wheel"))
 ]
 Crown = Annotated[
-    str | None, typer.Option("--crown-radius", metavar="[8|10|14]", help="Radius of the rail's crown in inches.")
+    str | None, typer.Option("--crown-radius", help="Radius of the rail's crown in inches.", **choices("8", "10", "14"))
 ]
 Set = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Any other input of the case, as often as needed."),
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Any other input of the case, as often as needed.",
+        autocompletion=complete_setting,
+    ),
 ]
 
 CaseWork = Callable[[str, "RunnableCase", Path | None, Show], bool]
@@ -224,7 +239,7 @@ def _case(name: str, settings: list[str] | None, **options: str | None) -> "Runn
     from flangeway.cases.case_file import check_case, is_case_file, read_case  # noqa: PLC0415
 
     given: dict[str, Any] = {key: GivenText(value) for key, value in options.items() if value is not None}
-    given |= settings_of(settings, f"`flangeway cases` lists the keys of {name}")
+    given |= settings_of(settings, f"`flangeway cases{'' if is_case_file(name) else f' {name}'}` lists the keys")
     case = read_case(name, given)
     with progress_shown():  # of long meshes of shapes
         check_case(case, name if is_case_file(name) else None)

@@ -11,13 +11,21 @@ from flangeway.cli.common import (
     Out,
     Show,
     Unit,
+    choices,
     command_typed,
+    complete_setting,
+    completion,
+    geometry_names,
     path_given,
+    profile_names,
+    section_names,
     settings_of,
     shows_results,
 )
 from flangeway.errors import InputError
 from flangeway.system.file_content import is_file
+
+PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".slcs", ".slcw")
 
 GeometryName = Annotated[
     str,
@@ -25,6 +33,7 @@ GeometryName = Annotated[
         metavar="[CASE_OR_FILE]",
         help="wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or a file of "
         "lateral displacements and rolling radius differences, for its conicity.",
+        autocompletion=completion(geometry_names, ".toml", ".csv"),
     ),
 ]
 GeometrySet = Annotated[
@@ -34,14 +43,26 @@ GeometrySet = Annotated[
         metavar="KEY=VALUE",
         help="An input, as often as needed: rail, wheel, gauge_mm, lateral_force_kN, maximum_lateral_mm, ...; a wrong "
         "key lists all.",
+        autocompletion=complete_setting,
     ),
 ]
 GeometryWheel = Annotated[
     list[str] | None,
-    typer.Option("--wheel", metavar="NAME_OR_FILE", help="A wheel; several: one table and one picture of all pairs."),
+    typer.Option(
+        "--wheel",
+        metavar="NAME_OR_FILE",
+        help="A wheel; several: one table and one picture of all pairs.",
+        autocompletion=completion(lambda: profile_names("wheel"), *PROFILE_FILES),
+    ),
 ]
 GeometryRail = Annotated[
-    list[str] | None, typer.Option("--rail", metavar="NAME_OR_FILE", help="A rail, as often as needed.")
+    list[str] | None,
+    typer.Option(
+        "--rail",
+        metavar="NAME_OR_FILE",
+        help="A rail, as often as needed.",
+        autocompletion=completion(lambda: profile_names("rail"), *PROFILE_FILES),
+    ),
 ]
 
 
@@ -106,7 +127,9 @@ def _conicity(file: Path, settings: dict[str, Any], out: Path | None, show: Show
 SectionName = Annotated[
     str,
     typer.Argument(
-        metavar="NAME_OR_FILE", help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file."
+        metavar="NAME_OR_FILE",
+        help="136RE, 136RE-8, 136RE-14, 60E1, or an outline in a .toml, .csv or .dxf file.",
+        autocompletion=completion(section_names, ".toml", ".csv", ".dxf"),
     ),
 ]
 SectionSize = Annotated[
@@ -114,7 +137,9 @@ SectionSize = Annotated[
     typer.Option("--size", metavar="LENGTH", help="Element size in the outline's unit.", show_default=False),
 ]
 SectionOrder = Annotated[int, typer.Option("--order", metavar="K", help="Order of the elements.")]
-SectionMethod = Annotated[str, typer.Option("--method", metavar="[fem|vem]", help="Triangles, or virtual polygons.")]
+SectionMethod = Annotated[
+    str, typer.Option("--method", help="Triangles, or virtual polygons.", **choices("fem", "vem"))
+]
 SectionPoisson = Annotated[
     float | None,
     typer.Option(
@@ -168,10 +193,12 @@ ProfileNames = Annotated[
         metavar="NAME_OR_FILE...",
         help="136RE, 136RE-8, 136RE-14, 60E1, S-519-A, AAR-1B, S1002, heavy-haul, R-519-A, or a .ban, .whl, .prr, "
         ".prw, .csv, .txt, .dat, .dxf, .slcs or .slcw file; several: one table and one picture of all.",
+        autocompletion=completion(profile_names, *PROFILE_FILES),
     ),
 ]
 ProfileKind = Annotated[
-    str | None, typer.Option("--kind", metavar="[rail|wheel]", help="Kind of profile in the file.", show_default=False)
+    str | None,
+    typer.Option("--kind", help="Kind of profile in the file.", show_default=False, **choices("rail", "wheel")),
 ]
 ProfileMirror = Annotated[bool, typer.Option("--mirror", help="Reverse the first coordinate: a left-hand rail.")]
 ProfileFlip = Annotated[bool, typer.Option("--flip", help="Reverse the second coordinate.")]
@@ -179,9 +206,9 @@ ProfileOrigin = Annotated[
     str | None,
     typer.Option(
         "--origin",
-        metavar="[top|base|gauge|tape|flange-back|X,Y]",
         help="Position of the file's (0, 0); or X,Y, the position of a rail's top or a wheel's tread in the file.",
         show_default=False,
+        **choices("top", "base", "gauge", "tape", "flange-back", "X,Y"),
     ),
 ]
 ProfileTape = Annotated[
@@ -201,7 +228,13 @@ ProfileLimit = Annotated[
 ProfileDrop = Annotated[bool, typer.Option("--drop-outliers", help="Leave out single points off the curve.")]
 ProfileJoin = Annotated[
     str | None,
-    typer.Option("--join", metavar="NAME", help="Bundled rail or wheel that gives the body.", show_default=False),
+    typer.Option(
+        "--join",
+        metavar="NAME",
+        help="Bundled rail or wheel that gives the body.",
+        show_default=False,
+        autocompletion=completion(profile_names),
+    ),
 ]
 ProfilePosition = Annotated[
     float | None,

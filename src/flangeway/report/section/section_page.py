@@ -137,8 +137,8 @@ def section_rows(summary: dict[str, Any]) -> list[tuple[str, str]]:
         ("angle of principal axis 1 from x, degrees", f"{0.0 if abs(angle) < 1e-7 else angle:.5g}"),
         *_bending_rows(summary),
         (f"torsion constant J, {unit}⁴", f"{summary[f'torsion_constant_{unit}4']:.7g}"),
-        (f"  {lower}", f"{bounds[0]:.7g}"),
-        (f"  {upper}", f"{bounds[1]:.7g}"),
+        (f"  {lower}, {unit}⁴", f"{bounds[0]:.7g}"),
+        (f"  {upper}, {unit}⁴", f"{bounds[1]:.7g}"),
         ("  half their difference, relative", f"{half_gap:.1e}"),
     ]
     poisson = summary["poisson"]
