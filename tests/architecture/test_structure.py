@@ -35,13 +35,13 @@ MAX_LINES = {
     "campaign": 1944,
     "tables": 1441,
     "report": 8676,
-    "validation": 8521,
+    "validation": 8714,
     "cli": 1443,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_102
-MAX_FILES_OF_ALL = 385
+MAX_LINES_OF_ALL = 74_295
+MAX_FILES_OF_ALL = 386
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

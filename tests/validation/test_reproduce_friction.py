@@ -25,7 +25,7 @@ def test_friction_is_that_of_the_exact_solutions(same_as_page) -> None:
     """All numbers are within their limits, as on the page."""
     found = reproduce_friction()
     assert found.passed
-    coarse = {number.code for number in found.numbers if not number.required}
+    coarse = {number.code for number in found.numbers if not number.required and number.table != "Ironing"}
     assert coarse == {"8 cells", "16 cells", "thickness 0.02 of the radius", "thickness 0.01 of the radius"}
     for quantity in {(each.table, each.quantity) for each in found.numbers if each.code == "8 cells"}:
         errors = {e.code: abs(e.relative_difference) for e in found.numbers if (e.table, e.quantity) == quantity}

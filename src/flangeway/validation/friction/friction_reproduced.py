@@ -24,6 +24,7 @@ from flangeway.problems import Part
 from flangeway.solve import StepSettings
 from flangeway.types import Floats, Ints
 from flangeway.validation.friction.blocks import block, face, shift
+from flangeway.validation.friction.ironing import Ironing, ironed_slab, ironing_numbers, ironing_of
 from flangeway.validation.friction.punch_with_friction import PunchWithFriction, punches_with_friction
 from flangeway.validation.friction.revolved_contact import revolved_contact
 from flangeway.validation.friction.sliding_bodies import sliding_bodies, strip_loop
@@ -67,6 +68,7 @@ class FrictionReproduction(Reproduced):
     slips: tuple[PartialSlip, ...]
     strip: tuple[Ints, Floats, Floats]  # see `strip_loop`
     punches: tuple[PunchWithFriction, ...]
+    ironing: Ironing
     not_converged: tuple[str, ...]
 
     @property
@@ -99,6 +101,10 @@ def reproduce_friction(
     rows, more, punches = punches_with_friction(progress)
     numbers += rows
     solutions += more
+    progress("ironing")
+    solutions.append(ironed_slab())
+    ironing = ironing_of(solutions[-1])
+    numbers += ironing_numbers(ironing)
     most = max(step.state.status.iterations for solution in solutions for step in solution.steps)
     words = f"{MOST_ITERATIONS:g}"
     given = ("all load steps", "all", "iterations of the slowest step", "1", (0.0, float(most)), MOST_ITERATIONS)
@@ -107,6 +113,7 @@ def reproduce_friction(
         slips=slips,
         strip=strip_loop(loop),
         punches=punches,
+        ironing=ironing,
         not_converged=tuple(each.status.message for each in solutions if not each.status.converged),
         numbers=tuple(numbers),
         seconds=time.perf_counter() - start,
