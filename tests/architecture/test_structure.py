@@ -21,9 +21,9 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2899,
-    "solve": 4156,
-    "contact": 7263,
-    "post": 2033,
+    "solve": 4175,
+    "contact": 7265,
+    "post": 2049,
     "forms": 366,
     "railway.profiles": 3752,
     "railway.track": 568,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_295
+MAX_LINES_OF_ALL = 74_332
 MAX_FILES_OF_ALL = 386
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -346,4 +346,5 @@ def test_a_load_along_the_surface_is_held_up_to_the_limit(share: float, holds: b
         np.testing.assert_allclose(found.forces, [[-share * 30.0, 100.0]], rtol=1e-9)
         assert ";" not in found.status.message
     else:
-        assert "`sled` can slide" in found.status.message
+        assert "no friction holds a load: `sled` can slide in x" in found.status.message
+        assert found.status.iterations <= 15  # of one attempt: it is seen early

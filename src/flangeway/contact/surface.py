@@ -299,11 +299,13 @@ class Surface:
     def edge_shares(self) -> Floats:
         """Part of each edge's length that belongs to each of its nodes, by quadrature weights: (n_edges, order + 1).
 
-        In a body of revolution times its radius: on edges of order 1 that makes the integral of the node's hat.
+        In a body of revolution times its radius, which makes the integral of the node's shape function. On the axis
+        that is 0 for higher orders: there the radius is that of the middle of the node's part, as an area is wanted.
         """
-        weights = gauss_lobatto(self.edge_nodes.shape[1])[1]
-        middles = np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else np.cumsum(weights) - weights / 2.0
-        shares: Floats = self.edge_lengths[:, None] * weights * self._radii_at(middles)
+        places, weights = gauss_lobatto(self.edge_nodes.shape[1])
+        middles = np.cumsum(weights) - weights / 2.0
+        radii = self._radii_at(np.array([1.0, 2.0]) / 3.0 if len(weights) == 2 else places)
+        shares: Floats = self.edge_lengths[:, None] * weights * np.where(radii > 0.0, radii, self._radii_at(middles))
         return shares
 
     @cached_property

@@ -279,12 +279,28 @@ def _patch(
             pairs.whole_areas[first],
             SHORT if isinstance(contact.pairing, NodeToNode) else 0.0,
         ),
-        float(contact.node_areas[nodes[0] : nodes[-1] + 1].sum()) / secondary.part.body.thickness,
+        float(_lengths(contact)[nodes[0] : nodes[-1] + 1].sum()),
         share @ on_secondary,
         share @ on_primary,
         _reaches_end(nodes, len(points)) or _reaches_end(pairs.primary_edges[touched], len(primary.edges)),
         1 if isinstance(contact.pairing, SegmentToSegment) else secondary.edge_nodes.shape[1] - 1,
     )
+
+
+def _lengths(contact: Contact) -> Floats:
+    """Length of the secondary surface that belongs to each of its nodes, shape (n_nodes,).
+
+    Of bodies of revolution, whose nodes' areas go around the axis, up to the middles between nodes with constraints.
+    """
+    surface = contact.secondary
+    body = surface.part.body
+    if not body.axisymmetric:
+        return contact.node_areas / body.thickness
+    lengths, places = np.zeros(len(surface.nodes)), np.unique(contact.pairing.key_nodes(surface))
+    apart = np.linalg.norm(np.diff(body.nodes[surface.nodes[places]], axis=0), axis=1) / 2.0
+    lengths[places[:-1]] += apart
+    lengths[places[1:]] += apart
+    return lengths
 
 
 def _pressures(forces: Floats, areas: Floats, whole_areas: Floats, least: float = 0.0) -> Floats:

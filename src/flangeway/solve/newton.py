@@ -65,6 +65,9 @@ after the first iteration."""
 UNHELD = 1e-6
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
+UNHELD_AFTER = 12
+"""Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
+
 NAMED = 3
 """How many constraints a message names."""
 
@@ -79,7 +82,8 @@ class NewtonSettings:
     Parameters
     ----------
     max_iterations
-        Iterations before giving up; each correction of the forces has as many.
+        Iterations before giving up, those with further constraints for nodes that penetrate included; each correction
+        of the forces has as many.
     max_corrections
         Corrections of the forces before giving up.
     tolerance
@@ -88,7 +92,7 @@ class NewtonSettings:
 
     """
 
-    max_iterations: int = 40
+    max_iterations: int = 30
     max_corrections: int = 50
     tolerance: float = 1e-11
 
@@ -206,7 +210,10 @@ def solve_contact(
     settings = settings or NewtonSettings()
     parts = FloatingParts(response, placements, floating)
     given = response, constraints, parts, settings, start, origin
-    state = _solved(_Run(*given))
+    run = _Run(*given)
+    state = _solved(run)
+    if not state.status.converged and run.unheld.any():
+        return state
     if not state.status.converged and state.history and state.history[-1].changed:
         damped = _solved(_Run(*given, damped=True))
         state = damped if damped.status.converged else state
@@ -244,7 +251,7 @@ class _Run:
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
         self.damped, self.soft = damped, soft
-        self.kept = np.zeros((2, parts.n, 0))
+        self.kept, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
         self.move(np.zeros(parts.n) if start is None else start.motions)
         self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
         self.begun = self.reference
@@ -329,9 +336,16 @@ class _Run:
     def iterate(self, correction: int) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
         settled, first = 1 if self.damped else SETTLE_AFTER, len(self.history)
-        for iteration in range(self.settings.max_iterations):
+        before = sum(each.correction == correction for each in self.history)
+        for iteration in range(self.settings.max_iterations - before):
             if len(self.current.nodes) == 0 and (loose := self._loose()):
                 return loose
+            if iteration >= UNHELD_AFTER and self.unheld.any():
+                words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
+                return (
+                    f"no friction holds a load: {words}; take a smaller load, a larger coefficient of friction, or "
+                    "hold the part in Body(held=...)"
+                )
             step = self._step(bend=True) or self._step(bend=False)
             if step is None:
                 return (
@@ -418,6 +432,11 @@ class _Run:
             if found is None:
                 return None
             new_forces, motion, self.kept = found
+            left = rigid.resultants @ new_forces + rigid.stiffness @ motion + rigid.residual
+            left -= self.kept[0] @ (self.kept[0].T @ left)
+            beyond = (np.abs(left) > complementarity.LEFT * rigid.loads(new_forces)).any()
+            if self.slides is not None and beyond and not self.unheld.any():
+                self.unheld = left / np.linalg.norm(left)
             motion = self.parts.shortened(motion, self.parts.velocities(self.motions, self.reference))
         else:
             if self.slides is not None:
