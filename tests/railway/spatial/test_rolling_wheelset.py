@@ -3,7 +3,10 @@
 import numpy as np
 import pytest
 
+from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
+from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
+from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep, WheelsetCreep
 from flangeway.railway.spatial.spatial_result import solve_position
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
@@ -171,6 +174,15 @@ def test_a_torque_above_friction_is_no_equilibrium(wheelset):
     found = solve_position(wheelset.at(one.load(), Prescribed(lateral_mm=0.0), 0.0, model.rolling), {})
     assert not found.status.converged
     assert "torque" in found.status.message
+
+
+def test_a_lifted_wheel_has_no_creep_forces_that_change():
+    """Without patches there are derivatives of nothing by the position, and none by the shape of patches."""
+    motion = RollingMotion(20.0, Friction(0.3))
+    nothing = SideCreep((), np.zeros(7), np.zeros((4, 2)), np.zeros((4, 3)))
+    slopes = WheelsetCreep(motion, 43.0, "exact").derivatives("left", None, np.zeros((4, 3)), nothing)
+    assert [each.shape for each in slopes] == [(11, 6), (11, 0), (0, 4, 3)]
+    assert not slopes.motion.any()
 
 
 def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):

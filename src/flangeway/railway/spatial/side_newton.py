@@ -28,7 +28,7 @@ MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
 
 
-MAX_BENT_MM = 0.1
+MAX_BENT_MM = 0.2
 """The same by creep forces."""
 N_RESULTANTS = 7
 

@@ -144,7 +144,7 @@ class SpatialWheelset:
         fine = {side: state.grid for side, state in found.state.sides.items()}
         exact = replace(creep, theory="exact")
         # the position of the exact theory is another one: patches may have come to the ends of their cells
-        found = self._rolled(fine, found, progress, exact, EXACT_RESIDUAL)
+        found = self._rolled(fine, found, progress, exact, EXACT_RESIDUAL, ends=False)
         return self._fine(found, progress, exact, EXACT_RESIDUAL)
 
     def _rolled(
@@ -155,13 +155,17 @@ class SpatialWheelset:
         creep: WheelsetCreep,
         tolerance: float,
         reach: float = np.inf,
+        *,
+        ends: bool = True,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium with creep forces on given grids; see `_refined`."""
         tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
         contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
         new = None
         with suppress(InputError):  # forces without bounds
-            new = self._refined(contact, found.position, found.state, progress, tolerance, creep=creep, reach=reach)
+            new = self._refined(
+                contact, found.position, found.state, progress, tolerance, creep=creep, reach=reach, ends=ends
+            )
         if new is not None:
             return new
         return replace(found, status=_none(found))
@@ -177,14 +181,14 @@ class SpatialWheelset:
 
         - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
         """
-        for _ in range(MOST_GRIDS):
-            if not found.status.converged:
+        for turn in range(MOST_GRIDS):
+            if not found.status.converged and (creep is None or found.status.iterations == MOST_ROLLING_STEPS):
                 break
             grids = {side: finer(found.state.sides[side]) for side in SIDES}
             if all(new is found.state.sides[side].grid for side, new in grids.items()):
                 break
             if creep is not None:
-                found = self._rolled(grids, found, progress, creep, tolerance)
+                found = self._rolled(grids, found, progress, creep, tolerance, ends=turn == MOST_GRIDS - 1)
                 continue
             tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
             contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
@@ -262,6 +266,7 @@ class SpatialWheelset:
         lower: bool = False,
         creep: WheelsetCreep | None = None,
         reach: float = np.inf,
+        ends: bool = True,
     ) -> Equilibrium[SpatialState] | None:
         """Equilibrium from a position with its contact, if that is known, by `SideNewton` of both sides.
 
@@ -271,6 +276,7 @@ class SpatialWheelset:
         - `lower`: whether the weight is carried first, before the wheelset may move sideways.
         - `creep`: creep forces, if it rolls with friction.
         - `reach`: way over the step limits beyond which the search ends, to go on with other cells.
+        - `ends`: whether patches may come to the ends of their cells; else the search ends there too.
         """
         newton = WheelsetNewton(contact, self._tilts_by_forces, position, near, creep, lower=lower)
         if near is None and not newton.touches:
@@ -278,6 +284,8 @@ class SpatialWheelset:
         for iteration in range(MOST_STEPS if creep is None else MOST_ROLLING_STEPS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
+            if not ends and tolerance < error < ROLLING_RESIDUAL and newton.reaches_an_end:
+                return newton.found(Status(False, "patches at the ends of their cells", iteration))
             settled = newton.step(tolerance)
             progress(f"equilibrium residual {error:.1e} after {iteration} steps on fine cells")
             if settled is None:

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep, WheelsetCreep
+from flangeway.railway.spatial.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep
 from flangeway.railway.spatial.side_contact import SideState
 from flangeway.railway.spatial.side_newton import SideNewton, transferred, transferred_creep
 from flangeway.railway.spatial.spatial_contact import RolledWheelset, SpatialContact, SpatialState, pose_of, signs_of
@@ -33,6 +33,8 @@ FALLS, LEAST_PART = 0.4, 0.15
 """Share of a step by which the residual must fall, otherwise smaller parts of steps are taken, and the smallest one."""
 LEARNS = 0.05
 """Residual of the forces below which what the derivatives miss is learned."""
+ERROR_OF_LAW, LOOSE = 0.1, 1e-2
+"""Error of the law of friction over the residual of the position before, and its largest one."""
 MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
 N_POSITION, RATE, YAW = 5, 5, 6
@@ -79,9 +81,17 @@ class WheelsetNewton:
         """Whether both wheels touch."""
         return all(each.touching.any() for each in self.sides.values())
 
+    @property
+    def reaches_an_end(self) -> bool:
+        """Whether a patch has come to an end of its cells."""
+        return any(bool(((each.forces > 0.0) & each.grid.grid.at_edge).any()) for each in self.sides.values())
+
     def linearise(self) -> None:
         """Take residuals and their derivatives at the position."""
         n = len(self.free)
+        if self.creep is not None:  # the law of friction need not hold better than the equilibrium
+            before = self.history[-1].equilibrium_residual if self.history else LOOSE / ERROR_OF_LAW
+            self.creep.tolerance = float(np.clip(ERROR_OF_LAW * before, TOLERANCE, LOOSE))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
         self.own: dict[Side, Floats] = {}
@@ -197,6 +207,7 @@ class WheelsetNewton:
         excess = float((np.abs(step) / limits).max())
         # close by, forces that jump from one patch to another end in circles without
         falls = self.relative.equilibrium_residual < (1.0 - FALLS * self.part) * self._error
+        falls |= any(each.bent for each in self.sides.values())  # creep forces still grow
         self.part = min(1.0, 1.5 * self.part) if falls or excess > 1.0 else max(self.part / 1.5, LEAST_PART)
         self._error = self.relative.equilibrium_residual
         return step * min(self.part, 1.0 / excess if excess > 1.0 else 1.0)
@@ -222,8 +233,10 @@ class WheelsetNewton:
         most = share * FINE_FORCES
         if self.creep is None:
             most = min(most, COARSE_FORCES)
-        moving = any(each.changed or each.bent for each in self.sides.values())
-        settled = change <= most and (not moving or most >= COARSE_FORCES)
+        sides = self.sides.values()
+        moving = any(each.bent for each in sides) or (most < COARSE_FORCES and any(each.changed for each in sides))
+        loose = self.creep is not None and self.creep.theory == "exact" and self.creep.tolerance > TOLERANCE
+        settled = change <= most and not moving and not loose
         if error <= tolerance and float(np.abs(self.tilts - self.bent).max()) <= share * FINE_TILT_RAD and settled:
             return True
         self.position = self.position.moved(WheelsetPosition(*step[:3].tolist()))

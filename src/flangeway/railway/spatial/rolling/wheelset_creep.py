@@ -42,6 +42,8 @@ MERGED = 0.25
 DISTINCT = 1e-6
 """Least singular value, over the first one, of places in a patch that has several rows and strips."""
 N_SHAPES = 5
+TOLERANCE = 1e-4
+"""Error of the law of friction in an equilibrium."""
 SHAPE_STEP = 1e-3
 """Difference by `CreepSlopes.shape`."""
 
@@ -84,12 +86,13 @@ class WheelsetCreep:
     - `motion`: how the wheelset rolls.
     - `rate_rad_s`: rate of rotation about the axle.
     - `theory`: of the forces.
+    - `tolerance`: error of the law of friction by the exact theory.
     """
 
     motion: RollingMotion
     rate_rad_s: float
     theory: Theory
-    tolerance: float = 1e-4
+    tolerance: float = TOLERANCE
     _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
     _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
     _parts: dict[object, list[Bools]] = field(default_factory=dict)
@@ -174,8 +177,9 @@ class WheelsetCreep:
 
         By differences of FASTSIM, or of the theory itself if it has a closed form.
         """
-        columns = np.zeros((N_RESULTANTS + len(normal), len(STEPS)))
-        changes, weights = [], []
+        n = N_RESULTANTS + len(normal)
+        columns = np.zeros((n, len(STEPS)))
+        changes, weights = [np.zeros((n, 0))], [np.zeros((0, *normal.shape))]
         for patch in found.patches:
             shapes = shapes_of(newton.grid.grid, normal, patch.inside)
             changed = self._changed(side, newton, normal, patch, shapes)
