@@ -1,7 +1,7 @@
 """Installs a wheel as a user does who has no compiler, runs the main job, and tests what was installed.
 
-``python .ci/wheel.py dist/flangeway-*.whl``, on any operating system, from the sources of the same version. The tests
-import the package from the wheel: no folder of sources is searched.
+``python .ci/wheel.py dist/flangeway-*.whl [TESTS...]``, on any operating system, from the sources of the same version.
+The tests, `TESTS` if left out, import the package from the wheel: no folder of sources is searched.
 """
 
 import os
@@ -10,6 +10,7 @@ import sys
 import tempfile
 import time
 import venv
+from collections.abc import Sequence
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -27,7 +28,7 @@ TESTS = (
 GMSH_OF_SYSTEM = sys.platform == "linux" and os.uname().machine == "aarch64"
 
 
-def main(wheel: Path) -> None:
+def main(wheel: Path, tests: Sequence[str] = TESTS) -> None:
     """Make an environment with the wheel, and run the main job and the tests in it."""
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = Path(name)
@@ -53,8 +54,8 @@ def main(wheel: Path) -> None:
         if busy > MAIN_JOB_S:
             sys.exit(f"the main job took more than {MAIN_JOB_S:.0f} s of a processor")
         run("python", "-m", "pip", "install", "-q", "pytest>=8", "hypothesis>=6.100", where=folder)
-        run("python", "-m", "pytest", "-q", *TESTS, where=ROOT)
+        run("python", "-m", "pytest", "-q", *tests, where=ROOT)
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), sys.argv[2:] or TESTS)

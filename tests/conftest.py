@@ -1,16 +1,20 @@
 """What several folders of tests share: the command line in this process, and small contact problems."""
 
+import atexit
 import os
 import shutil
 import signal
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
 
 # before NumPy is imported: on a busy machine, threads that wait for each other take minutes for small matrices
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# nothing of another run may make a test pass
-os.environ["FLANGEWAY_CACHE"] = "off"
+# nothing of another run may make a test pass: the cache is new, and all processes of this run share it
+if "PYTEST_XDIST_WORKER" not in os.environ:
+    os.environ["FLANGEWAY_CACHE"] = tempfile.mkdtemp(prefix="flangeway-cache-")
+    atexit.register(shutil.rmtree, os.environ["FLANGEWAY_CACHE"], ignore_errors=True)
 
 import numpy as np
 import pytest
@@ -43,12 +47,26 @@ LONG = {"follow", "followed", "background", "browser"}
 """Fixtures that run a page of the documentation from top to bottom or start a browser, which takes long."""
 
 
+LONGEST = (
+    "test_tutorials.py", "test_reproduce_wheel_rail.py", "test_sectionproperties.py", "test_reproduce_hertz.py",
+    "test_notebooks.py", "test_reproduce_vem_contact.py", "test_rolling_wheelset.py", "test_cli.py",
+    "test_spatial_wheelset_report.py", "test_virtual_variants.py", "test_campaign_resume.py", "test_spatial_patch.py",
+)  # fmt: skip
+"""Files of more than 10 s. They begin first, so that no worker has one of them alone at the end."""
+
+
+def pytest_configure(config):
+    """Keep the order of files, where pytest-xdist would begin with those of most tests."""
+    config.option.loadscopereorder = False
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Leave tests with such a fixture to CI."""
+    """Leave tests with such a fixture to CI, and begin with the longest files."""
     for item in items:
         if LONG.intersection(getattr(item, "fixturenames", ())):
             item.add_marker(pytest.mark.ci)
+    items.sort(key=lambda item: LONGEST.index(item.path.name) if item.path.name in LONGEST else len(LONGEST))
 
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.ci
 
 @pytest.fixture(scope="module")
 def site(tmp_path_factory):
-    """Build the site as .ci/run does."""
+    """Build the site; a warning, such as of a broken link, is an error."""
     pytest.importorskip("material")
     folder = tmp_path_factory.mktemp("site")
     command = [sys.executable, "-m", "mkdocs", "build", "--strict", "--quiet", "--site-dir", str(folder)]

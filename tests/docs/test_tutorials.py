@@ -11,13 +11,7 @@ from flangeway.railway.track.wheelset_load import curve_force_N
 DOCS = Path(__file__).parents[2] / "docs"
 
 
-@pytest.fixture
-def cached(monkeypatch, tmp_path):
-    """The user's cache, empty at first: what one command of a page keeps the next one takes."""
-    monkeypatch.setenv("FLANGEWAY_CACHE", str(tmp_path / "cache"))
-
-
-def test_the_first_wheelset_is_as_the_page_says(follow, tmp_path, cached):
+def test_the_first_wheelset_is_as_the_page_says(follow, tmp_path):
     """Each command of the page works and writes what the page lists; its lines are printed, to 2 %."""
     page = "tutorials/first-wheelset.md"
     assert follow(page, tolerance=0.02, skip=["pip install"]) == {"sh": 4, "text": 2, "python": 1}
@@ -40,12 +34,12 @@ def test_the_installation_of_the_page_is_that_of_the_readme():
     assert shown in page
 
 
-def test_the_curve_is_as_the_page_says(follow, cached):
+def test_the_curve_is_as_the_page_says(follow):
     """Every command and script ends well, in its order, and prints the lines that the page shows, to 2 %."""
     assert follow("tutorials/wheelset-in-a-curve.md") == {"python": 2, "sh": 9, "text": 10}
 
 
-def test_creep_forces_are_as_the_page_says(follow, cached):
+def test_creep_forces_are_as_the_page_says(follow):
     """Every command and script ends well, in its order, and prints the lines that the page shows, to 2 %."""
     assert follow("tutorials/creep-forces-in-a-curve.md", tolerance=0.02) == {"python": 1, "sh": 4, "text": 5}
 
