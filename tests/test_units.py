@@ -14,7 +14,8 @@ from flangeway.errors import InputError
 from flangeway.report.case_outputs import case_record
 from flangeway.report.figures.drawing import named
 from flangeway.report.page.case_text import case_text, command_line
-from flangeway.report.page.us_record import in_units
+from flangeway.report.page.tables import SummaryTable
+from flangeway.report.page.us_record import UNIT_COLUMN, in_units
 from flangeway.system.output_folder import text_writer
 from flangeway.units import in_us_units, us_key, us_unit
 
@@ -173,6 +174,35 @@ def test_results_of_a_section_in_us_units(call, tmp_path):
     assert "JSON, Parquet and ParaView files are in metric units" in report
     assert "--units us" in report
     assert not re.search(r"\d mm|, mm|, kg/m<", re.sub(r"<script.*?</script>", "", report, flags=re.DOTALL))
+
+
+def test_a_column_of_units_is_that_of_the_numbers_beside_it():
+    """Numbers in percent stay; changes in mm become inches, and the column of units says so."""
+    rows = (("approach, mm", "25.40", "50.80", "+1.318", "%", "2"), ("x, mm", "0.00", "2.54", "2.540", "mm", "0.25"))
+    record = case_record(load_case("torsion", size=40.0, order=1).run())
+    published = SummaryTable(
+        "", ("", "published", "difference", "limit"), (("force, N", "4.448", "+0.50 %", "1 to 2 %"),)
+    )
+    converted = in_units(replace(record, results=published), "us").results
+    assert converted.rows == (("force, lbf", "1.0000", "+0.50 %", "1 to 2 %"),)
+    table = SummaryTable("The mesh halved", ("", "coarse", "fine", "change", UNIT_COLUMN, "limit"), rows)
+    first, second = in_units(replace(record, results=table), "us").results.rows
+    assert first == ("approach, in", "1.000", "2.000", "+1.318", "%", "2")
+    assert (second[0], second[4]) == ("x, in", "in")
+    assert [float(cell) for cell in (second[3], second[5])] == pytest.approx([0.1, 0.25 / 25.4], abs=2e-4)
+
+
+@pytest.mark.parametrize("name", ["torsion", "cook"])
+def test_no_number_of_a_table_stays_metric(name):
+    """No row of the results has a metric unit, and bounds of a constant are beside it."""
+    coarse = {"torsion": {"size": 40.0, "order": 1}, "cook": {"level": 1}}[name]
+    record = case_record(load_case(name, units="us", **coarse).run())
+    assert not [row for row in record.results.rows if re.search(r"\b(N|mm[²³⁴⁶]?|MPa)\b", row[0])]
+    values = {row[0].strip(): row[1] for row in record.results.rows}
+    if name == "torsion":
+        assert float(values["lower bound (Prandtl), in⁴"]) <= float(values["torsion constant J, in⁴"])
+    else:
+        assert "strain energy, lbf in/in" in values
 
 
 def test_what_computes_it_again_keeps_units_and_exact_inputs():

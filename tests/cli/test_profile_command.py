@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import numpy as np
 import pytest
@@ -136,6 +137,20 @@ def test_several_profiles_give_one_table_and_one_picture(call, files, tmp_path):
     assert rows[2]["flange_height_mm"] == ""
     assert min(imread(tmp_path / "b" / "profiles.png").shape[:2]) > 400
     assert call("profile", "S1002", "60E1", "--to", "x.csv")[0] == 2
+
+
+def test_profiles_of_one_title_have_the_names_of_their_files(call, tmp_path):
+    """Files of one instrument share a title: table and notes name the file."""
+    for name, lift in (("a.whl", 0.0), ("b.whl", 0.8)):
+        assert call("profile", "S1002", "--to", name, "--no-pictures")[0] == 0
+        lines = (tmp_path / name).read_text(encoding="utf-8").splitlines()
+        head, points = lines[: lines.index("") + 1], lines[lines.index("") + 1 :]
+        moved = (f"{x} {float(y) + lift:.9f}" for x, y in map(str.split, points))
+        (tmp_path / name).write_text("\n".join([*head, *moved]), encoding="utf-8")
+    status, out, err = call("profile", "a.whl", "b.whl", "60E1", "--no-pictures")
+    assert status == 0, err
+    assert re.search(r"^S1002, a\.whl +28\.000", out, flags=re.MULTILINE)
+    assert re.search(r"moved to zero\. \(S1002, b\.whl\)", out.replace("\n", " "))
 
 
 def test_a_worn_wheel_is_below_the_new_one_in_the_overlay(files):

@@ -77,22 +77,24 @@ def refuse_other_lines(shown, printed, tolerance):
 def follow(call, tmp_path, capsys):
     """Follow a page from top to bottom in a folder of its own; return how many blocks of each kind were followed.
 
-    Files are saved under the names that stand before them. Every command ends with status 0, and what is shown after
+    Files are saved under the names that stand before them. Lines of the shell, and other blocks, with words to skip are
+    left out. Every command ends with status 0, and what is shown after
     it is part of what it prints. Python blocks are one script, and what is shown after one is all that it prints.
     """
 
     def run(page, tolerance=0.02, skip=()):
         printed, of_python, done, names = "", False, {}, {}
         for block in blocks_of(page):
-            if any(words in block.text for words in skip):
+            lines = [line for line in block.text.splitlines() if not any(words in line for words in skip)]
+            if not lines or (block.kind != "sh" and any(words in block.text for words in skip)):
                 continue
             done[block.kind] = done.get(block.kind, 0) + 1
             if block.file is not None:
                 (tmp_path / block.file).write_text(block.text, encoding="utf-8")
             elif block.kind == "sh":
                 printed, of_python = "", False
-                for line in block.text.splitlines():
-                    program, *arguments = shlex.split(line)
+                for line in lines:
+                    program, *arguments = shlex.split(line, comments=True)
                     assert program.removeprefix(".venv/bin/") == "flangeway", line
                     status, out, err = call(*arguments)
                     assert status == 0, err

@@ -97,15 +97,19 @@ def geometry(
     folder = out or Path("out", f"geometry-{name}")
     found = []
     for pair in product(*([(key, e) for e in given] for key, given in (("wheel", wheel), ("rail", rail)) if given)):
-        values = settings | dict(pair)
+        values = settings | dict(pair) | ({"units": show.units} if show.units else {})
         inputs, notices = read_geometry_case(file, values) if is_toml else (find_geometry_case(case, values), ())
-        inputs.load()
+        with inputs.errors_as_written():
+            inputs.load()
         show.units = show.units or inputs.units
         found.append((inputs, notices))
     many = len(found) > 1
     refuse_unwritable(folder, BATCH_NAMES if many else NAMES)
+    runs = []
     with show.progress() as progress:
-        runs = [run_geometry(name, inputs, progress, notices) for inputs, notices in found]
+        for inputs, notices in found:
+            with inputs.errors_as_written():
+                runs.append(run_geometry(name, inputs, progress, notices))
     command = command_typed()
     record = geometries_record(runs, command) if many else geometry_record(runs[0], command)
     return show.record(record, folder)

@@ -123,6 +123,15 @@ def test_a_corrugation_lowers_and_lifts_the_section(tmp_path, phase, height):
     assert at(file, 10.0).points[:, 1].max() == pytest.approx(height, abs=1.1e-4)
 
 
+def test_a_list_from_windows_names_files_in_folders(tmp_path):
+    """A backslash separates folders, whatever the system."""
+    (tmp_path / "sections").mkdir()
+    np.savetxt(tmp_path / "sections" / "a.txt", head(), fmt="%.5f")
+    file = tmp_path / "one.slcs"
+    file.write_bytes(b"0 1\r\n1\r\n0\r\n0\r\n0 'sections\\a.txt'\r\n")
+    assert at(file, 0.0).points[:, 1].max() == pytest.approx(0.0, abs=1e-4)
+
+
 WRONG = (
     ("0 0\n", "line 1: scale = 0", "positive scale"),
     ("0 1\n2.5\n", "line 2: slices = 2.5", "1 to 100000"),

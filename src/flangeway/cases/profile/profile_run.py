@@ -1,5 +1,6 @@
 """A profile from a file or by name, checked, measured, joined and converted, as ``flangeway profile`` does it."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -83,13 +84,25 @@ def run_profile(name_or_file: str, options: ReadOptions | None = None, join: str
 
 
 def run_profiles(names: Sequence[str], options: ReadOptions, join: str | None = None) -> list[ProfileRun]:
-    """Read several profiles, see `run_profile`; of a file of slices without a position all slices."""
-    found = []
+    """Read several profiles, see `run_profile`; of a file of slices without a position all slices.
+
+    Profiles with the same title, as from one instrument, have the names of their files in it.
+    """
+    found, files = [], []
     for name in names:
         places = sections_of(Path(name)) if options.position is None else ()
         each = [replace(options, position=place) for place in places] or [options]
         found += [run_profile(name, one, join) for one in each]
-    return found
+        files += [Path(name).name] * len(each)
+    titles = Counter(run.profile.title for run in found)
+    return [
+        run if titles[run.profile.title] == 1 else _renamed(run, f"{run.profile.title}, {file}")
+        for run, file in zip(found, files, strict=True)
+    ]
+
+
+def _renamed(run: ProfileRun, title: str) -> ProfileRun:
+    return replace(run, profile=replace(run.profile, title=title), summary={**run.summary, "title": title})
 
 
 def converted(run: ProfileRun, ending: str) -> str:

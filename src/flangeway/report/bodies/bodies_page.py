@@ -158,7 +158,7 @@ def _assumptions(run: BodiesRun) -> list[str]:
     return [*sentences, law, f"Contact pairs: {pairs}."]
 
 
-UNITS = {"_N_mm_per_mm": "N mm per mm", "_MPa": "MPa", "_mm": "mm", "_N": "N", "_rad": "rad", "_deg": "degrees"}
+UNITS = {"_N_mm_per_mm": "N mm/mm", "_MPa": "MPa", "_mm": "mm", "_N": "N", "_rad": "rad", "_deg": "degrees"}
 
 REMARK = "_remark"
 

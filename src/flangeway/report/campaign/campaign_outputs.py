@@ -127,10 +127,14 @@ def _ranges(table: CampaignTable) -> tuple[tuple[str, ...], ...]:
             continue
         shown = [min(known), median(known), max(known)]
         size = 1e-12 * max(map(abs, shown))  # below it is round-off
-        found.append((name, *(f"{0.0 if abs(value) < size else value:.5g}" for value in shown)))
+        found.append((name, *(_number(0.0 if abs(value) < size else value) for value in shown)))
     return tuple(
         sorted(found, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
     )
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if 1e5 <= abs(value) < 1e9 else f"{value:.5g}"
 
 
 def _extremes(table: CampaignTable) -> list[tuple[str, str]]:

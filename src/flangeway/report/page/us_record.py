@@ -13,6 +13,7 @@ from flangeway.system.output_folder import Writer
 from flangeway.units import NUMBER, Units, UsUnit, in_us_units, number_of, shown, us_key, us_unit
 
 METRIC_PARTS = "Numbers are in US units; pictures, fields, JSON, Parquet and ParaView files are in metric units."
+UNIT_COLUMN = "in"  # of a table: the unit of the numbers on both sides of it, each row its own
 SENTENCES = ("message", "warnings")  # columns of CSV files with text of the program; other texts are names
 
 
@@ -52,6 +53,11 @@ def _table(table: SummaryTable) -> SummaryTable:
     for name, *cells in table.rows:
         of_row, row_name = _named(name)
         units = [unit or of_row for unit, _ in columns[1:]]
+        if UNIT_COLUMN in table.header:
+            place = table.header.index(UNIT_COLUMN) - 1
+            of_change = us_unit(cells[place])
+            units[place - 1 : place + 2] = of_change, None, of_change
+            cells[place] = of_change.name if of_change else cells[place]
         rows.append((row_name, *map(_cell, cells, units)))
     header = tuple(name for _, name in columns)
     return replace(
@@ -71,7 +77,7 @@ def _named(name: str) -> tuple[UsUnit | None, str]:
 
 def _cell(text: str, unit: UsUnit | None) -> str:
     """Convert the number of a cell, or all numbers in it, with about as many digits as it has."""
-    if unit is None or re.search(r"[a-df-zA-Z]", text):  # a sentence
+    if unit is None or re.search(r"[a-df-zA-Z%]", text):  # a sentence, or a part of a number
         found = in_us_units(text)
     elif re.fullmatch(NUMBER, text):
         value, form = (text.value, text.form) if isinstance(text, Number) else (number_of(text), _form(text))

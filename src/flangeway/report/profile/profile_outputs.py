@@ -80,7 +80,7 @@ def profile_record(run: ProfileRun, command: str) -> Record:
     return Record(
         name=found["title"],
         title=found["title"],
-        subtitle=f"{found['kind']}, {found['format']}; {found['frame']}; mm",
+        subtitle=f"{found['kind']}, {found['format']}; {found['frame']}",
         converged=True,
         success="read",
         message=f"{found['points']} points, {found['lines']} lines and {found['arcs']} arcs",
@@ -118,21 +118,33 @@ def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
     return Record(
         name=f"{len(runs)} profiles",
         title=f"{len(runs)} profiles",
-        subtitle="measures in mm, as of each profile alone",
+        subtitle="measures of each profile alone",
         converged=True,
         success="read",
         message="",
         results=SummaryTable(
-            "Profiles, mm", ("", *(SHORT[key] for key in keys), "length"), tuple(cells), note=SHORT_NOTE
+            "Profiles", ("", *(f"{SHORT[key]}, mm" for key in keys), "length, mm"), tuple(cells), note=SHORT_NOTE
         ),
         summary={"profiles": found},
         summary_file=BATCH_SUMMARY,
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
         versions=found[0]["versions"],
-        notes=list(dict.fromkeys(notice for summary in found for notice in summary["notices"])),
+        notes=_notes(found),
         pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN, OVERLAY_SHOWN)],
         files=lambda: {TABLE: ResultTable.of_rows(rows).to_csv},
     )
+
+
+def _notes(found: Sequence[dict[str, Any]]) -> list[str]:
+    """Return the notices of several profiles, each once, with the titles of those that have it unless all do."""
+    by_notice: dict[str, list[str]] = {}
+    for summary in found:
+        for notice in summary["notices"]:
+            by_notice.setdefault(notice, []).append(summary["title"])
+    return [
+        notice if len(titles) == len(found) else f"{notice} ({', '.join(titles)})"
+        for notice, titles in by_notice.items()
+    ]
 
 
 def profile_rows(summary: dict[str, Any]) -> list[tuple[str, str, str]]:

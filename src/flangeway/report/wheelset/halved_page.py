@@ -9,6 +9,7 @@ from flangeway.cases.wheelset.wheelset_case import MAX_APPROACH_CHANGE, MAX_POSI
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
 from flangeway.report.page.record import REPORT, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, number
+from flangeway.report.page.us_record import UNIT_COLUMN
 
 PICTURE, SUMMARY = "halved.png", "converge.json"
 NAMES = (PICTURE, REPORT, SUMMARY)
@@ -83,7 +84,7 @@ def _convergence_table(convergence: Convergence) -> SummaryTable:
         ]
     rows.append(("unknowns", *(f"{sum(body.unknowns for body in each.bodies):,}" for each in both), "", "", ""))
     scales = [f"size scale {each.case['size_scale']:g}" for each in both]
-    return SummaryTable("The mesh halved", ("", *scales, "change", "in", "limit"), tuple(rows))
+    return SummaryTable("The mesh halved", ("", *scales, "change", UNIT_COLUMN, "limit"), tuple(rows))
 
 
 def halved_figure(convergence: Convergence) -> Figure:

@@ -126,9 +126,9 @@ def draw_sketch(axes: Axes, problem: WheelsetProblem, motion: WheelsetPosition) 
     _dimension(axes, (-half_gauge, -275), (half_gauge, -275), f"gauge {track.gauge_mm:g}")
     high = axle + 0.6 * wheelset.radius_mm
     _dimension(axes, (-inner, high), (inner, high), f"back to back {wheelset.back_to_back_mm:g}", 0.75)
-    beside, tip = inner - 110, axle - wheelset.radius_mm
-    axes.plot([beside - 30, inner], [tip, tip], color=INK, lw=0.5)
-    _dimension(axes, (beside, axle), (beside, tip), f"radius {wheelset.radius_mm:g}")
+    beside, tread = inner - 110, inner + wheelset.wheel.flange_back_mm
+    axes.plot([beside - 30, tread], [0.0, 0.0], color=INK, lw=0.5)
+    _dimension(axes, (beside, axle), (beside, 0.0), f"radius {axle:.5g}")
     top = axle + wheelset.centre_of_gravity_height_mm
     axes.set(xlim=(-half_gauge - 160, half_gauge + 160), ylim=(-320, max(top + 340, axle + wheelset.radius_mm) + 20))
     axes.set_aspect("equal", anchor="S")

@@ -150,7 +150,7 @@ def read_slices(file: Path, text: str) -> ProfileSlices:
             allowed = f"a position and the name of a file in quotation marks, {n_slices} lines"
             raise InputError(f"line {number}: {line.strip()[:60]!r}", allowed, "correct this line")
         positions.append(scale * (offset + value[0]))
-        files.append(file.parent / match[2])
+        files.append(file.parent / match[2].replace("\\", "/"))  # of lists from Windows
         if len(positions) > 1 and not positions[-1] - positions[-2] >= _APART:
             raise InputError(
                 f"line {number}: position {value[0]:g}", "positions that increase by 0.001 or more", "sort the slices"
