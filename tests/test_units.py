@@ -232,6 +232,8 @@ def test_csv_files_have_columns_in_us_units(tmp_path):
         texts["rows.csv"] == "lateral_in,message,rail\n0.1,a gap of 1 in,a 10 mm.csv\n"
     )  # one column of each quantity
     assert in_units(replace(record, title="gauge 1435.1 mm"), "us").title == "gauge 56.5 in"
+    few = replace(record, results=SummaryTable("", ("", "value"), (("tape line, mm", "70"), ("load, kN", "0.0"))))
+    assert in_units(few, "us").results.rows == (("tape line, in", "2.76"), ("load, kip", "0.00"))
     assert texts["profile.csv"].startswith("# unit: mm\nx_mm")
     assert texts["a.txt"] == "x_mm\n1\n"
 

@@ -157,6 +157,17 @@ def test_other_cases_give_all_single_numbers_of_their_summary(tmp_path):
     assert campaign_figures(found) == {}
 
 
+def test_ranges_are_in_words_and_numbers(sweep):
+    """The table of ranges has words, units and plain numbers, of which round-off is zero; JSON has keys and numbers."""
+    record = record_of(*sweep)
+    rows = {name: numbers for name, *numbers in (row for each in (record.results, *record.tables) for row in each.rows)}
+    assert {"left: maximum pressure, MPa", "right: L/V", "left: normal force, kN", "roll, mrad"} <= set(rows)
+    assert not [name for name in rows if "_" in name]
+    assert not [text for numbers in rows.values() for text in numbers if "e" in text]
+    force = record.summary["ranges"]["left_normal_force_N"]
+    assert 1e-3 * force["maximum"] == pytest.approx(float(rows["left: normal force, kN"][2]), rel=1e-4)
+
+
 @pytest.mark.ci
 def test_pictures_and_animation_are_chosen_by_what_varies(sweep, tmp_path):
     """One input gives curves, the locus and an animation with a frame for each row, whose contact moves."""

@@ -48,6 +48,9 @@ def test_the_command_writes_its_files(call, tmp_path):
         at = next(row for row in csv.DictReader(file) if abs(float(row["amplitude_mm"]) - 3.0) < 1e-9)
     assert float(at["conicity_integration"]) == pytest.approx(summary["equivalent_conicity"]["integration"])
     assert f"{summary['equivalent_conicity']['integration']:.4f}" in out
+    left, right = (float(text) for text in next(line for line in out.splitlines() if "first jump" in line).split()[-2:])
+    assert left == -right != 0.0
+    assert right == pytest.approx(min(abs(jump["lateral_mm"]) for jump in summary["jumps"]), abs=1e-3)
 
 
 def test_the_curve_has_the_figure_of_the_flange_root(call, tmp_path):

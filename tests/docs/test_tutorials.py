@@ -35,11 +35,8 @@ def test_the_installation_of_the_page_is_that_of_the_readme():
     assert shown in page
 
 
-<<<<<<< HEAD
-def test_the_curve_is_as_the_page_says(follow):
-=======
 @pytest.mark.ci
-def test_the_commands_of_the_readme_run_as_printed(follow, tmp_path, cached):
+def test_the_commands_of_the_readme_run_as_printed(follow, tmp_path):
     """Each command ends well, in its order, in a fresh folder; published studies have their own tests."""
     shutil.copytree(DOCS.parent / "examples", tmp_path / "examples")
     skip = ["pip install", "reproduce ", "Wheel S1002 on rail", "import", "energy", "cells  "]
@@ -52,8 +49,7 @@ def test_the_campaign_of_the_examples_is_that_of_its_page():
     assert f"```toml\n{(DOCS.parent / 'examples' / 'shift.toml').read_text(encoding='utf-8')}```" in page
 
 
-def test_the_curve_is_as_the_page_says(follow, cached):
->>>>>>> 3511db8 (US units: percentages of tables are not converted, nor left metric what was; the README's commands run as printed)
+def test_the_curve_is_as_the_page_says(follow):
     """Every command and script ends well, in its order, and prints the lines that the page shows, to 2 %."""
     assert follow("tutorials/wheelset-in-a-curve.md") == {"python": 2, "sh": 9, "text": 10}
 

@@ -1,5 +1,7 @@
 """Pictures of a case of bodies: stresses on the deformed bodies, and the contact pressure."""
 
+from textwrap import fill
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import Normalize
@@ -16,7 +18,9 @@ from flangeway.report.page.tables import marked
 from flangeway.types import Floats
 
 BRIGHTEST_SHARE = 0.999  # fraction of the values within the colour range: stresses at sharp corners are singular
-MAX_SIDE_IN, SMALLEST_SIDE_IN = 9.0, 3.0
+HIGHEST_IN, LOWEST_IN, WIDEST_IN = 5.0, 1.6, 11.0  # of panels: height, least height of all, width of all
+LETTERS_PER_IN = 13  # of the title
+LABELS_IN, BAR_IN = 0.8, 1.0  # for the labels of a panel and its title, for the bar of colours
 MARGIN = 0.04
 
 
@@ -34,11 +38,11 @@ def stress_figure(run: BodiesRun) -> Figure:
         middle = touched.mean(axis=0)
         if width < 0.7 * float(np.ptp(points, axis=0).max()):
             windows.append(np.array([middle - width / 2.0, middle + width / 2.0]))
-    extent = np.ptp(windows[0], axis=0)
-    height = float(np.clip(MAX_SIDE_IN * extent[1] / extent[0], SMALLEST_SIDE_IN, MAX_SIDE_IN))
-    figure = new_figure(7.0 * len(windows), min(height, 7.0))
+    widths = [float(np.divide(*np.ptp(window, axis=0))) for window in windows]  # of panels one inch high
+    height = min(HIGHEST_IN, WIDEST_IN / sum(widths))
+    figure = new_figure(height * sum(widths) + LABELS_IN * len(windows) + BAR_IN, max(height, LOWEST_IN) + LABELS_IN)
     figure.set_layout_engine("compressed")
-    both = figure.subplots(1, len(windows), squeeze=False)[0]
+    both = figure.subplots(1, len(windows), squeeze=False, width_ratios=widths)[0]
     for axes, window in zip(both, windows, strict=True):
         for name, body in run.bodies.items():
             _draw(axes, body, drawn[name], norm)
@@ -50,7 +54,8 @@ def stress_figure(run: BodiesRun) -> Figure:
     extend = "max" if float(values.max()) > maximum else "neither"
     figure.colorbar(colours, ax=list(both), label="von Mises stress in MPa", extend=extend, shrink=0.9)
     word = "" if run.status.converged else ", not converged"
-    figure.suptitle(f"{run.case.title}: as deformed{word}", fontsize=10)
+    title = f"{run.case.title}: as deformed{word}"
+    figure.suptitle(fill(title, int(LETTERS_PER_IN * figure.get_figwidth())), fontsize=10)
     return figure
 
 

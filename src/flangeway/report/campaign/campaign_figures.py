@@ -11,8 +11,8 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from flangeway.campaign import CampaignTable
-from flangeway.railway.track.placements import SIDES, Side
-from flangeway.report.figures.drawing import GREY, HALO, INK, axis_name, named, new_figure
+from flangeway.railway.track.placements import SIDES
+from flangeway.report.figures.drawing import GREY, HALO, INK, SIDE_COLOURS, axis_name, named, new_figure
 from flangeway.report.figures.plots import COLOURS as SHADES
 from flangeway.types import Floats
 
@@ -21,7 +21,6 @@ LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES = (
 )
 NAMES = (LOCUS, PRESSURE_MAP, PRESSURE, RATIO, FORCES)
 
-COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 MOST_LABELLED = 8
 ROUGH = "not reliable, see its remark"
 SMALLEST_POINT, MAX_POINT = 3.0, 40.0
@@ -74,12 +73,12 @@ def locus_figure(table: CampaignTable, key: str) -> Figure:
     size = SMALLEST_POINT + (MAX_POINT - SMALLEST_POINT) * force / max(force.max(initial=0.0), 1e-300)
     for column, side in enumerate(SIDES):
         mine = patches["side"] == side
-        for line, (body, where) in enumerate((("wheel", "from the tape line"), ("rail", "from its centre line"))):
+        for line, (body, where) in enumerate((("wheel", "tape line"), ("rail", "centre line"))):
             panel = axes[line, column]
             y = patches[f"{body}_x_mm"][mine].astype(float)
-            panel.scatter(x[mine], y, s=size[mine], color=COLOURS[side], alpha=0.6, lw=0)
+            panel.scatter(x[mine], y, s=size[mine], color=SIDE_COLOURS[side], alpha=0.6, lw=0)
             panel.grid(color="#dddddd", lw=0.5)
-            axes[line, 0].set_ylabel(f"place on the {body}, {where}, in mm")
+            axes[line, 0].set_ylabel(f"{body}: x from its {where} in mm")
         axes[0, column].set_title(f"{side} side", fontsize=9)
         axes[1, column].set_xlabel(axis_name(key))
     figure.suptitle(f"{table.name}: points of contact; size of the dots by force", fontsize=10)

@@ -1,15 +1,18 @@
 """What a campaign found, and the files that it leaves beside its database."""
 
 import json
+import math
 from pathlib import Path
 from statistics import median
 
 from flangeway.campaign import Campaign, CampaignProgress, CampaignTable
 from flangeway.campaign.database import FORMATS, export_writers
+from flangeway.railway.track.placements import SIDES
 from flangeway.report.campaign.campaign_figures import FORCES, LOCUS, PRESSURE, PRESSURE_MAP, RATIO, campaign_figures
 from flangeway.report.campaign.campaign_figures import NAMES as PICTURES
 from flangeway.report.campaign.sweep_animation import NAME as SWEEP
 from flangeway.report.campaign.sweep_animation import is_sweep, sweep_frames, sweep_gif
+from flangeway.report.figures.drawing import named
 from flangeway.report.page.record import REPORT, SUMMARY, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable
 from flangeway.report.page.us_record import files_in_units
@@ -26,9 +29,13 @@ SHOWN = {
     PRESSURE_MAP: "Maximum pressure over two inputs",
     PRESSURE: "Maximum pressure over what varies",
     RATIO: "L/V of both wheels over what varies",
-    FORCES: "Normal forces of both wheels over what varies",
+    FORCES: "Normal, lateral and vertical forces of both wheels over what varies",
 }
 MOST_NUMBERS = 8
+LARGER_UNITS = {"N": ("kN", 1e-3), "rad": ("mrad", 1e3)}
+"""Units in which the page has forces and angles, with their factors."""
+ROUND_OFF = 1e-9  # a column of lengths, forces, pressures or angles below it is zero
+MOST_DECIMALS = 7
 
 
 def check_campaign_folder(folder: Path) -> None:
@@ -57,6 +64,7 @@ def campaign_record(
             warned[warning] = warned.get(warning, 0) + 1
     files = "every row is in `results.csv`, every contact in `patches.csv`, all of it in `campaign.sqlite`"
     ranges = _ranges(table)
+    shown = tuple(_shown_range(name, each) for name, each in ranges)
     return Record(
         name=table.name,
         title=f"{table.name}: a campaign of {table.case}",
@@ -64,7 +72,7 @@ def campaign_record(
         converged=end.all_converged,
         message=", ".join(f"{number} {status}" for status, number in counts.items()),
         facts=[(f"{number}", f"rows {status}") for status, number in counts.items()] + _extremes(table),
-        results=SummaryTable("Range of the results over all rows", ("", "minimum", "median", "maximum"), ranges[:MOST]),
+        results=SummaryTable("Range of the results over all rows", ("", "minimum", "median", "maximum"), shown[:MOST]),
         summary={
             "campaign": table.name,
             "case": table.case,
@@ -74,7 +82,7 @@ def campaign_record(
             "inputs": table.inputs,
             "failures": [{"status": s, "message": m, "rows": rows} for (s, m), rows in failures],
             "warnings": warned,
-            "ranges": {name: dict(zip(("minimum", "median", "maximum"), each, strict=True)) for name, *each in ranges},
+            "ranges": {name: dict(zip(("minimum", "median", "maximum"), each, strict=True)) for name, each in ranges},
             "versions": versions(),
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
@@ -94,7 +102,7 @@ def campaign_record(
         pictures=[
             Picture(name, draw, f"{SHOWN[name]}.", f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()
         ],
-        tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), ranges[MOST:])]
+        tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MOST:])]
         if len(ranges) > MOST
         else [],
         inputs=[
@@ -118,23 +126,30 @@ def _files(campaign: Campaign, table: CampaignTable, kind: str) -> dict[str, Wri
     return writers
 
 
-def _ranges(table: CampaignTable) -> tuple[tuple[str, ...], ...]:
-    """Name, minimum, median and maximum of every column of results that are numbers."""
+def _ranges(table: CampaignTable) -> list[tuple[str, list[float]]]:
+    """Name, and minimum, median and maximum, of every column of results that are numbers."""
     found = []
     for name, values in table.rows.items():
         known = [value for value in values if isinstance(value, int | float) and not isinstance(value, bool)]
         if name in ("row", *table.keys) or not known or any(isinstance(value, str) for value in values):
             continue
-        shown = [min(known), median(known), max(known)]
-        size = 1e-12 * max(map(abs, shown))  # below it is round-off
-        found.append((name, *(_number(0.0 if abs(value) < size else value) for value in shown)))
-    return tuple(
-        sorted(found, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
-    )
+        found.append((name, [min(known), median(known), max(known)]))
+    return sorted(found, key=lambda row: next((i for i, end in enumerate(FIRST) if row[0].endswith(end)), len(FIRST)))
 
 
-def _number(value: float) -> str:
-    return f"{value:.0f}" if 1e5 <= abs(value) < 1e9 else f"{value:.5g}"
+def _shown_range(key: str, values: list[float]) -> tuple[str, ...]:
+    """Words and unit of a column of results, and its numbers with as many digits as the largest needs."""
+    side, _, rest = key.partition("_")
+    words, unit = named(rest if side in SIDES else key)
+    unit, factor = LARGER_UNITS.get(unit, (unit, 1.0))
+    numbers = [factor * value for value in values]
+    size = max(map(abs, numbers))
+    if unit and size < ROUND_OFF:
+        size, numbers = 0.0, [0.0] * len(numbers)
+    decimals = 0 if all(isinstance(value, int) for value in values) or not size else 4 - math.floor(math.log10(size))
+    form = f"z.{max(decimals, 0)}f" if decimals <= MOST_DECIMALS else ".3g"
+    name = f"{side}: {words}" if side in SIDES else words
+    return (f"{name}, {unit}" if unit else name, *(format(float(value), form) for value in numbers))
 
 
 def _extremes(table: CampaignTable) -> list[tuple[str, str]]:

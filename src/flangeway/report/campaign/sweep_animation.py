@@ -13,8 +13,8 @@ from flangeway.campaign import Campaign, CampaignTable
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.report.campaign.campaign_figures import COLOURS, numeric_keys
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.campaign.campaign_figures import numeric_keys
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, new_figure
 from flangeway.report.page.tables import marked
 
 NAME = "sweep.gif"
@@ -143,7 +143,7 @@ def _draw_patch(axes: Axes, frame: SweepFrame, side: Side, patch: dict[str, Any]
     across = np.linspace(-1.0, 1.0, 41)
     height = HIGHEST_MM * patch["max_pressure_MPa"] / highest * np.sqrt(1.0 - across**2)
     curve = point + np.outer(patch["half_width_mm"] * across, along) + np.outer(height, normal)
-    axes.fill(curve[:, 0], curve[:, 1], color=COLOURS[side], alpha=0.75, lw=0, zorder=4)
+    axes.fill(curve[:, 0], curve[:, 1], color=SIDE_COLOURS[side], alpha=0.75, lw=0, zorder=4)
     axes.plot(*point, "o", color="#a00000", ms=3, zorder=5)
 
 
@@ -156,7 +156,7 @@ def _draw_curves(axes: Axes, frames: list[SweepFrame], kind: str) -> Any:
             values = [sign * x / y if y > 0.0 else np.nan for x, y in forces]
         else:
             values = [y / 1e3 if y > 0.0 else np.nan for _, y in forces]
-        axes.plot(values, color=COLOURS[side], lw=1.4, label=side)
+        axes.plot(values, color=SIDE_COLOURS[side], lw=1.4, label=side)
     places = np.unique(np.linspace(0, len(frames) - 1, 5).round().astype(int))
     axes.set_xticks(places, [frames[place].label.partition(" = ")[2] for place in places])
     axes.set(

@@ -31,6 +31,9 @@ from flangeway.types import Floats
 DPI = 160
 INK = "#1a1a1a"
 GREY = "#777777"
+SERIES = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
+"""Colours of lines and points one after the other: those of Okabe and Ito (2008), which the colour-blind can tell."""
+SIDE_COLOURS = {"left": SERIES[1], "right": SERIES[0]}
 SIGNED: Colormap = ListedColormap(mpl.colormaps["RdBu_r"](np.linspace(0.04, 0.96, 256)))
 """For values on both sides of zero, which is white: blue below, red above, equally dark at equal distances."""
 POWERS = str.maketrans("23", "²³")
@@ -41,7 +44,13 @@ LABELS_APART = 0.11  # of the width of the axes
 
 
 class ShownFigure(Figure):
-    """A figure that notebooks show without a global state of matplotlib."""
+    """A figure that notebooks show without a global state of matplotlib; what it draws has the colours of `SERIES`."""
+
+    def add_subplot(self, *args: Any, **kwargs: Any) -> Axes:
+        """Add axes as matplotlib does, which adds all axes of `Figure.subplots` by this method."""
+        axes = super().add_subplot(*args, **kwargs)
+        axes.set_prop_cycle(color=SERIES)
+        return axes
 
     def _repr_png_(self) -> bytes:
         return png(self)
@@ -134,7 +143,22 @@ def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Writer]:
 
 
 QUANTITIES = {
+    "ahead_mm": "ahead of the axle",
+    "head_lateral_mm": "top of the head to the right",
+    "head_vertical_mm": "top of the head, up",
+    "head_roll_rad": "roll of the head",
+    "gauge_outward_mm": "gauge face outwards",
     "lateral_mm": "lateral displacement to the right",
+    "lateral_over_vertical": "L/V",
+    "long_semi_axis_mm": "longer semi-axis",
+    "max_pressure_MPa": "maximum pressure",
+    "n_patches": "number of patches",
+    "patch_angle_deg": "angle of the longer semi-axis",
+    "rail_x_mm": "x on the rail",
+    "rail_y_mm": "y on the rail",
+    "short_semi_axis_mm": "shorter semi-axis",
+    "wheel_x_mm": "x on the wheel",
+    "wheel_y_mm": "y on the wheel",
     "vertical_mm": "vertical displacement, up",
     "car_mass_t": "mass of the car",
     "n_axles": "number of axles",

@@ -18,7 +18,7 @@ from flangeway.mesh.curved import as_polylines
 from flangeway.post import AdaptiveRun, PressurePatch, Stresses, StressLine
 from flangeway.problems import ElasticField
 from flangeway.report.figures.display import Display, display, displayed_stresses, edge_weights
-from flangeway.report.figures.drawing import GREY, INK, SIGNED, draw_outline, named, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SERIES, SIGNED, draw_outline, named, new_figure
 from flangeway.results import Result
 from flangeway.solve import TorsionSolution
 from flangeway.space import Space
@@ -35,7 +35,6 @@ MANY_TRIANGLES = 60_000
 
 MOST_PIECES = 6
 DEFORMATION_SHARE = 0.05
-SET_COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000")
 SET_LINES = ("solid", (0, (4, 1.5)), (0, (1, 1)))
 COLOURS: Colormap = ListedColormap(mpl.colormaps["magma_r"](np.linspace(0.02, 0.92, 256)))
 """From light, the minimum, to dark, the maximum, in grey too."""
@@ -68,15 +67,15 @@ def plot_mesh(
     if cell_sets:
         for number, (name, cells) in enumerate(mesh.cell_sets.items()):
             corners = [mesh.points[mesh.cell_points[mesh.cell_offsets[c] : mesh.cell_offsets[c + 1]]] for c in cells]
-            tint = SET_COLOURS[number % len(SET_COLOURS)]
+            tint = SERIES[number % len(SERIES)]
             patches = PolyCollection(corners, facecolors=tint, alpha=0.25, linewidths=0.0, label=name)
             handles.append(axes.add_collection(patches))
     axes.add_collection(LineCollection(list(mesh.points[mesh.edges]), colors=GREY, linewidths=_line_width(mesh)))
     _draw_rim(axes, mesh)
     if edge_sets:
         for number, (name, pairs) in enumerate(mesh.edge_sets.items()):
-            style = SET_LINES[number // len(SET_COLOURS) % len(SET_LINES)]
-            colour = SET_COLOURS[number % len(SET_COLOURS)]
+            style = SET_LINES[number // len(SERIES) % len(SET_LINES)]
+            colour = SERIES[number % len(SERIES)]
             lines = LineCollection(
                 list(mesh.points[pairs]), colors=colour, linewidths=2.2, linestyles=[style], label=name, zorder=3
             )
@@ -273,7 +272,7 @@ def _(result: Result) -> Figure:
     axes = figure.subplots()
     for number, name in enumerate(curves):
         marker = "" if over == "distance" else "o"
-        label, colour = named(name)[0], SET_COLOURS[number]
+        label, colour = named(name)[0], SERIES[number]
         axes.plot(columns[over], columns[name], color=colour, lw=1.4, marker=marker, ms=3.0, label=label)
     axes.set(xlabel=over, ylabel="stress" if len(curves) > 1 else curves[0].replace("_", " "))
     if over == "cells":

@@ -14,6 +14,7 @@ from flangeway.units import NUMBER, Units, UsUnit, in_us_units, number_of, shown
 
 METRIC_PARTS = "Numbers are in US units; pictures, fields, JSON, Parquet and ParaView files are in metric units."
 UNIT_COLUMN = "in"  # of a table: the unit of the numbers on both sides of it, each row its own
+FEWEST_DIGITS = 3  # of a converted number that is not below one before
 SENTENCES = ("message", "warnings")  # columns of CSV files with text of the program; other texts are names
 
 
@@ -83,6 +84,8 @@ def _cell(text: str, unit: UsUnit | None) -> str:
         value, form = (text.value, text.form) if isinstance(text, Number) else (number_of(text), _form(text))
         if not form.endswith("g"):
             decimals = int((re.search(r"\.(\d+)f", form) or "00")[1]) + round(math.log10(unit.metric))
+            if value and abs(value) >= 1.0:  # 70 mm are 2.76 in, not 2.8
+                decimals = max(decimals, FEWEST_DIGITS - 1 - math.floor(math.log10(abs(unit.of(value)))))
             form = f"{'z' * form.startswith('z')}.{max(decimals, 0)}f"
         found = formatted(unit.of(value), form)
     else:

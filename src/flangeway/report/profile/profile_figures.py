@@ -12,10 +12,10 @@ from flangeway.cases.profile.profile_run import ProfileRun
 from flangeway.geometry import Contour, Outline, Placement
 from flangeway.railway.profiles.formats.raw_profile import KINDS
 from flangeway.railway.profiles.joining import Joined
-from flangeway.report.figures.drawing import GREY, HALO, INK, new_figure
+from flangeway.report.figures.drawing import GREY, HALO, INK, SERIES, new_figure
 from flangeway.types import Floats
 
-BLUE, ORANGE = "#0072b2", "#d55e00"
+BLUE, ORANGE = SERIES[:2]
 TITLE_LETTERS = 70
 OVERLAY_SPACING_MM, MOST_NAMED = 0.25, 8
 DRAWN_DEVIATION_MM = 0.01

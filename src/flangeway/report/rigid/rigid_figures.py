@@ -12,11 +12,10 @@ from flangeway.cases.rigid.rigid_run import ConicityRun, FlangeRootEffect, Geome
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Room, figure_with_room
 from flangeway.report.profile.profile_figures import sequence_colours
 from flangeway.types import Floats
 
-COLOURS: dict[Side, str] = {"left": "#9a6a00", "right": "#0b5394"}
 STYLES: dict[Side, str] = {"left": "--", "right": "-"}
 MAX_RATIO = 0.9
 LIFT_MM = 12.0  # distance at which the wheels are drawn above the rails, so that lines join the points of contact
@@ -46,7 +45,7 @@ def _draw_sides(axes: Axes, run: GeometryRun, values: Callable[[SideLocus], Floa
         steps = np.abs(np.diff(y))
         jumps = np.flatnonzero(steps > np.maximum(0.5, 25.0 * np.nanmedian(steps))) + 1
         x, y = np.insert(run.locus.lateral_mm, jumps, np.nan), np.insert(y, jumps, np.nan)
-        axes.plot(x, y, STYLES[side], color=COLOURS[side], lw=1.3, label=side)
+        axes.plot(x, y, STYLES[side], color=SIDE_COLOURS[side], lw=1.3, label=side)
 
 
 def locus_figure(run: GeometryRun) -> Figure:
@@ -82,14 +81,14 @@ def _draw_pairs(axes: Axes, run: GeometryRun, shown: ContactLocus, side: Side) -
         axes.plot(
             [sign * upper[0], sign * lower[0]],
             [upper[1] + height, lower[1]],
-            color=COLOURS[side] if central else GREY,
+            color=SIDE_COLOURS[side] if central else GREY,
             lw=1.2 if central else 0.5,
         )
         if central:
             axes.annotate(
                 f"{round(float(lateral))}",
                 (sign * upper[0], upper[1] + height), (0, 4), textcoords="offset points", fontsize=7,
-                ha="center", color=COLOURS[side],
+                ha="center", color=SIDE_COLOURS[side],
             )  # fmt: skip
     low, high = np.sort(sign * rail.x[[0, -1]])
     axes.set(xlim=(low - 12.0, high + 12.0), ylim=(-32.0, LIFT_MM + 14.0))

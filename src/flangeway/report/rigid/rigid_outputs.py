@@ -206,10 +206,8 @@ def _geometry_results(found: dict[str, Any]) -> SummaryTable:
         "roll, mrad": f"{_clean(1e3 * position['roll_rad']):.5f}",
     } | whole
     ratios = {side: number(ratio, 3) for side, ratio in position["lateral_over_vertical"].items()}
-    jumps: dict[str, list[str]] = {side: [] for side in SIDES}
-    for jump in found["jumps"]:
-        jumps[jump["side"]].append(f"{jump['lateral_mm']:.3f}")
-    first = {side: (texts or ["none"])[0] for side, texts in jumps.items()}
+    jumps = {side: [each["lateral_mm"] for each in found["jumps"] if each["side"] == side] for side in SIDES}
+    first = {side: f"{min(values, key=abs):.3f}" if values else "none" for side, values in jumps.items()}
     return with_whole(
         table_across("Results", sides, contacts, quantities), whole, sides, {"L/V": ratios, "first jump at, mm": first}
     )

@@ -10,12 +10,12 @@ from matplotlib.figure import Figure
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetRun
 from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack
 from flangeway.railway.track.placements import Side
-from flangeway.report.figures.drawing import GREY, INK, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, new_figure
 from flangeway.report.page.tables import Column, SummaryTable, table_across
 from flangeway.results import ResultTable
 from flangeway.types import Floats
 
-COLOURS = {"left": "#0b5394", "right": "#8b1a8b"}
+STYLES = {"left": "-", "right": "--"}  # of symmetric wheelsets both are one line
 
 
 def _foot(rail: RailAlongTrack) -> Floats:
@@ -43,7 +43,9 @@ def rails_figure(run: SpatialWheelsetRun) -> Figure:
     panels = figure.subplots(len(LINES), 1, sharex=True)
     for axes, (label, values) in zip(panels, LINES, strict=True):
         for side, rail in rails.items():
-            axes.plot(rail.z_mm / 1e3, values(rail), color=COLOURS[side], lw=1.5, label=f"{side} rail")
+            axes.plot(
+                rail.z_mm / 1e3, values(rail), color=SIDE_COLOURS[side], ls=STYLES[side], lw=1.5, label=f"{side} rail"
+            )
         axes.axhline(0.0, color=GREY, lw=0.8)
         axes.set_ylabel(label)
         axes.grid(color="#dddddd", linewidth=0.6)

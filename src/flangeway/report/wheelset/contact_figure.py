@@ -15,6 +15,7 @@ from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.report.figures.drawing import (
     HALO,
     INK,
+    SERIES,
     ColourSteps,
     Room,
     box,
@@ -33,7 +34,6 @@ MOST_ARROWS = 25
 ARROW = 0.9  # longest arrow, in half widths
 MESH_LINES = (1.0, 1.0, 1.0, 0.5)
 PANEL_IN = 4.3
-PATCH_COLOURS = (INK, "#0b5394", "#9a6a00", "#8b1a8b")
 """Of patches beside each other, dark enough to be read in grey."""
 ROOM = Room(bottom=1.2, top=0.3, across=0.7, between=0.75)
 BAR_IN = (0.45, 0.1)  # bottom and height of a bar of colours
@@ -171,7 +171,7 @@ def pressure_figure(run: CaseRun) -> Figure:
     figure, ((*both,),) = figure_with_room(13.0, 4.2 + 0.4 * max(most, 1), room, n_columns=2, sharey=True)
     for axes, side in zip(both, SIDES, strict=True):
         mine = [patch for patch in run.result.patches if patch.side == side]
-        for patch, colour in zip(mine, PATCH_COLOURS, strict=False):
+        for patch, colour in zip(mine, (INK, *SERIES), strict=False):
             _draw_patch(axes, patch, colour, patch.region if len(mine) > 1 else "nodes")
         outwards = "left: field side, right: gauge side" if side == "left" else "left: gauge side, right: field side"
         draw_title(axes, f"{side} contact ({outwards})".capitalize())

@@ -6,7 +6,7 @@ from matplotlib.figure import Figure
 
 from flangeway.cases import Convergence
 from flangeway.cases.wheelset.wheelset_case import MAX_APPROACH_CHANGE, MAX_POSITION_CHANGE_MM
-from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, SERIES, Room, figure_with_room
 from flangeway.report.page.record import REPORT, Again, Picture, Record
 from flangeway.report.page.tables import SummaryTable, number
 from flangeway.report.page.us_record import UNIT_COLUMN
@@ -97,7 +97,7 @@ def halved_figure(convergence: Convergence) -> Figure:
     }
     figure, ((axes,),) = figure_with_room(9.0, 2.2, Room(left=1.6, top=0.15))
     values = [100.0 * changes[key] for key in names]
-    axes.barh(list(names.values()), values, color="#0b5394", height=0.55)
+    axes.barh(list(names.values()), values, color=SERIES[0], height=0.55)
     for place, value in enumerate(values):
         axes.annotate(f"{value:.3g} %", (value, place), (4.0, 0.0), textcoords="offset points", va="center", color=INK)
     axes.plot([100.0 * MAX_APPROACH_CHANGE] * 2, [-0.4, 0.4], color=INK, lw=1.5, label="limit of the approach")

@@ -3,7 +3,7 @@
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullLocator
 
-from flangeway.report.figures.drawing import INK, new_figure
+from flangeway.report.figures.drawing import INK, SERIES, new_figure
 from flangeway.report.page.tables import SummaryTable
 from flangeway.validation.curved.curved_reproduced import (
     ELEMENTS,
@@ -16,7 +16,6 @@ from flangeway.validation.curved.curved_reproduced import (
 from flangeway.validation.published_numbers import digits
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
-SHADES = ("#d95f02", "#1b9e77", "#0b5394", "#7b3294")
 TITLES = {"Lamé": "Lamé's tube", "torsion": "ring in torsion", "Kirsch": "Kirsch's hole"}
 
 
@@ -24,7 +23,7 @@ def errors_figure(found: CurvedReproduction) -> Figure:
     """Draw the errors in energy of polygons over the number of cells across, on curved edges and on chords."""
     figure = new_figure(10.5, 4.2)
     for axes, (body, title) in zip(figure.subplots(1, 3), TITLES.items(), strict=True):
-        for order, colour in enumerate(SHADES, start=1):
+        for order, colour in enumerate(SERIES[:4], start=1):
             for bent, style in ((True, "o-"), (False, "s--")):
                 errors = found.errors(body, f"V{order}", curved=bent)
                 label = f"order {order}, {'curved edges' if bent else 'chords'}"

@@ -4,7 +4,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.railway.profiles.bundled import REFERENCE_RAIL, REFERENCE_WHEELS, rail, wheel
-from flangeway.report.figures.drawing import INK, new_figure
+from flangeway.report.figures.drawing import INK, SERIES, new_figure
 from flangeway.validation.en15302.en15302_reproduced import (
     DIFFERENCE_LIMIT_MM,
     Combination,
@@ -15,8 +15,7 @@ from flangeway.validation.en15302.en15302_reproduced import (
 )
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
 
-COMPUTED, BAND = "#0b5394", "#cfe2f3"
-WHEEL_COLOURS = ("#0b5394", "#b35806", "#1b7837", "#7b3294", INK)
+COMPUTED, BAND = SERIES[0], "#cfe2f3"
 
 
 def _panels(found: ConicityReproduction, across: str, up: str) -> tuple[Figure, list[tuple[Axes, Combination]]]:
@@ -63,7 +62,7 @@ def profiles_figure(_: ConicityReproduction) -> Figure:
     """Draw the running surfaces of the wheels, heights exaggerated, and the rail's head."""
     figure = new_figure(10.0, 4.2)
     whole, treads = figure.subplots(1, 2)
-    for name, colour in zip(REFERENCE_WHEELS, WHEEL_COLOURS, strict=True):
+    for name, colour in zip(REFERENCE_WHEELS, SERIES, strict=False):
         x, y = wheel(name).running_surface.sampled(max_deviation=1e-3).T
         for axes in (whole, treads):
             axes.plot(x, y, color=colour, lw=1.2, label=name)

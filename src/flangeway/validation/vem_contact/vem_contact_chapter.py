@@ -3,7 +3,7 @@
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.report.figures.drawing import INK, new_figure
+from flangeway.report.figures.drawing import INK, SERIES, new_figure
 from flangeway.report.page.tables import SummaryTable
 from flangeway.validation.published_numbers import digits, share
 from flangeway.validation.reproduction import Chapter, PagePicture, Reproduction
@@ -17,7 +17,6 @@ from flangeway.validation.vem_contact.vem_contact_reproduced import (
 )
 
 MARKS = ("v", "s", "o")
-SHADES = ("#d95f02", "#0b5394", "#1b9e77")
 CASES = {f"VVO1M{SHORT_LEVEL}": "polygons of order 1", f"VVO2M{SHORT_LEVEL}": "polygons of order 2"}
 
 
@@ -25,7 +24,7 @@ def pressures_figure(found: VemContactReproduction) -> Figure:
     """Draw the pressures of polygons of order 1 and 2 by each pairing beside Hertz's."""
     figure = new_figure(10.5, 4.4)
     for axes, (code, title) in zip(figure.subplots(1, 2, sharey=True), CASES.items(), strict=True):
-        for pairing, mark, colour in zip(PAIRINGS, MARKS, SHADES, strict=True):
+        for pairing, mark, colour in zip(PAIRINGS, MARKS, SERIES[: len(MARKS)], strict=True):
             (row,) = (each for each in found.rows if (each.code, each.pairing) == (code, pairing))
             axes.plot(row.x, row.pressures, mark, color=colour, ms=3.5, mfc="white", label=pairing)
         x = np.linspace(-1.05, 1.05, 400) * row.theory.half_width

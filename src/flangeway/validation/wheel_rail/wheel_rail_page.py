@@ -54,16 +54,22 @@ def rigid_limit_figure(found: WheelRailReproduction) -> Figure:
 
 
 def refinement_figure(found: WheelRailReproduction) -> Figure:
-    """Draw the change from one mesh in contact to the next finer one."""
-    figure = new_figure(8.0, 5.0)
-    axes = figure.subplots()
-    for name in found.refined[0].quantities:
-        values = [each.quantities.get(name, np.nan) for each in found.refined]
-        change = 100.0 * (np.array(values) / values[0] - 1.0)
-        axes.plot([each.divisor for each in found.refined], change, marker="o", label=", ".join(name))
-    axes.set(xlabel="element size in contact divided by", ylabel="change in %")
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.legend(fontsize=7)
+    """Draw the change from one mesh in contact to the next finer one, a panel for each contact."""
+    names = [*found.refined[0].quantities]
+    contacts = [*dict.fromkeys(contact for contact, _ in names)]
+    divisors = [each.divisor for each in found.refined]
+    figure = new_figure(4.0 * len(contacts), 4.2)
+    panels = figure.subplots(1, len(contacts), sharey=True, squeeze=False)[0]
+    for axes, contact in zip(panels, contacts, strict=True):
+        for name, mark in zip((each for each in names if each[0] == contact), "os^D", strict=False):
+            values = [each.quantities.get(name, np.nan) for each in found.refined]
+            change = 100.0 * (np.array(values) / values[0] - 1.0)
+            axes.plot(divisors, change, marker=mark, label=name[1])
+        axes.set_title(contact, fontsize=10)
+        axes.set(xlabel="size of the elements divided by", xticks=divisors)
+        axes.grid(color="#dddddd", linewidth=0.6)
+    panels[0].set_ylabel("change in %")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, fontsize=9)
     return figure
 
 
@@ -79,7 +85,7 @@ def positions_figure(found: WheelRailReproduction) -> Figure:
         axes.set_xticks(places, [number.code for number in mine], rotation=60, fontsize=8)
         axes.set_title(f"{quantity} in {mine[0].unit}", fontsize=10)
         axes.axhline(0.0, color="black", lw=0.6)
-    panels[0].legend(fontsize=8)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, fontsize=9)
     return figure
 
 
