@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2899,
     "solve": 4175,
-    "contact": 7265,
+    "contact": 7283,
     "post": 2049,
     "forms": 366,
     "railway.profiles": 3752,
@@ -31,7 +31,7 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 4059,
-    "cases": 7985,
+    "cases": 8078,
     "campaign": 1944,
     "tables": 1441,
     "report": 8743,
@@ -40,8 +40,8 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_444
-MAX_FILES_OF_ALL = 386
+MAX_LINES_OF_ALL = 74_555
+MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

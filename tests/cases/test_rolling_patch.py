@@ -135,6 +135,26 @@ def test_files_hold_the_forces_of_the_cells(tmp_path):
     assert shown == ["pressure_MPa", "traction_MPa", "slip_velocity_m_s", "frictional_power_W_mm2"]
 
 
+def test_pressures_from_a_file_are_those_of_the_run_that_wrote_it(tmp_path):
+    """`cells.csv` of a run, read as pressures beside a case file, gives its creep forces; half of it half the force."""
+    motion = {"lateral_creepage": 5e-4, "spin_creepage_per_m": 0.2}
+    before = run(**motion)
+    write_case(before, tmp_path)
+    lines = "\n".join(f"{key} = {value}" for key, value in motion.items())
+    text = f'case = "rolling-patch"\npressure_file = "cells.csv"\ncurve = "none"\n{lines}\n'
+    (tmp_path / "patch.toml").write_text(text, encoding="utf-8")
+    found = load_case(tmp_path / "patch.toml").run().summary
+    assert found.force_kN == pytest.approx(80.0, rel=1e-5)
+    for name in ("longitudinal_force_kN", "lateral_force_kN", "spin_moment_Nm"):
+        assert getattr(found, name) == pytest.approx(getattr(before.summary, name), rel=1e-4)
+    header, *rows = (tmp_path / "cells.csv").read_text(encoding="utf-8").splitlines()
+    right = [row for row in rows if float(row.split(",")[0]) > 0.0]
+    (tmp_path / "cells.csv").write_text("\n".join([header, *right]), encoding="utf-8")
+    half = load_case(tmp_path / "patch.toml").run().summary
+    assert half.force_kN == pytest.approx(40.0, rel=1e-5)
+    assert half.semi_axis_across_mm < 0.7 * found.semi_axis_across_mm
+
+
 def test_a_campaign_varies_it(tmp_path):
     """A campaign over friction gives rows with forces, and without friction none."""
     file = tmp_path / "patch.toml"

@@ -10,6 +10,7 @@ from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import creep_curve, derivatives, roll
+from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
@@ -281,6 +282,10 @@ def test_bad_inputs(circle) -> None:
         (lambda: Creepages(np.nan), "finite"),
         (lambda: Creepages(speed=np.inf), "a shift"),
         (lambda: replace(circle, friction=Friction([0.1, 0.2])), "one for each row"),
+        (lambda: roll(circle, Creepages(np.full(2, 1e-3))), "2 creepages for"),
+        (lambda: fastsim(circle, Creepages(spin=np.full(2, 1e-3))), "2 creepages for"),
+        (lambda: RollingContact.under_hertz((1.0, 1.0), -1.0, (4, 4), Friction(0.3), circle.materials), "positive"),
+        (lambda: RollingContact.under_hertz((1.0, 1.0), 1.0, (4, 0), Friction(0.3), circle.materials), "cells=0"),
         (lambda: replace(circle, pressures=0.0 * circle.pressures), "press the bodies"),
         (lambda: roll(circle, Creepages(), force_along=circle.force), "limit of friction"),
         (lambda: roll(circle, Creepages(), start=roll(ellipse(4), Creepages(0.1))), "same grid"),

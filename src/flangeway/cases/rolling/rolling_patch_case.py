@@ -4,12 +4,14 @@ import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from pathlib import Path
 from typing import ClassVar, Literal
 
 import numpy as np
 from pydantic import Field
 
 from flangeway.cases.case import Progress, RunnableCase
+from flangeway.cases.rolling.pressure_table import read_pressures
 from flangeway.cases.rolling.rolling_patch_summary import RollingPatchSummary, ShiftSummary, TheoryForces
 from flangeway.cases.summary import RunResult, StatusSummary
 from flangeway.contact.patch.patch_grid import PatchGrid
@@ -95,6 +97,9 @@ class RollingPatchCase(RunnableCase):
         None, gt=0.0, description="semi-axis ahead of an ellipse under Hertz's pressure, instead of the radii"
     )
     semi_axis_across_mm: float | None = Field(None, gt=0.0, description="its semi-axis across")
+    pressure_file: str | None = Field(
+        None, description="CSV file of pressures, instead of force and shape: right_mm, ahead_mm, pressure_MPa of cells"
+    )
     young_MPa: float = Field(210e3, gt=0.0, description="Young's modulus")
     poisson: float = Field(0.3, ge=0.0, lt=0.5, description="Poisson's ratio")
     upper_young_MPa: float | None = Field(
@@ -145,12 +150,18 @@ class RollingPatchCase(RunnableCase):
         one, other = self.semi_axis_along_mm, self.semi_axis_across_mm
         if (one is None) != (other is None):
             raise InputError("one of semi_axis_along_mm and semi_axis_across_mm", "both or none", "give both")
-        if one is not None:
-            self.refuse_without_effect(["radius_along_mm", "radius_across_mm"], "semi_axis_along_mm", "none")
+        radii = ("radius_along_mm", "radius_across_mm")
+        given = "semi_axis_along_mm" if one is not None else None
+        if self.pressure_file is not None:
+            given, shape = "pressure_file", ("semi_axis_along_mm", "semi_axis_across_mm", "cells_along", "cells_across")
+            self.refuse_without_effect(["force_kN", *shape], given, "none")
+            read_pressures(Path(self.pressure_file))
+        if given is not None:
+            self.refuse_without_effect(radii, given, "none")
             if self._materials[0] != self._materials[1]:
                 raise InputError(
-                    "upper_young_MPa or upper_poisson with semi_axis_along_mm",
-                    "one material under Hertz's pressure: between different ones friction changes the pressures",
+                    f"upper_young_MPa or upper_poisson with {given}",
+                    "one material under given pressures: between different ones friction changes the pressures",
                     "give radius_along_mm and radius_across_mm",
                 )
         if self.rolls:
@@ -198,7 +209,10 @@ class RollingPatchCase(RunnableCase):
         return self.curve != "none" and self.rolls and self.friction > 0.0
 
     def contact(self) -> RollingContact:
-        """Return the patch: Hertz's pressure on the ellipse, or that of contact by the radii."""
+        """Return the patch: pressures of the file, Hertz's on the ellipse, or those of contact by the radii."""
+        if self.pressure_file is not None:
+            grid, pressures = read_pressures(Path(self.pressure_file))
+            return RollingContact.between_half_spaces(grid, pressures, self._friction, self._materials)
         force, cells = 1e3 * self.force_kN, (self.cells_across, self.cells_along)
         if self.semi_axis_along_mm is not None and self.semi_axis_across_mm is not None:
             axes = self.semi_axis_across_mm, self.semi_axis_along_mm
@@ -289,7 +303,7 @@ class RollingPatchCase(RunnableCase):
             semi_axis_along_mm=ellipse.along,
             semi_axis_across_mm=ellipse.across,
             max_pressure_MPa=float(contact.pressures.max()),
-            cells=(self.cells_across, self.cells_along),
+            cells=[part.stop - part.start for part in contact.box],
             longitudinal_force_kN=found.along / 1e3,
             lateral_force_kN=found.across / 1e3,
             spin_moment_Nm=found.moment / 1e3,

@@ -70,7 +70,7 @@ class Creepages:
 
     def mean(self, s: Floats, weights: Floats) -> Self:
         """Numbers for all rows at places s with weights whose sum is 1."""
-        along, across, spin = (np.broadcast_to(each, s.shape) for each in (self.along, self.across, self.spin))
+        along, across, spin = (np.broadcast_to(each[:, 0], s.shape) for each in self._rows(len(s)))
         turning = float(spin @ weights)
         ahead = float((along + spin * s) @ weights) - turning * float(s @ weights)
         return replace(self, along=ahead, across=float(across @ weights), spin=turning)
@@ -78,7 +78,21 @@ class Creepages:
     def rigid(self, s: Floats, z: Floats) -> Floats:
         """Rigid slip (t, z) at places s (n_cells,) and z (n_strips,) from the origin, (n_cells, 2, n_strips)."""
         found = np.empty((len(s), 2, len(z)))
-        along, across, spin = (np.reshape(each, (-1, 1)) for each in (self.along, self.across, self.spin))
+        along, across, spin = self._rows(len(s))
         found[:, 0] = across - spin * z
         found[:, 1] = along + spin * s[:, None]
+        return found
+
+    def _rows(self, n_rows: int) -> list[Floats]:
+        """Columns of along, across and spin, one number or one for each row of cells; an `InputError` if it is not."""
+        found = [
+            np.reshape(np.asarray(each, dtype=np.float64), (-1, 1)) for each in (self.along, self.across, self.spin)
+        ]
+        for values in found:
+            if len(values) not in (1, n_rows):
+                raise InputError(
+                    f"{len(values)} creepages for {n_rows} rows of cells",
+                    "one number, or one for each row",
+                    "give as many as the grid has cells across",
+                )
         return found

@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.checks import check_positive
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_contact import CHANGE, PatchContact, PatchPair
 from flangeway.contact.patch.patch_grid import PatchGrid
@@ -100,6 +101,9 @@ class RollingContact:
         materials: tuple[Elastic, Elastic],
     ) -> "RollingContact":
         """Half-spaces under Hertz's pressure on an ellipse: semi-axes and numbers of cells along t and along z."""
+        for name, value in zip(("semi_axes", "semi_axes", "cells", "cells"), (*semi_axes, *cells), strict=True):
+            check_positive("RollingContact.under_hertz", name, value)
+        check_positive("RollingContact.under_hertz", "force", force)
         (across, along), (n_rows, n_strips) = semi_axes, cells
         grid = PatchGrid(across * np.linspace(-1.0, 1.0, n_rows + 1), 2.0 * along / n_strips, n_strips)
         s = np.linspace(-1.0, 1.0, 2 * n_rows + 1)[1::2]
