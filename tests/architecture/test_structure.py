@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 8078,
     "campaign": 1944,
     "tables": 1441,
-    "report": 8743,
+    "report": 8746,
     "validation": 8717,
     "cli": 1447,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_555
+MAX_LINES_OF_ALL = 74_558
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

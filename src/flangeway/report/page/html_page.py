@@ -182,7 +182,10 @@ def _table(table: SummaryTable) -> str:
 
 
 def _cell(text: str) -> str:
-    kind = "" if NUMBER_CELL.fullmatch(text) else ' class="text short"' if len(text) <= SHORT else ' class="text"'
+    # browsers fold numbers behind the sign of an exponent
+    words, short = not NUMBER_CELL.fullmatch(text), len(text) <= SHORT
+    kinds = " ".join(["text"] * words + ["short"] * (short and (words or "e-" in text)))
+    kind = f' class="{kinds}"' if kinds else ""
     return f"<td{kind}>{_marked(text)}</td>"
 
 

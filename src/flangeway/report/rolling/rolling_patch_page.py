@@ -15,7 +15,7 @@ from flangeway.cases.rolling.rolling_patch_summary import RollingPatchSummary
 from flangeway.contact.rolling.theories import TITLES, WITH_TRACTIONS
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
-from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, INK, SERIES, Room, figure_with_room
 from flangeway.report.page.case_text import case_text, command_line, inputs_tables
 from flangeway.report.page.record import Again, Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across
@@ -44,8 +44,8 @@ AXES = {
     "F_y and M_z the longitudinal force, the lateral one, and minus the spin moment",
 }
 STYLES = {
-    TITLES["exact"]: (INK, "-"), TITLES["fastsim"]: ("#2166ac", (0, (5, 2))), TITLES["fastrip"]: ("#2e7d32", "--"),
-    TITLES["polach"]: ("#b35806", "dashdot"), TITLES["linear"]: (GREY, (0, (1, 1.5))),
+    TITLES["exact"]: (INK, "-"), TITLES["fastsim"]: (SERIES[0], (0, (5, 2))), TITLES["fastrip"]: (SERIES[2], "--"),
+    TITLES["polach"]: (SERIES[1], "dashdot"), TITLES["linear"]: (GREY, (0, (1, 1.5))),
 }  # fmt: skip
 CURVES = (
     ("longitudinal_force_kN", "longitudinal force, kN"), ("lateral_force_kN", "lateral force, kN"),
@@ -221,8 +221,8 @@ def section_figure(run: RollingPatchRun) -> Figure:
     ):
         axes.fill_between(places, limit[cells], color="#e8edf3", lw=0.0, label="up to the limit")
         axes.plot(places, np.linalg.norm(tractions[cells], axis=-1), color=INK, lw=1.4, label="size")
-        axes.plot(places, tractions[cells][..., 1], color="#2166ac", lw=1.2, ls="--", label="ahead")
-        axes.plot(places, tractions[cells][..., 0], color="#b35806", lw=1.2, ls="dashdot", label="to the right")
+        axes.plot(places, tractions[cells][..., 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
+        axes.plot(places, tractions[cells][..., 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
         axes.axhline(0.0, color=GREY, lw=0.6)
         axes.set_xlabel(f"{word}, mm")
         axes.grid(color="#e4e4e4", linewidth=0.5)
@@ -253,7 +253,7 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
         if run.summary.rolling is not None:
             here = run.summary.rolling
             at = (1.0 if spin else 100.0) * getattr(here, key), getattr(here, name)
-            axes.plot(*at, "D", color="#8b1a8b", ms=5.5, label="this state", zorder=5)
+            axes.plot(*at, "D", color=SERIES[3], ms=5.5, label="this state", zorder=5)
         if name.endswith("_kN"):
             low, high = axes.get_ylim()
             axes.set_ylim(max(low, -FAR * limit), min(high, FAR * limit))
