@@ -31,16 +31,16 @@ MAX_LINES = {
     "railway.wheelset": 1765,
     "railway.positions": 2499,
     "railway.spatial": 4059,
-    "cases": 8078,
+    "cases": 8095,
     "campaign": 1944,
     "tables": 1441,
     "report": 8746,
     "validation": 8717,
-    "cli": 1447,
+    "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_558
+MAX_LINES_OF_ALL = 74_582
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -7,7 +7,9 @@ import json
 import numpy as np
 import pytest
 
-from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, find_geometry_case
+from flangeway.cases import load_case
+from flangeway.cases.case_file import read_case
+from flangeway.cases.rigid.rigid_case import GEOMETRY_CASES, find_geometry_case, read_geometry_case
 from flangeway.cases.rigid.rigid_run import run_geometry
 from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import wheel
@@ -105,6 +107,22 @@ def test_profiles_from_files_run_through(tmp_path):
     one, other = mixed.locus(lateral), plain.locus(lateral)
     assert np.abs(one.vertical_mm - other.vertical_mm).max() < 0.005
     assert np.abs(one.left.contact_angles_rad[:, 0] - other.left.contact_angles_rad[:, 0]).max() < 0.01
+
+
+def test_the_geometry_of_the_main_job_has_its_inputs(tmp_path):
+    """A file of the wheelset in three dimensions gives the same track, wheels and load; what has no effect is named."""
+    file = tmp_path / "c.toml"
+    file.write_text(
+        'case = "wheelset"\ngauge_mm = 1433.0\nspeed_km_h = 80.0\ncurve_radius_m = 500.0\nsuperelevation_mm = 60.0\n'
+        "yaw_mrad = 2.0\nfriction = 0.3\nsleeper_spacing_mm = 650.0\n",
+        encoding="utf-8",
+    )
+    case, notices = read_geometry_case(file, {})
+    main = read_case(file)
+    assert notices == ("not used by the geometry: friction, sleeper_spacing_mm",)
+    assert case.load() == main.load()
+    assert (case.rail, case.wheel, case.back_to_back_mm, case.yaw_mrad) == ("60E1", "S1002", main.back_to_back_mm, 2.0)
+    assert find_geometry_case("wheelset", {}).load() == load_case("wheelset").load()
 
 
 @pytest.mark.parametrize("name", GEOMETRY_CASES)

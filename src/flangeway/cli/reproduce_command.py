@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from flangeway.cli.app import app
-from flangeway.cli.common import Out, Show, completion, path_given, shows_results, stdout
+from flangeway.cli.common import INTERRUPTED, Out, Show, complain, completion, path_given, shows_results, stdout
 from flangeway.errors import InputError
 
 NAMES = (
@@ -64,10 +64,17 @@ def reproduce(name: ReproductionName, quick: Quick = False, page: Page = None, o
                 f"flangeway reproduce all --page {page}",
             )
         check_page(page, [reproduction.chapter for reproduction in wanted.values()])
-    verdicts, sections, summaries = {}, [], {}
+    verdicts: dict[str, Verdict] = {}
+    sections, summaries = [], {}
     for key, reproduction in wanted.items():
-        with show.progress() as progress:
-            found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
+        try:
+            with show.progress() as progress:
+                found = reproduction.compute(quick=quick and not reproduction.brief, progress=progress)
+        except KeyboardInterrupt:
+            if not verdicts:
+                raise
+            complain(f"interrupted during {key}; written are {', '.join(verdicts)}")
+            raise typer.Exit(INTERRUPTED) from None
         record = reproduction.record(key, found, f"flangeway reproduce {key}{' --quick' * quick}")
         show.record(record, folder / key, last=False)
         if page is not None:

@@ -31,8 +31,8 @@ GeometryName = Annotated[
     str,
     typer.Argument(
         metavar="[CASE_OR_FILE]",
-        help="wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or a file of "
-        "lateral displacements and rolling radius differences, for its conicity.",
+        help="wheelset, wheelset-tangent, wheelset-curve, s1002-60e1 or en15302; a case file of a wheelset (.toml); or "
+        "a file of lateral displacements and rolling radius differences, for its conicity.",
         autocompletion=completion(geometry_names, ".toml", ".csv"),
     ),
 ]

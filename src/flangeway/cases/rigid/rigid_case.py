@@ -8,6 +8,7 @@ from pydantic import Field
 
 from flangeway.cases.case import closest, merged
 from flangeway.cases.case_file import CaseText
+from flangeway.cases.wheelset.spatial_wheelset_case import RAIL_HEAD_MM, SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
@@ -48,7 +49,15 @@ class GeometryCase(WheelsetInputs):
         return RigidGeometry.of(self.track(), self.wheelset(), self.yaw_rad)
 
 
+def _main_inputs() -> dict[str, Any]:
+    """Inputs of the wheelset in three dimensions where they are not the defaults here."""
+    own, main = GeometryCase.model_fields, SpatialWheelsetCase.model_fields
+    shared = [key for key in WheelsetInputs.model_fields if main[key].default != own[key].default]
+    return {key: main[key].default for key in shared}
+
+
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
+    "wheelset": ("S1002 on 60E1 at 1:40, standard gauge, as `flangeway run wheelset`", _main_inputs()),
     "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
     "wheelset-curve": (
         "136RE and AAR-1B in a curve of 400 m at 70 km/h, superelevation 3 cm",
@@ -105,7 +114,14 @@ def find_geometry_case(name: str, values: Mapping[str, Any]) -> GeometryCase:
             f"one of: {', '.join(GEOMETRY_CASES)}; a case file; or a file of a rolling radius difference",
             closest(name, list(GEOMETRY_CASES)),
         )
-    return GeometryCase.from_values(merged(GEOMETRY_CASES[name][1], values))
+    return _on_its_base(name, GeometryCase.from_values(merged(GEOMETRY_CASES[name][1], values)))
+
+
+def _on_its_base(name: str, case: GeometryCase) -> GeometryCase:
+    """Return a case whose superelevation is measured over the same base as by the case of that name."""
+    if name != SpatialWheelsetCase.name or not case.superelevation_mm or case.superelevation_base_mm is not None:
+        return case
+    return case.model_copy(update={"superelevation_base_mm": case.gauge_mm + RAIL_HEAD_MM})
 
 
 def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:
@@ -124,8 +140,9 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
             f"a wheelset: {', '.join((OWN_NAME, *GEOMETRY_CASES))}",
             "`flangeway run` computes the other cases",
         )
-    own, known = (kind.model_fields for kind in (GeometryCase, WheelsetCase))
-    unused = [key for key in given if (name_of := WheelsetCase.input_named(key)[0]) in known and name_of not in own]
+    kind = SpatialWheelsetCase if name == SpatialWheelsetCase.name else WheelsetCase
+    own, known = GeometryCase.model_fields, kind.model_fields
+    unused = [key for key in given if (name_of := kind.input_named(key)[0]) in known and name_of not in own]
     used = {key: value for key, value in given.items() if key not in unused}
     base = GEOMETRY_CASES[name][1] if name != OWN_NAME else {}
     case = GeometryCase.from_values(
@@ -133,4 +150,4 @@ def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryC
         lambda key: "" if key and key[0] in values else text.place(key),
     )
     notice = f"not used by the geometry: {', '.join(unused)}"
-    return case, (notice,) if unused else ()
+    return _on_its_base(name, case), (notice,) if unused else ()
