@@ -196,6 +196,15 @@ def test_pictures_from_above_have_the_sides_of_the_track(run):
         assert low < z < high
 
 
+def test_a_search_without_patches_has_no_empty_pictures_and_tables(run):
+    """Where no equilibrium was found, pictures and tables of patches are left out; position and forces stay."""
+    nothing = replace(run.result, patches=(), rolling=())
+    record = case_record(replace(run, result=nothing, summary=replace(run.summary, patches=[])))
+    assert [picture.file for picture in record.pictures] == ["wheelset.png", "rails.png"]
+    assert "Patches" not in [table.caption for table in record.tables]
+    assert record.results.rows
+
+
 def test_the_terminal_has_room_for_it(run):
     """Status first, then the patches and the position, in 80 columns and few lines."""
     console = Console(file=io.StringIO(), width=80)

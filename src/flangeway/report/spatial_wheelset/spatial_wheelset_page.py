@@ -130,7 +130,7 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
         pictures=[*_pictures(run), *rolling_pictures(run)],
         chapters={"Rolling": [rolling_table(summary), *motion_tables(summary)]} if rolls else {},
         tables=[
-            patches_numbers(summary),
+            *([patches_numbers(summary)] if summary.patches else []),
             _position_table(summary),
             _rails_table(summary),
             *([rails_table(run)] if run.result.rails else []),
@@ -144,6 +144,8 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
 
 def _pictures(run: SpatialWheelsetRun) -> list[Picture]:
     pictures = [Picture(name, partial(draw, run), *words) for name, (draw, *words) in PICTURES.items()]
+    if not run.result.patches:  # a search that found no equilibrium
+        del pictures[1:]
     if run.result.rails:
         pictures.append(Picture(RAILS_PICTURE, lambda: rails_figure(run), RAILS_CAPTION, RAILS_CAPTION))
     return pictures
