@@ -176,6 +176,15 @@ def test_a_torque_above_friction_is_no_equilibrium(wheelset):
     assert "torque" in found.status.message
 
 
+def test_a_flange_pushed_up_its_rail_ends_with_a_message(wheelset):
+    """Free to move sideways with a yaw of 20 mrad: in equilibrium, or it is said where the wheelset was last."""
+    one = coarse_case(yaw_mrad=-20.0, **ROLLS)
+    model = one.spatial_model()
+    found = solve_position(wheelset.at(one.load(), Prescribed(), model.yaw_rad, model.rolling), {})
+    residual = found.equilibrium.residuals.equilibrium_residual
+    assert residual < 1e-4 if found.status.converged else "last at" in found.status.message
+
+
 def test_a_lifted_wheel_has_no_creep_forces_that_change():
     """Without patches there are derivatives of nothing by the position, and none by the shape of patches."""
     motion = RollingMotion(20.0, Friction(0.3))

@@ -17,7 +17,7 @@ from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideSt
 from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
 from flangeway.railway.spatial.spatial_contact import SpatialContact, SpatialState, pose_of, signs_of
 from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.spatial.wheelset_newton import COARSE_FORCES, FINE_RESIDUAL, WheelsetNewton
+from flangeway.railway.spatial.wheelset_newton import COARSE_FORCES, FINE_RESIDUAL, LOST, WheelsetNewton
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -162,7 +162,7 @@ class SpatialWheelset:
         tilts = self._tilts({side: state.resultant for side, state in found.state.sides.items()})
         contact = SpatialContact(self.problem, self.start, grids, self.model.yaw_rad, tilts)
         new = None
-        with suppress(InputError):  # forces without bounds
+        with suppress(InputError, np.linalg.LinAlgError):  # forces without bounds, or wheels that have left the rails
             new = self._refined(
                 contact, found.position, found.state, progress, tolerance, creep=creep, reach=reach, ends=ends
             )
@@ -286,7 +286,8 @@ class SpatialWheelset:
             error = newton.relative.equilibrium_residual
             if not ends and tolerance < error < ROLLING_RESIDUAL and newton.reaches_an_end:
                 return newton.found(Status(False, "patches at the ends of their cells", iteration))
-            settled = newton.step(tolerance)
+            lost = creep is not None and reach == np.inf and error > LOST
+            settled = None if lost else newton.step(tolerance)
             progress(f"equilibrium residual {error:.1e} after {iteration} steps on fine cells")
             if settled is None:
                 return None

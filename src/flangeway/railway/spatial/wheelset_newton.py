@@ -24,9 +24,15 @@ FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
+LOST = 5.0
+"""Equilibrium residual with creep forces on fine cells above which it will not be found."""
 MAX_STEPS = 10.0
 """Step over the step limits above which the position is not close by."""
 LOWERING = np.array([False, True, False, True, True])
+ACROSS = np.array([True, False, False, False, False, False, True])
+SETTLED = 0.02
+"""Residual, but for lateral force and yaw moment, above which pressures on new cells are not yet found: until then
+creep forces move the wheelset neither across the track nor by yaw."""
 MAX_GROWTH = 4.0
 """Factor on the step limits."""
 FALLS, LEAST_PART = 0.4, 0.15
@@ -73,6 +79,7 @@ class WheelsetNewton:
         self.history: list[RelativeResiduals] = []
         self.growth, self._across = 1.0, 0.0
         self.part, self._error = 1.0, np.inf
+        self.settles = creep is not None and near is not None and near.rolled is not None
         self._missing = self._slopes = np.zeros((5, len(self.free)))
         self._before: tuple[Floats, Floats] | None = None
 
@@ -218,6 +225,12 @@ class WheelsetNewton:
         error = self.relative.equilibrium_residual
         self.lower = self.lower and abs(self.relative.vertical_residual) > LOWERED
         now = self.free & LOWERING if self.lower else self.free
+        if self.settles:
+            relative = replace(self.relative, lateral_residual=0.0, yaw_residual=0.0)
+            bent = any(each.bent for each in self.sides.values())
+            self.settles = bent or relative.equilibrium_residual > SETTLED
+        if self.settles:
+            now = now & ~ACROSS[: len(now)]
         step = self._newton_step(now)
         if self.creep is None:
             excess = float((np.abs(step[:3]) / MAX_STEP).max())
