@@ -5,9 +5,10 @@ import sys
 import numpy as np
 import pytest
 
-from flangeway.contact import Multiplier, SegmentToSegment
+from flangeway.contact import Multiplier, Penalty, SegmentToSegment
 from flangeway.solve import CondensedBodies, SparseBodies, condensed_bytes
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
+from tests.contact.test_friction import blocks, pushed
 
 
 def test_the_path_that_is_chosen_has_the_same_answer(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -26,3 +27,28 @@ def test_the_path_that_is_chosen_has_the_same_answer(monkeypatch: pytest.MonkeyP
     np.testing.assert_allclose(sparse.forces, condensed.forces, rtol=1e-9)
     pressures = condensed.state.forces
     np.testing.assert_allclose(sparse.state.forces, pressures, atol=1e-9 * pressures.max())
+
+
+@pytest.mark.parametrize("law", [Multiplier(), Penalty(1e6, per="length")], ids=["multiplier", "penalty"])
+def test_friction_without_a_dense_matrix_has_the_same_answer(law, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Above the limits bodies and constraints are solved in one sparse factorisation: pressed and pushed to and fro."""
+
+    def solved():
+        path = (0.0, -0.01), (0.004, 0.0), (-0.003, 0.0)
+        return pushed(blocks(SegmentToSegment(), law, order=2), *path)
+
+    dense = solved()
+    assert isinstance(dense.response, CondensedBodies)
+    monkeypatch.setattr(sys.modules["flangeway.contact.press"], "MOST_DENSE", 1e4)
+    monkeypatch.setattr("flangeway.solve.newton.MOST_DENSE", 0)
+    monkeypatch.setattr("flangeway.solve.coulomb.equations", None)  # which solves dense ones
+    sparse = solved()
+    assert isinstance(sparse.response, SparseBodies)
+    assert sparse.status.converged, sparse.status.message
+    assert dense.state.friction is not None
+    assert sparse.state.friction is not None
+    assert dense.state.friction.sticks.any()
+    assert dense.dissipated_work.any()
+    atol = 1e-9 * dense.state.forces.max()
+    np.testing.assert_allclose(sparse.state.forces, dense.state.forces, atol=atol)
+    np.testing.assert_allclose(sparse.state.friction.forces, dense.state.friction.forces, atol=atol)

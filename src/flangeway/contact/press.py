@@ -35,6 +35,9 @@ from flangeway.types import Floats
 MOST_DENSE = 4e9
 """Bytes of dense matrices up to which bodies are condensed to their surfaces where nothing else is said."""
 
+ITERATION_COPIES = 8
+"""Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
+
 Load = tuple[float | None, float | None, float | None]
 """Force x, y and moment; None: no motion of this kind."""
 
@@ -256,8 +259,8 @@ def press(
         each motion of the path.
     path
         ``"condensed"``: on the surfaces alone. ``"sparse"``: on all unknowns, the same answer. Left out: condensed
-        where its dense matrices need less than 4 GB while they are made, up to about 8,000 unknowns on the surfaces
-        of a body; else sparse.
+        where its dense matrices need less than 4 GB, up to about 8,000 unknowns on the surfaces of a body, or with
+        friction 7,000 on all surfaces; else sparse.
     response
         The bodies of an earlier `press` of the same contacts, in place of ``path``.
     settings
@@ -285,7 +288,11 @@ def press(
             "give as many as there are motions",
         )
     if path is None:
-        path = "condensed" if condensed_bytes(system.surface_nodes) <= MOST_DENSE else "sparse"
+        needed = condensed_bytes(system.surface_nodes)
+        floating = loads or any(part.body.freedom.n_motions for part in system.parts)
+        if any(each.friction_coefficient for each in contacts) and not floating:
+            needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
+        path = "condensed" if needed <= MOST_DENSE else "sparse"
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
     optional = [("steps", each, StepSettings) for each in settings_of]

@@ -8,7 +8,7 @@ axes of space.
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,6 +45,21 @@ class SurfaceNodes:
         """Points of the surface in the body's frame, shape (n, 2)."""
         points: Floats = self.body.nodes[self.nodes]
         return points if self.shifts is None else points + self.shifts
+
+
+@dataclass(frozen=True, eq=False)
+class Constrained:
+    """Constraints of an iteration about displacements of the touched nodes, shape (2 n_touched,).
+
+    Their gaps and slips (k,) are ``violations + jacobian (u - displacements) + compliances * forces``, and forces (k,)
+    act along the ``directions``, both (k, 2 n_touched).
+    """
+
+    displacements: Floats
+    jacobian: sp.csr_array
+    directions: sp.csr_array
+    compliances: Floats
+    violations: Floats
 
 
 class BodyResponse(ABC):
@@ -108,6 +123,27 @@ class BodyResponse(ABC):
         -------
         Floats
             Displacements of the touched nodes, shape (2 n_touched, m).
+
+        """
+
+    def constrained(  # noqa: B027 (optional)
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained
+    ) -> tuple[Callable[[Ints, sp.csr_array], tuple[Floats, Floats]], Floats] | None:
+        """Solve with constraints without a matrix of them all; None where that is not known.
+
+        Parameters
+        ----------
+        rotations, touched, geometric
+            As in `respond`.
+        laws
+            The constraints.
+
+        Returns
+        -------
+        tuple or None
+            A function of the rows (r,) of gaps and slips that vanish, and of what makes all forces of as many unknown
+            ones, (k, r): all forces (k,), and all gaps and slips (k,). And an estimate of the displacement by a unit of
+            each force, > 0, shape (k,).
 
         """
 
@@ -182,6 +218,12 @@ class LoadedBodies(BodyResponse):
     ) -> Floats:
         """See `BodyResponse.respond`."""
         return self._unloaded.respond(rotations, touched, geometric, loads, symmetric=symmetric)
+
+    def constrained(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained
+    ) -> tuple[Callable[[Ints, sp.csr_array], tuple[Floats, Floats]], Floats] | None:
+        """See `BodyResponse.constrained`."""
+        return self._unloaded.constrained(rotations, touched, geometric, laws)
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`; with the displacements by the loads."""

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.sparse as sp
 
 from flangeway.solve.complementarity import Motions, equations
 from flangeway.types import Bools, Floats, Ints
@@ -26,6 +27,8 @@ SAME, NEARLY = 1e-12, 1e-9
 """Error of the law's equations, over the maximum force, that is round-off; and one that is taken where none is less."""
 AT_LIMIT = 1e-9
 """Part of the limit by which a tangential force is below it where surfaces stick."""
+SolvedRows = Callable[[Ints, sp.csr_array], tuple[Floats, Floats]]
+"""See `BodyResponse.constrained`."""
 Answer = tuple[Floats, Floats]
 """Forces p, then q, and the gaps, then slips, of a guess of what is open, sticks and slips; each (2 m,)."""
 
@@ -119,6 +122,25 @@ def solve(matrix: Floats, offset: Floats, coefficients: Floats, guess: Floats) -
         missed = np.abs(_projected(coefficients, stiffness, (found, matrix @ found + offset)) - found).max()
         found = found if missed <= NEARLY * np.abs(found).max() else None
     return found
+
+
+def solve_sparse(solved_rows: SolvedRows, own: Floats, coefficients: Floats, guess: Floats) -> Floats | None:
+    """Solve without the matrix M, by a function from `BodyResponse.constrained` and the compliances ``own`` (2 m,)."""
+    m = len(coefficients)
+    coefficients, stiffness = _scaled(coefficients, own)
+
+    def solved(active: Bools, signs: Ints) -> Answer:
+        rows, ratios = _rows(coefficients, active, signs)
+        columns, normal = np.arange(len(rows)), int(active.sum())
+        slipping = m + rows[:normal]
+        places = np.concatenate((rows, slipping)), np.concatenate((columns, columns[:normal]))
+        values = np.concatenate((np.ones(len(rows)), ratios[active]))
+        return solved_rows(rows, sp.csr_array((values, places), shape=(2 * m, len(rows))))
+
+    at_limit = np.abs(guess[m:]) >= (1.0 - AT_LIMIT) * coefficients * guess[:m]
+    signs = np.where(at_limit, np.sign(guess[m:]), 0.0).astype(np.int64)
+    signs[coefficients == 0.0] = 1
+    return _by_newton(solved, coefficients, stiffness, solved(guess[:m] > 0.0, signs))
 
 
 def solve_with_motions(
@@ -258,13 +280,17 @@ def _equations(
 
     Active constraints close, with no slip where the sign is 0, else with the limit as force.
     """
-    m = len(coefficients)
-    normal, sticking = np.flatnonzero(active), np.flatnonzero(active & (signs == 0))
-    rows = np.concatenate((normal, m + sticking))
-    ratios = np.where(active, coefficients * signs, 0.0)
+    rows, ratios = _rows(coefficients, active, signs)
+    normal = rows[: active.sum()]
     system = matrix[np.ix_(rows, rows)]
-    system[:, : len(normal)] += matrix[np.ix_(rows, m + normal)] * ratios[normal]
+    system[:, : len(normal)] += matrix[np.ix_(rows, len(coefficients) + normal)] * ratios[normal]
     return system, offset[rows], rows, ratios
+
+
+def _rows(coefficients: Floats, active: Bools, signs: Ints) -> tuple[Ints, Floats]:
+    """Which of (p, q) are unknown: all that are closed, then those that stick; and q over p of what slips, (m,)."""
+    sticking = len(coefficients) + np.flatnonzero(active & (signs == 0))
+    return np.concatenate((np.flatnonzero(active), sticking)), np.where(active, coefficients * signs, 0.0)
 
 
 def _projected(coefficients: Floats, stiffness: Floats, answer: Answer) -> Floats:

@@ -34,7 +34,7 @@ import scipy.sparse as sp
 from flangeway.checks import check_integer, check_tolerance
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity, coulomb
-from flangeway.solve.body_response import BodyResponse
+from flangeway.solve.body_response import BodyResponse, Constrained
 from flangeway.solve.coulomb import CoulombState
 from flangeway.solve.floating import Floating, FloatingParts
 from flangeway.solve.linearisation import Constraints, Linearisation, Sliding, contact_loads
@@ -67,6 +67,9 @@ UNHELD = 1e-6
 
 UNHELD_AFTER = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
+
+MOST_DENSE = 4000
+"""Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
 
 NAMED = 3
 """How many constraints a message names."""
@@ -420,7 +423,11 @@ class _Run:
         current, applied, motion = self.current, np.zeros_like(self.displacements), np.zeros(self.parts.n)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, motion
-        answer, geometric, directions, matrix, offset, rigid = self._problem(bend=bend)
+        geometric, laws = self._laws(bend=bend)
+        if (sparse := self._without_matrix(geometric, laws)) is not None:
+            return self._sparse_step(geometric, laws, *sparse)
+        answer, matrix, offset, rigid = self._problem(geometric, laws, bend=bend)
+        directions = laws.directions
         guess = self.forces > 0.0 if self.forces.any() else offset[: len(self.forces)] < 0.0
         both = np.concatenate((self.forces, self.tangential))
         if self.parts.n:
@@ -455,21 +462,37 @@ class _Run:
         normal, tangential = (new_forces, self.tangential) if self.slides is None else np.split(new_forces, 2)
         return normal, tangential, applied, motion
 
-    def _problem(
-        self, *, bend: bool
-    ) -> tuple[Floats, sp.csr_array, sp.csr_array, Floats, Floats, complementarity.Motions]:
-        """Linear complementarity problem of an iteration.
+    def _without_matrix(self, geometric: sp.csr_array, laws: Constrained) -> tuple[coulomb.SolvedRows, Floats] | None:
+        """See `BodyResponse.constrained`; None where a dense matrix of the constraints serves."""
+        if self.slides is None or self.parts.n or len(laws.violations) <= MOST_DENSE:
+            return None
+        return self.response.constrained(self.rotations, self.current.nodes, geometric, laws)
 
-        Displacements by the forces, now and by rigid motions; the geometric stiffness; directions of the forces;
-        flexibility and offset of gaps and slips; and the equations of the rigid motions, see
-        `flangeway.solve.floating`.
-        """
-        current, parts = self.current, self.parts
-        nodes, jacobian = current.nodes, current.jacobian
-        at_nodes = self.displacements[nodes].ravel()
-        n = 2 * len(nodes)
+    def _sparse_step(
+        self, geometric: sp.csr_array, laws: Constrained, solved: coulomb.SolvedRows, own: Floats
+    ) -> tuple[Floats, Floats, Floats, Floats] | None:
+        """One iteration without a matrix of all constraints, see `BodyResponse.constrained`."""
+        current, m = self.current, len(self.forces)
+        both = np.concatenate((self.forces, self.tangential))
+        found = coulomb.solve_sparse(solved, own, current.coefficients, both)
+        if found is None:
+            return None
+        loads = laws.directions.T @ found + geometric @ laws.displacements
+        column = sp.csr_array(loads[:, None])
+        given = self.rotations, current.nodes, geometric, column
+        moved = self.response.respond(*given, symmetric=self.slides is None)[:, 0]
+        applied = np.zeros_like(self.displacements)
+        applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
+        return found[:m], found[m:], applied, np.zeros(0)
+
+    def _laws(self, *, bend: bool) -> tuple[sp.csr_array, Constrained]:
+        """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
+        current = self.current
+        n = 2 * len(current.nodes)
         geometric = current.curvature(-self.forces) if bend else sp.csr_array((n, n))
-        directions, compliances, violations = jacobian, current.compliances, self._gaps(current)
+        at_nodes = self.displacements[current.nodes].ravel()
+        jacobian, directions, compliances = current.jacobian, current.jacobian, current.compliances
+        violations = self._gaps(current)
         if (slides := self.slides) is not None:
             geometric = geometric + slides.curvature(-self.tangential) if bend else geometric
             directions, jacobian = (
@@ -478,6 +501,21 @@ class _Run:
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
             violations = np.concatenate((violations, slips))
+        return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
+
+    def _problem(
+        self, geometric: sp.csr_array, laws: Constrained, *, bend: bool
+    ) -> tuple[Floats, Floats, Floats, complementarity.Motions]:
+        """Linear complementarity problem of an iteration.
+
+        Displacements by the forces, now and by rigid motions; flexibility and offset of gaps and slips; and the
+        equations of the rigid motions, see `flangeway.solve.floating`.
+        """
+        parts, nodes, slides = self.parts, self.current.nodes, self.slides
+        at_nodes, jacobian, directions, violations = (
+            laws.displacements, laws.jacobian, laws.directions, laws.violations,
+        )  # fmt: skip
+        n = 2 * len(nodes)
         m = len(violations)
         positions = self.reference + self.displacements
         rigid = parts.velocities(self.motions, positions)[nodes].reshape(n, parts.n)
@@ -492,14 +530,14 @@ class _Run:
         resultants = by_forces.T @ answer[:, :m] + (directions @ rigid).T
         answer[:, m + 1 :] += rigid
         at_gaps = jacobian @ answer
-        matrix = at_gaps[:, :m] + np.diag(compliances)
+        matrix = at_gaps[:, :m] + np.diag(laws.compliances)
         matrix = (matrix + matrix.T) / 2.0 if slides is None else matrix
         offset = violations - jacobian @ at_nodes + at_gaps[:, m]
         by_motion = at_gaps[:, m + 1 :]
         if slides is None:  # symmetric but for rounding
             stiffness, resultants = (stiffness + stiffness.T) / 2.0, by_motion.T
         motions = complementarity.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
-        return answer, geometric, directions, matrix, offset, motions
+        return answer, matrix, offset, motions
 
     def _stays_free(self) -> str:
         """Words for the motions that nothing holds in the solution."""
@@ -509,7 +547,7 @@ class _Run:
         if not self.forces.any():
             kept = free = np.eye(self.parts.n)
         elif free.shape[1] < self.parts.n and self.slides is None:
-            *_, matrix, _, rigid = self._problem(bend=True)
+            _, matrix, _, rigid = self._problem(*self._laws(bend=True), bend=True)
             unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
         nodal = _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)

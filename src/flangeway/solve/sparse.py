@@ -1,6 +1,6 @@
 """Linear bodies on all their unknowns: the reference for the condensed way."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cached_property
 
 import numpy as np
@@ -9,7 +9,7 @@ from scipy.sparse.linalg import splu
 
 from flangeway._core import Ldlt
 from flangeway.problems import Body
-from flangeway.solve.body_response import BodyResponse, SurfaceNodes, components, turning
+from flangeway.solve.body_response import BodyResponse, Constrained, SurfaceNodes, components, turning
 from flangeway.solve.free_motions import refuse_floating
 from flangeway.solve.linear import NO_UNKNOWNS, factorise, ldlt
 from flangeway.space import SymmetricMatrix
@@ -17,6 +17,10 @@ from flangeway.types import Floats, Ints
 
 ENTRIES_AT_ONCE = 5_000_000
 """Numbers of right-hand sides that are solved together, so that loads on a long surface need no more memory."""
+
+YIELDING = 4000.0
+"""Displacement of a surface by forces on all its nodes over that of one node under its own force with all others held:
+some number of nodes. Friction is found in the fewest guesses if it is too large rather than too small."""
 
 
 class SparseBodies(BodyResponse):
@@ -90,6 +94,32 @@ class SparseBodies(BodyResponse):
             rhs[-1] = 0.0
             answer[:, first : first + at_once] = turn @ rhs[unknowns]
         return answer
+
+    def constrained(
+        self, rotations: Floats, touched: Ints, geometric: sp.csr_array, laws: Constrained
+    ) -> tuple[Callable[[Ints, sp.csr_array], tuple[Floats, Floats]], Floats]:
+        """See `BodyResponse.constrained`: bodies and constraints in one sparse factorisation for each guess."""
+        size, unknowns = self.n_unknowns, self._unknowns[components(touched)]
+        free = np.flatnonzero(unknowns >= 0)
+        chosen = sp.csr_array((np.ones(len(free)), (free, unknowns[free])), shape=(len(unknowns), size))
+        spread = sp.csr_array(turning(rotations[touched]) @ chosen)
+        tangent = self._stiffness + spread.T @ geometric @ spread
+        jacobian, directions = sp.csr_array(laws.jacobian @ spread), sp.csr_array(laws.directions @ spread)
+        load = spread.T @ (geometric @ laws.displacements)
+        offset = laws.violations - laws.jacobian @ laws.displacements
+
+        def solved(rows: Ints, spreading: sp.csr_array) -> tuple[Floats, Floats]:
+            by_forces = -(directions.T @ spreading)
+            softness = (sp.diags_array(laws.compliances) @ spreading)[rows]
+            system = sp.block_array([[tangent, by_forces], [jacobian[rows], softness]], format="csc")
+            right, factor = np.concatenate((load, -offset[rows])), splu(system)
+            found = factor.solve(right)
+            found += factor.solve(right - system @ found)  # one refinement: thin bodies leave 1e-10 without
+            forces = np.asarray(spreading @ found[size:])
+            return forces, np.asarray(jacobian @ found[:size] + offset + laws.compliances * forces)
+
+        own = YIELDING * np.asarray(jacobian.power(2) @ (1.0 / self._stiffness.diagonal()))
+        return solved, own + laws.compliances
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
         """See `BodyResponse.fields`."""
