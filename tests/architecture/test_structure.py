@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 8095,
     "campaign": 1944,
     "tables": 1441,
-    "report": 8748,
+    "report": 8754,
     "validation": 8717,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_741
+MAX_LINES_OF_ALL = 74_747
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

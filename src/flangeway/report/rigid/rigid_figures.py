@@ -12,7 +12,7 @@ from flangeway.cases.rigid.rigid_run import ConicityRun, FlangeRootEffect, Geome
 from flangeway.railway.rigid.conicity import REFERENCE_AMPLITUDE_MM
 from flangeway.railway.rigid.rigid_locus import ContactLocus, SideLocus
 from flangeway.railway.track.placements import SIDES, Side
-from flangeway.report.figures.drawing import GREY, INK, SIDE_COLOURS, Room, figure_with_room
+from flangeway.report.figures.drawing import GREY, HALO, INK, SIDE_COLOURS, Room, figure_with_room
 from flangeway.report.profile.profile_figures import sequence_colours
 from flangeway.types import Floats
 
@@ -127,7 +127,11 @@ def conicity_figure(run: GeometryRun | ConicityRun) -> Figure:
         point = REFERENCE_AMPLITUDE_MM, at_3["integration"]
         axes.plot(*point, "o", mfc="white", mec=INK)
         text = f"{point[1]:.3f} at {REFERENCE_AMPLITUDE_MM:g} mm"
-        axes.annotate(text, point, (8, 10), textcoords="offset points", fontsize=9)
+        rises = found.integration[0] < point[1]  # then there is room to the left above the curve
+        side = "right" if rises else "left"
+        axes.annotate(
+            text, point, (-8 if rises else 8, 10), textcoords="offset points", ha=side, fontsize=9, path_effects=[HALO]
+        )
     axes.set_ylim(bottom=0.0)
     axes.set(xlabel="amplitude in mm", ylabel="equivalent conicity")
     if len(found.amplitudes_mm):

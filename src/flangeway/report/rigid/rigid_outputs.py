@@ -142,7 +142,9 @@ def conicity_record(run: ConicityRun, command: str) -> Record:
         subtitle=found["inputs"]["file"],
         converged=True,
         success="computed",
-        message="" if found["equivalent_conicity"] else "without a conicity at 3 mm, see the notes",
+        message=f"at {len(run.conicities.amplitudes_mm)} amplitudes"
+        if found["equivalent_conicity"]
+        else "without a conicity at 3 mm, see the notes",
         facts=_conicity_facts(found),
         results=SummaryTable("Conicity", ("", "value"), (*rows, *_conicity_rows(found))),
         pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run), f"{shown}.", f"{shown}.")],
