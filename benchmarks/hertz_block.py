@@ -100,6 +100,10 @@ class Pressed:
         How much nearer cut and base came.
     note
         What else is to be told.
+    tractions, tangential_force
+        Tangential tractions of the nodes, and the resultant, where there is friction.
+    cpu_seconds
+        The same time of the processors; None where it was not taken.
 
     """
 
@@ -112,6 +116,7 @@ class Pressed:
     note: str = ""
     tractions: Floats | None = None
     tangential_force: float = 0.0
+    cpu_seconds: float | None = None
 
     def centre_traction_error(self, friction: float) -> float:
         """Relative error of the tangential traction at the centre from Cattaneo's and Mindlin's for the forces found.
@@ -126,6 +131,23 @@ class Pressed:
         whole = np.sqrt(1.0 - (x[inside] / theory.half_width) ** 2)
         exact = friction * theory.max_pressure * (whole - narrow)
         return float(np.abs(self.tractions[inside]).mean() / exact.mean() - 1.0)
+
+    def traction_difference(self, finer: "Pressed", friction: float) -> float:
+        """Root mean square difference of the tangential tractions from those on a finer mesh, over mu p0 of each.
+
+        It is taken over the nodes in the middle 95 % of the contact: beyond, a node's traction is that of an edge which
+        is partly open.
+        """
+        x, tractions = self._without_units(friction)
+        fine_x, fine = finer._without_units(friction)
+        inside = np.abs(x) < 0.95
+        return float(np.sqrt(np.mean((tractions - np.interp(x, fine_x, fine))[inside] ** 2)))
+
+    def _without_units(self, friction: float) -> tuple[Floats, Floats]:
+        """Places over the half width and tangential tractions over mu p0, both by Hertz, in the order of places."""
+        assert self.tractions is not None
+        order, theory = np.argsort(self.x), self.theory
+        return self.x[order] / theory.half_width, np.abs(self.tractions[order]) / (friction * theory.max_pressure)
 
     @property
     def theory(self) -> LineContact:

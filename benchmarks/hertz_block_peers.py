@@ -117,6 +117,7 @@ def press_with_kratos(
     return Pressed(
         told["seconds"], np.array(told["x"]), np.array(told["pressures"]), told["force"], note=told["version"],
         tractions=np.array(told["tractions"]), tangential_force=abs(told["tangential_force"]),
+        cpu_seconds=told["cpu_seconds"],
     )  # fmt: skip
 
 
@@ -157,9 +158,19 @@ def press_with_calculix(
         shift=shift,
     )
     (folder / "block.inp").write_text(text, encoding="ascii")
+    before = _cpu_of_children()
     seconds, version = run_calculix(folder, "block", threads=threads)
+    cpu_seconds = _cpu_of_children() - before
     x, values, force = read_tractions(folder / "block")
     return Pressed(
         seconds, x, values[:, 0], float(force[1]), note=version,
-        tractions=values[:, 1], tangential_force=float(abs(force[0])),
+        tractions=values[:, 1], tangential_force=float(abs(force[0])), cpu_seconds=cpu_seconds,
     )  # fmt: skip
+
+
+def _cpu_of_children() -> float:
+    """Time of the processors of all programs that were run and have ended."""
+    import resource  # noqa: PLC0415 (not on all systems)
+
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime

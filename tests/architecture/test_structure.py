@@ -35,12 +35,12 @@ MAX_LINES = {
     "campaign": 1944,
     "tables": 1441,
     "report": 8754,
-    "validation": 8717,
+    "validation": 8727,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_747
+MAX_LINES_OF_ALL = 74_757
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -118,20 +118,21 @@ FRICTION = Reproduction(
         (Masing, 1926); the shear of the part that sticks is left out of it. A belt on half of a drum that turns until
         all slips (Euler, Eytelwein): the ratio of the tensions is within {percent(BELT_LIMIT)} of exp(mu pi) for the
         thinnest belt, and of the ratio that its thickness changes for all. What limits the first is the thickness,
-        0.5 % of the radius: friction acts at the drum's radius, the tension in the middle of the belt. A flat
-        punch and a cylinder, both rigid, pressed on a half-plane with friction: the middle sticks, and the stick zone
-        is the same part of both contacts (Spence, 1968). No equation of it that can be cited for pressure and traction
-        coupled was found; the integral equations of the half-plane (Johnson, 1985, 2.25) are solved by themselves on
-        intervals that shrink to 1e-9, an independent route: the stick zone is within {percent(PUNCH_STICK_LIMIT)}, half
-        a finite element; the part of the force with which friction pulls the halves apart, within
-        {percent(PULL_LIMIT)}, and of the punch that sticks, where it is known (Muskhelishvili, 1953).
-        A die that is lowered into a slab and slides along it ("shallow ironing", Fischer and Wriggers, 2006) has forces
-        between those of five publications, collected in numbers by Batistic, Cardiff and Tukovic (2022; solids4foam,
-        solid-benchmarks): Fischer and Wriggers, Hartmann et al. (2009), Yastrebov (2011), Poulios and Renard (2015),
-        and Code_Aster. Theirs are neo-Hookean bodies in large deformation, ours linear ones in small strains with large
-        sliding, and theirs differ among themselves, so the limits are the least and the largest of the five. Their mean
-        is in the column of what is published. While the die is lowered they agree better on the ratio of the forces,
-        which is up to 6 % larger here than their mean: it is shown only. In steady sliding the force's work is within
+        0.5 % of the radius: friction acts at the drum's radius, the tension in the middle of the belt. Without friction
+        a taut belt has the same tension on both sides, and the drum turns below it without a change. A flat punch and a
+        cylinder, both rigid, pressed on a half-plane with friction: the middle sticks, and the stick zone is the same
+        part of both contacts (Spence, 1968). No equation of it that can be cited for pressure and traction coupled was
+        found; the integral equations of the half-plane (Johnson, 1985, 2.25) are solved by themselves on intervals that
+        shrink to 1e-9, an independent route: the stick zone is within {percent(PUNCH_STICK_LIMIT)}, half a finite
+        element; the part of the force with which friction pulls the halves apart, within {percent(PULL_LIMIT)}, and of
+        the punch that sticks, where it is known (Muskhelishvili, 1953). A die that is lowered into a slab and slides
+        along it ("shallow ironing", Fischer and Wriggers, 2006) has forces between those of five publications,
+        collected in numbers by Batistic, Cardiff and Tukovic (2022; solids4foam, solid-benchmarks): Fischer and
+        Wriggers, Hartmann et al. (2009), Yastrebov (2011), Poulios and Renard (2015), and Code_Aster. Theirs are
+        neo-Hookean bodies in large deformation, ours linear ones in small strains with large sliding, and theirs differ
+        among themselves, so the limits are the least and the largest of the five. Their mean is in the column of what
+        is published. While the die is lowered they agree better on the ratio of the forces, which is up to 6 % larger
+        here than their mean: it is shown only. In steady sliding the force's work is within
         {percent(STEADY_WORK_LIMIT)} of what friction dissipates. No load step may take more than {MOST_ITERATIONS}
         iterations.""",
         (

@@ -36,7 +36,7 @@ STRIP_MM, STRIP_HEIGHT_MM, STRIP_MPA, SLIPPING = 60.0, 1.0, 100.0, 0.7  # SLIPPI
 STRIP_CELLS, STRIP_STEPS = 120, 5
 DRUM_MM, SPAN_MM, BELT_STRAIN = 100.0, 20.0, 1e-5
 BELT_THICKNESSES_MM, BELT_CELLS = (2.0, 1.0, 0.5), 80
-STRIP_LIMIT, BELT_LIMIT = 0.01, 0.01
+STRIP_LIMIT, BELT_LIMIT, FREE_LIMIT = 0.01, 0.01, 1e-5  # FREE_LIMIT: without friction, exact but for the mesh
 LEGS = ("push", "reversal", "return", "sliding")
 
 
@@ -57,7 +57,16 @@ def sliding_bodies(progress: Callable[[str], None]) -> tuple[list[ReproducedNumb
         given = "Belt on a drum", code
         numbers.append(compare(*given, "ratio of tensions", "1", (exact, ratio), limit, words=words))
         numbers.append(compare(*given, "ratio of tensions with its thickness", "1", (thick, ratio), BELT_LIMIT))
-    return numbers, solutions
+    progress("belt on a drum without friction")
+    free = turned_belt(BELT_THICKNESSES_MM[0], BELT_CELLS, mu=0.0)
+    before, after = (
+        np.array(belt_tensions(replace(free, state=step.state))) for step in (free.steps[0], free.steps[-1])
+    )
+    change = float(np.abs(after / before - 1.0).max())
+    given = "Belt on a drum without friction", f"thickness {BELT_THICKNESSES_MM[0] / DRUM_MM:g} of the radius"
+    numbers.append(compare(*given, "ratio of tensions", "1", (1.0, float(np.divide(*after))), FREE_LIMIT))
+    numbers.append(compare(*given, "change of a tension by turning", "1", (0.0, change), FREE_LIMIT))
+    return numbers, [*solutions, free]
 
 
 def _tangential_force() -> float:
