@@ -98,7 +98,11 @@ class SideNewton:
                 f"up to {MOST_CELLS} cells",
                 "check the load, and whether these profiles conform over their whole width",
             )
-        matrix = self.grid.coefficients[np.abs(strips[:, None] - strips), rows[:, None], rows]
+        # A_ab = coefficients[|strip_a - strip_b|, row_a, row_b], by one number each: half the time of three
+        n = len(self.touching)
+        numbers = np.abs(np.subtract.outer(strips, strips, dtype=np.int32)) * np.int32(n * n)
+        numbers += np.add.outer(n * rows, rows, dtype=np.int32)
+        matrix = self.grid.coefficients.ravel().take(numbers)
         try:
             factor, lower = scipy.linalg.cho_factor(matrix, lower=True, overwrite_a=True, check_finite=False)
         except scipy.linalg.LinAlgError as error:

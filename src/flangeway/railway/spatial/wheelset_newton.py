@@ -43,6 +43,8 @@ ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 """Error of the law of friction over the residual of the position before, and its largest one."""
 MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
+LEAST_TRUST = 0.25
+"""Least factor on the first. Where friction is exhausted torque hardly changes with the rate, and whole steps go round."""
 N_POSITION, RATE, YAW = 5, 5, 6
 """Unknowns without friction: position and tilts; the number of the rate of rotation and of the yaw."""
 
@@ -77,7 +79,7 @@ class WheelsetNewton:
             held += [True, creep.motion.yaw_is_free]
         self.free = np.array(held)
         self.history: list[RelativeResiduals] = []
-        self.growth, self._across = 1.0, 0.0
+        self.growth, self.trust, self._across = 1.0, 1.0, 0.0
         self.part, self._error = 1.0, np.inf
         self.settles = creep is not None and near is not None and near.rolled is not None
         self._missing = self._slopes = np.zeros((5, len(self.free)))
@@ -211,6 +213,10 @@ class WheelsetNewton:
             self.growth = 1.0
         self._across = float(step[0])
         limits[:2] *= self.growth
+        if self._error < np.inf:
+            falls = self.relative.equilibrium_residual < self._error
+            self.trust = min(1.5 * self.trust, 1.0) if falls else max(self.trust / 2.0, LEAST_TRUST)
+        limits[RATE] *= self.trust
         excess = float((np.abs(step) / limits).max())
         # close by, forces that jump from one patch to another end in circles without
         falls = self.relative.equilibrium_residual < (1.0 - FALLS * self.part) * self._error
