@@ -48,6 +48,8 @@ At a stiff penalty one node that goes to and fro between two edges can upset all
 pairs from its second iteration on.
 """
 
+CYCLE = 4
+"""Iterations at the end among which one changes constraints where these come and go."""
 HALVE_AFTER = 16
 """Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
 
@@ -217,7 +219,7 @@ def solve_contact(
     state = _solved(run)
     if not state.status.converged and run.unheld.any():
         return state
-    if not state.status.converged and state.history and state.history[-1].changed:
+    if not state.status.converged and any(each.changed for each in state.history[-CYCLE:]):
         damped = _solved(_Run(*given, damped=True))
         state = damped if damped.status.converged else state
     if not state.status.converged and parts.n:
