@@ -30,7 +30,7 @@ MAX_LINES = {
     "railway.rigid": 1916,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 4083,
+    "railway.spatial": 4093,
     "cases": 8095,
     "campaign": 1944,
     "tables": 1441,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_769
+MAX_LINES_OF_ALL = 74_779
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

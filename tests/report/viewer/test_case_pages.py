@@ -150,7 +150,8 @@ def test_the_page_of_bodies_in_contact_in_a_narrow_dark_window(open_page, folder
     """It does not scroll sideways with all its tables, and the button of the contact shows both bodies there."""
     opened = open_page(folders("two-bodies") / "report.html", "dark", 400)
     assert opened.page.evaluate("document.documentElement.scrollWidth") <= 400
-    image = opened.page.locator("figure img").first
+    assert opened.page.locator("figure").first.locator("button.enlarge").count() == 0  # as wide as it is drawn
+    image = opened.page.locator("figure:has(button.enlarge) img").first
     before = image.bounding_box()["width"]
     opened.page.get_by_role("button", name="Enlarge").first.click()
     assert image.bounding_box()["width"] > 1.5 * before

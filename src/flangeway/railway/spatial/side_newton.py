@@ -26,10 +26,6 @@ FIRST = 1e-2
 MOST_STEPS = 30
 MAX_MOVED_MM = 0.5
 """Displacement of a cell across the normal by which the geometry changes in one step, at most."""
-
-
-MAX_BENT_MM = 0.2
-"""The same by creep forces."""
 N_RESULTANTS = 7
 
 
@@ -113,16 +109,17 @@ class SideNewton:
             ) from error
         return factor, bool(lower)
 
-    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes) -> None:
+    def bend(self, creep: Floats, raised: Floats, forces: Floats, slopes: CreepSlopes, max_moved_mm: float) -> None:
         """Take creep forces on rows of cells (n, 2), or a part of the way to them: they move rail and wheel too.
 
         - `raised`: see `SideCreep`.
         - `forces`: normal forces on the cells in contact under which they were found, (m,).
         - `slopes`: how they change.
+        - `max_moved_mm`: displacement of a cell up to which they are taken.
         """
         before = np.zeros_like(creep) if self.creep is None else self.creep
         moved = np.einsum("ixj,j->ix", self.grid.bending_across, creep[:, 0] - before[:, 0])
-        share = min(1.0, MAX_BENT_MM / max(float(np.abs(moved).max()), 1e-300))
+        share = min(1.0, max_moved_mm / max(float(np.abs(moved).max()), 1e-300))
         self.creep = before + share * (creep - before)
         self.bent = share < 1.0
         part = np.ones((len(slopes.motion), 1))

@@ -43,6 +43,8 @@ MOST_ROLLING_STEPS = 60
 ROLLING_RESIDUAL, FAST_RESIDUAL, EXACT_RESIDUAL = 0.02, 1e-6, 1e-5
 """Equilibrium residual with friction: where another theory or other cells follow, which change it by as much, by fast
 theories, and by the exact one, which is less sharp."""
+MAX_BENT_MM = (0.4, 0.1, 0.05)
+"""Displacements of a cell by creep forces in one step, at most: smaller ones where the search for equilibrium fails."""
 NEARBY, MOST_COARSE = 5.0, 12
 """Way over the step limits within which the coarse cells still fit, and the number of times they are made anew."""
 ACROSS = 26
@@ -115,17 +117,25 @@ class SpatialWheelset:
                 break
         assert found is not None
         if self.model.rolling is not None and found.status.converged:
-            return self._rolling(self.model.rolling, found, progress)
+            for max_bent_mm in MAX_BENT_MM:
+                rolled = self._rolling(self.model.rolling, found, progress, max_bent_mm)
+                if rolled.status.converged:
+                    break
+            return rolled
         found = self._fine(found, progress)
         beyond = self._beyond(grids, found) if found.status.converged else None
         return found if beyond is None else self._fine(replace(found, state=beyond), progress)
 
     def _rolling(
-        self, motion: RollingMotion, found: Equilibrium[SpatialState], progress: Callable[[str], None]
+        self,
+        motion: RollingMotion,
+        found: Equilibrium[SpatialState],
+        progress: Callable[[str], None],
+        max_bent_mm: float,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium with creep forces from one without friction: by a fast theory first, on coarse cells too."""
         theory = "fastsim" if motion.theory == "exact" else motion.theory
-        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), theory)
+        creep = WheelsetCreep(motion, rate_of(motion, found.state.sides), theory, max_bent_mm)
         for _ in range(MOST_COARSE):
             yaw = self.model.yaw_rad if found.state.rolled is None else found.state.rolled.yaw_rad
             grids = {side: self._coarse(side, found.position, yaw) for side in SIDES}

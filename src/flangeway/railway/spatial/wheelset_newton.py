@@ -44,7 +44,7 @@ ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
 LEAST_TRUST = 0.25
-"""Least factor on the first. Where friction is exhausted torque hardly changes with the rate, and whole steps go round."""
+"""Least factor on the first. Where friction is exhausted torque hardly changes with the rate: whole steps go round."""
 N_POSITION, RATE, YAW = 5, 5, 6
 """Unknowns without friction: position and tilts; the number of the rate of rotation and of the yaw."""
 
@@ -144,7 +144,8 @@ class WheelsetNewton:
         normal = np.zeros(newton.forces.shape)
         normal[newton.touching] = np.maximum(forces, 0.0)
         found = self.rolled[side] = self.creep.of_side(side, newton, normal)
-        newton.bend(found.rows, found.raised, forces, self.creep.derivatives(side, newton, normal, found))
+        slopes = self.creep.derivatives(side, newton, normal, found)
+        newton.bend(found.rows, found.raised, forces, slopes, self.creep.max_bent_mm)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""

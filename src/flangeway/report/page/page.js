@@ -1,6 +1,7 @@
 // What the page does by itself: copies tables, enlarges pictures on small screens, and shows itself light or dark.
 (() => {
   "use strict";
+  const FITS_A_PHONE_PX = 480; // width of a picture that a phone shows about as large as it is
 
   function tableText(table) {
     const rows = Array.from(table.rows, (row) => Array.from(row.cells, (cell) => cell.textContent.trim()));
@@ -48,6 +49,7 @@
   }
 
   for (const image of document.querySelectorAll("figure img")) {
+    if (parseFloat(image.style.maxWidth) < FITS_A_PHONE_PX) continue;
     const figure = image.closest("figure");
     const button = Object.assign(document.createElement("button"), { type: "button", className: "enlarge" });
     const label = () => (button.textContent = figure.classList.contains("large") ? "Fit the picture" : "Enlarge");

@@ -86,12 +86,14 @@ class WheelsetCreep:
     - `motion`: how the wheelset rolls.
     - `rate_rad_s`: rate of rotation about the axle.
     - `theory`: of the forces.
+    - `max_bent_mm`: displacement of a cell by a change of creep forces in one step, at most.
     - `tolerance`: error of the law of friction by the exact theory.
     """
 
     motion: RollingMotion
     rate_rad_s: float
     theory: Theory
+    max_bent_mm: float = np.inf
     tolerance: float = TOLERANCE
     _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
     _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
