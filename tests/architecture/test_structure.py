@@ -21,8 +21,8 @@ MAX_LINES = {
     "space": 942,
     "materials": 398,
     "problems": 2899,
-    "solve": 4313,
-    "contact": 7290,
+    "solve": 4312,
+    "contact": 7269,
     "post": 2049,
     "forms": 366,
     "railway.profiles": 3752,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_779
+MAX_LINES_OF_ALL = 74_757
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -1,10 +1,10 @@
-"""The barrier: its law in closed form, and that it tends to the multipliers' answer at its rate."""
+"""The barrier: its law in closed form, with friction and free bodies, and that it tends to multipliers at its rate."""
 
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from flangeway.contact import Barrier, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, press
+from flangeway.contact import Barrier, Contact, Multiplier, NodeToSegment, SegmentToSegment, press
 from flangeway.elements import Lagrange
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
@@ -12,7 +12,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.post import pressure_patches
 from flangeway.problems import Body, Part
-from flangeway.solve.complementarity import solve, solve_barrier
+from flangeway.solve.complementarity import solve, with_barrier
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes, surface_of
 
 YOUNG, HEIGHT, APPROACH, VALUE, REACH = 210e3, 20.0, 0.01, 0.05, 0.02
@@ -66,6 +66,18 @@ def test_it_tends_to_the_multipliers_in_proportion_to_its_value(pairing) -> None
     assert np.array(apart[:-1]) / apart[1:] == pytest.approx(10.0, rel=0.05)
 
 
+def barrier_forces(matrix, offset, products, reaches):
+    """Forces of a barrier without friction and free motions."""
+
+    def solved(matrix, offset, guess):
+        forces = solve(matrix, offset, guess > 0.0 if guess.any() else offset < 0.0)
+        return None if forces is None else (forces, np.zeros(0), np.zeros(0))
+
+    found = with_barrier(solved, matrix, offset, np.column_stack((products, reaches)), np.zeros(len(offset)))
+    assert found is not None
+    return found[0]
+
+
 @pytest.mark.parametrize("seed", range(5))
 def test_random_problems_are_solved_exactly(seed: int) -> None:
     """Products of force and gap are those asked for, gaps positive; without a barrier it is complementarity."""
@@ -74,31 +86,54 @@ def test_random_problems_are_solved_exactly(seed: int) -> None:
     factor = rng.standard_normal((n, n))
     matrix, offset = factor @ factor.T + 0.01 * np.eye(n), rng.standard_normal(n)
     products, reaches = 10.0 ** rng.uniform(-6.0, -1.0, n), rng.uniform(0.1, 2.0, n)
-    forces = solve_barrier(matrix, offset, products, reaches)
-    assert forces is not None
+    forces = barrier_forces(matrix, offset, products, reaches)
     gaps = matrix @ forces + offset
     assert (gaps > 0.0).all()
     expected = np.maximum(0.0, products / gaps - products / reaches)
     assert forces == pytest.approx(expected, rel=1e-8, abs=1e-10)
     limit = solve(matrix, offset, offset < 0.0)
-    near = solve_barrier(matrix, offset, np.full(n, 1e-12), reaches)
+    near = barrier_forces(matrix, offset, np.full(n, 1e-12), reaches)
     assert near == pytest.approx(limit, abs=1e-5 * np.abs(limit).max())
 
 
-def test_wrong_values_and_mixtures_are_refused() -> None:
-    """Values are positive; friction, and other enforcements beside it, are refused."""
+def test_with_friction_it_tends_to_the_multipliers_too() -> None:
+    """Columns pressed and pushed until some nodes slip: both forces, ten times nearer for a value ten times smaller."""
+    found = {}
+    for value in (None, 1e-2, 1e-3, 1e-4):
+        upper, lower = column("upper", 5, "top", 0.0), column("lower", 7, "bottom", -HEIGHT)
+        law = Multiplier() if value is None else Barrier(value, 0.01)
+        contact = Contact(surface_of(upper, "bottom"), surface_of(lower, "top"), SegmentToSegment(), law, 0.2)
+        path = [{upper: Placement(0.0, at)} for at in ((0.0, -APPROACH), (APPROACH, -APPROACH))]
+        solution = press([contact], path)
+        assert solution.status.converged, solution.status.message
+        found[value] = solution.forces[0], np.array(solution.friction_table.columns["sticks"])
+    forces, sticks = found.pop(None)
+    assert sticks.any()
+    assert not sticks.all()
+    apart = [np.abs(each - forces) for each, _ in found.values()]
+    assert (apart[0] < 5e-3 * np.abs(forces[1])).all()
+    assert np.linalg.norm(apart[:-1], axis=1) / np.linalg.norm(apart[1:], axis=1) == pytest.approx(10.0, rel=0.1)
+
+
+def test_a_barrier_beside_multipliers() -> None:
+    """Three columns: each contact has its own law, the lower one the barrier's gap under the pressure of both."""
+    parts = [
+        column(*each) for each in (("upper", 5, "top", 0.0), ("middle", 5, None, -20.0), ("lower", 5, "bottom", -40.0))
+    ]
+    laws = Multiplier(), Barrier(VALUE, REACH)
+    contacts = [
+        Contact(surface_of(above, "bottom"), surface_of(below, "top"), SegmentToSegment(), law)
+        for above, below, law in zip(parts[:-1], parts[1:], laws, strict=True)
+    ]
+    solution = press(contacts, {parts[0]: Placement(0.0, (0.0, -APPROACH))})
+    gap = brentq(lambda g: YOUNG * (APPROACH + g) / (3.0 * HEIGHT) - VALUE * (1.0 / g - 1.0 / REACH), 1e-9, REACH)
+    assert solution.status.converged, solution.status.message
+    assert solution.forces[:, 1] == pytest.approx(40.0 * VALUE * (1.0 / gap - 1.0 / REACH), rel=1e-9)
+
+
+def test_wrong_values_are_refused() -> None:
+    """The value and the reach are positive."""
     with pytest.raises(InputError, match="value"):
         Barrier(0.0, 1.0)
     with pytest.raises(InputError, match="reach"):
         Barrier(1.0, -1.0)
-    upper, lower = column("upper", 5, "top", 0.0), column("lower", 4, "bottom", -HEIGHT)
-    sides = surface_of(upper, "bottom"), surface_of(lower, "top")
-    with pytest.raises(InputError, match="with a Barrier"):
-        Contact(*sides, SegmentToSegment(), Barrier(1.0, 1.0), 0.3)
-    third = column("third", 4, "bottom", -3.0 * HEIGHT)
-    contacts = [
-        Contact(*sides, SegmentToSegment(), Barrier(1.0, 1.0)),
-        Contact(surface_of(lower, "left"), surface_of(third, "top"), SegmentToSegment(), Penalty(1e5, per="length")),
-    ]
-    with pytest.raises(InputError, match="beside others"):
-        press(contacts, {})

@@ -1,7 +1,5 @@
 """Parts whose rigid motions contact and loads decide: forces from statics, equilibrium, symmetry, bad inputs."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -27,7 +25,10 @@ from flangeway.solve import CondensedBodies, StepSettings, SurfaceNodes, solve_c
 STEEL = Elastic(20e3, 0.3)
 MODULUS = 20e3 / (1.0 - 0.3**2)  # of plane strain
 PAIRINGS = [SegmentToSegment(), NodeToSegment()]
-LAWS = [Multiplier(), Penalty(1e7, per="length"), AugmentedLagrange(1e6, per="length", penetration=1e-8)]
+LAWS = [
+    *(Multiplier(), Penalty(1e7, per="length"), AugmentedLagrange(1e6, per="length", penetration=1e-8)),
+    Barrier(1e-6, 1e-3),
+]
 EQUILIBRIUM = 1e-10
 
 
@@ -194,7 +195,7 @@ def wedged(seed: int, *, mirrored: bool, friction: float = 0.0):
     """A random disc in a random groove, pressed by a jaw."""
     rng = np.random.default_rng(seed)
     slopes, radius, n = rng.uniform(0.5, 1.2, 2), rng.uniform(0.6, 1.0), int(rng.integers(5, 8))
-    law, pairing = LAWS[seed % 3], PAIRINGS[seed // 3]
+    law, pairing = LAWS[seed % 4], PAIRINGS[seed // 4]
     outline = polygon(
         [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0 * slopes[1]), (0.0, 0.0), (-2.0, 2.0 * slopes[0])], list("brudl")
     )
@@ -263,8 +264,6 @@ def test_what_cannot_be_solved_is_refused_or_named() -> None:
     pieces = Body("pieces", mesh.merged(mesh.placed(Placement(0.0, (3.0, 0.0)))), Lagrange(1), STEEL)
     with pytest.raises(InputError, match="one piece that is held"):
         CondensedBodies([SurfaceNodes(pieces, np.arange(3, dtype=np.int32))])
-    with pytest.raises(InputError, match="a Barrier, and a part 'loose'"):
-        press_parts([replace(contact, enforcement=Barrier(1e-3, 0.1))], {})
 
 
 def dragged(pairing, law, path="condensed", friction=(0.3, 0.5)):

@@ -8,7 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from flangeway import Body, Elastic, Lagrange, Part, Placement
-from flangeway.contact import AugmentedLagrange, Contact, Multiplier, NodeToSegment, Penalty, SegmentToSegment, Surface
+from flangeway.contact import (
+    AugmentedLagrange,
+    Barrier,
+    Contact,
+    Multiplier,
+    NodeToSegment,
+    Penalty,
+    SegmentToSegment,
+    Surface,
+)
 from flangeway.contact import press as press_parts
 from flangeway.contact.edge_pieces import find_pieces, integrate
 from flangeway.contact.kinematics import node_edge_gaps
@@ -20,7 +29,10 @@ from flangeway.mesh import rectangle_grid
 from flangeway.solve import NewtonSettings, StepSettings, coulomb
 
 PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]
-LAWS = [Penalty(1e6, per="length"), AugmentedLagrange(1e7, per="length", penetration=1e-8), Multiplier()]
+LAWS = [
+    *(Penalty(1e6, per="length"), AugmentedLagrange(1e7, per="length", penetration=1e-8), Multiplier()),
+    Barrier(1e-3, 1e-3),
+]
 MU = 0.3
 STEP = 1e-6
 

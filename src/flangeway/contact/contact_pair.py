@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from flangeway.checks import is_finite, refused
-from flangeway.contact.enforcement import Barrier, Enforcement
+from flangeway.contact.enforcement import Enforcement
 from flangeway.contact.pairs import Pairing
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.segment_to_segment import SegmentToSegment
@@ -86,12 +86,6 @@ class Contact:
                 "leave it out",
             )
         self._refuse_bad_friction()
-        if self.friction_coefficient and isinstance(self.enforcement, Barrier):
-            raise InputError(
-                f"Contact(friction={self.friction_coefficient:g}) of {self._names} with a Barrier",
-                "friction with Penalty, AugmentedLagrange or Multiplier",
-                "take one of these, or leave friction out",
-            )
         mean_area = float(np.mean(self.node_areas))
         self.enforcement.check(self.pairing, self.suggested_penalty, mean_area, self._names)
 

@@ -163,9 +163,8 @@ class Barrier(Enforcement):
 
     The pressure at a gap g below the reach r is ``value (1 / g - 1 / r)``, the derivative of ``-value (ln(g / r) - g /
     r)``; beyond the reach it is zero. There is always a gap under pressure, of ``value`` over the pressure where that
-    is high. As the value goes to zero, pressures and forces tend to those of `Multiplier` in proportion to it. Every
-    iteration solves for forces and gaps together, both kept positive, from a larger barrier down to this one
-    (primal-dual), so that bodies may overlap where the iteration starts.
+    is high. As the value goes to zero, pressures and forces tend to those of `Multiplier` in proportion to it. Bodies
+    may overlap where an iteration starts.
 
     Parameters
     ----------

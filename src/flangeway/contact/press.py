@@ -10,7 +10,6 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.enforcement import Barrier
 from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
@@ -272,8 +271,7 @@ def press(
     ------
     InputError
         If a moved or loaded part has no contact, a motion is mirrored, a load acts on a part that is not held fully or
-        nothing is held of a moved one, a part that contact holds has a barrier, there are not as many step sizes as
-        motions, or the path is unknown.
+        nothing is held of a moved one, there are not as many step sizes as motions, or the path is unknown.
 
     """
     system = ContactSystem(contacts)
@@ -413,13 +411,6 @@ def _refuse_bad_loads(
                 "parts whose held edges or points hold them fully: they are the handle on which a load acts",
                 "name the edges on which the force acts in Body(held=...)",
             )
-    loose = next((part for part in system.parts if part in loads or part.body.freedom.n_motions), None)
-    if loose is not None and any(isinstance(each.enforcement, Barrier) for each in system.contacts):
-        raise InputError(
-            f"a Barrier, and a part {loose.name!r} whose rigid motions contact decides",
-            "a barrier between parts that are held and moved",
-            "hold it fully in Body(held=...) and move it, or take another enforcement",
-        )
     for part in itertools.chain(*motions):
         freedom = part.body.freedom
         if freedom.turns and freedom.axes == "xy":

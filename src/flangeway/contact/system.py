@@ -9,7 +9,6 @@ import numpy as np
 import scipy.sparse as sp
 
 from flangeway.contact.contact_pair import Contact
-from flangeway.contact.enforcement import Barrier
 from flangeway.contact.guards import corners_on_corners, guarded, key_starts, penetrating
 from flangeway.contact.pairs import Pairs
 from flangeway.contact.slip import Slides
@@ -137,10 +136,6 @@ class ContactSystem:
         if not contacts:
             raise InputError("no contact", "at least one", "pair two surfaces with Contact(...)")
         self.contacts = tuple(contacts)
-        if len({isinstance(contact.enforcement, Barrier) for contact in contacts}) > 1:
-            raise InputError(
-                "contacts with a Barrier beside others", "all of them, or none", "give all one enforcement"
-            )
         for first, second in itertools.combinations(self.contacts, 2):
             _refuse_twice(first, second)
         parts: dict[int, Part] = {}

@@ -1,5 +1,6 @@
 """Linear complementarity: ``s = M p + q``, ``p >= 0``, ``s >= 0``, ``p . s = 0``."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -9,17 +10,11 @@ from flangeway.types import Bools, Floats, Ints
 
 MAX_CHANGES = 60
 
-MAX_STEPS = 200
-"""Steps of the interior-point method for one active set."""
+MAX_ROUNDS = 100
+"""Rounds in which the law of a barrier is linearised: forces about double in each, until they are near."""
 
-SHRINK = 0.1
-"""Factor of the mean product of force and gap that the next step aims at, until it is the barrier's own."""
-
-EXACT = 1e-13
-"""Misfit of gaps over the maximum one, and of products over themselves, at which they are found."""
-
-TO_BOUNDARY = 0.995
-"""Share of the way to a zero force or gap that a step may go."""
+SETTLED = 1e-10
+"""Change of forces over the maximum one at which that law holds: the next change is its square."""
 
 SPRING = 1e-6
 """Stiffness of springs that hold free motions until constraints do, over the maximum stiffness of one constraint."""
@@ -203,52 +198,49 @@ def _least_squares(matrix: Floats, offset: Floats) -> Floats | None:
 
 
 def standoffs(forces: Floats, products: Floats, reaches: Floats) -> Floats:
-    """Gaps at which forces (m,) act by a barrier ``p = w (1 / g - 1 / r)``; see `solve_barrier`."""
+    """Gaps at which forces (m,) act by a barrier ``p = w (1 / g - 1 / r)``; see `with_barrier`."""
     shifts = products / reaches
     loaded = products > 0.0
     return np.divide(products, forces + shifts, out=np.zeros(len(forces)), where=loaded)
 
 
-def solve_barrier(matrix: Floats, offset: Floats, products: Floats, reaches: Floats) -> Floats | None:
-    """Solve ``s = M p + q > 0``, ``p = max(0, w / s - w / r)`` with products w > 0 and reaches r, all shape (n,).
+def with_barrier(
+    solved: Callable[[Floats, Floats, Floats], tuple[Floats, Floats, Floats] | None],
+    matrix: Floats,
+    offset: Floats,
+    barriers: Floats,
+    forces: Floats,
+) -> tuple[Floats, Floats, Floats] | None:
+    """Solve with a barrier, ``p = max(0, w / g - w / r)``, what another function solves without.
 
-    Forces of gaps below the reach are found by a primal-dual interior-point method from any start (S. J. Wright, 1997,
-    Primal-dual interior-point methods, SIAM), the set of them as in `solve`. Returns p, shape (n,), or None.
+    About forces p0 the gap of the barrier, ``w / (p + w / r)``, is a gap ``g0`` with a compliance c,
+    ``g0 - c (p - p0)``. It is convex in p: forces of one constraint that are too small grow to those of the law.
+
+    Parameters
+    ----------
+    solved
+        From a matrix, an offset and normal forces (m,) as the guess to forces, of which the first m are normal ones,
+        motions, and what is kept zero; None where it finds none.
+    matrix, offset
+        Of normal and tangential forces, shape (k, k) and (k,), k >= m.
+    barriers
+        Products w and reaches r, shape (m, 2); 0 and infinite where there is none.
+    forces
+        Normal forces to begin with, shape (m,).
+
     """
-    active = offset < reaches
-    for _ in range(MAX_CHANGES):
-        forces = np.zeros(len(offset))
-        if active.any():
-            inner = matrix[np.ix_(active, active)], offset[active], products[active], (products / reaches)[active]
-            found = _interior(*inner)
-            if found is None:
-                return None
-            forces[active] = found
-        gaps = matrix @ forces + offset
-        changed = np.where(active, forces > 0.0, gaps < reaches)
-        if (changed == active).all():
-            return forces
-        active = changed
-    return None
-
-
-def _interior(matrix: Floats, offset: Floats, products: Floats, shifts: Floats) -> Floats | None:
-    """Solve ``s = M p + q``, ``(p + c) s = w`` with ``p + c > 0`` and ``s > 0``."""
-    gaps = np.maximum(offset, np.abs(offset).max())
-    raised = products / gaps  # p + c
-    scale = float(np.abs(offset).max())
-    for _ in range(MAX_STEPS):
-        misfit = matrix @ (raised - shifts) + offset - gaps
-        apart = raised * gaps - products
-        if np.abs(misfit).max() <= EXACT * scale and (np.abs(apart) <= EXACT * products).all():
-            return raised - shifts
-        aims = np.maximum(products, SHRINK * float((raised * gaps / products).mean()) * products)
-        try:
-            step = np.linalg.solve(matrix + np.diag(gaps / raised), aims / raised - gaps - misfit)
-        except np.linalg.LinAlgError:
+    products, reaches = barriers.T
+    m, found = len(products), None
+    for _ in range(MAX_ROUNDS):
+        gaps = standoffs(forces, products, reaches)
+        compliances = np.divide(gaps**2, products, out=np.zeros(m), where=products > 0.0)
+        softened, lifted = matrix.copy(), offset.copy()
+        softened[np.arange(m), np.arange(m)] += compliances
+        lifted[:m] -= gaps + compliances * forces
+        found = solved(softened, lifted, forces)
+        if found is None:
             return None
-        opened = (aims - gaps * step) / raised - gaps
-        shrink = np.concatenate((-step / raised, -opened / gaps)).max()
-        share = min(1.0, TO_BOUNDARY / shrink) if shrink > 0.0 else 1.0
-        raised, gaps = raised + share * step, gaps + share * opened
-    return None
+        before, forces = forces, np.maximum(found[0][:m], 0.0)
+        if np.abs(forces - before).max() <= SETTLED * forces.max():
+            break
+    return found

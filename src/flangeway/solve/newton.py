@@ -27,6 +27,7 @@ it had let back before.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 import scipy.sparse as sp
@@ -422,41 +423,29 @@ class _Run:
 
         Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
         """
-        current, applied, motion = self.current, np.zeros_like(self.displacements), np.zeros(self.parts.n)
+        current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
-            return self.forces, self.tangential, applied, motion
+            return self.forces, self.tangential, applied, np.zeros(self.parts.n)
         geometric, laws = self._laws(bend=bend)
         if (sparse := self._without_matrix(geometric, laws)) is not None:
             return self._sparse_step(geometric, laws, *sparse)
         answer, matrix, offset, rigid = self._problem(geometric, laws, bend=bend)
         directions = laws.directions
-        guess = self.forces > 0.0 if self.forces.any() else offset[: len(self.forces)] < 0.0
-        both = np.concatenate((self.forces, self.tangential))
+        if current.barriers[:, 0].any():
+            law = partial(self._complementary, rigid=rigid)
+            found = complementarity.with_barrier(law, matrix, offset, current.barriers, self.forces)
+        else:
+            found = self._complementary(matrix, offset, self.forces, rigid)
+        if found is None:
+            return None
+        new_forces, motion, self.kept = found
         if self.parts.n:
-            if self.slides is not None:
-                given = matrix, offset, current.coefficients, both, rigid
-                found = coulomb.solve_with_motions(*given, soft=self.soft)
-            else:
-                found = complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
-            if found is None:
-                return None
-            new_forces, motion, self.kept = found
             left = rigid.resultants @ new_forces + rigid.stiffness @ motion + rigid.residual
             left -= self.kept[0] @ (self.kept[0].T @ left)
             beyond = (np.abs(left) > complementarity.LEFT * rigid.loads(new_forces)).any()
             if self.slides is not None and beyond and not self.unheld.any():
                 self.unheld = left / np.linalg.norm(left)
             motion = self.parts.shortened(motion, self.parts.velocities(self.motions, self.reference))
-        else:
-            if self.slides is not None:
-                only = coulomb.solve(matrix, offset, current.coefficients, both)
-            elif current.barriers[:, 0].any():
-                only = complementarity.solve_barrier(matrix, offset, *current.barriers.T)
-            else:
-                only = complementarity.solve(matrix, offset, guess)
-            if only is None:
-                return None
-            new_forces = only
         at_nodes = self.displacements[current.nodes].ravel()
         m = len(new_forces)
         moved = answer[:, :m] @ new_forces + answer[:, m] + answer[:, m + 1 :] @ motion
@@ -464,9 +453,27 @@ class _Run:
         normal, tangential = (new_forces, self.tangential) if self.slides is None else np.split(new_forces, 2)
         return normal, tangential, applied, motion
 
+    def _complementary(
+        self, matrix: Floats, offset: Floats, forces: Floats, rigid: complementarity.Motions
+    ) -> tuple[Floats, Floats, Floats] | None:
+        """Forces, rigid motions, and what of them is kept zero, from normal forces (m,) as the guess; no barrier."""
+        guess = forces > 0.0 if forces.any() else offset[: len(forces)] < 0.0
+        both = np.concatenate((forces, self.tangential))
+        coefficients = self.current.coefficients
+        if self.parts.n and self.slides is not None:
+            return coulomb.solve_with_motions(matrix, offset, coefficients, both, rigid, soft=self.soft)
+        if self.parts.n:
+            return complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
+        if self.slides is not None:
+            only = coulomb.solve(matrix, offset, coefficients, both)
+        else:
+            only = complementarity.solve(matrix, offset, guess)
+        return None if only is None else (only, np.zeros(0), self.kept)
+
     def _without_matrix(self, geometric: sp.csr_array, laws: Constrained) -> tuple[coulomb.SolvedRows, Floats] | None:
         """See `BodyResponse.constrained`; None where a dense matrix of the constraints serves."""
-        if self.slides is None or self.parts.n or len(laws.violations) <= MOST_DENSE:
+        barrier = self.current.barriers[:, 0].any()
+        if self.slides is None or self.parts.n or barrier or len(laws.violations) <= MOST_DENSE:
             return None
         return self.response.constrained(self.rotations, self.current.nodes, geometric, laws)
 
