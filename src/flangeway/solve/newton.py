@@ -51,6 +51,7 @@ pairs from its second iteration on.
 
 CYCLE = 4
 """Iterations at the end among which one changes constraints where these come and go."""
+
 HALVE_AFTER = 16
 """Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
 
@@ -457,16 +458,15 @@ class _Run:
         self, matrix: Floats, offset: Floats, forces: Floats, rigid: complementarity.Motions
     ) -> tuple[Floats, Floats, Floats] | None:
         """Forces, rigid motions, and what of them is kept zero, from normal forces (m,) as the guess; no barrier."""
-        guess = forces > 0.0 if forces.any() else offset[: len(forces)] < 0.0
-        both = np.concatenate((forces, self.tangential))
-        coefficients = self.current.coefficients
-        if self.parts.n and self.slides is not None:
-            return coulomb.solve_with_motions(matrix, offset, coefficients, both, rigid, soft=self.soft)
-        if self.parts.n:
-            return complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
         if self.slides is not None:
-            only = coulomb.solve(matrix, offset, coefficients, both)
+            given = matrix, offset, self.current.coefficients, np.concatenate((forces, self.tangential))
+            if self.parts.n:
+                return coulomb.solve_with_motions(*given, rigid, soft=self.soft)
+            only = coulomb.solve(*given)
         else:
+            guess = forces > 0.0 if forces.any() else offset < 0.0
+            if self.parts.n:
+                return complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
             only = complementarity.solve(matrix, offset, guess)
         return None if only is None else (only, np.zeros(0), self.kept)
 

@@ -17,7 +17,7 @@ from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideSt
 from flangeway.railway.spatial.side_newton import SideNewton, solve_side, transferred, transferred_creep
 from flangeway.railway.spatial.spatial_contact import SpatialContact, SpatialState, pose_of, signs_of
 from flangeway.railway.spatial.wheel_gap import wheel_gap
-from flangeway.railway.spatial.wheelset_newton import COARSE_FORCES, FINE_RESIDUAL, LOST, WheelsetNewton
+from flangeway.railway.spatial.wheelset_newton import COARSE_FORCES, FINE_RESIDUAL, WheelsetNewton
 from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
@@ -43,6 +43,8 @@ MOST_ROLLING_STEPS = 60
 ROLLING_RESIDUAL, FAST_RESIDUAL, EXACT_RESIDUAL = 0.02, 1e-6, 1e-5
 """Equilibrium residual with friction: where another theory or other cells follow, which change it by as much, by fast
 theories, and by the exact one, which is less sharp."""
+LOST = 5.0
+"""Equilibrium residual with friction on fine cells above which it will not be found."""
 MAX_BENT_MM = (0.4, 0.1, 0.05)
 """Displacements of a cell by creep forces in one step, at most: smaller ones where the search for equilibrium fails."""
 NEARBY, MOST_COARSE = 5.0, 12

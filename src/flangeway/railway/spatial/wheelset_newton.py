@@ -24,8 +24,6 @@ FINE_RESIDUAL = 1e-8
 FINE_TILT_RAD = 1e-9
 FINE_FORCES = 1e-7
 """Change of the forces of a step over their sum."""
-LOST = 5.0
-"""Equilibrium residual with creep forces on fine cells above which it will not be found."""
 MAX_STEPS = 10.0
 """Step over the step limits above which the position is not close by."""
 LOWERING = np.array([False, True, False, True, True])
@@ -89,6 +87,11 @@ class WheelsetNewton:
     def touches(self) -> bool:
         """Whether both wheels touch."""
         return all(each.touching.any() for each in self.sides.values())
+
+    @property
+    def bends(self) -> bool:
+        """Whether creep forces that were found still bend the bodies in part only."""
+        return any(each.bent for each in self.sides.values())
 
     @property
     def reaches_an_end(self) -> bool:
@@ -221,7 +224,7 @@ class WheelsetNewton:
         excess = float((np.abs(step) / limits).max())
         # close by, forces that jump from one patch to another end in circles without
         falls = self.relative.equilibrium_residual < (1.0 - FALLS * self.part) * self._error
-        falls |= any(each.bent for each in self.sides.values())  # creep forces still grow
+        falls |= self.bends  # creep forces still grow
         self.part = min(1.0, 1.5 * self.part) if falls or excess > 1.0 else max(self.part / 1.5, LEAST_PART)
         self._error = self.relative.equilibrium_residual
         return step * min(self.part, 1.0 / excess if excess > 1.0 else 1.0)
@@ -234,8 +237,7 @@ class WheelsetNewton:
         now = self.free & LOWERING if self.lower else self.free
         if self.settles:
             relative = replace(self.relative, lateral_residual=0.0, yaw_residual=0.0)
-            bent = any(each.bent for each in self.sides.values())
-            self.settles = bent or relative.equilibrium_residual > SETTLED
+            self.settles = self.bends or relative.equilibrium_residual > SETTLED
         if self.settles:
             now = now & ~ACROSS[: len(now)]
         step = self._newton_step(now)
@@ -253,8 +255,7 @@ class WheelsetNewton:
         most = share * FINE_FORCES
         if self.creep is None:
             most = min(most, COARSE_FORCES)
-        sides = self.sides.values()
-        moving = any(each.bent for each in sides) or (most < COARSE_FORCES and any(each.changed for each in sides))
+        moving = self.bends or (most < COARSE_FORCES and any(each.changed for each in self.sides.values()))
         loose = self.creep is not None and self.creep.theory == "exact" and self.creep.tolerance > TOLERANCE
         settled = change <= most and not moving and not loose
         if error <= tolerance and float(np.abs(self.tilts - self.bent).max()) <= share * FINE_TILT_RAD and settled:

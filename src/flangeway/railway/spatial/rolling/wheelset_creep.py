@@ -137,7 +137,7 @@ class WheelsetCreep:
 
     def _forces(self, key: tuple[object, ...], contact: RollingContact, motion: Creepages) -> CreepForces:
         if self.theory != "exact":
-            return FAST[self.theory](contact, mean_of(contact, motion))
+            return FAST[self.theory](contact, motion.mean(contact.places[0], contact.row_shares))
         found = self._last[key] = roll(contact, motion, start=self._last.get(key), tolerance=self.tolerance)
         return found
 
@@ -228,11 +228,6 @@ class WheelsetCreep:
         return ((values[1:] - values[0]) / steps[:, None]).T
 
 
-def mean_of(contact: RollingContact, motion: Creepages) -> Creepages:
-    """Creepages of a patch from those of its rows."""
-    return motion.mean(contact.places[0], contact.row_shares)
-
-
 def _forces_of_rows(
     theory: Theory, contact: RollingContact, motions: Sequence[Creepages], parts: Sequence[Floats]
 ) -> Iterator[tuple[Floats, Floats, float]]:
@@ -253,7 +248,7 @@ def _forces_of_rows(
         return
     for motion, part in zip(motions, parts, strict=True):
         changed = replace(contact, pressures=part / contact.areas, origin=origin)
-        found = FAST[theory](changed, mean_of(changed, motion))
+        found = FAST[theory](changed, motion.mean(changed.places[0], changed.row_shares))
         share = part / part.sum()
         rows, ahead = np.outer(share.sum(axis=1), (found.across, found.along)), share @ z * found.across
         yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
