@@ -30,17 +30,17 @@ MAX_LINES = {
     "railway.rigid": 1916,
     "railway.wheelset": 1765,
     "railway.positions": 2499,
-    "railway.spatial": 4093,
+    "railway.spatial": 4091,
     "cases": 8095,
     "campaign": 1944,
-    "tables": 1441,
+    "tables": 1456,
     "report": 8754,
     "validation": 8727,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_757
+MAX_LINES_OF_ALL = 74_770
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -3,6 +3,9 @@
 It is copied into the FMU beside `creep_table.py` and the table, and needs NumPy only.
 """
 
+import atexit
+import ctypes
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -38,6 +41,17 @@ UNITS = {
 SIDES = ("left", "right")
 
 
+def _release_before_exit(fmu: Path) -> None:
+    """Make the FMU's library release its state when Python ends, before the process does.
+
+    The library of pythonfmu3 0.3.4 sets this state to null in a destructor that Linux runs after the state itself was
+    destroyed. It then writes to freed memory, and a program may end with "corrupted double-linked list".
+    """
+    library = fmu / "binaries" / "x86_64-linux" / "WheelsetCreepForces.so"
+    if sys.platform == "linux" and library.is_file():
+        atexit.register(ctypes.CDLL(str(library)).finalizePythonInterpreter)
+
+
 class WheelsetCreepForces(Fmi3Slave):  # type: ignore[misc]
     """Contact and creep forces of both wheels."""
 
@@ -46,8 +60,9 @@ class WheelsetCreepForces(Fmi3Slave):  # type: ignore[misc]
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__(**kwargs)
-        resources = kwargs.get("resources") or Path(__file__).parent
-        self.table = CreepTable.load(Path(str(resources).removeprefix("file://")) / "creep-table.npz")
+        resources = Path(str(kwargs.get("resources") or Path(__file__).parent).removeprefix("file://"))
+        _release_before_exit(resources.parent)
+        self.table = CreepTable.load(resources / "creep-table.npz")
         lateral, yaw, load = self.table.axes
         self.time = 0.0
         self.register_units([Unit(name, **powers) for name, powers in UNITS.items()])
