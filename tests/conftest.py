@@ -18,7 +18,7 @@ if "PYTEST_XDIST_WORKER" not in os.environ:
 
 import numpy as np
 import pytest
-from hypothesis import settings
+from hypothesis import HealthCheck, settings
 
 from flangeway import cli
 from flangeway.contact import Contact, ContactSystem, NodeToSegment, Penalty, Surface
@@ -31,7 +31,10 @@ from flangeway.problems import Body, Part
 # A commit is judged by the same examples everywhere: 50 of each test, or 1,000 with HYPOTHESIS_PROFILE=ci.
 # HYPOTHESIS_PROFILE=search draws 1,000 new ones at every run.
 # Tests with @settings.get_profile("costly"), whose examples take 0.03 s or more, have a fifth of these numbers.
-checked = settings(settings.get_profile("default"), deadline=None, derandomize=True)
+# No clock decides: a busy machine may take any time for an example and for making it.
+checked = settings(
+    settings.get_profile("default"), deadline=None, derandomize=True, suppress_health_check=[HealthCheck.too_slow]
+)
 settings.register_profile("default", checked, max_examples=50)
 settings.register_profile("commit", checked, max_examples=250)
 settings.register_profile("ci", checked, max_examples=1000)

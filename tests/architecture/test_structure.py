@@ -12,35 +12,35 @@ MAX_FILES = 20
 
 MAX_LINES = {
     "": 745,
-    "system": 776,
+    "system": 788,
     "exact": 1106,
     "geometry": 1353,
-    "mesh": 3577,
-    "formats": 2009,
+    "mesh": 3610,
+    "formats": 2004,
     "elements": 1948,
-    "space": 942,
+    "space": 916,
     "materials": 398,
-    "problems": 2899,
+    "problems": 2876,
     "solve": 4312,
-    "contact": 7269,
+    "contact": 7287,
     "post": 2049,
     "forms": 366,
-    "railway.profiles": 3752,
-    "railway.track": 568,
-    "railway.rigid": 1916,
-    "railway.wheelset": 1765,
+    "railway.profiles": 3746,
+    "railway.track": 579,
+    "railway.rigid": 1913,
+    "railway.wheelset": 1760,
     "railway.positions": 2499,
-    "railway.spatial": 4091,
-    "cases": 8095,
+    "railway.spatial": 4079,
+    "cases": 8012,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8754,
-    "validation": 8727,
+    "report": 8714,
+    "validation": 8724,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_770
+MAX_LINES_OF_ALL = 74_638
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

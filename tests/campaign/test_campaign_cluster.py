@@ -115,7 +115,7 @@ def test_a_scheduler_that_ends_is_told_and_rows_are_kept(scheduler, tmp_path):
     start = time.monotonic()
     with pytest.raises(InputError, match="it is gone"):
         run_campaign(Campaign.from_file(file), tmp_path / "c.sqlite", scheduler=address, progress=end_scheduler)
-    assert time.monotonic() - start < 60.0
+    assert time.monotonic() - start < 300.0
     assert results(tmp_path / "c.sqlite").rows["status"].count("converged") >= ended[0] > 0
 
 

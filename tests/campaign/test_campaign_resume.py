@@ -113,7 +113,7 @@ def synthetic(tmp_path):
     def run(file, database, n_kills=0, **others):
         done = subprocess.run(
             [sys.executable, "drive.py", file, database, str(n_kills)],
-            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=240, env=environment(tmp_path, **others),
+            cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300, env=environment(tmp_path, **others),
         )  # fmt: skip
         assert done.returncode == 0, done.stderr
         return done.stdout
@@ -192,7 +192,8 @@ def start(folder, *arguments, own_group=False):
 
 def wait_for_rows(database, n_rows, process):
     """Wait until some rows are done."""
-    for _ in range(600):
+    deadline = time.monotonic() + 300.0
+    while time.monotonic() < deadline:
         time.sleep(0.05)
         assert process.poll() is None, process.communicate()
         if database.is_file():
@@ -238,8 +239,8 @@ def test_the_command_is_killed_refused_interrupted_and_goes_on(synthetic, tmp_pa
     workers = workers_of(first)
     assert len(workers) == len(os.sched_getaffinity(0))
     first.kill()
-    first.communicate(timeout=60)
-    deadline = time.monotonic() + 10.0
+    first.communicate(timeout=300)
+    deadline = time.monotonic() + 120.0
     while any(map(is_alive, workers)):
         assert time.monotonic() < deadline, "workers outlived the coordinator"
         time.sleep(0.05)
@@ -248,7 +249,7 @@ def test_the_command_is_killed_refused_interrupted_and_goes_on(synthetic, tmp_pa
     interrupted = start(tmp_path, file)
     wait_for_rows(database, before + 1, interrupted)
     interrupted.send_signal(signal.SIGINT)
-    out, err = interrupted.communicate(timeout=60)
+    out, err = interrupted.communicate(timeout=300)
     assert interrupted.returncode == 130
     assert "goes on from there" in err
     assert "Traceback" not in err
@@ -256,7 +257,7 @@ def test_the_command_is_killed_refused_interrupted_and_goes_on(synthetic, tmp_pa
     assert before < n_done(database) < 60
 
     last = start(tmp_path, file)
-    out, err = last.communicate(timeout=120)
+    out, err = last.communicate(timeout=300)
     assert last.returncode == 0, err
     assert "60 converged" in out
     assert re.search(r"\d+ of 60 rows; (time left not known yet|\d+:\d\d:\d\d left|done)", err)
@@ -267,13 +268,13 @@ def test_an_interruption_while_workers_start_prints_no_traceback(synthetic, tmp_
     """Ctrl-C goes to all processes of the terminal; those that are still importing end without a traceback."""
     (tmp_path / "c.toml").write_text('case = "sum"\n[vary]\na = { from = 11, to = 70, n = 60 }\n', encoding="utf-8")
     process = start(tmp_path, tmp_path / "c.toml", own_group=True)
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + 300.0
     while len(children(process.pid)) < 2:  # the server of forks and the tracker of resources
         assert time.monotonic() < deadline
         time.sleep(0.002)
     time.sleep(delay)
     os.killpg(process.pid, signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=300)
     assert process.returncode == 130
     assert "Traceback" not in err
 
@@ -320,8 +321,11 @@ def kill_first_worker():
     """Wait for a worker of this process, let it work a moment, and kill it."""
     while True:
         time.sleep(0.02)
-        servers = [pid for pid in children(os.getpid()) if "forkserver" in Path(f"/proc/{pid}/cmdline").read_text()]
-        workers = [pid for server in servers for pid in children(server)]
+        try:
+            servers = [pid for pid in children(os.getpid()) if "forkserver" in Path(f"/proc/{pid}/cmdline").read_text()]
+            workers = [pid for server in servers for pid in children(server)]
+        except OSError:  # a child that has just ended
+            continue
         if workers:
             time.sleep(0.5)
             os.kill(workers[0], signal.SIGKILL)

@@ -218,7 +218,7 @@ VALUES = st.recursive(PLAIN | TABLES, lambda inner: st.lists(inner, max_size=3),
 KEYS = st.sampled_from(sorted({key for case in CASES.values() for key in case.model_fields})) | st.text(max_size=6)
 
 
-@settings(deadline=timedelta(seconds=20), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=timedelta(minutes=5), suppress_health_check=list(HealthCheck))
 @given(name=st.sampled_from(sorted(CASES)), values=st.dictionaries(KEYS, VALUES, max_size=4))
 def test_any_values_give_a_case_or_an_input_error(name, values):
     """Whatever stands in a file, the checker ends with a case or with an error for the user."""
@@ -230,7 +230,7 @@ def test_any_values_give_a_case_or_an_input_error(name, values):
     assert refused.advice if case is None else case.name == name
 
 
-@settings(deadline=timedelta(seconds=20), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=timedelta(minutes=5), suppress_health_check=list(HealthCheck))
 @given(text=st.text(alphabet=st.characters(codec="utf-8"), max_size=60), name=st.sampled_from(sorted(CASES)))
 def test_any_text_gives_a_case_or_an_input_error(tmp_path, text, name):
     """Any text below the name of a case is read or refused with an error for the user."""
@@ -283,7 +283,7 @@ WORDS = st.sampled_from((
 CHANGES = st.tuples(st.integers(0, len(ROWS) - 1), st.sampled_from(["value", "drop", "double", "swap"]), WORDS)
 
 
-@settings(deadline=timedelta(seconds=20), suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(deadline=timedelta(minutes=5), suppress_health_check=list(HealthCheck))
 @example(changes=[(ROWS.index('secondary_edges = "rim"'), "value", "[]")])  # a list of nothing
 @example(changes=[(ROWS.index("size_mm = 5.0"), "value", f"0x{'f' * 5000}")])  # Python writes no such number
 @given(changes=st.lists(CHANGES, min_size=1, max_size=3))

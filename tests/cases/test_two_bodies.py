@@ -1,7 +1,6 @@
 """The general case against answers found without it: exact stresses, Hertz's theory, and itself turned and moved."""
 
 import json
-import re
 from dataclasses import replace
 
 import meshio
@@ -278,7 +277,7 @@ def test_a_push_that_meets_nothing_ends_and_says_so():
 
 
 def test_a_push_is_found_where_corrections_make_the_resistance_jump():
-    """On a mesh with a corner at the contact, augmented Lagrange carries the force to the tolerance of the search."""
+    """On a mesh with a corner at the contact, augmented Lagrange carries the force."""
     run = TwoBodiesCase.from_values(
         {
             "bodies": [
@@ -314,19 +313,17 @@ def test_a_push_is_found_where_corrections_make_the_resistance_jump():
     assert run.contact.state.status.iterations < 10
 
 
-@pytest.mark.parametrize("most", [3, 60])
-def test_a_push_that_fails_tells_why(monkeypatch, most):
-    """Where no contact can be solved the message has the solver's reason, however many trials there were."""
+def test_a_push_that_fails_tells_why(monkeypatch):
+    """Where no contact can be solved the message has the solver's reason."""
 
     def fails(*given, **more):
         state = solve_contact(*given, **more)
         return replace(state, status=Status(False, "no luck", 1)) if state.forces.any() else state
 
     monkeypatch.setattr("flangeway.cases.bodies.pressing.solve_contact", fails)
-    monkeypatch.setattr("flangeway.cases.bodies.pressing.MOST_TRIALS", most)
     run = stack(0.1, motions=[{"body": "upper", "push_N": [0.0, -240.0]}]).run()
     assert not run.status.converged
-    assert re.search(r"at 0\.1\d* along the push: no luck", run.status.message)
+    assert "under the push: no luck" in run.status.message
 
 
 def test_a_pushed_body_hands_its_loads_on():

@@ -103,7 +103,7 @@ def test_interrupting_leaves_nothing(tmp_path, interruptible):
     first = process.stderr.readline()
     time.sleep(0.05)
     process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    out, err = process.communicate(timeout=300)
     assert first == "meshing the wheel\n"
     assert process.returncode == 130
     assert "interrupted; nothing was written" in err
@@ -201,7 +201,7 @@ def test_names_are_completed(typed, completed):
     """The shell gets cases, profiles, sections, keys of the case and choices that begin with what is typed."""
     words = f"flangeway {typed}"
     done = subprocess.run(
-        [sys.executable, "-c", MAIN], capture_output=True, text=True, check=False, timeout=60,
+        [sys.executable, "-c", MAIN], capture_output=True, text=True, check=False, timeout=300,
         env=environment()
         | {"_FLANGEWAY_COMPLETE": "complete_bash", "COMP_WORDS": words, "COMP_CWORD": str(words.count(" "))},
     )  # fmt: skip

@@ -150,7 +150,7 @@ def test_a_real_limit_of_memory_is_told(tmp_path):
         "resource.setrlimit(resource.RLIMIT_AS, (used + 40 * 2**20,) * 2)\n" + MAIN
     )
     process = started(tmp_path, "run", "cook", "--order", "1", "--set", "level=6", code=code)
-    out, err = process.communicate(timeout=120)
+    out, err = process.communicate(timeout=300)
     assert process.returncode == 1, err
     assert "flangeway: out of memory" in err
     assert "Traceback" not in err
@@ -181,7 +181,7 @@ def test_a_killed_run_leaves_no_half_result(tmp_path):
     first = process.stderr.readline()
     time.sleep(0.05)
     process.send_signal(signal.SIGKILL)
-    process.communicate(timeout=60)
+    process.communicate(timeout=300)
     assert first.startswith("meshing")
     assert process.returncode == -signal.SIGKILL
     assert everything(tmp_path) == []

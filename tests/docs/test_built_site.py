@@ -28,6 +28,7 @@ def opened(site, browser):
 
     def open_page(name, width=1400):
         page = browser.new_page(viewport={"width": width, "height": 900})
+        page.set_default_timeout(180_000)  # a busy machine draws slowly
         pages.append(page)
         page.elsewhere = []
         page.on("request", lambda request: page.elsewhere.append(request.url))
@@ -46,7 +47,7 @@ def test_search_works_from_the_disk(opened):
     page = opened("index.html")
     page.click(".md-search__input")
     page.keyboard.type("wavenumber")
-    page.wait_for_selector(".md-search-result__item", state="attached", timeout=20_000)
+    page.wait_for_selector(".md-search-result__item", state="attached")
     links = page.eval_on_selector_all(".md-search-result__link", "links => links.map(link => link.href)")
     assert any("theory/three-dimensions.html" in link for link in links), links
 

@@ -44,7 +44,7 @@ def background(tmp_path):
     for process in reversed(started):
         process.terminate()
     for process in started:
-        process.wait(timeout=30)
+        process.wait(timeout=300)
 
 
 def free_port():

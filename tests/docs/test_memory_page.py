@@ -48,7 +48,7 @@ def environment(folder, **more):
 def ran(folder, *command, **more):
     """Return what a command prints, and its status."""
     done = subprocess.run(
-        command, cwd=folder, capture_output=True, text=True, check=False, env=environment(folder, **more), timeout=120
+        command, cwd=folder, capture_output=True, text=True, check=False, env=environment(folder, **more), timeout=300
     )
     return done.returncode, done.stdout + done.stderr
 

@@ -3,7 +3,6 @@
 import os
 import subprocess
 import sys
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,9 +10,7 @@ import pytest
 from flangeway.campaign import Row
 from flangeway.campaign.chunk import Chunk, compute
 from flangeway.cases import CASES, find_case
-from flangeway.cases.bodies.pressing import _Search
 from flangeway.errors import UnforeseenError
-from flangeway.solve import Status
 from flangeway.system.own_process import in_own_process
 
 FORESEEN = ("foresaw", "Traceback")
@@ -71,14 +68,6 @@ def test_c_processes_that_work_for_others_tell_one_sentence(monkeypatch):
         in_own_process(divmod, 1, 0)
     assert str(caught.value).startswith("an error that nobody foresaw, ZeroDivisionError (")
     assert "\n" not in str(caught.value)
-
-
-def test_c_two_solutions_at_one_distance_end_a_push():
-    """Where the contact jumps at one distance, the search for a push ends without a division by zero."""
-    search = object.__new__(_Search)
-    state = SimpleNamespace(status=Status(False, "", 0))
-    search.scale, search.trials, search._checked = 1.0, 0, lambda best: best
-    assert search._refined((0.5, -1.0, state), (0.5, 2.0, state))[1] == -1.0
 
 
 def test_c_a_push_below_rounding_is_said():
@@ -163,7 +152,7 @@ def test_c_a_wrong_backend_of_matplotlib_does_not_matter(tmp_path):
     """Pictures go to files: a backend for windows that does not exist is not looked for."""
     done = subprocess.run(
         [sys.executable, "-c", "from flangeway.cli import main; main()", "section", "136RE", "--size", "30"],
-        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=120,
+        cwd=tmp_path, capture_output=True, text=True, check=False, timeout=300,
         env={**os.environ, "MPLBACKEND": "nonsense", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
@@ -181,4 +170,4 @@ def test_c_a_reader_that_has_seen_enough_is_no_error(tmp_path):
     process.stdout.close()
     assert process.stderr.read() == ""
     process.stderr.close()
-    assert process.wait(timeout=60) in (0, 1)
+    assert process.wait(timeout=300) in (0, 1)

@@ -328,7 +328,7 @@ def test_broken_files_are_refused(tmp_path, capfd, name, content, word):
     assert capfd.readouterr() == ("", "")
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=list(HealthCheck))
 @given(
     ending=st.sampled_from(["msh", "inp", "vtu", "vtk", "su2", "off", "bdf"]),
     start=st.sampled_from([b"", b"$MeshFormat\n4.1 1 8\n", b"*NODE\n1, 0, 0\n*ELEMENT, TYPE=CPE3\n"]),

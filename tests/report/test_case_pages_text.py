@@ -12,6 +12,7 @@ from flangeway.cases import CASES
 from flangeway.cases.case import GivenText
 from flangeway.cases.case_file import read_case
 from flangeway.cases.section.section_run import TorsionCase
+from flangeway.cases.summary import StatusSummary
 from flangeway.post import corner_stresses
 from flangeway.report import scenes
 from flangeway.report.bodies.bodies_page import bodies_record
@@ -62,9 +63,8 @@ def test_a_page_has_what_there_is_and_no_empty_places(hertz, hertz_text):
 
 def test_a_failure_and_notices_are_marked(hertz):
     """A run that did not converge says so at the top, and names cannot bring HTML into the page."""
-    status = Status(False, "a <b> & c", 3)
-    summary = replace(hertz.summary, notices=["x < y"])
-    page = report_page(bodies_record(replace(hertz, status=status, summary=summary)))
+    summary = replace(hertz.summary, status=StatusSummary(False, "a <b> & c"), notices=["x < y"])
+    page = report_page(bodies_record(replace(hertz, summary=summary)))
     assert 'class="status failed"' in page
     assert "a &lt;b&gt; &amp; c" in page
     assert "<li>x &lt; y</li>" in page

@@ -67,7 +67,7 @@ def test_norms_of_the_exact_function_are_right():
     space = Space(dual(TRIANGLES), Virtual(1))
     norms = error_norms(space, np.zeros(space.n_dofs), lambda p: p.sum(axis=1), np.ones_like)
     assert (norms.l2, norms.h1) == pytest.approx((np.sqrt(7.0 / 6.0), np.sqrt(2.0)), rel=1e-12)
-    assert (norms.relative_l2, norms.relative_h1) == pytest.approx((1.0, 1.0))
+    assert (norms.relative_l2, norms.relative_h1, norms.relative_energy) == pytest.approx((1.0, 1.0, 1.0))
 
 
 def test_functions_of_wrong_shape_or_not_finite_are_refused():

@@ -151,7 +151,7 @@ def test_commands_run_without_the_functions_of_unix(tmp_path):
     (tmp_path / "windows.py").write_text(WITHOUT_UNIX, encoding="utf-8")
     (tmp_path / "loads.toml").write_text(CAMPAIGN, encoding="utf-8")
     command = [sys.executable, "windows.py", "campaign", "loads.toml", "--workers", "2", "--out", "out"]
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=120, check=False)
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=300, check=False)
     assert done.returncode == 0, done.stderr
     rows = (tmp_path / "out" / "results.csv").read_text(encoding="utf-8").splitlines()
     assert [row.split(",")[1] for row in rows[1:]] == ["converged", "converged"], rows

@@ -167,7 +167,7 @@ def test_fmpy_runs_the_fmu_without_flangeway(small, folder, tmp_path):
     script.write_text(textwrap.dedent(RUN_FMU), encoding="utf-8")
     ended = subprocess.run(
         [sys.executable, script, folder / "WheelsetCreepForces.fmu", tmp_path / "found.npy"],
-        check=False, capture_output=True, text=True, timeout=60,
+        check=False, capture_output=True, text=True, timeout=300,
     )  # fmt: skip
     assert ended.returncode == 0, ended.stderr
     found = np.load(tmp_path / "found.npy")

@@ -197,7 +197,12 @@ def init(name: NewName, to: To = None, units: Units = None) -> None:
 
         text = write_template(find_case(name), units_given(units) or "metric")
         file = to or Path(f"{name}.toml")
-        _refuse_existing(file, "choose another name with --to, or remove it")
+        if os.path.lexists(file):
+            raise InputError(
+                f"file {file}, which is there already",
+                "the name of a new file",
+                "choose another name with --to, or remove it",
+            )
         write_together(file.parent, {file.name: text_writer(text)})
         stdout().print(f"{file}: edit it, then flangeway run {file}", markup=False, soft_wrap=True)
 
@@ -256,8 +261,3 @@ def _wheelset(case: "RunnableCase") -> "WheelsetCase":
     raise InputError(
         f"the case {case.name!r}, which is not a wheelset", f"one of: {', '.join(names)}", "choose one of these"
     )
-
-
-def _refuse_existing(file: Path, advice: str) -> None:
-    if os.path.lexists(file):
-        raise InputError(f"file {file}, which is there already", "the name of a new file", advice)

@@ -31,7 +31,7 @@ from flangeway.solve import (
 )
 from flangeway.types import Floats
 
-MOST_DENSE = 4e9
+MOST_DENSE_BYTES = 4e9
 """Bytes of dense matrices up to which bodies are condensed to their surfaces where nothing else is said."""
 
 ITERATION_COPIES = 8
@@ -285,18 +285,13 @@ def press(
             "one StepSettings for all motions, or one for each",
             "give as many as there are motions",
         )
-    if path is None:
-        needed = condensed_bytes(system.surface_nodes)
-        floating = loads or any(part.body.freedom.n_motions for part in system.parts)
-        if any(each.friction_coefficient for each in contacts) and not floating:
-            needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
-        path = "condensed" if needed <= MOST_DENSE else "sparse"
-    if not isinstance(path, str) or path not in PATHS:
-        raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
     optional = [("steps", each, StepSettings) for each in settings_of]
     for name, value, kind in (*optional, ("settings", settings, NewtonSettings)):
         if not isinstance(value, kind | None):
             raise refused("press", name, value, f"{kind.__name__}(...)", "leave it out")
+    path = _usual_path(system, floating=bool(loads)) if path is None else path
+    if not isinstance(path, str) or path not in PATHS:
+        raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
     response = response or PATHS[path](system.surface_nodes)
     done: list[LoadStep] = []
 
@@ -341,6 +336,15 @@ def press(
             more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
             state = replace(state, status=replace(state.status, message=state.status.message + more))
     return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
+
+
+def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed", "sparse"]:
+    """The path where nothing else is said, see `press`; `floating`: whether a load moves a part that is held."""
+    needed = condensed_bytes(system.surface_nodes)
+    floating = floating or any(part.body.freedom.n_motions for part in system.parts)
+    if any(each.friction_coefficient for each in system.contacts) and not floating:
+        needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
+    return "condensed" if needed <= MOST_DENSE_BYTES else "sparse"
 
 
 def _moved(

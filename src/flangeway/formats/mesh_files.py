@@ -121,7 +121,7 @@ def _read_meshio(file: Path) -> DrawnMesh:
 
 def _read_version_4(file: Path) -> DrawnMesh:
     """Read Gmsh's version 4.0, which meshio does not, by way of 4.1 written by Gmsh."""
-    with tempfile.TemporaryDirectory() as folder, gmsh_model("flangeway", _OPTIONS) as gmsh:
+    with tempfile.TemporaryDirectory() as folder, gmsh_model(_OPTIONS) as gmsh:
         newer = Path(folder) / file.name
         try:
             gmsh.merge(str(file))

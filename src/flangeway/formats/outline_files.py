@@ -9,7 +9,7 @@ from flangeway.formats.drawn_section import DrawnSection
 from flangeway.formats.outline_csv import csv_section
 from flangeway.formats.outline_dxf import dxf_section
 from flangeway.formats.outline_toml import toml_section
-from flangeway.system.file_content import file_content
+from flangeway.system.file_content import file_content, utf8_text
 
 ENDINGS = (".toml", ".csv", ".dxf")
 
@@ -45,12 +45,7 @@ def read_section(path: str | Path, *, unit: str | None = None, mirrored: bool = 
 
 
 def _text(content: bytes) -> str:
-    try:
-        text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as reason:
-        raise InputError(
-            f"bytes that are no text (byte {reason.start})", "text in UTF-8", "check the format, or save it as UTF-8"
-        ) from reason
+    text = utf8_text(content)
     if "\0" in text:
         raise InputError("bytes that are no text (a zero byte)", "text in UTF-8", "check the format of the file")
     return text

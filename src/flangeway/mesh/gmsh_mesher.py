@@ -85,7 +85,7 @@ def load_gmsh() -> Any:
 
 
 @contextmanager
-def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
+def gmsh_model(options: Mapping[str, float]) -> Iterator[Any]:
     """Give gmsh with a new, empty model that is removed at the end, and options by name for its time.
 
     If the caller has initialised Gmsh, the options and the current model are restored; if not, Gmsh is finalised. One
@@ -102,7 +102,7 @@ def gmsh_model(name: str, options: Mapping[str, float]) -> Iterator[Any]:
         try:
             for option, value in options.items():
                 gmsh.option.setNumber(option, value)
-            gmsh.model.add(name)
+            gmsh.model.add("flangeway")
             try:
                 yield gmsh
             finally:
@@ -244,7 +244,7 @@ def _refuse_algorithm(algorithm: str) -> None:
 
 
 def _meshed(region: Region, size: float, refinements: Sequence[Refinement], algorithm: str) -> PolyMesh:
-    with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+    with gmsh_model(OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
         loops = [_add_loop(gmsh.model.geo, loop) for loop in region.loops]
         surface = gmsh.model.geo.addPlaneSurface(
             [gmsh.model.geo.addCurveLoop([curve for curve, _ in loop]) for loop in loops]
@@ -260,7 +260,7 @@ def _meshed_section(
     parts: dict[str, Region], size: float, refinements: Sequence[Refinement], algorithm: str
 ) -> PolyMesh:
     section = Section(parts)
-    with gmsh_model("flangeway", OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
+    with gmsh_model(OPTIONS | {"Mesh.Algorithm": ALGORITHMS[algorithm]}) as gmsh:
         surfaces = _fragments(gmsh, section)
         seeds = [[gmsh.model.occ.addPoint(*p, 0.0) for p in r.seeds().tolist()] for r in refinements]
         gmsh.model.occ.synchronize()

@@ -350,3 +350,36 @@ def check_curved_cells(mesh: PolyMesh, cells: NDArray[np.integer], order: int) -
             "arcs and splines that stay inside the cells beside them",
             "refine the mesh at the curve, or take mesh.straight()",
         ) from error
+
+
+def set_numbers(mesh: PolyMesh, names: Iterable[str], what: str) -> Ints:
+    """Return which of the named cell sets each cell is in, numbers from 0, shape (n_cells,).
+
+    Parameters
+    ----------
+    mesh
+        The mesh.
+    names
+        Names of cell sets that cover the mesh once.
+    what
+        What a set has for its cells, such as "material", for messages.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, or a cell is in none of the sets or in several.
+
+    """
+    numbers, times = np.zeros(mesh.n_cells, dtype=np.int64), np.zeros(mesh.n_cells, dtype=np.int64)
+    for number, name in enumerate(names):
+        cells = mesh.cell_set(name)
+        numbers[cells] = number
+        times[cells] += 1
+    if (times != 1).any():
+        cell = int(np.argmax(times != 1))
+        raise InputError(
+            f"cell {cell} at {point_text(mesh.cell_centroids[cell])} in {times[cell]} of the given cell sets",
+            f"one {what} for each cell",
+            "give cell sets that cover the mesh once",
+        )
+    return numbers

@@ -12,6 +12,7 @@ from flangeway.elements import Reconstruction, batched, polygon_quadrature
 from flangeway.elements.monomials import n_monomials
 from flangeway.errors import InputError, short
 from flangeway.materials import Material
+from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.problems.loads import Load, TemperatureChange
 from flangeway.problems.strains import STRAIN_PLACES, StrainOperators, strain_operators
 from flangeway.problems.supports import PrescribedDisplacement, RigidHandle, Spring, Support
@@ -120,22 +121,10 @@ class Elasticity:
     @cached_property
     def cell_material(self) -> NDArray[np.int64]:
         """Number of each cell's material, shape (n_cells,)."""
-        mesh = self.space.mesh
-        numbers = np.zeros(mesh.n_cells, dtype=np.int64)
         if isinstance(self.material, Mapping):
-            times = np.zeros(mesh.n_cells, dtype=np.int64)
-            for number, name in enumerate(self.material):
-                cells = mesh.cell_set(name)
-                numbers[cells] = number
-                times[cells] += 1
-            if (times != 1).any():
-                cell = int(np.argmax(times != 1))
-                x, y = mesh.cell_centroids[cell]
-                raise InputError(
-                    f"cell {cell} at ({x:g}, {y:g}) with {times[cell]} materials",
-                    "one material for each cell",
-                    "give cell sets that cover the mesh once",
-                )
+            numbers = set_numbers(self.space.mesh, self.material, "material")
+        else:
+            numbers = np.zeros(self.space.mesh.n_cells, dtype=np.int64)
         numbers.setflags(write=False)
         return numbers
 

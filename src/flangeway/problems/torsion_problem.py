@@ -21,6 +21,7 @@ from flangeway.elements.quadrature import edge_rule, gauss_lobatto
 from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
+from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space import CellBatch, Space, SymmetricMatrix
 from flangeway.types import Floats
 
@@ -126,25 +127,12 @@ class Torsion:
     @cached_property
     def cell_moduli(self) -> Floats:
         """Shear modulus of each cell, shape (n_cells,)."""
-        mesh = self.space.mesh
-        moduli = np.zeros(mesh.n_cells)
-        times = np.zeros(mesh.n_cells, dtype=np.int64)
-        given = self.shear_modulus
-        parts = given.items() if isinstance(given, Mapping) else ((None, given),)
-        for name, modulus in parts:
-            owner = "Torsion" if name is None else f"Torsion, cell set {name!r}"
-            check_positive(owner, "shear_modulus", modulus)
-            cells = slice(None) if name is None else mesh.cell_set(name)
-            moduli[cells] = modulus
-            times[cells] += 1
-        if (times != 1).any():
-            cell = int(np.argmax(times != 1))
-            x, y = mesh.cell_centroids[cell]
-            raise InputError(
-                f"cell {cell} at ({x:g}, {y:g}) with {times[cell]} shear moduli",
-                "one shear modulus for each cell",
-                "give cell sets that cover the mesh once",
-            )
+        mesh, given = self.space.mesh, self.shear_modulus
+        if isinstance(given, Mapping):
+            values = [check_positive(f"Torsion, cell set {name!r}", "shear_modulus", given[name]) for name in given]
+            moduli = np.array(values)[set_numbers(mesh, given, "shear modulus")]
+        else:
+            moduli = np.full(mesh.n_cells, check_positive("Torsion", "shear_modulus", given))
         moduli.setflags(write=False)
         return moduli
 

@@ -72,7 +72,7 @@ UNHELD = 1e-6
 UNHELD_AFTER = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
-MOST_DENSE = 4000
+MOST_DENSE_EQUATIONS = 4000
 """Equations of a contact with friction up to which a dense matrix of them is made where there is another way."""
 
 NAMED = 3
@@ -473,7 +473,7 @@ class _Run:
     def _without_matrix(self, geometric: sp.csr_array, laws: Constrained) -> tuple[coulomb.SolvedRows, Floats] | None:
         """See `BodyResponse.constrained`; None where a dense matrix of the constraints serves."""
         barrier = self.current.barriers[:, 0].any()
-        if self.slides is None or self.parts.n or barrier or len(laws.violations) <= MOST_DENSE:
+        if self.slides is None or self.parts.n or barrier or len(laws.violations) <= MOST_DENSE_EQUATIONS:
             return None
         return self.response.constrained(self.rotations, self.current.nodes, geometric, laws)
 

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from flangeway.checks import as_numbers
 from flangeway.elements import Function
 from flangeway.errors import InputError
+from flangeway.mesh.mesh_checks import set_numbers
 from flangeway.space.functions import at_points
 from flangeway.space.spaces import CellBatch, Space
 from flangeway.types import Bools, Floats
@@ -102,24 +103,11 @@ def _of_function(function: Function, points: Floats, of: str) -> Floats:
 
 def _of_sets(space: Space, given: Mapping[str, ArrayLike]) -> Floats:
     """Tensors of all cells from those of named sets, which must cover the mesh once."""
-    times = np.zeros(space.mesh.n_cells, dtype=np.int64)
     parts = {name: as_numbers(f"the coefficient of cell set `{name}`", value) for name, value in given.items()}
     shapes = {value.shape for value in parts.values()}
     if len(shapes) != 1:
         raise InputError(f"coefficients of shapes {sorted(shapes)}", "one shape", "give matrices to all cell sets")
-    values = np.zeros((space.mesh.n_cells, *shapes.pop()))
-    for name, value in parts.items():
-        cells = space.mesh.cell_set(name)
-        times[cells] += 1
-        values[cells] = value
-    if (times != 1).any():
-        cell = int(np.argmax(times != 1))
-        x, y = space.mesh.cell_centroids[cell]
-        raise InputError(
-            f"cell {cell} at ({x:g}, {y:g}) with {times[cell]} coefficients",
-            "one coefficient for each cell",
-            "give cell sets that cover the mesh once",
-        )
+    values: Floats = np.array(list(parts.values()))[set_numbers(space.mesh, parts, "coefficient")]
     return values
 
 

@@ -13,7 +13,7 @@ from flangeway.elements import Element
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError, OutOfMemoryError, short
 from flangeway.mesh import PolyMesh, check
-from flangeway.mesh.mesh_checks import check_curved_cells
+from flangeway.mesh.mesh_checks import check_curved_cells, set_numbers
 from flangeway.space.core_limits import refuse_large_assembly, refuse_many_threads
 from flangeway.space.symmetric import SymmetricMatrix
 from flangeway.types import Bools, Floats
@@ -132,22 +132,8 @@ class Space:
                 "an element, or one for each name of a cell set",
                 "write Lagrange(2), Virtual(1) or {'name of the set': Virtual(1)}",
             )
-        times = np.zeros(self.mesh.n_cells, dtype=np.int64)
-        regions = []
-        for name, element in self.element.items():
-            if name not in self.mesh.cell_sets:
-                raise InputError(
-                    f"an element for the cell set `{name}`",
-                    f"the mesh's sets: {', '.join(sorted(self.mesh.cell_sets)) or 'none'}",
-                    "name the set with mesh.with_cell_set",
-                )
-            cells = np.asarray(self.mesh.cell_sets[name], dtype=np.int64)
-            times[cells] += 1
-            regions.append((element, cells))
-        if (times != 1).any():
-            cell = int(np.flatnonzero(times != 1)[0])
-            raise InputError(f"cell {cell} has {times[cell]} elements", "one element for each cell", "correct the sets")
-        return tuple(regions)
+        set_numbers(self.mesh, self.element, "element")
+        return tuple((element, self.mesh.cell_sets[name].astype(np.int64)) for name, element in self.element.items())
 
     @property
     def order(self) -> int:

@@ -2,6 +2,7 @@
 
 import csv
 import tomllib
+from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
@@ -34,6 +35,16 @@ def file_content(file: Path, what: str) -> bytes:
     return content
 
 
+def utf8_text(content: bytes) -> str:
+    """Return a text in UTF-8; an `InputError` if it is none."""
+    try:
+        return content.decode("utf-8-sig")
+    except UnicodeDecodeError as reason:
+        raise InputError(
+            f"bytes that are no text (byte {reason.start})", "text in UTF-8", "check the format, or save it as UTF-8"
+        ) from reason
+
+
 def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
     """Return the cells of a line without blanks around them; none of an empty line."""
     try:
@@ -42,6 +53,12 @@ def csv_cells(line: str, number: int, separator: str = ",") -> list[str]:
         raise InputError(
             f"line {number} of {len(line)} characters: {reason}", "short cells", "check that each row has its own line"
         ) from reason
+
+
+def packaged_rows(package: str, name: str) -> list[dict[str, str]]:
+    """Rows of a CSV file in a package's folder ``data`` by column; lines that begin with ``#`` state the source."""
+    text = (files(package) / "data" / name).read_text(encoding="utf-8")
+    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
 
 
 def toml_data(text: str, lines: str) -> dict[str, Any]:

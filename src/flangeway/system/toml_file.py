@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any, ClassVar, Self
 
 from flangeway.errors import InputError
-from flangeway.system.file_content import toml_data
+from flangeway.system.file_content import toml_data, utf8_text
 from flangeway.types import Key
 
 MAX_BYTES = 5_000_000
@@ -56,12 +56,7 @@ class TomlFile:
                 f"{kind.name} {file} of {size} bytes", f"a file of up to {MAX_BYTES} bytes", kind.too_large
             )
         try:
-            text = content.decode("utf-8-sig")
-        except UnicodeDecodeError as reason:
-            raise InputError(
-                f"{file}: bytes that are no text (byte {reason.start})", "text in UTF-8", "save it as UTF-8"
-            ) from reason
-        try:
+            text = utf8_text(content)
             return cls(file, text, toml_data(text, kind.lines))
         except InputError as reason:
             raise InputError(f"{file}: {reason.given}", reason.allowed, reason.advice) from reason

@@ -4,11 +4,11 @@ import csv
 import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from importlib.resources import files
 from pathlib import Path
 
 from flangeway.report.page.tables import SummaryTable
 from flangeway.results import Result, ResultTable
+from flangeway.system.file_content import packaged_rows
 
 
 @dataclass(frozen=True)
@@ -109,8 +109,7 @@ def write_rows(path: Path, rows: Sequence[Row]) -> None:
 
 def published_rows(name: str) -> list[dict[str, str]]:
     """Rows of a published table in ``validation/data`` by column; lines that begin with ``#`` state the source."""
-    text = (files("flangeway.validation") / "data" / name).read_text(encoding="utf-8")
-    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    return packaged_rows("flangeway.validation", name)
 
 
 ROUND_OFF = 1e-10  # numbers below it are shown as such, not with digits that change with the machine

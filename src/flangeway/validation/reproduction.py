@@ -277,9 +277,7 @@ class Reproduction:
             sentences=[" ".join(chapter.text.split())],
             warnings=[*found.failures, *(text for number, text in outside(found.numbers) if number.required)],
             assumptions=remarks,
-            pictures=[
-                Picture(file, partial(draw, found), words[file], words[file]) for file, draw in self.figures.items()
-            ],
+            pictures=[Picture(file, partial(draw, found), words[file]) for file, draw in self.figures.items()],
             tables=[worst_table(found.numbers), *chapter.tables(found), numbers_table(found.numbers)],
             timings_s={"total": found.seconds},
             files=lambda: self._files(found),

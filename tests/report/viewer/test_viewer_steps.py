@@ -196,7 +196,7 @@ def test_buttons_keys_and_play_choose_steps(open_page, page):
     choose(opened, 3)
     button["play"].click()
     assert slider.input_value() == "0"
-    button["play"].wait_for(timeout=10_000)
+    button["play"].wait_for()
     assert slider.input_value() == "3"
     opened.page.wait_for_function(f"{told}.startsWith('Load step 4 of 4')")
     assert opened.errors() == []

@@ -24,6 +24,7 @@ from flangeway.railway.profiles.profile_file import (
     read_profile,
     sections_of,
 )
+from flangeway.railway.profiles.smoothing import Smoothing
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.results import Result, ResultTable
 from flangeway.system.memory_limits import peak_memory_bytes
@@ -158,11 +159,10 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
     running = body.running_surface if body is not None and join is None else surface
     low, high = running.bounds()
     curvatures = np.array([segment.curvature for segment in running.segments])
-    smoothing = profile.smoothing
     arcs = sum(isinstance(segment, Arc) for segment in surface.segments)
     # the origin of a whole rail is on its base, also if that of its file was at the top
     on_base = profile.kind == "rail" and body is not None
-    summary: dict[str, Any] = {
+    return {
         "title": profile.title,
         "format": profile.format,
         "kind": profile.kind,
@@ -187,8 +187,8 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
         "smallest_hollow_radius_mm": _radius(-curvatures.min(initial=0.0)),
         "measures": measures(running, profile.kind),
         "worn_side": None if profile.kind == "wheel" or (side := worn_side(running)) is None else vars(side),
-        "smoothing": None,
-        "join": None,
+        "smoothing": None if profile.smoothing is None else _smoothing_summary(profile.smoothing),
+        "join": None if join is None else _join_summary(join),
         "area_mm2": body.outline.area if body is not None else None,
         "certainty": body.certainty if body is not None else "",
         "source": body.source if body is not None else "",
@@ -196,25 +196,28 @@ def _summary(profile: MeasuredProfile, body: RailProfile | WheelProfile | None, 
         "peak_memory_MB": peak_memory_bytes() / 1e6,
         "versions": versions(),
     }
-    if smoothing is not None:
-        summary["smoothing"] = {
-            "noise_um": smoothing.noise_um,
-            "wavelength_mm": smoothing.wavelength_mm,
-            "rms_deviation_um": smoothing.rms_um,
-            "maximum_deviation_um": smoothing.maximum_um,
-            "limit_um": smoothing.limit_um,
-            "points_held_to_limit": smoothing.n_held,
-        }
-    if join is not None:
-        summary["join"] = {
-            "nominal": join.nominal.title,
-            "area_less_than_nominal_mm2": join.nominal.outline.area - join.profile.outline.area,
-            "joints": [
-                {"name": j.name, "end_mm": list(j.end), "landing_mm": list(j.landing), "gap_mm": j.gap_mm}
-                for j in join.joints
-            ],
-        }
-    return summary
+
+
+def _smoothing_summary(smoothing: Smoothing) -> dict[str, Any]:
+    return {
+        "noise_um": smoothing.noise_um,
+        "wavelength_mm": smoothing.wavelength_mm,
+        "rms_deviation_um": smoothing.rms_um,
+        "maximum_deviation_um": smoothing.maximum_um,
+        "limit_um": smoothing.limit_um,
+        "points_held_to_limit": smoothing.n_held,
+    }
+
+
+def _join_summary(join: Joined) -> dict[str, Any]:
+    return {
+        "nominal": join.nominal.title,
+        "area_less_than_nominal_mm2": join.nominal.outline.area - join.profile.outline.area,
+        "joints": [
+            {"name": j.name, "end_mm": list(j.end), "landing_mm": list(j.landing), "gap_mm": j.gap_mm}
+            for j in join.joints
+        ],
+    }
 
 
 def _frame(profile: MeasuredProfile) -> str:

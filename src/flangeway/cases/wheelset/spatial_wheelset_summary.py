@@ -6,13 +6,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
+from flangeway.cases.summary import Summary, SummaryPart
 from flangeway.cases.wheelset.rolling_summary import RollingSummary, rolling_summary
 from flangeway.cases.wheelset.wheelset_summary import (
     LoadSummary,
     PositionSummary,
     ResidualSummary,
     SideSummary,
+    equilibrium_parts,
 )
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, Rolling
@@ -209,25 +210,8 @@ def summarise_spatial_wheelset(
         Wall-clock time of the computation in seconds.
 
     """
-    equilibrium, load = result.equilibrium, result.problem.load
-    motion, in_space, residual = equilibrium.position, result.position_in_space, equilibrium.residuals
-    along, onto = load.in_track
     return SpatialWheelsetSummary(
-        status=StatusSummary(result.status.converged, result.status.message),
-        position=PositionSummary(
-            *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, result.approach_mm),
-            *(in_space.lateral_mm, in_space.vertical_mm, equilibrium.stable),
-        ),
-        load=LoadSummary(load.vertical_N / 1e3, load.lateral_N / 1e3, load.tilt_rad, along / 1e3, onto / 1e3),
-        residual=ResidualSummary(
-            *(residual.vertical_residual, residual.lateral_residual, residual.moment_residual),
-            residual.equilibrium_residual,
-        ),
-        sides=[
-            SideSummary(side, lateral / 1e3, vertical / 1e3, result.lateral_over_vertical(side))
-            for side in SIDES
-            for lateral, vertical in [result.force_on_wheel_N(side)]
-        ],
+        **equilibrium_parts(result, result.problem.load),
         patches=[patch_summary(patch, result.yield_MPa, result.rolling_of(patch)) for patch in result.patches],
         rails=[RailMotionSummary(side, *result.head_motion(side)) for side in SIDES],
         rolling=rolling_summary(result),

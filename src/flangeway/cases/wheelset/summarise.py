@@ -5,7 +5,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from flangeway.cases.summary import StatusSummary
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
 from flangeway.cases.wheelset.wheelset_summary import (
@@ -13,19 +12,16 @@ from flangeway.cases.wheelset.wheelset_summary import (
     ContactSummary,
     FilletSummary,
     HoldingSummary,
-    LoadSummary,
     MeshSummary,
     OtherEquilibrium,
-    PositionSummary,
     ReactionSummary,
-    ResidualSummary,
     RigidContactSummary,
     RigidSummary,
-    SideSummary,
     StressSummary,
     SubsurfaceSummary,
     SupportSummary,
     WheelsetSummary,
+    equilibrium_parts,
 )
 from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 from flangeway.post import cell_stresses
@@ -54,32 +50,15 @@ def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> W
         Wall-clock time of the computation in seconds.
 
     """
-    equilibrium, load = result.equilibrium, result.model.problem.load
-    motion, in_space, residual = equilibrium.position, result.position_in_space, equilibrium.residuals
-    along, onto = load.in_track
     timings = {name.replace("-", "_"): seconds for name, seconds in result.timings_s.items()}
     return WheelsetSummary(
-        status=StatusSummary(result.status.converged, result.status.message),
-        position=PositionSummary(
-            *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, result.approach_mm),
-            *(in_space.lateral_mm, in_space.vertical_mm, equilibrium.stable),
-        ),
+        **equilibrium_parts(result, result.model.problem.load),
         other_equilibria=[
             OtherEquilibrium(
                 *(each.position.vertical_mm, each.position.lateral_mm, each.position.roll_rad, each.stable),
                 each.residuals.equilibrium_residual,
             )
             for each in result.others
-        ],
-        load=LoadSummary(load.vertical_N / 1e3, load.lateral_N / 1e3, load.tilt_rad, along / 1e3, onto / 1e3),
-        residual=ResidualSummary(
-            *(residual.vertical_residual, residual.lateral_residual, residual.moment_residual),
-            residual.equilibrium_residual,
-        ),
-        sides=[
-            SideSummary(side, lateral / 1e3, vertical / 1e3, result.lateral_over_vertical(side))
-            for side in SIDES
-            for lateral, vertical in [result.force_on_wheel_N(side)]
         ],
         contacts=[_contact(result, patch) for patch in result.patches],
         rigid=_rigid(result),
@@ -189,9 +168,9 @@ def _rigid(result: WheelsetResult) -> RigidSummary:
         points = [replace(point, normal_force_N=0.0) for point in contact_points(touching, range(1))]
     else:
         motion, points = position.motion, list(position.contacts)
-    lateral, vertical = result.model.problem.load.to_space(motion.lateral_mm, motion.vertical_mm)
+    in_space = motion.turned(result.model.problem.load.tilt_rad)
     return RigidSummary(
-        *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, lateral, vertical),
+        *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, in_space.lateral_mm, in_space.vertical_mm),
         [_rigid_contact(result, point, position) for point in points],
     )
 

@@ -2,9 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
-from flangeway.cases.summary import Summary, SummaryPart
-from flangeway.railway.track.placements import Side
+from flangeway.cases.summary import StatusSummary, Summary, SummaryPart
+from flangeway.railway.spatial.spatial_result import SpatialResult
+from flangeway.railway.track.placements import SIDES, Side
+from flangeway.railway.track.wheelset_load import WheelsetLoad
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 # ruff: noqa: N815 (units in names)
 
@@ -94,6 +98,29 @@ class SideSummary(SummaryPart):
     lateral_force_kN: float
     vertical_force_kN: float
     lateral_over_vertical: float | None
+
+
+def equilibrium_parts(result: WheelsetResult | SpatialResult, load: WheelsetLoad) -> dict[str, Any]:
+    """Status, position, load, residuals and forces on both wheels: the parts that all summaries of wheelsets have."""
+    equilibrium, in_space = result.equilibrium, result.position_in_space
+    motion, residuals, (along, onto) = equilibrium.position, equilibrium.residuals, load.in_track
+    return {
+        "status": StatusSummary(result.status.converged, result.status.message),
+        "position": PositionSummary(
+            *(motion.vertical_mm, motion.lateral_mm, motion.roll_rad, result.approach_mm),
+            *(in_space.lateral_mm, in_space.vertical_mm, equilibrium.stable),
+        ),
+        "load": LoadSummary(load.vertical_N / 1e3, load.lateral_N / 1e3, load.tilt_rad, along / 1e3, onto / 1e3),
+        "residual": ResidualSummary(
+            *(residuals.vertical_residual, residuals.lateral_residual, residuals.moment_residual),
+            residuals.equilibrium_residual,
+        ),
+        "sides": [
+            SideSummary(side, lateral / 1e3, vertical / 1e3, result.lateral_over_vertical(side))
+            for side in SIDES
+            for lateral, vertical in [result.force_on_wheel_N(side)]
+        ],
+    }
 
 
 @dataclass(frozen=True)

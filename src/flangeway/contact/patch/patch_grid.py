@@ -174,9 +174,11 @@ def grid_of(
     *,
     force: float | None = None,
     approach: float | None = None,
-    across: int = USUAL_ACROSS,
 ) -> PatchGrid:
     """Window about the patch, and cells in it, from the contact of half-spaces with the bodies' gaps.
+
+    There are `USUAL_ACROSS` cells across the patch in each direction, but for cells that are three times as long as
+    wide.
 
     Parameters
     ----------
@@ -184,8 +186,6 @@ def grid_of(
         The bodies, the second one above.
     force, approach
         Force along y, or approach from first touch: one of them.
-    across
-        Number of cells across the patch in each direction, but for cells that are three times as long as wide.
 
     Raises
     ------
@@ -224,10 +224,20 @@ def grid_of(
             break
         widened, window = True, np.array([[overlaps.min() - reach, overlaps.max() + reach], window[1]])
         count = min(int(COARSE * np.ptp(window[0]) / sizes[0]) + 1, MOST_CELLS)
+    return _fitted((first, second), window, grid.bounds, gaps, loaded)
+
+
+def _fitted(
+    bodies: tuple[PatchBody, PatchBody], window: Floats, bounds: Floats, gaps: GridGaps, loaded: Bools
+) -> PatchGrid:
+    """Window and cells for what is loaded on even cells of a window (2, 2), by their bounds; see `grid_of`."""
+    (first, second), sides = bodies, _sides(loaded)
+    patch = np.array([_extent(used, side) for used, side in zip(sides, window, strict=True)])
+    extents = np.ptp(patch, axis=1)
     met = np.isfinite(gaps.values)
     free = met.min(axis=1), met.min(axis=0)
-    room = np.array([_extent(_run(*each), side) for *each, side in zip(free, _sides(loaded), window, strict=True)])
-    if cut.any() or (patch <= room[:, :1]).any() or (patch >= room[:, 1:]).any():
+    room = np.array([_extent(_run(*each), side) for *each, side in zip(free, sides, window, strict=True)])
+    if (patch <= room[:, :1]).any() or (patch >= room[:, 1:]).any():
         raise InputError(
             f"a contact patch of {extents[0]:.4g} by {extents[1]:.4g} that reaches the end of the contact surface of "
             f"{first.name!r} or {second.name!r}",
@@ -235,12 +245,12 @@ def grid_of(
             "lower the force, name more edges as contact surfaces, or check the positions of the bodies",
         )
     rows = [[inside.sum(axis=axis).max() for axis in (0, 1)] for inside in separate_patches(loaded)]
-    narrowest = np.min(rows, axis=0) * sizes / loaded.shape
+    narrowest = np.min(rows, axis=0) * np.ptp(window, axis=1) / loaded.shape
     # cells are not smaller than the edges below them, if enough of them fit
     low, high = np.clip(patch + MARGIN * extents[:, None] * [-1.0, 1.0], room[:, :1], room[:, 1:]).T
-    others = np.interp([low[0], high[0]], grid.bounds, gaps.others)
+    others = np.interp([low[0], high[0]], bounds, gaps.others)
     longest = max(first.longest_edge(low[0], high[0]), second.longest_edge(*np.sort(others)))
-    cells = np.maximum(narrowest / across, [min(longest, narrowest[0] / (LEAST_ACROSS + 2)), 0.0])
+    cells = np.maximum(narrowest / USUAL_ACROSS, [min(longest, narrowest[0] / (LEAST_ACROSS + 2)), 0.0])
     cells = np.minimum(cells, LENGTHENED * cells.min())
     counts = np.ceil((high - low) / cells - 1e-9).astype(int)
     if counts[0] > MOST_CELLS:

@@ -168,7 +168,6 @@ def fastsim_rows(
     speed: float,
     *,
     parabolic: bool = True,
-    n_steps: int = STEPS,
 ) -> tuple[Floats, Floats]:
     """Forces of `fastsim` on the rows of cells of a patch for m ellipses with creepages at once.
 
@@ -180,7 +179,7 @@ def fastsim_rows(
     s0, z0 = np.array([each.centre for each in ellipses]).T[..., None]
     y = direction * (contact.places[0] - s0)
     half = a * np.sqrt(np.maximum(1.0 - (y / b) ** 2, 0.0))
-    x = half * np.cos(np.pi * np.arange(n_steps + 1) / n_steps)[:, None, None]
+    x = half * np.cos(np.pi * np.arange(STEPS + 1) / STEPS)[:, None, None]
     share = np.maximum(1.0 - (x / a) ** 2 - (y / b) ** 2, 0.0)
     pressures = force / (np.pi * a * b) * (2.0 * share if parabolic else 1.5 * np.sqrt(share))
     flexibilities = np.array([_flexibilities(each) for each in ellipses]).T[..., None]

@@ -15,7 +15,7 @@ from flangeway.contact.rolling.friction_solver import SlipOperator
 from flangeway.errors import InputError
 from flangeway.exact import half_space_influence
 from flangeway.materials import Elastic
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 BEYOND = 2
 """Strips beyond the grid at each end, whose displacements are needed."""
@@ -192,8 +192,7 @@ class RollingContact:
     @cached_property
     def box(self) -> tuple[slice, slice]:
         """Rows and strips of the cells under pressure."""
-        rows, strips = (np.flatnonzero(self.pressures.any(axis=axis)) for axis in (1, 0))
-        return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
+        return box_of(self.pressures > 0.0)
 
     def under(self, pressures: Floats, near: "RollingContact | None" = None) -> "RollingContact":
         """The same cells under other pressures; operators are shared, and the box holds that of a near contact too."""
@@ -256,6 +255,12 @@ class RollingContact:
     def _displacements(self, forces: Floats) -> Floats:
         padded = np.pad(forces, ((0, 0), (0, 0), (BEYOND, BEYOND)))
         return self._beyond(padded.reshape(3 * len(forces), -1)).reshape(padded.shape)
+
+
+def box_of(cells: Bools) -> tuple[slice, slice]:
+    """Rows and strips of the smallest box about cells, of truth values of shape (n_cells, n_strips)."""
+    rows, strips = (np.flatnonzero(cells.any(axis=axis)) for axis in (1, 0))
+    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
 
 
 def pair_coefficients(pair: PatchPair, n_distances: int) -> Floats:

@@ -1,11 +1,9 @@
 """Rail and wheel profiles that come with the package, as outlines in mm, and rails as sections."""
 
-import csv
 import difflib
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from importlib.resources import files
 
 import numpy as np
 
@@ -14,12 +12,14 @@ from flangeway.formats import DrawnSection
 from flangeway.geometry import Arc, Contour, Line, Outline, Placement, Region, Section, Segment
 from flangeway.geometry.arrays import Point, as_point
 from flangeway.railway.profiles.wheel_contours import (
+    DATA,
     FINE_TOLERANCE_MM,
     HEAVY_HAUL_TAPE_MM,
     heavy_haul_contour,
     reference_contour,
     s1002_contour,
 )
+from flangeway.system.file_content import packaged_rows
 
 _RAIL_FILES: Mapping[str, Mapping[float | None, str]] = {
     "136RE": {10.0: "136RE_R10_A_arcs.csv", 8.0: "136RE_R8_A_arcs.csv", 14.0: "136RE_R14_arcs.csv"},
@@ -383,9 +383,7 @@ def _read_segments(file: str, first: str, second: str, *, sign: float = 1.0) -> 
     `first` and `second` are the names of the columns of both coordinates, with braces for 0, 1, c;
     both are multiplied by `sign`.
     """
-    text = (files("flangeway.railway.profiles") / "data" / file).read_text(encoding="utf-8")
-    rows = csv.DictReader(line for line in text.splitlines() if not line.startswith("#"))
-    return {row["name"]: _segment(row, first, second, sign) for row in rows}
+    return {row["name"]: _segment(row, first, second, sign) for row in packaged_rows(DATA, file)}
 
 
 def _segment(row: Mapping[str, str], first: str, second: str, sign: float) -> Segment:

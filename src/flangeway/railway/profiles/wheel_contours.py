@@ -3,10 +3,8 @@
 They go from the flange's back to the rim, in the frame of a right-hand wheel: x from the tape line, y up, mm.
 """
 
-import csv
 import math
 from functools import cache
-from importlib.resources import files
 from typing import TypeAlias
 
 import numpy as np
@@ -15,6 +13,9 @@ from flangeway.formats.drawn_section import DrawnSegment
 from flangeway.geometry import Arc, Contour, FloatArray, Line, Point, Segment
 from flangeway.railway.profiles.formats.segment_files import GAP_MM, closed_gaps
 from flangeway.railway.profiles.smoothing import biarcs
+from flangeway.system.file_content import packaged_rows
+
+DATA = "flangeway.railway.profiles"
 
 Named: TypeAlias = tuple[str, Segment]
 
@@ -100,7 +101,7 @@ _NAMES = (
 
 def heavy_haul_contour() -> Contour:
     """Return the nine arcs of the heavy-haul wheel from the flange's back over the rim's edge."""
-    rows = _rows("heavy_haul_wheel_arcs.csv")
+    rows = packaged_rows(DATA, "heavy_haul_wheel_arcs.csv")
     back = float(rows[0]["yc"]) - float(rows[0]["R"])
     tape = back + HEAVY_HAUL_TAPE_MM
     tread = rows[6]
@@ -124,7 +125,7 @@ def reference_contour(name: str) -> Contour:
     The rounding of its formulas leaves gaps of micrometres between the pieces; they are closed in their middle.
     """
     drawn = []
-    for row in (row for row in _rows("EN15302_profiles.csv") if row["profile"] == name):
+    for row in (row for row in packaged_rows(DATA, "EN15302_profiles.csv") if row["profile"] == name):
         height, ends = float(row["z_mm"]), (float(row["y0_mm"]), float(row["y1_mm"]))
         if row["slope"]:
             start, end = ((y, -(height + float(row["slope"]) * y)) for y in ends)
@@ -135,8 +136,3 @@ def reference_contour(name: str) -> Contour:
         drawn.append(DrawnSegment(start, end, (middle, -height), root > 0.0, name=row["name"]))
     closed = closed_gaps(drawn, GAP_MM)[0]
     return Contour.from_segments([each.checked() for each in closed], [each.name for each in closed])
-
-
-def _rows(file: str) -> list[dict[str, str]]:
-    text = (files("flangeway.railway.profiles") / "data" / file).read_text(encoding="utf-8")
-    return list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))

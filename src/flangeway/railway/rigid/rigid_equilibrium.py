@@ -16,7 +16,7 @@ from flangeway.errors import InputError
 from flangeway.exact import LineContact
 from flangeway.railway.rigid.rigid_geometry import PATH_STEP_MM, Intervals, RigidGeometry, TouchingPositions
 from flangeway.railway.rigid.rigid_locus import ContactLocus
-from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.solve import Status
 from flangeway.types import Floats
@@ -97,10 +97,7 @@ class RigidPosition:
     def lateral_over_vertical(self, side: Side) -> float:
         """Ratio L/V of a wheel's forces in the track's axes, positive if the rail is pushed outward; nan if none."""
         forces = np.array([point.force_on_wheel_N for point in self.contacts if point.side == side]).reshape(-1, 2)
-        total = forces.sum(axis=0)
-        if not total[1] > 0.0:
-            return math.nan
-        return float(total[0] / total[1]) * (-1.0 if side == "right" else 1.0)
+        return lateral_over_vertical(forces.sum(axis=0), side)
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,7 +19,7 @@ from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.spatial.supported_rail import SupportedRail, supported_rail
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
+from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
@@ -99,9 +99,7 @@ class SpatialResult:
     @property
     def position_in_space(self) -> WheelsetPosition:
         """The position along horizontal and vertical."""
-        position = self.equilibrium.position
-        lateral, vertical = self.problem.load.to_space(position.lateral_mm, position.vertical_mm)
-        return WheelsetPosition(lateral, vertical, position.roll_rad)
+        return self.equilibrium.position.turned(self.problem.load.tilt_rad)
 
     def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
         """Contact force on the wheel of a side with creep forces, axes of the track, shape (2,)."""
@@ -153,11 +151,8 @@ class SpatialResult:
         return sign * float(lateral), float(vertical), sign * float(roll), float(outward)
 
     def lateral_over_vertical(self, side: Side) -> float:
-        """Ratio L/V of a wheel's contact force, positive where it pushes the rail outwards; nan without contact."""
-        lateral, vertical = self.force_on_wheel_N(side)
-        if not vertical > 0.0:
-            return float("nan")
-        return float(lateral / vertical) * -SIDE_SIGN[side]
+        """Ratio L/V of a wheel's contact force, see `flangeway.railway.track.placements.lateral_over_vertical`."""
+        return lateral_over_vertical(self.force_on_wheel_N(side), side)
 
 
 def solve_spatial(

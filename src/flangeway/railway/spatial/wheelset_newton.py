@@ -43,8 +43,8 @@ MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
 LEAST_TRUST = 0.25
 """Least factor on the first. Where friction is exhausted torque hardly changes with the rate: whole steps go round."""
-N_POSITION, RATE, YAW = 5, 5, 6
-"""Unknowns without friction: position and tilts; the number of the rate of rotation and of the yaw."""
+RATE, YAW = 5, 6
+"""Numbers of the unknowns that friction adds behind position and tilts: the rate of rotation, and the yaw."""
 
 
 class WheelsetNewton:

@@ -16,11 +16,21 @@ from flangeway.checks import check_finite, check_positive, is_finite, refused
 from flangeway.errors import InputError
 from flangeway.geometry import Placement
 from flangeway.railway.profiles.bundled import RailProfile, WheelProfile
+from flangeway.types import Floats
 
 Side = Literal["left", "right"]
 SIDES: tuple[Side, Side] = ("left", "right")
 SIDE_SIGN: dict[Side, float] = {"left": -1.0, "right": 1.0}
 """Sign of x from the right-hand form of a side to the track's axes."""
+
+
+def lateral_over_vertical(force_N: Floats, side: Side) -> float:
+    """Ratio L/V of the force (2,) on a wheel, positive where the wheel pushes the rail outwards; nan without contact.
+
+    The force has the axes of the track.
+    """
+    lateral, vertical = force_N
+    return float(lateral / vertical) * -SIDE_SIGN[side] if vertical > 0.0 else math.nan
 
 
 @dataclass(frozen=True)
@@ -222,6 +232,12 @@ class WheelsetPosition:
             self.vertical_mm + part * other.vertical_mm,
             self.roll_rad + part * other.roll_rad,
         )
+
+    def turned(self, angle_rad: float) -> "WheelsetPosition":
+        """The same with its displacement along axes that are turned clockwise: in space for the tilt of the track."""
+        cosine, sine = math.cos(angle_rad), math.sin(angle_rad)
+        x, y = self.lateral_mm, self.vertical_mm
+        return WheelsetPosition(cosine * x - sine * y, sine * x + cosine * y, self.roll_rad)
 
     def axle(self, wheelset: Wheelset) -> tuple[float, float]:
         """Point in the middle of the axle."""

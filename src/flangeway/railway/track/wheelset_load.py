@@ -45,11 +45,6 @@ class WheelsetLoad:
         onto = self.vertical_N * cosine + self.lateral_N * sine
         return along, onto
 
-    def to_space(self, x: float, y: float) -> tuple[float, float]:
-        """Components along horizontal and vertical of a vector in the track's axes."""
-        cosine, sine = math.cos(self.tilt_rad), math.sin(self.tilt_rad)
-        return cosine * x - sine * y, sine * x + cosine * y
-
 
 def curve_force_N(weight_N: float, speed_km_h: float, radius_m: float) -> float:  # noqa: N802
     """Centrifugal force of a weight in a curve, ``(W / g) v^2 / R``: to the right in a curve to the left, R > 0."""

@@ -10,7 +10,7 @@ import numpy as np
 from flangeway.contact.overlap import body_overlaps
 from flangeway.geometry import Placement
 from flangeway.post import pressure_patches
-from flangeway.railway.track.placements import Side, WheelsetPosition
+from flangeway.railway.track.placements import Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibria
 from flangeway.railway.wheelset.equilibrium_cache import EquilibriumCache
@@ -53,9 +53,7 @@ class WheelsetResult:
     @property
     def position_in_space(self) -> WheelsetPosition:
         """The position along horizontal and vertical."""
-        position = self.equilibrium.position
-        lateral, vertical = self.model.problem.load.to_space(position.lateral_mm, position.vertical_mm)
-        return WheelsetPosition(lateral, vertical, position.roll_rad)
+        return self.equilibrium.position.turned(self.model.problem.load.tilt_rad)
 
     def force_on_wheel_N(self, side: Side) -> Floats:  # noqa: N802
         """Contact force on the wheel of a side, axes of the track, shape (2,)."""
@@ -63,11 +61,8 @@ class WheelsetResult:
         return np.sum(forces, axis=0) if forces else np.zeros(2)
 
     def lateral_over_vertical(self, side: Side) -> float:
-        """Ratio L/V of a wheel's contact force, positive where it pushes the rail outwards; nan without contact."""
-        lateral, vertical = self.force_on_wheel_N(side)
-        if not vertical > 0.0:
-            return float("nan")
-        return float(lateral / vertical) * (-1.0 if side == "right" else 1.0)
+        """Ratio L/V of a wheel's contact force, see `flangeway.railway.track.placements.lateral_over_vertical`."""
+        return lateral_over_vertical(self.force_on_wheel_N(side), side)
 
 
 def solve_wheelset(

@@ -5,7 +5,6 @@ from functools import cache, partial
 from typing import Any
 
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodiesSummary, PairSummary
-from flangeway.cases.case import RunnableCase
 from flangeway.elements import Element, Lagrange
 from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
@@ -13,8 +12,8 @@ from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figur
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
 from flangeway.report.figures.series import write_collection, write_contacts
-from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
-from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.case_text import run_record
+from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, marked, table_across, table_of
 from flangeway.report.scenes import bodies_scene
 from flangeway.space import Space
@@ -37,31 +36,24 @@ ORDERS = {1: "linear", 2: "quadratic", 3: "cubic"}
 
 def bodies_record(run: BodiesRun) -> Record:
     """Return what a run of a case of bodies found, its most informative picture first."""
-    case, summary = run.case, run.summary
-    assert isinstance(case, RunnableCase)
+    summary = run.summary
     axes = dict(AXES)
     if not summary.contacts:
         del axes["pressure"], axes["forces"]
     steps = cache(lambda: body_steps(run, list(bodies_fields(run))))
-    return Record(
-        name=case.name,
-        title=case.title,
+    return run_record(
+        run,
+        _files_words(run),
         subtitle=_elements(run),
-        converged=run.status.converged,
-        message=run.status.message.removeprefix("converged "),
+        message=summary.status.message.removeprefix("converged "),
         facts=_facts(summary),
         results=results_table(summary),
-        summary=summary,
-        again=_again(case, run),
-        versions=summary.versions,
         warnings=summary.notices,
         assumptions=_assumptions(run),
         scene=lambda: bodies_scene(run, steps()),
         pictures=_pictures(run),
         tables=_tables(run),
         axes=axes,
-        inputs=inputs_tables(case),
-        timings_s=summary.timings_s,
         files=lambda: _files(run, steps()),
     )
 
@@ -105,15 +97,11 @@ def _facts(summary: BodiesSummary) -> list[tuple[str, str]]:
     ]
 
 
-def _again(case: RunnableCase, run: BodiesRun) -> Again:
+def _files_words(run: BodiesRun) -> str:
     opened = "the VTU file is for ParaView"
     if run.contact is not None or len(run.bodies) > 1:
         opened = "ParaView opens all bodies and load steps with `bodies.pvd`"
-    files = f"The same numbers, for programs, are in `summary.json`; {opened}."
-    if has_tables(case):
-        name = f"{case.name}.toml"
-        return Again(f"flangeway run {name}", case_text(case), name, files)
-    return Again(command_line(case), case_text(case), files=files)
+    return f"The same numbers, for programs, are in `summary.json`; {opened}."
 
 
 def _elements(run: BodiesRun) -> str:

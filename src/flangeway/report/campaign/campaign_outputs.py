@@ -2,6 +2,7 @@
 
 import json
 import math
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
 
@@ -87,21 +88,8 @@ def campaign_record(
         },
         again=Again(command, files=f"A campaign goes on where it stopped; {files}."),
         versions=versions(),
-        warnings=[
-            *(f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]),
-            *([f"{len(failures) - MOST} other reasons: column message of results.csv"] if len(failures) > MOST else []),
-            *(
-                f"in {n} row{'s' * (n != 1)}: {text}"
-                for text, n in sorted(warned.items(), key=lambda each: -each[1])[:MOST_WARNINGS]
-            ),
-            *(
-                [f"{len(warned) - MOST_WARNINGS} others: column warnings of results.csv"]
-                * (len(warned) > MOST_WARNINGS)
-            ),
-        ],
-        pictures=[
-            Picture(name, draw, f"{SHOWN[name]}.", f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()
-        ],
+        warnings=_warnings(failures, warned),
+        pictures=[Picture(name, draw, f"{SHOWN[name]}.") for name, draw in campaign_figures(table).items()],
         tables=[SummaryTable("Further results", ("", "minimum", "median", "maximum"), shown[MOST:])]
         if len(ranges) > MOST
         else [],
@@ -116,6 +104,18 @@ def campaign_record(
         timings_s={"total": seconds},
         files=lambda: _files(campaign, table, kind),
     )
+
+
+def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned: Mapping[str, int]) -> list[str]:
+    """Sentences on the most frequent reasons of failures and warnings, and how many others there are."""
+    found = [f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]]
+    if len(failures) > MOST:
+        found.append(f"{len(failures) - MOST} other reasons: column message of results.csv")
+    frequent = sorted(warned.items(), key=lambda each: -each[1])[:MOST_WARNINGS]
+    found += [f"in {n} row{'s' * (n != 1)}: {text}" for text, n in frequent]
+    if len(warned) > MOST_WARNINGS:
+        found.append(f"{len(warned) - MOST_WARNINGS} others: column warnings of results.csv")
+    return found
 
 
 def _files(campaign: Campaign, table: CampaignTable, kind: str) -> dict[str, Writer]:
@@ -165,6 +165,6 @@ def _extremes(table: CampaignTable) -> list[tuple[str, str]]:
     return found
 
 
-def _numbers(rows: list[int]) -> str:
+def _numbers(rows: Sequence[int]) -> str:
     shown = ", ".join(str(row) for row in rows[:MOST_NUMBERS])
     return shown if len(rows) <= MOST_NUMBERS else f"{shown}, and {len(rows) - MOST_NUMBERS} more"

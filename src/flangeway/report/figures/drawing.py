@@ -2,7 +2,7 @@
 
 import io
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -25,7 +25,6 @@ from PIL import Image
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
 from flangeway.report.figures.fields import PartFields
-from flangeway.system.output_folder import Writer, bytes_writer
 from flangeway.types import Floats
 
 DPI = 160
@@ -135,11 +134,6 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
     buffer = io.BytesIO()
     pixels.quantize(method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE).save(buffer, "PNG")
     return buffer.getvalue()
-
-
-def picture_writers(figures: Mapping[str, Figure]) -> dict[str, Writer]:
-    """Draw figures now, and return functions that write them as PNG files, by the files' names."""
-    return {name: bytes_writer(png(figure)) for name, figure in figures.items()}
 
 
 QUANTITIES = {

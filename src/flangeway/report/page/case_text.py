@@ -1,16 +1,36 @@
-"""The inputs of a case as the text of a case file, and as tables of the page."""
+"""What a report has from a case and the summary of its run; inputs as the text of a case file, and as tables."""
 
 import shlex
 from collections.abc import Iterator, Mapping
 from typing import Any
 
-from flangeway.cases.case import Case, RunnableCase, table_in
+from flangeway.cases.case import Case, Run, RunnableCase, table_in
 from flangeway.cases.case_file import FORMAT
 from flangeway.cases.case_template import toml_value, write_case_file
 from flangeway.cases.section.section_run import TorsionCase
+from flangeway.report.page.record import Again, Record
 from flangeway.report.page.tables import SummaryTable
 
 LONGEST = 60  # letters of a value on the page; longer ones are cut there, the case file has them whole
+
+
+def run_record(run: Run, about_files: str, **own: Any) -> Record:
+    """Return the record of a run: what every run has, and its own, see `Record`; `about_files` is for `Again`."""
+    case, summary = run.case, run.summary
+    assert isinstance(case, RunnableCase)
+    file = f"{case.name}.toml" if has_tables(case) else ""
+    shared: dict[str, Any] = {
+        "name": case.name,
+        "title": case.title,
+        "converged": summary.status.converged,
+        "message": summary.status.message,
+        "summary": summary,
+        "again": Again(f"flangeway run {file}" if file else command_line(case), case_text(case), file, about_files),
+        "versions": summary.versions,
+        "inputs": inputs_tables(case),
+        "timings_s": summary.timings_s,
+    }
+    return Record(**shared | own)
 
 
 def case_text(case: RunnableCase) -> str:

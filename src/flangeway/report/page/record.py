@@ -22,8 +22,11 @@ class Picture:
     file: str  # name of the PNG file
     draw: Callable[[], Figure]
     alternative: str  # what it shows, for those who do not see it
-    caption: str  # text below it
+    caption: str = ""  # text below it, if it is another one
     chapter: str = ""  # the section of the report that it is in, if not that of all pictures
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "caption", self.caption or self.alternative)
 
 
 @dataclass(frozen=True)

@@ -137,9 +137,9 @@ def number(value: float | None, digits: int) -> str:
     return cell_text(value, f".{digits}f")
 
 
-def plain_table(*columns: str, title: str | None = None) -> Table:
+def plain_table(*columns: str) -> Table:
     """Return a table without a frame; without columns it has no header either, and they are added to it."""
-    return Table(*columns, title=title, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=bool(columns))
+    return Table(*columns, box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, show_header=bool(columns))
 
 
 def print_table(console: Console, table: SummaryTable) -> None:

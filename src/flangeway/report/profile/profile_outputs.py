@@ -69,11 +69,11 @@ def profile_record(run: ProfileRun, command: str) -> Record:
     """Return what was read and measured of a profile; `command` reads it again."""
     found, join = run.summary, run.join
     pictures = [
-        Picture(SHAPE, lambda: shape_figure(run), SHAPE_SHOWN, SHAPE_SHOWN),
-        Picture(CURVATURE, lambda: curvature_figure(run), CURVATURE_SHOWN, CURVATURE_SHOWN),
+        Picture(SHAPE, lambda: shape_figure(run), SHAPE_SHOWN),
+        Picture(CURVATURE, lambda: curvature_figure(run), CURVATURE_SHOWN),
     ]
     if join is not None:
-        pictures.insert(1, Picture(JOIN, lambda: join_figure(join), JOIN_SHOWN, JOIN_SHOWN))
+        pictures.insert(1, Picture(JOIN, lambda: join_figure(join), JOIN_SHOWN))
     facts = [(f"{value:.2f} mm", TILES[key]) for key, value in found["measures"].items() if key in TILES]
     if found["area_mm2"] is not None:
         facts.append((f"{found['area_mm2']:.0f} mm²", "area of the whole section"))
@@ -130,7 +130,7 @@ def profiles_record(runs: Sequence[ProfileRun], command: str) -> Record:
         again=Again(command, files=f"The table is in `{TABLE}`, all numbers of each profile are in `{BATCH_SUMMARY}`."),
         versions=found[0]["versions"],
         notes=_notes(found),
-        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN, OVERLAY_SHOWN)],
+        pictures=[Picture(OVERLAY, lambda: overlay_figure(runs), OVERLAY_SHOWN)],
         files=lambda: {TABLE: ResultTable.of_rows(rows).to_csv},
     )
 

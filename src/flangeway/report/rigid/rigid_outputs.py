@@ -48,11 +48,11 @@ ASSUMPTIONS = (
 def geometry_record(run: GeometryRun, command: str) -> Record:
     """Return what was found of the contact geometry; `command` computes it again."""
     found = run.summary
-    pictures = [Picture(name, partial(draw, run), f"{words}.", f"{words}.") for name, (draw, words) in PICTURES.items()]
+    pictures = [Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in PICTURES.items()]
     effect = run.flange_root
     if effect is not None:
         shown = f"{FLANGE_ROOT_SHOWN}."
-        pictures.append(Picture(FLANGE_ROOT, lambda: flange_root_figure(effect), shown, shown))
+        pictures.append(Picture(FLANGE_ROOT, lambda: flange_root_figure(effect), shown))
     position = found["equilibrium"]
     ratios = {} if position is None else position["lateral_over_vertical"]
     facts = [(f"{ratio:.3f}", f"L/V of the {side} wheel") for side, ratio in ratios.items() if ratio is not None]
@@ -109,7 +109,7 @@ def geometries_record(runs: Sequence[GeometryRun], command: str) -> Record:
         message="",
         results=SummaryTable("Pairs of profiles", head, tuple(cells)),
         assumptions=ASSUMPTIONS,
-        pictures=[Picture(BATCH_PICTURE, lambda: pairs_figure(runs), PAIRS_SHOWN, PAIRS_SHOWN)],
+        pictures=[Picture(BATCH_PICTURE, lambda: pairs_figure(runs), PAIRS_SHOWN)],
         axes=AXES,
         files=lambda: {BATCH_TABLE: ResultTable.of_rows(rows).to_csv},
     )
@@ -147,7 +147,7 @@ def conicity_record(run: ConicityRun, command: str) -> Record:
         else "without a conicity at 3 mm, see the notes",
         facts=_conicity_facts(found),
         results=SummaryTable("Conicity", ("", "value"), (*rows, *_conicity_rows(found))),
-        pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run), f"{shown}.", f"{shown}.")],
+        pictures=[Picture(CONICITY_PICTURE, lambda: conicity_figure(run), f"{shown}.")],
         files=lambda: _conicity_file(run),
     )
 

@@ -63,7 +63,7 @@ def creep_table_record(table: CreepTable, request: TableRequest, command: str, f
         versions=table.metadata["versions"],
         warnings=[f"{failed} of {checks['exact_solutions']} exact solutions did not converge"] if failed else [],
         notes=[f"in {len(jumps)} intervals patches jump: there the nearest position counts"] if jumps else [],
-        pictures=[Picture(PICTURE, lambda: forces_figure(table), CAPTION, CAPTION)],
+        pictures=[Picture(PICTURE, lambda: forces_figure(table), CAPTION)],
         tables=[
             SummaryTable("Positions", ("", "points", "from", "to"), tuple(axes)),
             *([SummaryTable("Patches jump", ("side", "at lateral_mm", "within mm"), tuple(jumps))] if jumps else []),

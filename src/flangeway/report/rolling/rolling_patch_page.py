@@ -16,8 +16,8 @@ from flangeway.contact.rolling.theories import TITLES, WITH_TRACTIONS
 from flangeway.errors import InputError
 from flangeway.formats import write_vtu
 from flangeway.report.figures.drawing import GREY, INK, SERIES, Room, figure_with_room
-from flangeway.report.page.case_text import case_text, command_line, inputs_tables
-from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.case_text import run_record
+from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, number, table_across
 from flangeway.report.rolling.rolling_maps import ShownRolling, rolling_figure, shown_fields
 from flangeway.report.spatial.patch_map import strip_mesh
@@ -71,35 +71,23 @@ def rolling_patch_record(run: RollingPatchRun) -> Record:
     """Return what a run of one patch found."""
     case, summary = run.case, run.summary
     moves = f"at {case.speed_km_h:g} km/h" if case.rolls else "shifted"
-    return Record(
-        name=case.name,
-        title=case.title,
+    return run_record(
+        run,
+        "The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all cells in "
+        f"`{CELLS}` and, for ParaView, in `{PATCH}`" + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
         subtitle=f"{summary.theory}, {summary.cells[0]} by {summary.cells[1]} cells, {moves}, coefficient of friction "
         f"{case.friction:g}",
-        converged=summary.status.converged,
-        message=summary.status.message,
         facts=_facts(summary),
         results=_results(summary),
-        summary=summary,
-        again=Again(
-            command_line(case),
-            case_text(case),
-            files="The same numbers, for programs, are in `summary.json`; pressures, tractions, slip and states of all "
-            f"cells in `{CELLS}` and, for ParaView, in `{PATCH}`"
-            + (f"; the creep curve in `{CURVE_TABLE}`." if run.curve else "."),
-        ),
-        versions=summary.versions,
         warnings=summary.notices,
         assumptions=[
             "Half-spaces, linear elastic; the patch is flat.",
             "Fast theories take the ellipse with the second moments of the pressures, and the mean material.",
         ],
         scene=lambda: _scene(run),
-        pictures=[Picture(name, draw, CAPTIONS[name], CAPTIONS[name]) for name, draw in _pictures(run).items()],
+        pictures=[Picture(name, draw, CAPTIONS[name]) for name, draw in _pictures(run).items()],
         tables=_tables(summary),
         axes=AXES,
-        inputs=inputs_tables(case),
-        timings_s=summary.timings_s,
         files=lambda: _files(run),
     )
 

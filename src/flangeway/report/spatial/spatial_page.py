@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from flangeway.cases.case import RunnableCase
 from flangeway.cases.spatial.spatial_case import SpatialRun
 from flangeway.cases.spatial.spatial_summary import SpatialSummary
 from flangeway.contact.patch.patch_body import points_along
@@ -16,8 +15,8 @@ from flangeway.mesh import PolyMesh
 from flangeway.post.patch_stresses import SectionStresses, SpatialStresses
 from flangeway.report.figures.drawing import named
 from flangeway.report.figures.series import write_collection
-from flangeway.report.page.case_text import case_text, command_line, has_tables, inputs_tables
-from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.case_text import run_record
+from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, table_across, with_whole
 from flangeway.report.spatial.patch_map import surface_mesh
 from flangeway.report.spatial.spatial_figures import depth_figure, patch_figure, pressure_figure
@@ -68,17 +67,14 @@ def _mesh(section: SectionStresses) -> PolyMesh:
 def spatial_record(run: SpatialRun) -> Record:
     """Return what a run of two bodies in contact in three dimensions found."""
     corners = cache(lambda: [section.corners() for section in run.sections])
-    case, summary = run.case, run.summary
-    assert isinstance(case, RunnableCase)
+    summary = run.summary
     patch = summary.patches[0]
-    file = f"{case.name}.toml" if has_tables(case) else ""
-    return Record(
-        name=case.name,
-        title=case.title,
+    return run_record(
+        run,
+        "The same numbers, for programs, are in `summary.json`; `surface.vtu` has pressures and gaps, "
+        "`section-lower.vtu` and `section-upper.vtu` stresses, for ParaView.",
         subtitle=f"{len(summary.patches)} patch{'es' * (len(summary.patches) > 1)} on {summary.cells[0]} by "
         f"{summary.cells[1]} cells",
-        converged=run.status.converged,
-        message=run.status.message,
         facts=[
             (f"{patch.max_pressure_MPa:.5g} MPa", "maximum pressure"),
             (f"{patch.semi_axes_mm[0]:.4g} mm", "longer semi-axis of the patch"),
@@ -87,16 +83,7 @@ def spatial_record(run: SpatialRun) -> Record:
             (f"{summary.approach_mm:.4g} mm", "approach"),
             (f"{max(b.max_von_mises.value_MPa for b in summary.bodies):.4g} MPa", "maximum von Mises stress below it"),
         ],
-        again=Again(
-            f"flangeway run {file}" if file else command_line(case),
-            case_text(case),
-            file,
-            "The same numbers, for programs, are in `summary.json`; `surface.vtu` has pressures and gaps, "
-            "`section-lower.vtu` and `section-upper.vtu` stresses, for ParaView.",
-        ),
-        versions=summary.versions,
         results=_results(summary),
-        summary=summary,
         warnings=summary.notices,
         assumptions=[
             "Linear elastic bodies, small strains, contact without friction.",
@@ -106,13 +93,9 @@ def spatial_record(run: SpatialRun) -> Record:
             "Hertz's values are those of half-spaces for the same force and the curvatures of the gap under pressure.",
         ],
         scene=lambda: _scene(run, corners()),
-        pictures=[
-            Picture(name, partial(draw, run), f"{words}.", f"{words}.") for name, (draw, words) in PICTURES.items()
-        ],
+        pictures=[Picture(name, partial(draw, run), f"{words}.") for name, (draw, words) in PICTURES.items()],
         tables=[_bodies_table(summary)],
         axes=AXES,
-        inputs=inputs_tables(case),
-        timings_s=summary.timings_s,
         files=lambda: _files(run, corners()),
     )
 

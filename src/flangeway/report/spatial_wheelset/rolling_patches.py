@@ -70,7 +70,7 @@ def rolling_pictures(run: SpatialWheelsetRun) -> list[Picture]:
             for each, rolling in zip(shown, result.rolling, strict=True)
         ]
         figures[SHAKEDOWN] = lambda: shakedown_figure(points, strength)
-    return [Picture(name, draw, CAPTIONS[name], CAPTIONS[name], "Rolling") for name, draw in figures.items()]
+    return [Picture(name, draw, CAPTIONS[name], chapter="Rolling") for name, draw in figures.items()]
 
 
 def _of(name: str, factor: float = 1.0) -> Callable[[WheelPatchSummary], float | None]:

@@ -12,8 +12,8 @@ from flangeway.railway.spatial.whole_sections import whole_sections
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.series import write_collection
-from flangeway.report.page.case_text import case_text, command_line, inputs_tables
-from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.case_text import run_record
+from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import Column, SummaryTable, marked, number, table_across, with_whole
 from flangeway.report.spatial_wheelset.pressure_scene import pressure_scene
 from flangeway.report.spatial_wheelset.rails_along_track import rails_csv, rails_figure, rails_table
@@ -111,18 +111,13 @@ def names(case: SpatialWheelsetCase) -> tuple[str, ...]:
 def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
     """Return what a run of a wheelset in three dimensions found."""
     summary, problem, rolls = run.summary, run.result.problem, bool(run.result.rolling)
-    return Record(
-        name=run.case.name,
-        title=run.case.title,
+    return run_record(
+        run,
+        FILES,
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; axle load "
         f"{problem.load.vertical_N / 1e3:g} kN",
-        converged=summary.status.converged,
-        message=summary.status.message,
         facts=_facts(summary),
         results=results_table(summary),
-        summary=summary,
-        again=Again(command_line(run.case), case_text(run.case), files=FILES),
-        versions=summary.versions,
         sentences=[summary.position.reference],
         warnings=summary.warnings,
         assumptions=summary.assumptions,
@@ -136,8 +131,6 @@ def spatial_wheelset_record(run: SpatialWheelsetRun) -> Record:
             *([rails_table(run)] if run.result.rails else []),
         ],
         axes=AXES | (ROLLING_AXES if rolls else {}),
-        inputs=inputs_tables(run.case),
-        timings_s=summary.timings_s,
         files=lambda: _files(run),
     )
 
@@ -147,7 +140,7 @@ def _pictures(run: SpatialWheelsetRun) -> list[Picture]:
     if not run.result.patches:  # a search that found no equilibrium
         del pictures[1:]
     if run.result.rails:
-        pictures.append(Picture(RAILS_PICTURE, lambda: rails_figure(run), RAILS_CAPTION, RAILS_CAPTION))
+        pictures.append(Picture(RAILS_PICTURE, lambda: rails_figure(run), RAILS_CAPTION))
     return pictures
 
 

@@ -41,9 +41,7 @@ def convergence_record(name: str, convergence: Convergence, command: str) -> Rec
             }.items()
         ],
         assumptions=coarse.assumptions,
-        pictures=[Picture(PICTURE, lambda: halved_figure(convergence), f"{SHOWN}.", f"{SHOWN}.")]
-        if convergence.converged
-        else [],
+        pictures=[Picture(PICTURE, lambda: halved_figure(convergence), f"{SHOWN}.")] if convergence.converged else [],
         timings_s={
             f"size scale {each.case['size_scale']:g}": each.timings_s["total"] for each in convergence.summaries
         },

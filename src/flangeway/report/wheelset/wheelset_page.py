@@ -13,8 +13,8 @@ from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.fields import PartFields, part_fields, write_part
 from flangeway.report.figures.newton_history import convergence_figure
 from flangeway.report.figures.series import write_collection, write_contacts
-from flangeway.report.page.case_text import case_text, command_line, inputs_tables
-from flangeway.report.page.record import Again, Picture, Record
+from flangeway.report.page.case_text import run_record
+from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import marked, number
 from flangeway.report.scenes import wheelset_scene
 from flangeway.report.wheelset.bending_figure import bending_figure
@@ -54,18 +54,13 @@ def wheelset_record(run: CaseRun) -> Record:
     tables = (*(*contacts, position_table, rigid_table, bending_table), *(support_table, stresses_table, bodies_table))
     fields = cache(lambda: list(part_fields(run.result)))
     below = cache(lambda: subsurface_lines(run.result))
-    return Record(
-        name=run.case.name,
-        title=run.case.title,
+    return run_record(
+        run,
+        FILES,
         subtitle=f"Wheel {problem.wheelset.wheel.title} on rail {problem.track.rail.title}; plane strain, "
         f"{problem.thickness_mm:g} mm of length; {_method(run)}",
-        converged=summary.status.converged,
-        message=summary.status.message,
         facts=_facts(summary),
         results=results_table(summary),
-        summary=summary,
-        again=Again(command_line(run.case), case_text(run.case), files=FILES),
-        versions=summary.versions,
         sentences=[_reference(summary)],
         warnings=summary.warnings,
         assumptions=summary.assumptions,
@@ -73,8 +68,6 @@ def wheelset_record(run: CaseRun) -> Record:
         pictures=_pictures(run, fields, below),
         tables=[table(summary) for table in tables],
         axes=summary.axes,
-        inputs=inputs_tables(run.case),
-        timings_s=summary.timings_s,
         files=lambda: _files(run, below()),
     )
 

@@ -14,7 +14,7 @@ from flangeway.contact.patch.patch_contact import CHANGE
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.fastsim import SimplifiedRolling
 from flangeway.contact.rolling.friction import Friction
-from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
+from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.railway.spatial.side_contact import SideGrid, SideState, tangents_of
 from flangeway.railway.spatial.side_newton import SideNewton
@@ -107,12 +107,6 @@ def contact_in(
         return RollingContact(cells, forces / areas, own, materials, np.zeros((0, 0, 0)), None, origin)
     coefficients = side.coefficients_of((0, 1, 2), rows, len(z) + 2 * BEYOND)
     return RollingContact(cells, forces / areas, own, materials, coefficients, None, origin)
-
-
-def box_of(inside: Bools) -> tuple[slice, slice]:
-    """Rows and strips of the smallest box about cells."""
-    rows, strips = (np.flatnonzero(inside.any(axis=axis)) for axis in (1, 0))
-    return slice(int(rows[0]), int(rows[-1]) + 1), slice(int(strips[0]), int(strips[-1]) + 1)
 
 
 def window_of(grid: SideGrid, rows: slice) -> slice:

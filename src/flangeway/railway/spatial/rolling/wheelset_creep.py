@@ -16,11 +16,10 @@ from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.exact_rolling import roll
 from flangeway.contact.rolling.fastsim import fastsim_rows
-from flangeway.contact.rolling.rolling_contact import RollingContact
+from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.contact.rolling.theories import FAST, Theory
 from flangeway.railway.spatial.rolling.patch_rolling import (
-    box_of,
     contact_in,
     forces_on_cells,
     rows_of,
