@@ -16,7 +16,7 @@ MAX_LINES = {
     "exact": 1106,
     "geometry": 1353,
     "mesh": 3610,
-    "formats": 2004,
+    "formats": 2003,
     "elements": 1948,
     "space": 916,
     "materials": 398,
@@ -26,21 +26,21 @@ MAX_LINES = {
     "post": 2049,
     "forms": 366,
     "railway.profiles": 3746,
-    "railway.track": 579,
+    "railway.track": 583,
     "railway.rigid": 1913,
     "railway.wheelset": 1760,
     "railway.positions": 2499,
-    "railway.spatial": 4079,
-    "cases": 8012,
+    "railway.spatial": 4084,
+    "cases": 8007,
     "campaign": 1944,
     "tables": 1456,
     "report": 8714,
-    "validation": 8724,
+    "validation": 8728,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_638
+MAX_LINES_OF_ALL = 74_645
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

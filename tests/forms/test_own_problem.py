@@ -150,7 +150,9 @@ WRONG = {
     "coefficient of shape": lambda s: stiffness(s, np.eye(4)),
     "for 9 cells": lambda s: stiffness(s, np.ones(4)),
     "not finite": lambda s: mass(s, np.nan),
-    "with 0 coefficients": lambda s: mass(s.__class__(s.mesh.with_cell_set("a", [0, 1]), s.element), {"a": 1.0}),
+    "in 0 of the given cell sets": lambda s: mass(
+        s.__class__(s.mesh.with_cell_set("a", [0, 1]), s.element), {"a": 1.0}
+    ),
     "of cells along edges": lambda s: mass(s, np.ones(9), on="left"),
     "0 of 12 boundary points": lambda s: s.boundary_dofs(lambda p: p[:, 0] < -1.0),
     "singular": lambda s: solve(stiffness(s), load(s, 1.0)),

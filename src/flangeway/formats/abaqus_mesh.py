@@ -93,8 +93,7 @@ def read_abaqus(path: Path) -> DrawnMesh:
     the boundary edges with both ends in a node set become edge sets, in this order of precedence for one name. Elements
     of second order are read as their corners. An `InputError` if the file generates, includes or moves nodes, has
     elements that are not plane, or is broken, and for unknown parameters of a keyword; other keywords are named in a
-    notice. Numbers of the nodes (n_edges, n_nodes), points (n_edges, n_points, 2), weights with the edge's length
-    (n_edges, n_points), shape functions (n_points, n_nodes), and unit normals out of the body (n_edges, 2).
+    notice.
     """
     try:
         text = path.read_text(encoding="utf-8-sig", errors="strict")

@@ -8,12 +8,13 @@ from pydantic import Field
 
 from flangeway.cases.case import closest, merged
 from flangeway.cases.case_file import CaseText
-from flangeway.cases.wheelset.spatial_wheelset_case import RAIL_HEAD_MM, SpatialWheelsetCase
+from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.errors import InputError, short
 from flangeway.railway.rigid.rigid_curve import MAX_YAW_RAD
 from flangeway.railway.rigid.rigid_geometry import RigidGeometry
+from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
 
 
 class GeometryCase(WheelsetInputs):
@@ -56,6 +57,16 @@ def _main_inputs() -> dict[str, Any]:
     return {key: main[key].default for key in shared}
 
 
+_STANDARD = {
+    "gauge_depth_mm": 14.0,
+    "back_to_back_mm": 1360.0,
+    "wheel_radius_mm": 460.0,
+    "wheel_radius_at": "tape-line",
+    "centre_of_gravity_height_mm": 1000.0,
+    "axle_load_kN": 225.0,
+    "maximum_lateral_mm": 7.0,
+}
+"""A vehicle on standard gauge, which is measured 14 mm below the top of the rails."""
 GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
     "wheelset": ("S1002 on 60E1 at 1:40, standard gauge, as `flangeway run wheelset`", _main_inputs()),
     "wheelset-tangent": ("136RE and AAR-1B on straight, level track", {}),
@@ -65,34 +76,17 @@ GEOMETRY_CASES: dict[str, tuple[str, dict[str, Any]]] = {
     ),
     "s1002-60e1": (
         "S1002 on 60E1 at 1:40, gauge 1435 mm, back-to-back 1360 mm, rolling radius 460 mm",
-        {
-            "rail": "60E1",
-            "wheel": "S1002",
-            "gauge_mm": 1435.0,
-            "gauge_depth_mm": 14.0,
-            "back_to_back_mm": 1360.0,
-            "wheel_radius_mm": 460.0,
-            "wheel_radius_at": "tape-line",
-            "centre_of_gravity_height_mm": 1000.0,
-            "axle_load_kN": 225.0,
-            "maximum_lateral_mm": 7.0,
-        },
+        _STANDARD | {"rail": "60E1", "wheel": "S1002", "gauge_mm": 1435.0},
     ),
     "en15302": (
         "benchmark of EN 15302: R-519-A on S-519-A at 1:20, gauge 1435.16 mm, diameter 920 mm",
-        {
+        _STANDARD
+        | {
             "rail": "S-519-A",
             "wheel": "R-519-A",
             "gauge_mm": 1435.1654,  # tape lines and the origins of the rails' formulas are then at the same positions
-            "gauge_depth_mm": 14.0,
             "rail_inclination": 0.05,
-            "back_to_back_mm": 1360.0,
-            "wheel_radius_mm": 460.0,
-            "wheel_radius_at": "tape-line",
-            "centre_of_gravity_height_mm": 1000.0,
-            "axle_load_kN": 225.0,
             "roll": "none",
-            "maximum_lateral_mm": 7.0,
             "maximum_amplitude_mm": 7.4,
         },
     ),
@@ -121,7 +115,7 @@ def _on_its_base(name: str, case: GeometryCase) -> GeometryCase:
     """Return a case whose superelevation is measured over the same base as by the case of that name."""
     if name != SpatialWheelsetCase.name or not case.superelevation_mm or case.superelevation_base_mm is not None:
         return case
-    return case.model_copy(update={"superelevation_base_mm": case.gauge_mm + RAIL_HEAD_MM})
+    return case.model_copy(update={"superelevation_base_mm": case.gauge_mm + RUNNING_CIRCLES_MM})
 
 
 def read_geometry_case(file: Path, values: Mapping[str, Any]) -> tuple[GeometryCase, tuple[str, ...]]:

@@ -24,6 +24,7 @@ from flangeway.railway.spatial.running_surfaces import SpatialModel
 from flangeway.railway.spatial.spatial_result import SpatialResult, solve_spatial
 from flangeway.railway.spatial.whole_wheel import WheelDisc
 from flangeway.railway.track.discretisation import Discretisation, Method
+from flangeway.railway.track.placements import RUNNING_CIRCLES_MM
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.solve import Status
 
@@ -45,8 +46,6 @@ ROLLING_KEYS = (
     *("yaw_stiffness_kNm_per_mrad", "yaw_rate_mrad_per_s", "lateral_velocity_mm_per_s"),
 )
 """Inputs that have an effect with friction only."""
-RAIL_HEAD_MM = 65.0
-"""Distance of the running circles over the gauge: 1500 mm on standard gauge (EN 13803: base of the cant)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -283,11 +282,13 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
 
     @property
     def _base_words(self) -> str:
-        return f"the gauge and {RAIL_HEAD_MM:g} mm, the distance of the running circles"
+        return f"the gauge and {RUNNING_CIRCLES_MM:g} mm, the distance of the running circles"
 
     @property
     def _superelevation_base(self) -> float:
-        return self.gauge_mm + RAIL_HEAD_MM if self.superelevation_base_mm is None else self.superelevation_base_mm
+        return (
+            self.gauge_mm + RUNNING_CIRCLES_MM if self.superelevation_base_mm is None else self.superelevation_base_mm
+        )
 
     def _supports(self) -> list[str]:
         """Sentences on track, wheels and axle."""

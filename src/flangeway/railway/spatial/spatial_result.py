@@ -19,7 +19,14 @@ from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
 from flangeway.railway.spatial.supported_rail import SupportedRail, supported_rail
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
-from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition, lateral_over_vertical
+from flangeway.railway.track.placements import (
+    RUNNING_CIRCLES_MM,
+    SIDE_SIGN,
+    SIDES,
+    Side,
+    WheelsetPosition,
+    lateral_over_vertical,
+)
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium
 from flangeway.railway.wheelset.wheelset_checks import STEEL_MPa, YIELD_MPa
@@ -29,8 +36,6 @@ from flangeway.types import Floats
 
 KLINGEL_MM = 3.0
 """Amplitude of the kinematic motion."""
-RUNNING_CIRCLES_MM = 65.0
-"""Distance of the running circles over the gauge (EN 13803)."""
 NO_ELLIPSE = 0.8
 """Area of a patch over that of its equivalent ellipse below which it is none; single patches have 0.95 to 1.02."""
 

@@ -33,6 +33,10 @@ def lateral_over_vertical(force_N: Floats, side: Side) -> float:
     return float(lateral / vertical) * -SIDE_SIGN[side] if vertical > 0.0 else math.nan
 
 
+RUNNING_CIRCLES_MM = 65.0
+"""Distance of the running circles over the gauge: 1500 mm on standard gauge (EN 13803: base of the superelevation)."""
+
+
 @dataclass(frozen=True)
 class UsualGauge:
     """A gauge, and the distance of the wheels' inner faces that goes with it.
@@ -121,13 +125,13 @@ class Track:
         return self.left_rail if side == "left" and self.left_rail is not None else self.rail
 
     def placement(self, side: Side) -> Placement:
-        """Where the rail of a side stands: canted, its head at the gauge, its top at y = 0."""
+        """Where the rail of a side stands: inclined, its head at the gauge, its top at y = 0."""
         angle = math.atan(self.rail_inclination)
         rail = self.rail_of(side)
-        canted = (rail.placing_head or rail.running_surface).transformed(Placement(angle))
-        (left, _), (_, top) = canted.bounds()
+        inclined = (rail.placing_head or rail.running_surface).transformed(Placement(angle))
+        (left, _), (_, top) = inclined.bounds()
         if self.gauge_depth_mm is not None:
-            points = canted.sampled(spacing=0.01)
+            points = inclined.sampled(spacing=0.01)
             lowest = float(points[points[:, 0] < points[np.argmax(points[:, 1]), 0], 1].min())
             if lowest > top - self.gauge_depth_mm:
                 raise InputError(

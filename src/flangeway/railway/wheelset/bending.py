@@ -149,7 +149,7 @@ def head_motion(mesh: PolyMesh, displacement: Floats, profile: RailProfile) -> t
 
 
 def top_and_gauge(profile: RailProfile, matrix: Floats, depth_mm: float) -> tuple[Floats, Floats]:
-    """Highest point of the canted head and its gauge face at a depth below, in the frame of the profile."""
+    """Highest point of the inclined head and its gauge face at a depth below, in the frame of the profile."""
     points = profile.running_surface.sampled(max_deviation=DEVIATION_MM, spacing=1.0)
     heights = points @ matrix[1]
     top = int(np.argmax(heights))

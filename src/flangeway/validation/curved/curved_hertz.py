@@ -13,6 +13,7 @@ from flangeway.materials import Elastic
 from flangeway.mesh import Refinement, dual, triangulate
 from flangeway.post import pressure_patches
 from flangeway.problems import Body, Part
+from flangeway.validation.hertz.hertz_reproduced import rms_from_hertz
 from flangeway.validation.published_numbers import ReproducedNumber, compare
 
 STEEL = Elastic(210e3, 0.3)
@@ -64,12 +65,10 @@ def pressures(order: int, level: int, *, on_curves: bool) -> PressureRow:
     theory = LineContact(float(found.forces[0, 1]), 1.0, STEEL.plane_modulus / 2.0)
     (patch,) = pressure_patches(found.system, found.state)
     x, values = patch.points[:, 0], patch.pressures
-    inside = np.abs(x) < INSIDE * theory.half_width
+    within = INSIDE * theory.half_width
     apart = values - np.interp(x, (x[:-2] + x[2:]) / 2.0, (values[:-2] + values[2:]) / 2.0)
-    difference, oscillation = (
-        float(np.sqrt(np.mean(each[inside] ** 2))) / theory.max_pressure
-        for each in (values - theory.pressure(x), apart)
-    )
+    difference = rms_from_hertz(x, values, theory, within)
+    oscillation = float(np.sqrt(np.mean(apart[np.abs(x) < within] ** 2))) / theory.max_pressure
     n_unknowns = sum(2 * part.body.space.n_dofs for part in parts)
     return PressureRow(order, on_curves, level, n_unknowns, difference, oscillation)
 

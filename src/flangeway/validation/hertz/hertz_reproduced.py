@@ -76,6 +76,19 @@ PUBLISHED_DISCS: dict[str, Any] = {
 LINE_POINTS = 201
 
 
+def rms_from_hertz(
+    x: Floats, pressures: Floats, theory: LineContact, within: float, weights: Floats | None = None
+) -> float:
+    """Root mean square difference of pressures from Hertz's, over its maximum, at nodes nearer than ``within``.
+
+    - `x`, `pressures`: positions of the nodes from the middle before the deformation, and their pressures, (n,).
+    - `weights`: those of the nodes, (n,); left out: all alike.
+    """
+    inside = np.abs(x) < within
+    apart = (pressures - theory.pressure(x))[inside] / theory.max_pressure
+    return float(np.sqrt(np.average(apart**2, weights=None if weights is None else weights[inside])))
+
+
 @dataclass(frozen=True, eq=False)
 class SurfacePressure:
     """Pressure at the nodes of the upper disc that face the lower one, from left to right."""

@@ -8,19 +8,17 @@ import time
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
-import numpy as np
-
 from flangeway.cases.bodies.bodies_model import build_bodies
 from flangeway.cases.bodies.presets import HertzCase
 from flangeway.cases.case import Progress
 from flangeway.contact import Contact, ContactSolution, Multiplier, NodeToNode, Surface, press
 from flangeway.exact import LineContact
 from flangeway.mesh import insert_nodes, match_boundaries
-from flangeway.post import PressurePatch, pressure_patches
+from flangeway.post import pressure_patches
 from flangeway.problems import Body, Part
 from flangeway.types import Floats
 from flangeway.validation.contact_patch.contact_patch_reproduced import LAWS, ROTATION_DEG, PatchRun, patch_run
-from flangeway.validation.hertz.hertz_reproduced import SLACK, published_case
+from flangeway.validation.hertz.hertz_reproduced import SLACK, published_case, rms_from_hertz
 from flangeway.validation.published_numbers import Reproduced, ReproducedNumber, Row, compare
 
 CODES = ("VVO1", "VVO2", "VDO2", "FDO2")
@@ -52,7 +50,7 @@ class PairingRow:
     force: float
     peak: float  # maximum pressure over Hertz's under the same force
     rms: float
-    """Root mean square difference from Hertz's pressure over its maximum, but for one element at both ends."""
+    """See `rms_from_hertz`, with areas of the nodes as weights, but for one element at both ends."""
     oscillation: float  # see `flangeway.post.pressure.oscillation_of`
     x: Floats  # positions of the loaded nodes before the deformation
     pressures: Floats  # their pressures
@@ -141,20 +139,14 @@ def _row(code: str, pairing: str, ratio: float, case: HertzCase, found: ContactS
         cpu_s=cpu_s,
         force=float(found.forces[0, 1]),
         peak=float(patch.pressures.max()) / theory.max_pressure,
-        rms=_rms(x, patch, theory, theory.half_width - case.size_mm),
+        rms=rms_from_hertz(
+            x, patch.pressures, theory, theory.half_width - case.size_mm, patch.normal_forces / patch.pressures
+        ),
         oscillation=patch.oscillation,
         x=x,
         pressures=patch.pressures,
         theory=theory,
     )
-
-
-def _rms(x: Floats, patch: PressurePatch, theory: LineContact, within: float) -> float:
-    """Root mean square difference from Hertz's pressure over its maximum, weighted with the nodes' areas."""
-    inside = np.abs(x) < within
-    apart = (patch.pressures - theory.pressure(x)) / theory.max_pressure
-    areas = patch.normal_forces / patch.pressures
-    return float(np.sqrt((areas * apart**2)[inside].sum() / areas[inside].sum()))
 
 
 def reproduce_vem_contact(
