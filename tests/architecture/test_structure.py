@@ -21,8 +21,8 @@ MAX_LINES = {
     "space": 916,
     "materials": 398,
     "problems": 2876,
-    "solve": 4312,
-    "contact": 7287,
+    "solve": 4365,
+    "contact": 7324,
     "post": 2049,
     "forms": 366,
     "railway.profiles": 3746,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_645
+MAX_LINES_OF_ALL = 74_735
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -222,10 +222,18 @@ def negative() -> Any:
     return matrix
 
 
+def pushed() -> Any:
+    """A stiffness with a negative energy of motions along x."""
+    along = np.tile([1.0, 0.0], 32)
+    return good()["stiffness"].toarray() - 1e5 * np.outer(along, along)
+
+
 @pytest.mark.parametrize("path", ["condensed", "sparse"])
 @pytest.mark.parametrize(
     ("change", "message"),
     [
+        (lambda: {"held": (), "stiffness": good()["stiffness"].astype(np.float32)}, "turn: nothing holds it: its"),
+        (lambda: {"held": (), "stiffness": pushed()}, r"'block' can slide in x with the energy -.*: the matrix is ind"),
         (lambda: {"held": ()}, "can slide in x, slide in y and turn"),
         (lambda: {"held": good()["held"][::2]}, r"can slide in y and turn about \(0, -1\): its stiffness"),
         (lambda: {"held": good()["held"][:2]}, r"can turn about \(-1.5, -1\)"),

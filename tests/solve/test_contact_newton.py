@@ -194,6 +194,9 @@ class Counted:
         self.count += 1
         return self.system.linearise(*arguments, **options)
 
+    def unguarded(self, *arguments):
+        return self.system.unguarded(*arguments)
+
     def guarded(self, *arguments):
         return self.system.guarded(*arguments)
 

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from flangeway.validation.friction import ironing
 from flangeway.validation.friction.ironing import ALONG_MM, NORMAL_N_MM, TANGENTIAL_N_MM, TIMES, Ironing
 
 
@@ -32,3 +33,20 @@ def test_a_constant_force_works_along_the_way_and_does_not_oscillate() -> None:
     ripple = Ironing(times, still.normal, 10.0 + 0.05 * (-1.0) ** np.arange(32), still.work)
     assert ripple.oscillation == pytest.approx(0.01, rel=1e-6)
     assert ripple.at(0.025) == pytest.approx((40.0, 10.05))
+
+
+def test_a_coarse_die_slides_in_long_steps() -> None:
+    """Cells a third as fine in steps of 3/10 mm converge, to the forces of the fine mesh within 5 %."""
+    found = ironing.ironed_slab(cells=(40, 10), steps=(5, 20))
+    assert found.status.converged, found.status.message
+    assert max(step.state.status.iterations for step in found.steps) <= 30
+    assert ironing.ironing_of(found).at(1.5) == pytest.approx((367.0, 144.4), rel=0.05)
+
+
+@pytest.mark.ci
+def test_a_surface_that_folds_is_named(monkeypatch) -> None:
+    """With friction 0.8 the slab folds before the die: the message has its turn and stretch in the last solution."""
+    monkeypatch.setattr(ironing, "MU", 0.8)
+    found = ironing.ironed_slab(cells=(40, 10), steps=(5, 20))
+    assert not found.status.converged
+    assert "the surface of 'slab' is turned by" in found.status.message

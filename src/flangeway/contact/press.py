@@ -10,6 +10,7 @@ import numpy as np
 
 from flangeway.checks import are_finite, refused
 from flangeway.contact.contact_pair import Contact
+from flangeway.contact.kinematics import as_complex, as_vectors
 from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.contact.system import ContactLinearisation, ContactSystem
 from flangeway.errors import InputError, short
@@ -36,6 +37,10 @@ MOST_DENSE_BYTES = 4e9
 
 ITERATION_COPIES = 8
 """Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
+
+STRAINED = 0.5
+"""Change of an edge's vector over its length (turn in rad, or stretch) from which a failure is said to be beyond small
+strains."""
 
 Load = tuple[float | None, float | None, float | None]
 """Force x, y and moment; None: no motion of this kind."""
@@ -328,7 +333,10 @@ def press(
             break
     assert reached is not None
     state = reached
-    if state.status.converged and not state.nodal_forces.any():
+    if not state.status.converged and done:
+        more = _strained(system, done[-1].state, done[-1].share)
+        state = replace(state, status=replace(state.status, message=state.status.message + more))
+    elif state.status.converged and not state.nodal_forces.any():
         state = replace(state, status=replace(state.status, message=f"{state.status.message}; nothing touches"))
     elif state.status.converged:
         undeformed = state.positions - state.displacements
@@ -345,6 +353,27 @@ def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed"
     if any(each.friction_coefficient for each in system.contacts) and not floating:
         needed += 8 * ITERATION_COPIES * sum(2 * len(each.nodes) for each in system.surface_nodes) ** 2
     return "condensed" if needed <= MOST_DENSE_BYTES else "sparse"
+
+
+def _strained(system: ContactSystem, state: ContactState, share: float) -> str:
+    """Words for the edge of a surface that a solution turns or stretches most, where that is not small."""
+    worst, words = STRAINED, ""
+    for surface in (each for contact in system.contacts for each in (contact.secondary, contact.primary)):
+        drawn = state.placements[system.parts.index(surface.part)].points(surface.part.body.nodes[surface.nodes])
+        at = state.positions[system.nodes_of(surface)]
+        before, after = (as_complex(points[surface.edge_places[:, [0, -1]]]) for points in (drawn, at))
+        gradients = (after[:, 1] - after[:, 0]) / (before[:, 1] - before[:, 0])
+        edge = int(np.abs(gradients - 1.0).argmax())
+        if (size := abs(gradients[edge] - 1.0)) > worst:
+            x, y = as_vectors(after[edge].mean())
+            turn, stretch = np.rad2deg(np.angle(gradients[edge])), 100.0 * (abs(gradients[edge]) - 1.0)
+            worst = size
+            words = (
+                f"; in the last solution, at {share:.4g} of the path, the surface of {surface.part.name!r} is turned "
+                f"by {turn:.0f} deg and its length changed by {stretch:+.0f} % at ({x:.4g}, {y:.4g}): bodies are "
+                "linear, for small strains, and may have no equilibrium beyond; take a smaller load or less friction"
+            )
+    return words
 
 
 def _moved(

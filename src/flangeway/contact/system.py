@@ -167,6 +167,14 @@ class ContactSystem:
         guarded_nodes = [self._guarded_nodes(number, previous) for number in range(len(self.contacts))]
         return self._with(guarded_nodes, positions, previous, settle=settle)
 
+    def unguarded(self, positions: Floats, lin: Linearisation) -> ContactLinearisation:
+        """Linearise without guarded nodes; see `flangeway.solve.Constraints.unguarded`."""
+        assert isinstance(lin, ContactLinearisation)
+        if not any(each.any() for sides in lin.guarded_nodes for each in sides):
+            return lin
+        none = [self._guarded_nodes(number, None) for number in range(len(self.contacts))]
+        return self._with(none, positions, lin, settle=False)
+
     def guarded(
         self, positions: Floats, lin: Linearisation, forces: Floats, moved: float
     ) -> ContactLinearisation | None:

@@ -15,6 +15,9 @@ from flangeway.types import Floats, Ints
 ENERGY = 1e-13
 """Energy of a rigid motion over that of the stiffness's diagonal alone, below which it is rounding."""
 
+SINGLE_ENERGY = 1e-6
+"""The same of a stiffness all of whose entries are numbers of single precision."""
+
 FREE = 1e-9
 """Singular value of the constraints, over the maximum, below which a motion is free."""
 
@@ -80,6 +83,7 @@ def _refuse_without_energy(body: LinearBody) -> None:
     components = np.flatnonzero(body.free) % 2
     centre = body.nodes.mean(axis=0)
     n_pieces, pieces = sp.csgraph.connected_components(stiffness, directed=False)
+    limit = SINGLE_ENERGY if (stiffness.data == stiffness.data.astype(np.float32)).all() else ENERGY
     for piece in range(n_pieces):
         here = np.flatnonzero((pieces == piece) & (nodes < len(body.nodes)))
         arm = (body.nodes[nodes[here]] - centre) / body.size
@@ -92,7 +96,7 @@ def _refuse_without_energy(body: LinearBody) -> None:
         there = values > FREE * values.max(initial=0.0)
         units = left[:, there] / weights
         energies, shares = np.linalg.eigh(units.T @ (part @ units))
-        loose = energies <= ENERGY
+        loose = energies < -limit if energies[0] < -limit else energies <= limit
         described = described_motions(right[there].T @ (shares[:, loose] / values[there, None]), centre, body.size)
         if loose.any():
             which = (
@@ -100,6 +104,13 @@ def _refuse_without_energy(body: LinearBody) -> None:
                 if n_pieces == 1
                 else f", its piece with node {nodes[here[0]]} at {point_text(body.nodes[nodes[here[0]]])},"
             )
+            if energies[0] < -limit:
+                raise InputError(
+                    f"body {body.name!r}{which} {described} with the energy {energies[0]:.2g} of what the diagonal of "
+                    "its stiffness alone gives: the matrix is indefinite",
+                    "a positive definite matrix of the unknowns that are not held: no elastic body gains energy",
+                    "assemble it without pressures, multipliers and loads that follow the motion; look for wrong signs",
+                )
             raise InputError(
                 f"body {body.name!r}{which} {described}: its stiffness has no energy in that motion",
                 "a stiffness in which what is held fixes both translations and the rotation of every piece",

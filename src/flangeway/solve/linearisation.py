@@ -82,6 +82,9 @@ class Constraints(Protocol):
         To ``settle`` is to keep them by a wider margin, for an iteration that goes round in circles.
         """
 
+    def unguarded(self, positions: Floats, lin: Linearisation) -> Linearisation:
+        """Linearise about the positions of ``lin`` without its further constraints; itself if it has none."""
+
     def guarded(self, positions: Floats, lin: Linearisation, forces: Floats, moved: float) -> Linearisation | None:
         """Linearise with further constraints where bodies overlap although those of ``lin`` hold; None if nowhere.
 

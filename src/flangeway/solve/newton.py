@@ -28,6 +28,7 @@ it had let back before.
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import partial
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -52,8 +53,9 @@ pairs from its second iteration on.
 CYCLE = 4
 """Iterations at the end among which one changes constraints where these come and go."""
 
-HALVE_AFTER = 16
-"""Iterations after which every other step is half of Newton's, if whole steps alone go round between two states."""
+MEMORY, LEAST_SHARE = 3, 1.0 / 32.0
+"""Iterations whose maximum residual the next one has to fall below, where whole steps alone went round, and the share
+of a step below which it is not halved until it does."""
 
 ROUND_OFF = 1e-9
 """Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
@@ -241,6 +243,21 @@ def _solved(run: "_Run") -> ContactState:
     )
 
 
+_Step = tuple[Floats, Floats, Floats, Floats]
+"""New contact forces, tangential ones, nodal forces in equilibrium with them, and rigid motions."""
+
+
+class _Here(NamedTuple):
+    """State of a run from which steps are taken; see `ContactState`."""
+
+    motions: Floats
+    displacements: Floats
+    current: Linearisation
+    forces: Floats
+    tangential: Floats
+    applied: Floats
+
+
 class _Run:
     """One call of `solve_contact`: the current state and what was done."""
 
@@ -265,23 +282,21 @@ class _Run:
         self.history: list[Iteration] = []
         self.start, self.before = start, self.reference if origin is None else origin
         friction = None
+        previous, forces = None, np.zeros(0)
+        self.displacements = np.zeros_like(self.reference)
         if start is not None:
             self.before, friction = start.positions, start.friction
+            previous, forces = start.linearisation, start.forces
         if start is not None and _is_near(start, self.reference):
             # the first iteration uses the gaps of the start
             self.displacements = start.positions - self.reference
-            self.current, self.forces = start.linearisation, start.forces
-            previous = self.current
+            self.current = constraints.unguarded(start.positions, start.linearisation)
         else:
-            self.displacements = np.zeros_like(self.reference)
-            previous = None
-            forces = np.zeros(0)
             if start is not None:
-                previous, forces = start.linearisation, start.forces
                 everywhere = np.arange(response.n_nodes)
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
             self.current = constraints.linearise(self.reference + self.displacements, previous)
-            self.forces = _carried(previous, forces, self.current)
+        self.forces = _carried(previous, forces, self.current)
         self.tangential = np.zeros(len(self.current.keys))
         if friction is not None:
             self.tangential = _carried(previous, friction.forces, self.current)
@@ -359,40 +374,64 @@ class _Run:
                     "the linear complementarity problem has no solution: the tangent is not positive definite; take "
                     "smaller steps, a finer mesh or a softer penalty"
                 )
-            new_forces, new_tangential, applied, motion = step
-            nodes = self.current.nodes
-            halved = self.damped and iteration >= HALVE_AFTER and iteration % 2 == 0
-            if self.parts.n:
-                self.move(self.motions + (motion / 2.0 if halved else motion))
-            moved = self.response.displacements(self.rotations, nodes, applied[nodes])
-            if halved:
-                moved = (self.displacements + moved) / 2.0
-            after = self.constraints.linearise(self.reference + moved, self.current, settle=iteration >= settled)
-            carried, tangential = (_carried(self.current, each, after) for each in (new_forces, new_tangential))
-            slides = self._slides(after, moved)
-            scale = max(float(np.abs(moved).max(initial=0.0)), float(np.abs(self.reference - self.begun).max()), 1e-300)
-            change = float(np.abs(moved - self.displacements).max(initial=0.0)) / scale
-            nodal = _nodal(after, carried, slides, tangential, len(self.reference))
-            left = self.parts.residual(self.motions, self.reference + moved, nodal)
-            left -= self.kept[0] @ (self.kept[0].T @ left)
-            unbalanced = np.append(nodal - applied, left)
-            most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
-            residual = _residual(after, self._gaps(after), carried, unbalanced, most, scale)
-            if slides is not None:
-                slips = self._slips(after, slides) + self._let_back(after, tangential)
-                beyond, wrong = coulomb.violation(carried, tangential, slips, after.coefficients)
-                residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
-            changed = _changed(self.current, (self.forces, self.tangential), after, (carried, tangential))
-            self.history.append(Iteration(change, residual, int((carried > 0).sum()), changed, correction))
-            self.displacements, self.current, self.forces = moved, after, carried
-            self.tangential, self.slides, self.applied = tangential, slides, applied
-            floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / scale
+            here, share, settle = self._here(), 1.0, iteration >= settled
+            limit = max((each.residual for each in self.history[first:][-MEMORY:]), default=np.inf)
+            taken = self._take(here, step, share, correction, settle=settle)
+            while self.damped and taken.residual > limit and share > LEAST_SHARE:
+                share /= 2.0
+                taken = self._take(here, step, share, correction, settle=settle)
+            self.history.append(taken)
+            floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / self._scale()
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
-            met = residual <= max(self.settings.tolerance, floor) and not halved
+            met = taken.residual <= max(self.settings.tolerance, floor) and share == 1.0
             self.stalled = not met and _is_at_round_off(self.history[first:])
             if met or self.stalled:
                 return None
         return self._explain()
+
+    def _here(self) -> "_Here":
+        return _Here(self.motions, self.displacements, self.current, self.forces, self.tangential, self.applied)
+
+    def _take(self, here: "_Here", step: "_Step", share: float, correction: int, *, settle: bool) -> Iteration:
+        """Go a share of a step from a state; what that did."""
+        new_forces, new_tangential, applied, motion = step
+        nodes, before = here.current.nodes, (here.forces, here.tangential)
+        if self.parts.n:
+            self.move(here.motions + share * motion)
+        moved = self.response.displacements(self.rotations, nodes, applied[nodes])
+        if share < 1.0:
+            # bodies are linear: a share of the displacements is that by a share of the forces
+            moved, applied, new_forces, new_tangential = (
+                old + share * (new - old)
+                for old, new in (
+                    (here.displacements, moved),
+                    (here.applied, applied),
+                    (here.forces, new_forces),
+                    (here.tangential, new_tangential),
+                )
+            )
+        after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
+        carried, tangential = (_carried(here.current, each, after) for each in (new_forces, new_tangential))
+        self.displacements, self.current, self.forces, self.tangential = moved, after, carried, tangential
+        self.slides, self.applied, scale = self._slides(after, moved), applied, self._scale()
+        nodal = _nodal(after, carried, self.slides, tangential, len(self.reference))
+        left = self.parts.residual(self.motions, self.reference + moved, nodal)
+        left -= self.kept[0] @ (self.kept[0].T @ left)
+        unbalanced = np.append(nodal - applied, left)
+        most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
+        residual = _residual(after, self._gaps(after), carried, unbalanced, most, scale)
+        if self.slides is not None:
+            slips = self._slips(after, self.slides) + self._let_back(after, tangential)
+            beyond, wrong = coulomb.violation(carried, tangential, slips, after.coefficients)
+            residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
+        change = float(np.abs(moved - here.displacements).max(initial=0.0)) / scale
+        changed = _changed(here.current, before, after, (carried, tangential))
+        return Iteration(change, residual, int((carried > 0).sum()), changed, correction)
+
+    def _scale(self) -> float:
+        """Maximum displacement, or way of a placed body."""
+        ways = self.displacements, self.reference - self.begun
+        return max(*(float(np.abs(each).max(initial=0.0)) for each in ways), 1e-300)
 
     def _gaps(self, lin: Linearisation) -> Floats:
         """Gaps less what the corrected forces press in."""
@@ -419,8 +458,8 @@ class _Run:
         """What the compliance of the law takes from the slips."""
         return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
 
-    def _step(self, *, bend: bool) -> tuple[Floats, Floats, Floats, Floats] | None:
-        """One iteration: new contact forces, tangential ones, nodal forces in equilibrium with them, and rigid motions.
+    def _step(self, *, bend: bool) -> _Step | None:
+        """One iteration.
 
         Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
         """
@@ -479,7 +518,7 @@ class _Run:
 
     def _sparse_step(
         self, geometric: sp.csr_array, laws: Constrained, solved: coulomb.SolvedRows, own: Floats
-    ) -> tuple[Floats, Floats, Floats, Floats] | None:
+    ) -> _Step | None:
         """One iteration without a matrix of all constraints, see `BodyResponse.constrained`."""
         current, m = self.current, len(self.forces)
         both = np.concatenate((self.forces, self.tangential))
