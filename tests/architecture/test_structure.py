@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2876,
     "solve": 4365,
-    "contact": 7324,
+    "contact": 7332,
     "post": 2049,
     "forms": 366,
     "railway.profiles": 3746,
@@ -30,7 +30,7 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1760,
     "railway.positions": 2499,
-    "railway.spatial": 4084,
+    "railway.spatial": 4187,
     "cases": 8007,
     "campaign": 1944,
     "tables": 1456,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_735
+MAX_LINES_OF_ALL = 74_846
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

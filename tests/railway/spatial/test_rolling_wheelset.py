@@ -6,7 +6,7 @@ import pytest
 from flangeway.contact.rolling.friction import Friction
 from flangeway.errors import InputError
 from flangeway.railway.spatial.rolling.rolling_motion import RollingMotion
-from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep, WheelsetCreep
+from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep, WheelsetCreep, patches_of
 from flangeway.railway.spatial.spatial_result import solve_position
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES
 from flangeway.railway.track.wheelset_problem import Prescribed
@@ -209,3 +209,14 @@ def test_friction_of_the_gauge_face_and_what_is_refused(wheelset):
         with pytest.raises(InputError):
             coarse_case(**inputs).check()
     assert one.spatial_model().rolling.torque_Nm == 0.0
+
+
+def test_patches_that_touch_are_divided_where_little_is_carried():
+    """Two heaps of forces: apart below 0.1 of the lesser, below 0.25 if they were apart before, else one patch."""
+    heaps = np.array([0.0, 2.0, 4.0, 2.0, 0.0, 2.0, 3.0, 1.0, 0.0])[:, None] * np.ones(3)
+    between = np.arange(9)[:, None] == 4
+    before = patches_of(heaps)
+    assert [int(each[:, 0].sum()) for each in before] == [3, 3]
+    for least, alone, after in ((0.2, 2, 2), (0.6, 1, 2), (0.8, 1, 1)):
+        forces = np.where(between, least, heaps)
+        assert (len(patches_of(forces)), len(patches_of(forces, before))) == (alone, after)

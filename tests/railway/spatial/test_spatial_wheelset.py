@@ -80,15 +80,15 @@ def test_a_patch_outside_of_the_fine_cells_is_found(wheelset, monkeypatch):
     assert sum(patch.side == "right" for patch in whole.patches) == 2
     usual, calls = spatial_wheelset.finer, []
 
-    def without_the_smaller(state):
+    def without_the_smaller(state, *more):
         calls.append(state)
         if len(calls) <= 2:
-            windows = spatial_wheelset._windows(state)
+            windows = spatial_wheelset._windows(state, None)
             largest = max(windows, key=lambda each: each.share)
             stations = state.grid.grid.stations[:, None]
             inside = (stations > largest.ends[0]) & (stations < largest.ends[1])
-            return usual(replace(state, forces=np.where(inside, state.forces, 0.0)))
-        return usual(state)
+            return usual(replace(state, forces=np.where(inside, state.forces, 0.0)), *more)
+        return usual(state, *more)
 
     monkeypatch.setattr(spatial_wheelset, "finer", without_the_smaller)
     again = solved(wheelset, lateral_mm=6.8)

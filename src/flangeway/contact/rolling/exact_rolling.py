@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,6 +30,13 @@ PRESSURE_CHANGE = 1e-5
 """Change of the normal forces by tangential ones, over their sum, at which the iteration of both ends."""
 
 
+class Start(NamedTuple):
+    """Tractions (t, z) to start from, (n_cells, n_strips, 2), on the cells of a contact."""
+
+    tractions: Floats
+    contact: RollingContact
+
+
 def roll(
     contact: RollingContact,
     motion: Creepages,
@@ -36,7 +44,7 @@ def roll(
     force_along: float | None = None,
     force_across: float | None = None,
     before: Rolling | None = None,
-    start: Rolling | None = None,
+    start: Rolling | Start | None = None,
     tolerance: float = 1e-4,
     differences: tuple[float, ...] = STEADY,
 ) -> Rolling:
@@ -348,6 +356,6 @@ class _Step:
         )
 
 
-def _forces(found: Rolling) -> Floats:
+def _forces(found: Rolling | Start) -> Floats:
     """Tangential forces (n_cells, 2, n_strips) on the cells."""
     return (found.tractions * found.contact.areas[:, :, None]).swapaxes(1, 2)

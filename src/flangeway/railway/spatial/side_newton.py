@@ -12,7 +12,7 @@ import scipy.linalg
 
 from flangeway.contact.patch.normal_contact import solve_normal
 from flangeway.errors import InputError
-from flangeway.railway.spatial.side_contact import GriddedSide, SideState, WheelPose
+from flangeway.railway.spatial.side_contact import GriddedSide, SideGrid, SideState, WheelPose
 from flangeway.railway.spatial.wheel_gap import FAR_MM
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats
@@ -234,14 +234,19 @@ class SideNewton:
         )
 
 
-def transferred(state: SideState, grid: GriddedSide) -> Floats:
-    """Forces of a contact on the cells of another grid: each has the pressure of the cell in which its middle lies."""
-    old, new = state.grid.grid, grid.grid
+def nearest(values: Floats, old: SideGrid, new: SideGrid) -> Floats:
+    """Values (n, n_z) on the cells of another grid: each has that of the cell in which its middle lies, or 0."""
     row = np.clip(np.searchsorted(old.cells[:, 0], new.stations) - 1, 0, len(old.cells) - 1)
     column = np.clip(np.round(new.z / old.strip).astype(int) - old.planes[0], 0, len(old.planes) - 1)
     inside = (new.stations <= old.cells[row, 1])[:, None] & (np.abs(new.z - old.z[column]) <= old.strip)
+    return np.where(inside, values[row[:, None], column], 0.0)
+
+
+def transferred(state: SideState, grid: GriddedSide) -> Floats:
+    """Forces of a contact on the cells of another grid, by their pressures; the sum stays."""
+    old, new = state.grid.grid, grid.grid
     pressures = state.forces / (old.widths[:, None] * old.strip)
-    found: Floats = np.where(inside, pressures[row[:, None], column], 0.0) * new.widths[:, None] * new.strip
+    found: Floats = nearest(pressures, old, new) * new.widths[:, None] * new.strip
     total = float(found.sum())
     return found * (float(state.forces.sum()) / total) if total > 0.0 else found
 
@@ -256,13 +261,22 @@ def transferred_creep(state: SideState, grid: GriddedSide) -> Floats | None:
     return found
 
 
-def solve_side(grid: GriddedSide, pose: WheelPose, start: Floats | None = None, tolerance: float = 1e-9) -> SideState:
+def solve_side(
+    grid: GriddedSide,
+    pose: WheelPose,
+    start: Floats | None = None,
+    tolerance: float = 1e-9,
+    *,
+    creep: Floats | None = None,
+) -> SideState:
     """Contact at a pose of the wheel.
 
     - `start`: forces to start from.
     - `tolerance`: change of the forces in a step, over their sum, at which they are found.
+    - `creep`: creep forces on rows of cells, (n, 2), that stay.
     """
     newton = SideNewton(grid, pose, start)
+    newton.creep = creep
     change, steps = np.inf, 0
     while steps < MOST_STEPS:
         steps += 1

@@ -13,7 +13,7 @@ from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetP
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
 from flangeway.railway.wheelset.residual import RelativeResiduals, loads_of, with_loads
 from flangeway.solve import Status
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,6 +50,10 @@ class SpatialState:
             "; ".join(one.message for one in each),
             sum(one.iterations for one in each),
         )
+
+    def insides(self, side: Side) -> list[Bools] | None:
+        """Cells of the patches that roll, (n, n_z) each; None without friction."""
+        return None if self.rolled is None else [each.inside for each in self.rolled.creep[side].patches]
 
     @property
     def forces(self) -> Floats:

@@ -1,6 +1,6 @@
 """A wheelset on two rails in three dimensions: its contact at a position, and its equilibrium."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
@@ -24,11 +24,13 @@ from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
 from flangeway.railway.wheelset.equilibrium import Equilibrium, search_equilibrium
 from flangeway.railway.wheelset.residual import MAX_STEP
 from flangeway.solve import Status
-from flangeway.types import Floats
+from flangeway.types import Bools, Floats
 
 COARSE_MM = 2.0
 """Cells while the position is sought on the whole running surfaces."""
 COARSE_STRIP_MM = 3.0
+ROLLING_CELLS = 0.7
+"""These with creep forces, which jump with the cells, over the same without."""
 CLOSED_MM = 1.0
 """Gap of the rigid wheel within which strips may come into contact."""
 EVERY = 3
@@ -52,6 +54,8 @@ NEARBY, MOST_COARSE = 5.0, 12
 ACROSS = 26
 """Cells across a patch, and along it."""
 LEAST_ACROSS = 20
+FEWER_ACROSS, NESTED_RESIDUAL = 13, 2e-3
+"""The same while creep forces are sought, and their equilibrium residual by the exact theory: as much as cells do."""
 MARGIN = 0.2
 """Width of the window beyond a patch on each side over the patch."""
 LENGTHENED = 6.0
@@ -146,18 +150,37 @@ class SpatialWheelset:
                 break
         if not found.status.converged:
             return replace(found, status=_none(found))
-        enough = ROLLING_RESIDUAL if motion.theory == "exact" else FAST_RESIDUAL
-        found = self._fine(found, progress, creep, enough)
-        beyond = self._beyond(grids, found) if found.status.converged else None
-        if beyond is not None:
-            found = self._fine(replace(found, state=beyond), progress, creep, enough)
-        if motion.theory != "exact" or not found.status.converged:
-            return found
-        fine = {side: state.grid for side, state in found.state.sides.items()}
-        exact = replace(creep, theory="exact")
-        # the position of the exact theory is another one: patches may have come to the ends of their cells
-        found = self._rolled(fine, found, progress, exact, EXACT_RESIDUAL, ends=False)
-        return self._fine(found, progress, exact, EXACT_RESIDUAL)
+        stages = [(creep, ACROSS, FAST_RESIDUAL)]
+        if motion.theory == "exact":
+            exact = replace(creep, theory="exact")
+            fewer = ((creep, ROLLING_RESIDUAL), (exact, NESTED_RESIDUAL))
+            stages = [*((forces, FEWER_ACROSS, each) for forces, each in fewer), (exact, ACROSS, EXACT_RESIDUAL)]
+        for forces, across, tolerance in stages:
+            forces.rate_rad_s = creep.rate_rad_s
+            found = self._covered(grids, found, progress, forces, tolerance, across)
+            creep = forces
+            if not found.status.converged:
+                break
+        return found
+
+    def _covered(
+        self,
+        grids: Mapping[Side, GriddedSide],
+        found: Equilibrium[SpatialState],
+        progress: Callable[[str], None],
+        creep: WheelsetCreep,
+        tolerance: float,
+        across: int,
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium by `_fine` whose cells hold all patches; `grids`: coarse cells of the whole running surfaces."""
+        for _ in range(MOST_GRIDS):
+            found = self._rolled(self._finer(found, across), found, progress, creep, tolerance, ends=False)
+            found = self._fine(found, progress, creep, tolerance, across)
+            beyond = self._beyond(grids, found) if found.status.converged else None
+            if beyond is None:
+                break
+            found = replace(found, state=beyond)
+        return found
 
     def _rolled(
         self,
@@ -188,15 +211,17 @@ class SpatialWheelset:
         progress: Callable[[str], None],
         creep: WheelsetCreep | None = None,
         tolerance: float = FINE_RESIDUAL,
+        across: int = ACROSS,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium on cells that are fine enough for the patches, from a coarser one.
 
         - `creep`, `tolerance`: creep forces, and the equilibrium residual with them.
+        - `across`: cells across a patch.
         """
         for turn in range(MOST_GRIDS):
             if not found.status.converged and (creep is None or found.status.iterations == MOST_ROLLING_STEPS):
                 break
-            grids = {side: finer(found.state.sides[side]) for side in SIDES}
+            grids = self._finer(found, across)
             if all(new is found.state.sides[side].grid for side, new in grids.items()):
                 break
             if creep is not None:
@@ -208,6 +233,11 @@ class SpatialWheelset:
                 contact, progress, near=(found.position, found.state), tolerance=FINE_RESIDUAL, enough=FINE_RESIDUAL
             )
         return found
+
+    def _finer(self, found: Equilibrium[SpatialState], across: int) -> dict[Side, GriddedSide]:
+        """See `finer`."""
+        state = found.state
+        return {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
 
     def _beyond(self, grids: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState]) -> SpatialState | None:
         """Contact on coarse cells, if wheel and rail overlap outside of the fine grids; else None."""
@@ -225,8 +255,10 @@ class SpatialWheelset:
             overlap |= bool((newton.total[~inside] < 0.0).any())
         if not overlap:
             return None
-        poses = {side: state.pose for side, state in found.state.sides.items()}
-        return SpatialState({side: solve_side(grids[side], poses[side]) for side in SIDES})
+        sides = {}
+        for side, fine in found.state.sides.items():
+            sides[side] = solve_side(grids[side], fine.pose, creep=transferred_creep(fine, grids[side]))
+        return SpatialState(sides)
 
     def _seat(self, side: Side) -> float:
         """Distance of a wheel's seat from the middle of the axle."""
@@ -312,17 +344,20 @@ class SpatialWheelset:
         return None
 
     def _coarse(self, side: Side, start: WheelsetPosition, yaw_rad: float | None = None) -> GriddedSide:
+        """Cells of a whole running surface; `yaw_rad`: of a wheelset that rolls with friction."""
+        rolls = yaw_rad is not None
         yaw = self.model.yaw_rad if yaw_rad is None else yaw_rad
+        cell, strip = (each * (ROLLING_CELLS if rolls else 1.0) for each in (COARSE_MM, COARSE_STRIP_MM))
         surfaces, pose = self.surfaces[side], pose_of(self.problem, start, side, yaw)
         low, high = np.sort(surfaces.rail_stations[[0, -1], 1])
-        ends = COARSE_MM * np.arange(int(np.ceil(low / COARSE_MM)), int(np.floor(high / COARSE_MM)) + 1)
+        ends = cell * np.arange(int(np.ceil(low / cell)), int(np.floor(high / cell)) + 1)
         cells = np.stack((ends[:-1], ends[1:]), axis=1)
         # yaw moves the wheel along the track, and contact on the flange further
         lead = float(pose.axis[2]) * pose.seat_mm
         reach = SEARCHED_MM + FLANGE_SLOPE * abs(pose.yaw_rad) * self.problem.wheelset.radius_mm
-        searched = np.arange(int((lead - reach) / COARSE_STRIP_MM), int((lead + reach) / COARSE_STRIP_MM) + 1)
+        searched = np.arange(int((lead - reach) / strip), int((lead + reach) / strip) + 1)
         searched = searched[::EVERY]
-        z = COARSE_STRIP_MM * searched.astype(np.float64)
+        z = strip * searched.astype(np.float64)
         points, normals = surfaces.rail_points(cells.mean(axis=1))
         gaps = wheel_gap(surfaces.wheel, pose.middle, pose.axis, points, normals, z).gaps
         near = np.flatnonzero(gaps.min(axis=1) < NEAR_MM)
@@ -330,8 +365,8 @@ class SpatialWheelset:
             cells = cells[near[0] : near[-1] + 1]
         planes = searched[gaps.min(axis=0) < CLOSED_MM]
         if len(planes) == 0:
-            planes = int(lead / COARSE_STRIP_MM) + np.arange(-5, 6)
-        grid = SideGrid(cells, COARSE_STRIP_MM, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
+            planes = int(lead / strip) + np.arange(-5, 6)
+        grid = SideGrid(cells, strip, np.arange(planes[0] - EVERY + 1, planes[-1] + EVERY))
         return GriddedSide(surfaces, grid, pose)
 
 
@@ -357,11 +392,11 @@ class _Window:
     cell: float
 
 
-def _windows(state: SideState) -> list[_Window]:
+def _windows(state: SideState, insides: Sequence[Bools] | None) -> list[_Window]:
     """One for each patch."""
     grid = state.grid.grid
     found: list[_Window] = []
-    for patch in state.cells.patches():
+    for patch in state.cells.patches(insides):
         rows, columns = (np.flatnonzero(patch.inside.any(axis=axis)) for axis in (1, 0))
         new = _Window(
             (float(grid.cells[rows[0], 0]), float(grid.cells[rows[-1], 1])),
@@ -374,19 +409,25 @@ def _windows(state: SideState) -> list[_Window]:
     return found
 
 
-def finer(state: SideState) -> GriddedSide:
-    """Grid with enough cells across each patch and room around it; the same grid if it is one already."""
+def finer(state: SideState, n_across: int = ACROSS, insides: Sequence[Bools] | None = None) -> GriddedSide:
+    """Grid with enough cells across each patch and room around it; the same grid if it is one already.
+
+    - `n_across`: cells across a patch, and along it.
+    - `insides`: cells of the patches, (n, n_z) each; left out: those that are apart.
+    """
     old, grid = state.grid, state.grid.grid
     loaded = state.forces > 0.0
     if not loaded.any():
         return old
-    windows = _windows(state)
+    windows = _windows(state, insides)
     main = [each for each in windows if each.share > MAIN]
     longest = max(each.along for each in main)
-    strip = grid.strip * min(1.0, max(min(each.along for each in main) / ACROSS, longest / LONGEST))
+    part = n_across / ACROSS
+    most_along, least_across = part * LONGEST, part * LEAST_ACROSS
+    strip = grid.strip * min(1.0, max(min(each.along for each in main) / n_across, longest / most_along))
     enough = all(
-        (each.along >= LEAST_ACROSS or longest >= 0.9 * LONGEST)
-        and (each.across >= LEAST_ACROSS or each.cell <= 1.01 * grid.strip / LENGTHENED)
+        (each.along >= least_across or longest >= 0.9 * most_along)
+        and (each.across >= least_across or each.cell <= 1.01 * grid.strip / LENGTHENED)
         for each in main
     )
     if enough and not (loaded & grid.at_edge).any():
@@ -396,7 +437,7 @@ def finer(state: SideState) -> GriddedSide:
     for each in sorted(windows, key=lambda each: each.ends):
         (first, last), before = each.ends, spans[-1] if spans else None
         more = max(MARGIN * (last - first), 0.6 * each.cell)
-        cell = min(each.cell, max((last - first) / ACROSS, strip / LENGTHENED), LENGTHENED * strip)
+        cell = min(each.cell, max((last - first) / n_across, strip / LENGTHENED), LENGTHENED * strip)
         low, high = first - more, last + more
         if before is not None and first < reached:
             before[1:] = max(before[1], high), min(before[2], cell)

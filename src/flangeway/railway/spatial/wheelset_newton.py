@@ -11,7 +11,7 @@ import numpy as np
 
 from flangeway.railway.spatial.rolling.wheelset_creep import TOLERANCE, SideCreep, WheelsetCreep
 from flangeway.railway.spatial.side_contact import SideState
-from flangeway.railway.spatial.side_newton import SideNewton, transferred, transferred_creep
+from flangeway.railway.spatial.side_newton import SideNewton, nearest, transferred, transferred_creep
 from flangeway.railway.spatial.spatial_contact import RolledWheelset, SpatialContact, SpatialState, pose_of, signs_of
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
 from flangeway.railway.wheelset.equilibrium import LOWERED, Equilibrium
@@ -35,7 +35,7 @@ MAX_GROWTH = 4.0
 """Factor on the step limits."""
 FALLS, LEAST_PART = 0.4, 0.15
 """Share of a step by which the residual must fall, otherwise smaller parts of steps are taken, and the smallest one."""
-LEARNS = 0.05
+LEARNS = 0.01
 """Residual of the forces below which what the derivatives miss is learned."""
 ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 """Error of the law of friction over the residual of the position before, and its largest one."""
@@ -63,8 +63,10 @@ class WheelsetNewton:
         self.contact, self.problem, self.by_forces = contact, contact.problem, by_forces
         self.position, self.tilts, self.yaw = position, contact.tilts, contact.yaw_rad
         self.creep, self.lower = creep, lower
-        if near is not None and near.rolled is not None:
-            self.yaw = near.rolled.yaw_rad
+        if near is not None and creep is not None:
+            poses = [(SIDE_SIGN[side], near.sides[side].pose) for side in SIDES]
+            self.yaw = poses[0][0] * poses[0][1].yaw_rad
+            self.tilts = np.array([sign * pose.tilt_rad for sign, pose in poses])
         self.sides: dict[Side, SideNewton] = {}
         for number, (side, grid) in enumerate(contact.grids.items()):
             pose = pose_of(self.problem, position, side, self.yaw, self.tilts[number])
@@ -72,10 +74,14 @@ class WheelsetNewton:
             self.sides[side] = SideNewton(grid, pose, None if before is None else transferred(before, grid))
             if before is not None:
                 self.sides[side].creep = transferred_creep(before, grid)
+            if before is not None and near is not None and near.rolled is not None:
+                self.sides[side].raised = nearest(near.rolled.creep[side].raised, before.grid.grid, grid.grid)
         held = [*(value is None for value in self.problem.prescribed.components), True, True]
         if creep is not None:
             held += [True, creep.motion.yaw_is_free]
         self.free = np.array(held)
+        if creep is not None and near is not None and near.rolled is not None:
+            creep.before = near.rolled.creep
         self.history: list[RelativeResiduals] = []
         self.growth, self.trust, self._across = 1.0, 1.0, 0.0
         self.part, self._error = 1.0, np.inf

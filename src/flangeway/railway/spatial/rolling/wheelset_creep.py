@@ -14,8 +14,8 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import separate_patches
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
-from flangeway.contact.rolling.exact_rolling import roll
-from flangeway.contact.rolling.fastsim import fastsim_rows
+from flangeway.contact.rolling.exact_rolling import Start, roll
+from flangeway.contact.rolling.fastsim import SimplifiedRolling, fastsim_rows
 from flangeway.contact.rolling.rolling_contact import RollingContact, box_of
 from flangeway.contact.rolling.rolling_result import CreepForces, Rolling
 from flangeway.contact.rolling.theories import FAST, Theory
@@ -36,8 +36,9 @@ CLOSED: tuple[Theory, ...] = ("polach", "linear")
 """Theories with a closed form."""
 STEPS = (1e-3, 1e-3, 1e-6, 1e-6, 1e-5, 1e-6)
 """Differences by the axle's x, y and roll, the wheel's tilt, its rate of rotation over itself, and the yaw."""
-MERGED = 0.25
-"""Maximum force of a cell between two patches that were apart, over that of the lesser, at which they are one."""
+MERGED, TOUCHING = 0.25, 0.1
+"""Maximum force of a cell between two patches that were apart, over that of the lesser, at which they are one; and the
+same for patches of which nothing is known before."""
 DISTINCT = 1e-6
 """Least singular value, over the first one, of places in a patch that has several rows and strips."""
 N_SHAPES = 5
@@ -87,6 +88,7 @@ class WheelsetCreep:
     - `theory`: of the forces.
     - `max_bent_mm`: displacement of a cell by a change of creep forces in one step, at most.
     - `tolerance`: error of the law of friction by the exact theory.
+    - `before`: creep forces to start from, on other cells.
     """
 
     motion: RollingMotion
@@ -94,6 +96,7 @@ class WheelsetCreep:
     theory: Theory
     max_bent_mm: float = np.inf
     tolerance: float = TOLERANCE
+    before: Mapping[Side, SideCreep] = field(default_factory=dict)
     _contacts: dict[tuple[object, ...], RollingContact] = field(default_factory=dict)
     _last: dict[tuple[object, ...], Rolling] = field(default_factory=dict)
     _parts: dict[object, list[Bools]] = field(default_factory=dict)
@@ -120,6 +123,8 @@ class WheelsetCreep:
         """Creep forces under normal forces (n, n_z) at the pose of the wheel."""
         patches: list[PatchCreep] = []
         windows: list[int] = []
+        if state.grid not in self._parts and side in self.before:
+            self._parts[state.grid] = [_moved(each, state.grid.grid) for each in self.before[side].patches]
         parts = self._parts[state.grid] = patches_of(normal, self._parts.get(state.grid, ()))
         for inside in parts:
             window = window_of(state.grid.grid, box_of(inside)[0]).start
@@ -131,14 +136,30 @@ class WheelsetCreep:
             nearest = int(np.abs(state.grid.grid.z - contact.grid.along[0] + contact.places[1][0]).argmin())
             points = state.gap.arms[:, nearest, :2] + np.array([state.pose.x, state.pose.y])
             motion = self.creepages(side, state.pose, self.rate_rad_s, (points[rows], state.normals[rows]), contact)
-            patches.append(PatchCreep(inside, contact, self._forces(key, contact, motion), points))
+            patches.append(PatchCreep(inside, contact, self._forces(key, side, contact, motion), points))
         return self._side(state, state.pose, tuple(patches))
 
-    def _forces(self, key: tuple[object, ...], contact: RollingContact, motion: Creepages) -> CreepForces:
+    def _forces(self, key: tuple[object, ...], side: Side, contact: RollingContact, motion: Creepages) -> CreepForces:
         if self.theory != "exact":
             return FAST[self.theory](contact, motion.mean(contact.places[0], contact.row_shares))
-        found = self._last[key] = roll(contact, motion, start=self._last.get(key), tolerance=self.tolerance)
+        start = self._last.get(key) or self._start(side, contact)
+        found = self._last[key] = roll(contact, motion, start=start, tolerance=self.tolerance)
         return found
+
+    def _start(self, side: Side, contact: RollingContact) -> Start | None:
+        """Tractions of the side before on the cells of a patch: each has those at its middle."""
+        patches = self.before[side].patches if side in self.before else ()
+        tractions, bounds = np.zeros((*contact.pressures.shape, 2)), contact.grid.bounds
+        for patch in patches:
+            old, found = patch.contact.grid, patch.forces
+            if not isinstance(found, Rolling | SimplifiedRolling):
+                return None
+            row = np.searchsorted(old.bounds, (bounds[1:] + bounds[:-1]) / 2.0) - 1
+            column = np.round((contact.grid.along - old.along[0]) / old.strip).astype(int)
+            rows = np.flatnonzero((row >= 0) & (row < len(old.widths)))
+            columns = np.flatnonzero((column >= 0) & (column < old.n_strips))
+            tractions[np.ix_(rows, columns)] += found.tractions[np.ix_(row[rows], column[columns])]
+        return Start(tractions, contact) if patches else None
 
     def _contact(
         self, state: SideNewton | SideState, normal: Floats, inside: Bools, key: tuple[object, ...]
@@ -253,24 +274,41 @@ def _forces_of_rows(
         yield rows, ahead + middle * rows[:, 0], found.moment - float(s @ rows[:, 1] - ahead.sum())
 
 
-def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
-    """Separate patches of normal forces (n, n_z), by falling force.
+def _moved(patch: PatchCreep, grid: SideGrid) -> Bools:
+    """Cells of another grid whose rows are in a patch."""
+    rows, bounds = box_of(patch.contact.pressures > 0.0)[0], patch.contact.grid.bounds
+    inside = (grid.stations > bounds[rows.start]) & (grid.stations < bounds[rows.stop])
+    return np.repeat(inside[:, None], len(grid.z), axis=1)
 
-    Creep forces jump where two patches become one. So patches that were apart before, (n, n_z) each, and touch now, are
-    divided at the row with the least forces, as long as these are below `MERGED` of the maximum of both patches.
+
+def patches_of(normal: Floats, before: Sequence[Bools] = ()) -> list[Bools]:
+    """Patches of normal forces (n, n_z), by falling force.
+
+    Creep forces jump where two patches become one. So patches that touch are divided at the row with the least forces,
+    as long as these are below `TOUCHING` of the lesser maximum of both, or `MERGED` if they were apart before,
+    (n, n_z) each.
     """
     found = []
     for region in separate_patches(normal > 0.0):
-        own = [each & region for each in before if (each & region).any()]
         most = np.where(region, normal, 0.0).max(axis=1)
-        peaks = sorted({int(np.where(each, normal, 0.0).max(axis=1).argmax()) for each in own})
-        cuts = [0]
-        for first, last in pairwise(peaks):
-            least = first + int(most[first : last + 1].argmin())
-            if most[least] < MERGED * min(most[first], most[last]):
-                cuts.append(least)
+        number = np.zeros(len(most), dtype=int)  # of the patch before
+        for each, inside in enumerate(before, 1):
+            number[(inside & region).any(axis=1)] = each
+        rising = np.diff(np.concatenate(([0.0], most, [0.0])))
+        peaks = np.flatnonzero((rising[:-1] > 0.0) & (rising[1:] <= 0.0)).tolist()
+        cuts: list[int] = []
+        while len(peaks) > 1:
+            cuts = [first + int(most[first : last + 1].argmin()) for first, last in pairwise(peaks)]
+            lesser = [min(most[first], most[last]) for first, last in pairwise(peaks)]
+            apart = [MERGED if number[first] != number[last] else TOUCHING for first, last in pairwise(peaks)]
+            ratios = most[cuts] / np.multiply(lesser, apart)
+            worst = int(ratios.argmax())
+            if ratios[worst] < 1.0:
+                break
+            del peaks[worst + int(most[peaks[worst]] >= most[peaks[worst + 1]])]
+        cuts = [0, *(cuts if len(peaks) > 1 else [])]
         rows = np.searchsorted(cuts, np.arange(len(normal)), side="right")[:, None]
-        found += [region & (rows == number) for number in range(1, len(cuts) + 1)]
+        found += [region & (rows == each) for each in range(1, len(cuts) + 1)]
     return sorted(found, key=lambda inside: -float(normal[inside].sum()))
 
 
