@@ -54,6 +54,14 @@ class Opened:
         self.page.mouse.move(1.0, 1.0)
         return imread(io.BytesIO(self.page.locator(selector).screenshot()))[:, :, :3]
 
+    def until(self, condition):
+        """Wait for what the page does in its own time, on a busy machine later; whether it has happened."""
+        for _ in range(1000):
+            if condition():
+                return True
+            self.page.wait_for_timeout(100)
+        return False
+
     def changed(self, before):
         """Share of the picture's pixels that differ from those of an earlier one."""
         return (np.abs(before - self.shot()).max(axis=2) > 0.02).mean()

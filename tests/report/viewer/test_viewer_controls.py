@@ -87,9 +87,8 @@ def test_mouse_moves_and_zooms(opened):
     opened.page.keyboard.down("Control")
     opened.page.mouse.wheel(0, -400)
     opened.page.keyboard.up("Control")
-    opened.page.wait_for_timeout(100)
+    assert opened.until(lambda: opened.mm_per_pixel() < 0.9 * scale)
     near = opened.point(*place)
-    assert opened.mm_per_pixel() < 0.9 * scale
     assert np.allclose((near["x"], near["y"]), (before["x"], before["y"]), atol=scale)
     opened.page.mouse.down()
     opened.page.mouse.move(box["x"] + place[0] + 60, box["y"] + place[1] + 20, steps=4)
@@ -127,15 +126,13 @@ def test_two_fingers_zoom(open_page, viewer_page):
     for kind, apart in (("touchStart", 20.0), ("touchMove", 30.0), ("touchMove", 60.0)):
         send(kind, -apart, apart)
     send("touchEnd")
-    opened.page.wait_for_timeout(100)
-    assert opened.mm_per_pixel() < 0.6 * scale
+    assert opened.until(lambda: opened.mm_per_pixel() < 0.6 * scale)
     opened.fly("right contact")
     before = opened.shot()
     for kind, right in (("touchStart", 0.0), ("touchMove", 20.0), ("touchMove", 80.0)):
         send(kind, right)
     send("touchEnd")
-    opened.page.wait_for_timeout(100)
-    assert opened.changed(before) > 0.2
+    assert opened.until(lambda: opened.changed(before) > 0.2)
 
 
 def test_keys_do_what_the_mouse_does(opened):

@@ -57,8 +57,7 @@ def test_it_fits_the_window_in_both_themes(open_page, folder, theme, width):
     assert colours[-5].mean() < 0.4
     other = "dark" if theme == "light" else "light"
     opened.page.get_by_role("button", name=f"Show {other}").click()
-    opened.page.wait_for_timeout(100)
-    assert is_right(other)
+    assert opened.until(lambda: is_right(other))
     assert np.array_equal(opened.shot(".viewer-colours")[5, 3:-3], colours)
     assert opened.errors() == []
 
