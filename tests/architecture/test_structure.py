@@ -22,7 +22,7 @@ MAX_LINES = {
     "materials": 398,
     "problems": 2876,
     "solve": 4365,
-    "contact": 7332,
+    "contact": 7453,
     "post": 2049,
     "forms": 366,
     "railway.profiles": 3746,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_846
+MAX_LINES_OF_ALL = 74_967
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -8,8 +8,10 @@ import pytest
 from flangeway.contact.patch.patch_body import Axis
 from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
+from flangeway.contact.rolling.creep_coefficients import creep_coefficients
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import creep_curve, derivatives, roll
+from flangeway.contact.rolling.fast_theories import polach
 from flangeway.contact.rolling.fastsim import fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
@@ -268,6 +270,25 @@ def test_a_creep_curve_starts_each_point_from_the_one_before(circle) -> None:
     assert all(each.status.converged for each in curve)
 
 
+def test_two_forces_are_found_from_creepages_at_which_everything_slips(circle) -> None:
+    """Prescribed forces along and across are met from any first guess."""
+    limit = MU * circle.force
+    for guess in (0.0, 2.0, 200.0):
+        found = roll(circle, Creepages(-guess, guess), force_along=0.3 * limit, force_across=-0.6 * limit)
+        assert found.status.converged
+        assert (found.along, found.across) == pytest.approx((0.3 * limit, -0.6 * limit), abs=1e-5 * limit)
+
+
+def test_a_grid_that_cuts_the_patch_off_is_named() -> None:
+    """Pressures that reach the edge of the grid are noticed."""
+    gaps = np.linspace(-1.0, 1.0, 8)[:, None] ** 2 + np.linspace(-1.0, 1.0, 8) ** 2
+    for force, cut in ((0.1, False), (10.0, True)):
+        contact = RollingContact.of_half_spaces(
+            PatchGrid(np.linspace(-1.0, 1.0, 9), 0.25, 8), gaps, Friction(0.3), (SOFT, SOFT), force=force
+        )
+        assert any("edge of the grid" in each for each in roll(contact, Creepages(1e-3)).notices) == cut
+
+
 def test_bad_inputs(circle) -> None:
     """Friction 0 is none; negative and rising friction, forces beyond the limit, and wrong shapes end in an error."""
     smooth = roll(replace(circle, friction=Friction(0.0)), Creepages(0.1))
@@ -289,6 +310,17 @@ def test_bad_inputs(circle) -> None:
         (lambda: replace(circle, pressures=0.0 * circle.pressures), "press the bodies"),
         (lambda: roll(circle, Creepages(), force_along=circle.force), "limit of friction"),
         (lambda: roll(circle, Creepages(), start=roll(ellipse(4), Creepages(0.1))), "same grid"),
+        (lambda: roll(circle, Creepages(0.1), before=fastsim(circle, Creepages(0.1))), "a result of roll"),
+        (lambda: roll(circle, Creepages(0.1), tolerance=0.0), "tolerance"),
+        (lambda: roll(circle, Creepages(0.1), differences=(1.0, 1.0)), "STEADY or FIRST"),
+        (lambda: Friction(np.full((2, 2), 0.1)), "one for each row"),
+        (lambda: Friction(np.full(3, 0.3), np.full(2, 0.1)), "as many static as kinetic"),
+        (lambda: Creepages(np.array([])), "finite"),
+        (lambda: PatchGrid(np.array([0.0, 1.0, 0.5]), 0.1, 4), "rising ends"),
+        (lambda: fastsim(circle, Creepages(0.1), n_steps=1), "2 steps"),
+        (lambda: fastsim(circle, Creepages(0.1), flexibilities=(1e-4, 0.0, 1e-4)), "L1, L2 and L3"),
+        (lambda: polach(circle, Creepages(0.1), adhesion=0.2, slip=0.3), "slip <= adhesion"),
+        (lambda: creep_coefficients(1.0, 0.6), "0 to 0.5"),
     ):
         with pytest.raises(InputError, match=said):
             given()

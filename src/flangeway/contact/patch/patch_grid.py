@@ -46,12 +46,33 @@ class PatchGrid:
     middle
         z of the middle of all strips.
 
+    Raises
+    ------
+    InputError
+        If the ends do not rise, or there is no strip of a width above 0.
+
     """
 
     bounds: Floats
     strip: float
     n_strips: int
     middle: float = 0.0
+
+    def __post_init__(self) -> None:
+        bounds = np.asarray(self.bounds)
+        n_strips = self.n_strips
+        if (
+            bounds.ndim != 1
+            or len(bounds) < 2
+            or not (np.diff(bounds) > 0.0).all()
+            or not self.strip > 0.0
+            or not n_strips >= 1
+        ):
+            raise InputError(
+                f"cells between ends of shape {bounds.shape} and {n_strips} strips of {self.strip}",
+                "rising ends, one strip or more of a width > 0",
+                "give the ends of the cells",
+            )
 
     @property
     def along(self) -> Floats:

@@ -47,7 +47,8 @@ class Creepages:
 
     def __post_init__(self) -> None:
         for name in ("along", "across", "spin"):
-            if not np.isfinite(as_numbers("creepages", getattr(self, name))).all():
+            values = as_numbers("creepages", getattr(self, name))
+            if not np.isfinite(values).all() or values.size == 0:
                 raise InputError(f"Creepages({name}={getattr(self, name)})", "finite numbers", "correct the value")
         check_finite("Creepages", "speed", self.speed, "a finite speed, 0 for a shift")
 

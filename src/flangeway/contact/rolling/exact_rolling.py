@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 import numpy as np
 
+from flangeway.checks import check_finite, check_positive
 from flangeway.contact.rolling.creepages import Creepages
-from flangeway.contact.rolling.friction_solver import FrictionProblem, FrictionState
+from flangeway.contact.rolling.friction_solver import ROUND_OFF, FrictionProblem, FrictionState
 from flangeway.contact.rolling.rolling_contact import BEYOND, RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, Rolling
 from flangeway.errors import InputError
@@ -19,13 +20,16 @@ STEADY = (1.5, -2.0, 0.5)
 """Weights of displacements here, one strip and two strips ahead: a difference of second order that looks upstream."""
 FIRST = (1.0, -1.0)
 """The same for the first step of transient rolling, of first order."""
-MOST_TURNS = 60
+MOST_TURNS, MOST_SLOW = 60, 5
 FORCE_ERROR, FINER = 1e-6, 1e-3
 """Error of a prescribed force over the limit of friction, and the finer tolerance of the law of friction for it."""
 FLAT = 1e-9
 """Change of a force by its creepage, over that of cells by themselves, that is none: everything slips."""
 LIMIT_CHANGE = 1e-5
 """Change of the limits by the slip velocity, over the limits, at which their iteration ends."""
+MIXED, MIXED_EACH, MIXED_PART = 8, 3, 1e-8
+"""Changes of the limits of which the next ones are mixed, the turns of which one is, and the smallest change, over the
+largest, that is not taken as dependent on others."""
 PRESSURE_CHANGE = 1e-5
 """Change of the normal forces by tangential ones, over their sum, at which the iteration of both ends."""
 
@@ -77,16 +81,28 @@ def roll(
     Raises
     ------
     InputError
-        If prescribed forces reach the limit of friction, or states of different grids are mixed.
+        If prescribed forces reach the limit of friction or are no numbers, states of different grids are mixed, or the
+        tolerance is not positive, or the sum of the differences is not 0.
 
     """
+    if before is not None and not isinstance(before, Rolling):
+        raise InputError(f"a state before of {before.theory}", "a result of roll", "compute it by the exact theory")
     for other in (before, start):
-        if other is not None and np.shape(other.tractions) != (*contact.pressures.shape, 2):
+        shape = np.shape(getattr(other, "tractions", ()))[:2]
+        if other is not None and shape != contact.pressures.shape:
             raise InputError(
-                f"a state of {np.shape(other.tractions)[:2]} cells for a patch of {contact.pressures.shape}",
+                f"a state of {shape} cells for a patch of {contact.pressures.shape}",
                 "states of the same grid",
                 "leave it out, or compute it on this grid",
             )
+    check_positive("roll", "tolerance", tolerance)
+    if len(differences) not in (2, 3) or abs(sum(differences)) > ROUND_OFF:
+        raise InputError(
+            f"differences={differences}", "STEADY or FIRST: two or three weights of sum 0", "take one of them"
+        )
+    for name, force in (("force_along", force_along), ("force_across", force_across)):
+        if force is not None:
+            check_finite("roll", name, force)
     wanted = (force_along, force_across)
     step = _Step(contact, motion, before, contact, differences)
     result = step.found(None if start is None else _forces(start), motion, wanted, tolerance)
@@ -123,7 +139,7 @@ def derivatives(found: Rolling) -> Floats:
         If the result is not one of `roll`.
 
     """
-    if found.problem is None or found.state is None:
+    if not isinstance(found, Rolling) or found.problem is None or found.state is None:
         raise InputError(f"a result of {found.theory}", "a result of roll", "compute it by the exact theory")
     step = _Step(found.contact, found.motion, None, found.contact)
     units = [np.array(each) for each in ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))]
@@ -231,7 +247,8 @@ class _Step:
         """The result for creepages; those of prescribed forces are found by Newton's method.
 
         Forces fall with their creepages: one creepage is kept between those that are known to be too small and too
-        large, with two the error must fall.
+        large. With two the error must fall; where it hardly does, as where everything slips at the first guess, they
+        start again from none.
         """
         unknown = [number for number, force in enumerate(wanted) if force is not None]
         limit = float((self.contact.friction.limits[0][:, None] * self.contact.normal_forces).sum())
@@ -246,7 +263,11 @@ class _Step:
         change: Floats = np.zeros(len(unknown))
         ends: Floats = np.array([-np.inf, np.inf])
         finer = tolerance * (FINER if unknown else 1.0)
+        none = -np.array([np.mean(motion.along), np.mean(motion.across)])[unknown]
+        slow, failed, guessed = 0, 0, len(unknown) > 1
         for turn in range(MOST_TURNS):
+            if failed > MOST_SLOW:
+                break
             shift = np.zeros(2)
             shift[unknown] = change
             problem, state, status = self.solved(motion.moved(*shift), start, finer)
@@ -255,6 +276,8 @@ class _Step:
             error = float(np.linalg.norm(missing)) / limit if unknown else 0.0
             if len(unknown) == 1:
                 ends[int(missing[0] > 0.0)] = change[0]
+            slow += error > best / 2.0
+            failed += not status.converged
             if error < best:
                 best, base, start = error, change, forces
                 found = self.result(motion.moved(*shift), problem, state, status)
@@ -264,6 +287,8 @@ class _Step:
             else:
                 step = step / 2.0 if len(unknown) > 1 else np.array([np.inf])
             change = base + step
+            if guessed and slow > MOST_SLOW:
+                change, best, start, guessed = none, np.inf, None, False
             if len(unknown) == 1 and not ends[0] < change[0] < ends[1]:
                 far = 4.0**turn * float((problem.limits / problem.operator.scale[:, 0]).max()) / self.distance
                 middle = ends[np.isfinite(ends)].mean()
@@ -287,10 +312,14 @@ class _Step:
         friction, pressing = self.contact.friction, self.turned(self.contact.normal_forces[:, None])
         pressing = np.abs(pressing[rows, 0, strips])
         static = friction.limits[0][:, None]
-        coefficients = (np.broadcast_to(static, self.contact.pressures.shape))[rows, strips]
         rigid = self.rigid(motion.along, motion.across, motion.spin) + self.known_slip
         operator = self.contact.operator(self.weights if self.steady else self.weights[:1])
         forces = None if start is None else self.turned(start)[rows, :, strips]
+        highest, lowest = (
+            np.broadcast_to(each[:, None], self.contact.pressures.shape)[rows, strips] for each in friction.limits
+        )
+        coefficients: Floats = highest
+        tried, moved = list[Floats](), list[Floats]()
         change, turn = np.inf, 0
         while change > LIMIT_CHANGE and turn < MOST_TURNS:
             turn += 1
@@ -306,6 +335,9 @@ class _Step:
             if friction.decay == 0.0:  # what has slipped keeps its kinetic coefficient: the sets of cells grow and end
                 new = np.minimum(new, coefficients)
             change = float(np.abs((new - coefficients) * pressing).sum() / (static.max() * pressing.sum()))
+            tried, moved = [*tried[-MIXED:], coefficients], [*moved[-MIXED:], new - coefficients]
+            if friction.decay > 0.0 and turn % MIXED_EACH == 0:
+                new = np.clip(_mixed(tried, moved), lowest, highest)
             coefficients = new
         message = f"{status.message}; limits change by {change:.1e} after {turn} turns"
         return problem, state, Status(status.converged and change <= LIMIT_CHANGE, message, status.iterations)
@@ -342,7 +374,7 @@ class _Step:
             moment=moment,
             theory="exact",
             status=status,
-            notices=(*motion.notices, *contact.friction.notices),
+            notices=(*motion.notices, *contact.notices),
             contact=contact,
             tractions=forces.swapaxes(1, 2) / contact.areas[:, :, None],
             slip_velocities=slips.swapaxes(1, 2),
@@ -354,6 +386,18 @@ class _Step:
             problem=problem,
             state=state,
         )
+
+
+def _mixed(tried: list[Floats], moved: list[Floats]) -> Floats:
+    """Next values of a fixed point by values that were tried and their changes (Anderson, 1965, Journal of the ACM 12).
+
+    By themselves, cells that slip more as their friction falls may go to and fro for ever.
+    """
+    values, changes = (np.array([each.ravel() for each in found]) for found in (tried, moved))
+    steps, differences = np.diff(values, axis=0), np.diff(changes, axis=0)
+    shares = np.linalg.lstsq(differences.T, changes[-1], rcond=MIXED_PART)[0]
+    mixed: Floats = values[-1] + changes[-1] - shares @ (steps + differences)
+    return mixed.reshape(tried[-1].shape)
 
 
 def _forces(found: Rolling | Start) -> Floats:

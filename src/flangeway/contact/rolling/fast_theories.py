@@ -6,6 +6,7 @@ from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import CreepForces
+from flangeway.errors import InputError
 from flangeway.solve import Status
 
 
@@ -44,7 +45,14 @@ def polach(contact: RollingContact, motion: Creepages, *, adhesion: float = 1.0,
     adhesion, slip
         Reductions of the initial slope in the areas of stick and slip (2005): ``0 < k_S <= k_A <= 1``.
 
+    Raises
+    ------
+    InputError
+        If the motion is a shift, or the reductions are not as above.
+
     """
+    if not 0.0 < slip <= adhesion <= 1.0:
+        raise InputError(f"adhesion={adhesion}, slip={slip}", "0 < slip <= adhesion <= 1", "exchange or correct them")
     ellipse = EllipticContact.of(contact, motion)
     c, a, b = ellipse.coefficients, ellipse.along, ellipse.across
     creep = np.hypot(ellipse.xi, ellipse.eta)
@@ -89,5 +97,5 @@ def _closed_form(
         moment=moment,
         theory=theory,
         status=Status(True, "closed form", 0),
-        notices=(*motion.notices, *contact.friction.notices, *notices),
+        notices=(*motion.notices, *contact.notices, *notices),
     )

@@ -6,11 +6,13 @@ from functools import cached_property
 
 import numpy as np
 
+from flangeway.checks import are_finite
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.elliptic_contact import EllipticContact
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import NO_CONTACT, SLIPS, STICKS, CreepForces
+from flangeway.errors import InputError
 from flangeway.solve import Status
 from flangeway.types import Bools, Floats, Ints
 
@@ -46,7 +48,10 @@ class _Strips:
     x: Floats
 
     @classmethod
-    def of(cls, contact: RollingContact, ellipse: EllipticContact, n_steps: int) -> "_Strips":
+    def of(cls, contact: RollingContact, ellipse: EllipticContact, given: int | None) -> "_Strips":
+        n_steps = max(STEPS, contact.grid.n_strips) if given is None else given
+        if n_steps < 2:
+            raise InputError(f"n_steps={given}", "2 steps or more along each strip", "leave it out, or give more")
         y = ellipse.direction * (contact.places[0] - ellipse.centre[0])
         inside = np.abs(y) < ellipse.across
         y = y[inside]
@@ -157,7 +162,9 @@ def fastsim(
 
     """
     ellipse = EllipticContact.of(contact, motion)
-    strips = _Strips.of(contact, ellipse, n_steps or max(STEPS, contact.grid.n_strips))
+    if flexibilities is not None and not (are_finite(flexibilities, 3) and min(flexibilities) > 0.0):
+        raise InputError(f"flexibilities={flexibilities}", "L1, L2 and L3 > 0", "leave them out for linear theory's")
+    strips = _Strips.of(contact, ellipse, n_steps)
     tractions, slips, slipping = _simplified(contact, motion, ellipse, strips, flexibilities, parabolic=parabolic)
     return _record("FASTSIM", contact, motion, (ellipse, strips), (tractions, slips, slipping))
 
@@ -216,7 +223,7 @@ def fastrip(contact: RollingContact, motion: Creepages, *, n_steps: int | None =
     the exact theory; spin below that at which `psi` is 1, beyond it strips slip as in FASTSIM.
     """
     ellipse = EllipticContact.of(contact, motion)
-    strips = _Strips.of(contact, ellipse, n_steps or max(STEPS, contact.grid.n_strips))
+    strips = _Strips.of(contact, ellipse, n_steps)
     c, a, b, nu = ellipse.coefficients, ellipse.along, ellipse.across, ellipse.poisson
     # one flexibility, so that all that slips has its direction
     mean = a / ellipse.shear * 8.0 / (1.5 * (c.c11 + c.c22))
@@ -353,7 +360,7 @@ def _record(
         moment=moment,
         theory=theory,
         status=Status(True, f"{len(strips.y)} strips of {n_steps} steps", n_steps),
-        notices=(*motion.notices, *contact.friction.notices),
+        notices=(*motion.notices, *contact.notices),
         contact=contact,
         ellipse=ellipse,
         strips=strips,

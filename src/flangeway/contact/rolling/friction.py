@@ -41,10 +41,17 @@ class Friction:
 
     def __post_init__(self) -> None:
         static, kinetic = self.limits
+        sizes = {static.size, kinetic.size} - {1}
+        if max(static.ndim, kinetic.ndim) > 1 or 0 in sizes or len(sizes) > 1:
+            raise InputError(
+                f"coefficients of friction of shapes {static.shape} and {kinetic.shape}",
+                "a number, or one for each row of cells across, as many static as kinetic ones",
+                "give one for each row; along the patch they do not vary",
+            )
         if not (np.isfinite(static).all() and (static >= 0.0).all() and (kinetic >= 0.0).all()):
             raise InputError(
                 f"Friction(static={self.static}, kinetic={self.kinetic})",
-                "coefficients >= 0",
+                "finite coefficients >= 0",
                 "give 0 for contact without friction",
             )
         if not (kinetic <= static).all():

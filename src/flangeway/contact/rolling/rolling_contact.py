@@ -6,7 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
-from flangeway.checks import check_positive
+from flangeway.checks import as_numbers, check_integer, check_positive
 from flangeway.contact.patch.normal_contact import Convolution, NormalContact, solve_normal
 from flangeway.contact.patch.patch_contact import CHANGE, PatchContact, PatchPair
 from flangeway.contact.patch.patch_grid import PatchGrid
@@ -69,15 +69,14 @@ class RollingContact:
 
     def __post_init__(self) -> None:
         shape = len(self.grid.widths), self.grid.n_strips
-        found = np.shape(self.pressures)
-        if found != shape or not (np.asarray(self.pressures) >= 0.0).all() or not np.asarray(self.pressures).any():
+        pressures = as_numbers("pressures", self.pressures)
+        if pressures.shape != shape or not np.isfinite(pressures).all() or pressures.min() < 0.0 or not pressures.any():
             raise InputError(
-                f"pressures of shape {found} on {shape[0]} x {shape[1]} cells, or none, or negative ones",
-                "pressures >= 0 on all cells, some of them > 0",
+                f"pressures of shape {pressures.shape} on {shape[0]} x {shape[1]} cells, or none, or negative ones",
+                "finite pressures >= 0 on all cells, some of them > 0",
                 "press the bodies together first",
             )
-        n_rows = max(map(len, self.friction.limits))
-        if n_rows not in (1, shape[0]):
+        for n_rows in {each.size for each in self.friction.limits} - {1, shape[0]}:
             raise InputError(
                 f"{n_rows} coefficients of friction for {shape[0]} rows of cells",
                 "one number, or one for each row",
@@ -101,9 +100,10 @@ class RollingContact:
         materials: tuple[Elastic, Elastic],
     ) -> "RollingContact":
         """Half-spaces under Hertz's pressure on an ellipse: semi-axes and numbers of cells along t and along z."""
-        for name, value in zip(("semi_axes", "semi_axes", "cells", "cells"), (*semi_axes, *cells), strict=True):
+        for name, value in zip(("semi_axes", "semi_axes", "force"), (*semi_axes, force), strict=True):
             check_positive("RollingContact.under_hertz", name, value)
-        check_positive("RollingContact.under_hertz", "force", force)
+        for number in cells:
+            check_integer("RollingContact.under_hertz", "cells", number, 1)
         (across, along), (n_rows, n_strips) = semi_axes, cells
         grid = PatchGrid(across * np.linspace(-1.0, 1.0, n_rows + 1), 2.0 * along / n_strips, n_strips)
         s = np.linspace(-1.0, 1.0, 2 * n_rows + 1)[1::2]
@@ -123,13 +123,22 @@ class RollingContact:
         approach: float | None = None,
     ) -> "RollingContact":
         """Half-spaces pressed together: gaps (n_cells, n_strips), and the force or the approach."""
+        given = as_numbers("gaps", gaps)
+        if given.shape != (len(grid.widths), grid.n_strips) or not np.isfinite(given).all():
+            raise InputError(
+                f"gaps of shape {given.shape} on {len(grid.widths)} x {grid.n_strips} cells, or infinite ones",
+                "a finite gap for each cell",
+                "give the gaps on the grid's cells",
+            )
         coefficients = _half_spaces(grid, materials)
         influence = Convolution(np.ascontiguousarray(coefficients[: grid.n_strips, 1::3, 1::3]))
 
         def pressed(change: Floats, start: Floats | None) -> NormalContact:
-            return solve_normal(influence, gaps + change, force=force, approach=approach, start=start, tolerance=CHANGE)
+            return solve_normal(
+                influence, given + change, force=force, approach=approach, start=start, tolerance=CHANGE
+            )
 
-        forces = pressed(np.zeros(gaps.shape), None).forces
+        forces = pressed(np.zeros(given.shape), None).forces
         return cls(grid, forces / _areas(grid), friction, materials, coefficients, pressed)
 
     @classmethod
@@ -158,6 +167,17 @@ class RollingContact:
 
         coefficients = pair_coefficients(pair, grid.n_strips + 2 * BEYOND)
         return cls(grid, found.pressures, friction, (materials[0], materials[1]), coefficients, pressed)
+
+    @property
+    def notices(self) -> tuple[str, ...]:
+        """What is unusual about friction, and pressures that the edge of the grid may cut off."""
+        ends = [self.pressures[:, [0, -1]], *([self.pressures[[0, -1]]] if len(self.pressures) > 1 else [])]
+        if self.pressed is None or not any(each.any() for each in ends):
+            return self.friction.notices
+        return (
+            *self.friction.notices,
+            "pressures reach the edge of the grid: take a larger one, unless a body ends there",
+        )
 
     @cached_property
     def areas(self) -> Floats:
