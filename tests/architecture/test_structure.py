@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 916,
     "materials": 398,
     "problems": 2876,
-    "solve": 4365,
+    "solve": 4383,
     "contact": 7453,
     "post": 2049,
     "forms": 366,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_967
+MAX_LINES_OF_ALL = 74_985
 MAX_FILES_OF_ALL = 387
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

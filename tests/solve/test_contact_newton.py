@@ -10,8 +10,8 @@ from flangeway.contact import AugmentedLagrange, SegmentToSegment
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Placement
 from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_contact
-from flangeway.solve.newton import STALLED
 from flangeway.solve.sensitivity import motion_derivatives
+from flangeway.solve.status import STALLED
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
 
 DEPTH = 0.05

@@ -6,9 +6,9 @@ from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasti
 from flangeway.solve.floating import Floating
 from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.linearisation import Constraints, Linearisation
-from flangeway.solve.newton import ContactState, Iteration, NewtonSettings, solve_contact
+from flangeway.solve.newton import ContactState, solve_contact
 from flangeway.solve.sparse import SparseBodies
-from flangeway.solve.status import Status
+from flangeway.solve.status import Iteration, NewtonSettings, Status
 from flangeway.solve.steps import StepSettings, follow
 from flangeway.solve.surface_cells import SurfaceCells
 from flangeway.solve.surface_compliance import ComplianceTable, compliance_table

@@ -15,8 +15,7 @@ from flangeway._core import Cholesky, NotPositiveDefiniteError
 from flangeway.errors import InputError
 from flangeway.problems.items import Item
 from flangeway.solve.linear import NO_UNKNOWNS, cholesky
-from flangeway.solve.newton import NewtonSettings
-from flangeway.solve.status import Status
+from flangeway.solve.status import NewtonSettings, Status
 from flangeway.space import SymmetricMatrix
 from flangeway.types import Floats
 

@@ -1,10 +1,11 @@
-"""What the contact solver asks of a system of contacts."""
+"""What the contact solver asks of a system of contacts, and what it measures of two linearisations and forces."""
 
 from typing import Protocol
 
 import numpy as np
 import scipy.sparse as sp
 
+from flangeway.solve import complementarity, coulomb
 from flangeway.types import Floats, Ints
 
 
@@ -102,3 +103,59 @@ def contact_loads(jacobian: sp.csr_array, vectors: Floats) -> sp.csr_array:
     rows = np.concatenate((jacobian.indices, np.tile(np.arange(n), n_vectors)))
     starts = np.concatenate((jacobian.indptr, jacobian.indptr[-1] + n * np.arange(1, n_vectors + 1)))
     return sp.csr_array(sp.csc_array((values, rows, starts), shape=(n, len(starts) - 1)))
+
+
+def carried_forces(before: Linearisation | None, forces: Floats, after: Linearisation) -> Floats:
+    """Forces of the constraints in ``after`` that were in ``before``; zero for new ones."""
+    result = np.zeros(len(after.keys))
+    if before is None or len(before.keys) == 0:
+        return result
+    order = np.argsort(before.keys)
+    place = np.searchsorted(before.keys, after.keys, sorter=order)
+    place = order[np.minimum(place, len(order) - 1)]
+    known = before.keys[place] == after.keys
+    result[known] = forces[place[known]]
+    return result
+
+
+def nodal_forces_of(
+    lin: Linearisation, forces: Floats, slides: Sliding | None, tangential: Floats, n_nodes: int
+) -> Floats:
+    """Forces on all surface nodes (n_nodes, 2) by normal and tangential forces of the constraints, each (m,)."""
+    result = np.zeros((n_nodes, 2))
+    result[lin.nodes] = (lin.jacobian.T @ forces).reshape(-1, 2)
+    if slides is not None:
+        result[lin.nodes] += (slides.directions.T @ tangential).reshape(-1, 2)
+    return result
+
+
+def residual_of(
+    lin: Linearisation, gaps: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float
+) -> float:
+    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements.
+
+    The total is at least that of the given maximum of nodal forces and loads.
+    """
+    # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
+    total = max(float(forces.sum()), most)
+    slack = gaps + lin.compliances * forces - complementarity.standoffs(forces, *lin.barriers.T)
+    if total == 0.0:
+        return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
+    residual = float(np.abs(unbalanced).max()) / total
+    violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
+    return max(residual, float(violation.max(initial=0.0)) / scale)
+
+
+def changed_keys(
+    before: Linearisation, forces: tuple[Floats, Floats], after: Linearisation, new_forces: tuple[Floats, Floats]
+) -> tuple[int, ...]:
+    """Keys of active constraints that came, went, changed their partner, or between stick and slip."""
+    pairs = []
+    for lin, (values, tangential) in ((before, forces), (after, new_forces)):
+        active = values > 0.0
+        signs = np.where(
+            np.abs(tangential) >= (1.0 - coulomb.AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0
+        )
+        each = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
+        pairs.append(set(zip(*each, strict=True)))
+    return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))

@@ -33,14 +33,22 @@ from typing import NamedTuple
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.checks import check_integer, check_tolerance
 from flangeway.geometry import Placement
 from flangeway.solve import complementarity, coulomb
 from flangeway.solve.body_response import BodyResponse, Constrained
 from flangeway.solve.coulomb import CoulombState
 from flangeway.solve.floating import Floating, FloatingParts
-from flangeway.solve.linearisation import Constraints, Linearisation, Sliding, contact_loads
-from flangeway.solve.status import Status
+from flangeway.solve.linearisation import (
+    Constraints,
+    Linearisation,
+    Sliding,
+    carried_forces,
+    changed_keys,
+    contact_loads,
+    nodal_forces_of,
+    residual_of,
+)
+from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
 from flangeway.types import Floats
 
 SETTLE_AFTER = 8
@@ -56,13 +64,6 @@ CYCLE = 4
 MEMORY, LEAST_SHARE = 3, 1.0 / 32.0
 """Iterations whose maximum residual the next one has to fall below, where whole steps alone went round, and the share
 of a step below which it is not halved until it does."""
-
-ROUND_OFF = 1e-9
-"""Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
-stiffness is above the tolerance."""
-
-STALLED = 3
-"""Iterations without a change of constraints, none of which halves the residual, after which it no longer falls."""
 
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -82,59 +83,6 @@ NAMED = 3
 
 MOST_ROUNDS = 20
 """Rounds of further constraints for nodes that penetrate."""
-
-
-@dataclass(frozen=True)
-class NewtonSettings:
-    """Limits of the iteration.
-
-    Parameters
-    ----------
-    max_iterations
-        Iterations before giving up, those with further constraints for nodes that penetrate included; each correction
-        of the forces has as many.
-    max_corrections
-        Corrections of the forces before giving up.
-    tolerance
-        Maximum residual of forces over the total force, and maximum violation of the contact law over the maximum
-        displacement.
-
-    """
-
-    max_iterations: int = 30
-    max_corrections: int = 50
-    tolerance: float = 1e-11
-
-    def __post_init__(self) -> None:
-        for name in ("max_iterations", "max_corrections"):
-            check_integer("NewtonSettings", name, getattr(self, name), 1, advice="leave it out")
-        check_tolerance("NewtonSettings", self.tolerance)
-
-
-@dataclass(frozen=True)
-class Iteration:
-    """What one iteration did.
-
-    Parameters
-    ----------
-    change
-        Maximum change of a displacement over the maximum displacement.
-    residual
-        Maximum residual over the total force, or violation of the contact law over the maximum displacement.
-    n_active
-        Number of constraints under force.
-    changed
-        Keys of the constraints that came under force, left it, changed their partner, or between stick and slip.
-    correction
-        Number of corrections of the forces before it.
-
-    """
-
-    change: float
-    residual: float
-    n_active: int
-    changed: tuple[int, ...]
-    correction: int = 0
 
 
 @dataclass(frozen=True, eq=False)
@@ -296,10 +244,10 @@ class _Run:
                 everywhere = np.arange(response.n_nodes)
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
             self.current = constraints.linearise(self.reference + self.displacements, previous)
-        self.forces = _carried(previous, forces, self.current)
+        self.forces = carried_forces(previous, forces, self.current)
         self.tangential = np.zeros(len(self.current.keys))
         if friction is not None:
-            self.tangential = _carried(previous, friction.forces, self.current)
+            self.tangential = carried_forces(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
         self.stalled = False
         self.correct()
@@ -335,7 +283,9 @@ class _Run:
         more = self.constraints.guarded(self.reference + self.displacements, self.current, self.forces, maximum)
         if more is None:
             return False
-        self.forces, self.tangential = (_carried(self.current, each, more) for each in (self.forces, self.tangential))
+        self.forces, self.tangential = (
+            carried_forces(self.current, each, more) for each in (self.forces, self.tangential)
+        )
         self.current, self.slides = more, self._slides(more, self.displacements)
         self.correct()
         return True
@@ -384,7 +334,7 @@ class _Run:
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / self._scale()
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
             met = taken.residual <= max(self.settings.tolerance, floor) and share == 1.0
-            self.stalled = not met and _is_at_round_off(self.history[first:])
+            self.stalled = not met and is_at_round_off(self.history[first:])
             if met or self.stalled:
                 return None
         return self._explain()
@@ -411,21 +361,21 @@ class _Run:
                 )
             )
         after = self.constraints.linearise(self.reference + moved, here.current, settle=settle)
-        carried, tangential = (_carried(here.current, each, after) for each in (new_forces, new_tangential))
+        carried, tangential = (carried_forces(here.current, each, after) for each in (new_forces, new_tangential))
         self.displacements, self.current, self.forces, self.tangential = moved, after, carried, tangential
         self.slides, self.applied, scale = self._slides(after, moved), applied, self._scale()
-        nodal = _nodal(after, carried, self.slides, tangential, len(self.reference))
+        nodal = nodal_forces_of(after, carried, self.slides, tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + moved, nodal)
         left -= self.kept[0] @ (self.kept[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
         most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
-        residual = _residual(after, self._gaps(after), carried, unbalanced, most, scale)
+        residual = residual_of(after, self._gaps(after), carried, unbalanced, most, scale)
         if self.slides is not None:
             slips = self._slips(after, self.slides) + self._let_back(after, tangential)
             beyond, wrong = coulomb.violation(carried, tangential, slips, after.coefficients)
             residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
         change = float(np.abs(moved - here.displacements).max(initial=0.0)) / scale
-        changed = _changed(here.current, before, after, (carried, tangential))
+        changed = changed_keys(here.current, before, after, (carried, tangential))
         return Iteration(change, residual, int((carried > 0).sum()), changed, correction)
 
     def _scale(self) -> float:
@@ -439,7 +389,7 @@ class _Run:
 
     def _anchored(self, forces: Floats, lin: Linearisation) -> Floats:
         """Forces of the anchor where they are corrected."""
-        return np.where(np.isfinite(lin.tolerances), _carried(self.anchor[0], forces, lin), 0.0)
+        return np.where(np.isfinite(lin.tolerances), carried_forces(self.anchor[0], forces, lin), 0.0)
 
     def _slides(self, lin: Linearisation, displacements: Floats) -> Sliding | None:
         """Slips since the last step, where there is friction."""
@@ -451,7 +401,7 @@ class _Run:
         """Slips since the last step, with the elastic ones of it."""
         if self.start is None or self.start.friction is None:
             return slides.slips
-        elastic = _carried(self.start.linearisation, self.start.friction.elastic, lin)
+        elastic = carried_forces(self.start.linearisation, self.start.friction.elastic, lin)
         return np.asarray(slides.slips + elastic)
 
     def _let_back(self, lin: Linearisation, tangential: Floats) -> Floats:
@@ -597,7 +547,7 @@ class _Run:
         elif free.shape[1] < self.parts.n and self.slides is None:
             _, matrix, _, rigid = self._problem(*self._laws(bend=True), bend=True)
             unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
-        nodal = _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+        nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
         size = float(np.abs(kept.T @ left).max(initial=0.0))
         why = "nothing prevents"
@@ -624,7 +574,7 @@ class _Run:
 
     def _loose(self) -> str:
         """Names the parts that move away because nothing answers to their loads."""
-        nodal = _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+        nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
         pushed = np.where(np.abs(left) > UNHELD * np.abs(self.parts.load).max(initial=0.0), left, 0.0)
         words = self.parts.describe(self.motions, pushed[:, None]) if pushed.any() else []
@@ -649,18 +599,11 @@ class _Run:
             self.reference + self.displacements,
             self.current,
             self.forces,
-            _nodal(self.current, self.forces, self.slides, self.tangential, len(self.reference)),
+            nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference)),
             tuple(self.history),
             friction,
             self.motions,
         )
-
-
-def _is_at_round_off(history: Sequence[Iteration]) -> bool:
-    """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
-    last = [each for each in history[-STALLED - 1 :] if not each.changed]
-    small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
-    return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
 
 
 def _counted(number: int, word: str) -> str:
@@ -671,54 +614,3 @@ def _is_near(start: ContactState, reference: Floats) -> bool:
     """Whether a start's bodies have moved by less than a part of their displacements."""
     moved = np.abs(reference - (start.positions - start.displacements)).max()
     return bool(moved <= NEAR * np.abs(start.displacements).max())
-
-
-def _carried(before: Linearisation | None, forces: Floats, after: Linearisation) -> Floats:
-    """Forces of the constraints in ``after`` that were in ``before``; zero for new ones."""
-    result = np.zeros(len(after.keys))
-    if before is None or len(before.keys) == 0:
-        return result
-    order = np.argsort(before.keys)
-    place = np.searchsorted(before.keys, after.keys, sorter=order)
-    place = order[np.minimum(place, len(order) - 1)]
-    known = before.keys[place] == after.keys
-    result[known] = forces[place[known]]
-    return result
-
-
-def _nodal(lin: Linearisation, forces: Floats, slides: Sliding | None, tangential: Floats, n_nodes: int) -> Floats:
-    result = np.zeros((n_nodes, 2))
-    result[lin.nodes] = (lin.jacobian.T @ forces).reshape(-1, 2)
-    if slides is not None:
-        result[lin.nodes] += (slides.directions.T @ tangential).reshape(-1, 2)
-    return result
-
-
-def _residual(lin: Linearisation, gaps: Floats, forces: Floats, unbalanced: Floats, most: float, scale: float) -> float:
-    """Worst of: residual of nodal forces over the total force; violation of the law over the displacements.
-
-    The total is at least that of the given maximum of nodal forces and loads.
-    """
-    # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
-    total = max(float(forces.sum()), most)
-    slack = gaps + lin.compliances * forces - complementarity.standoffs(forces, *lin.barriers.T)
-    if total == 0.0:
-        return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
-    residual = float(np.abs(unbalanced).max()) / total
-    violation = np.where(forces > 0.0, np.abs(slack), np.maximum(-slack, 0.0))
-    return max(residual, float(violation.max(initial=0.0)) / scale)
-
-
-def _changed(
-    before: Linearisation, forces: tuple[Floats, Floats], after: Linearisation, new_forces: tuple[Floats, Floats]
-) -> tuple[int, ...]:
-    """Keys of active constraints that came, went, changed their partner, or between stick and slip."""
-    pairs = []
-    for lin, (values, tangential) in ((before, forces), (after, new_forces)):
-        active = values > 0.0
-        signs = np.where(
-            np.abs(tangential) >= (1.0 - coulomb.AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0
-        )
-        each = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
-        pairs.append(set(zip(*each, strict=True)))
-    return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))

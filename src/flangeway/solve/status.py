@@ -1,6 +1,16 @@
-"""How a computation ended."""
+"""How a computation ended, and the limits and the history of Newton's method."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+
+from flangeway.checks import check_integer, check_tolerance
+
+ROUND_OFF = 1e-9
+"""Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
+stiffness is above the tolerance."""
+
+STALLED = 3
+"""Iterations without a change of constraints, none of which halves the residual, after which it no longer falls."""
 
 
 @dataclass(frozen=True)
@@ -21,3 +31,63 @@ class Status:
     converged: bool
     message: str
     iterations: int
+
+
+@dataclass(frozen=True)
+class NewtonSettings:
+    """Limits of the iteration.
+
+    Parameters
+    ----------
+    max_iterations
+        Iterations before giving up, those with further constraints for nodes that penetrate included; each correction
+        of the forces has as many.
+    max_corrections
+        Corrections of the forces before giving up.
+    tolerance
+        Maximum residual of forces over the total force, and maximum violation of the contact law over the maximum
+        displacement.
+
+    """
+
+    max_iterations: int = 30
+    max_corrections: int = 50
+    tolerance: float = 1e-11
+
+    def __post_init__(self) -> None:
+        for name in ("max_iterations", "max_corrections"):
+            check_integer("NewtonSettings", name, getattr(self, name), 1, advice="leave it out")
+        check_tolerance("NewtonSettings", self.tolerance)
+
+
+@dataclass(frozen=True)
+class Iteration:
+    """What one iteration did.
+
+    Parameters
+    ----------
+    change
+        Maximum change of a displacement over the maximum displacement.
+    residual
+        Maximum residual over the total force, or violation of the contact law over the maximum displacement.
+    n_active
+        Number of constraints under force.
+    changed
+        Keys of the constraints that came under force, left it, changed their partner, or between stick and slip.
+    correction
+        Number of corrections of the forces before it.
+
+    """
+
+    change: float
+    residual: float
+    n_active: int
+    changed: tuple[int, ...]
+    correction: int = 0
+
+
+def is_at_round_off(history: Sequence[Iteration]) -> bool:
+    """Whether the residual is small and has not fallen in the last iterations, while no constraint changed."""
+    last = [each for each in history[-STALLED - 1 :] if not each.changed]
+    small = len(last) > STALLED and max(each.residual for each in last) <= ROUND_OFF
+    return small and min(each.residual for each in last[1:]) > last[0].residual / 2.0
