@@ -41,7 +41,8 @@ _POWERS = str.maketrans("⁰¹²³⁴⁵⁶⁻", "0123456-")
 
 _NAME = "|".join(sorted((*_BASE, *_ALIKE), key=len, reverse=True))
 _PART = rf"(?:{_NAME})(?:⁻?[²³⁴⁵⁶]|[2-6])?"
-_TEXT_UNIT = rf"(?:1/)?{_PART}(?:[ /]{_PART})*"
+TEXT_UNIT = rf"(?:1/)?{_PART}(?:[ /]{_PART})*"
+"""Regular expression of a unit in a text."""
 _KEY_UNIT = re.compile(rf"_((?:per_)?{_PART}(?:_(?:per_)?{_PART})*)$")
 _SPLIT = re.compile(rf"(^1/|^per_|^|/|_per_|_| )({_NAME})(⁻?[²³⁴⁵⁶]|[2-6])?")
 NUMBER = r"[-+−]?(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?(?:e[-+]?\d+)?"
@@ -49,7 +50,7 @@ NUMBER = r"[-+−]?(?:\d{1,3}(?:,\d{3})+|\d+)(?:\.\d+)?(?:e[-+]?\d+)?"
 _OF_TEXT = re.compile(
     rf"\b(?P<key>[a-z]\w*_\w+)(?P<is>\s?=\s?)?(?P<value>(?<==\s|.=){NUMBER})?"
     rf"|(?<![\w.])(?P<numbers>{NUMBER}(?:(?:,? (?:to|and|or|by|×) |, |–){NUMBER})*)"
-    rf"(?P<space>[ \u00a0])(?P<unit>{_TEXT_UNIT})(?![\w⁻²³⁴⁶/])"
+    rf"(?P<space>[ \u00a0])(?P<unit>{TEXT_UNIT})(?![\w⁻²³⁴⁶/])"
 )
 
 
@@ -79,7 +80,7 @@ def _each(value: Any, factor: Fraction) -> Any:
 @cache
 def us_unit(unit: str) -> UsUnit | None:
     """Return the unit of a text such as "kN/mm" or "mm⁴" in the US; None if it is the same there, or no unit."""
-    if not re.fullmatch(_TEXT_UNIT, unit):
+    if not re.fullmatch(TEXT_UNIT, unit):
         return None
     found = _converted(unit)
     return None if found is None else UsUnit(found[0].replace("_", " "), found[1])

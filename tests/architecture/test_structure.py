@@ -11,7 +11,7 @@ MAX_FILES = 20
 """Modules in one folder, ``__init__.py`` not counted."""
 
 MAX_LINES = {
-    "": 745,
+    "": 746,
     "system": 788,
     "exact": 1106,
     "geometry": 1353,
@@ -31,17 +31,17 @@ MAX_LINES = {
     "railway.wheelset": 1760,
     "railway.positions": 2499,
     "railway.spatial": 4187,
-    "cases": 8007,
+    "cases": 8008,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8714,
+    "report": 8830,
     "validation": 8728,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 74_985
-MAX_FILES_OF_ALL = 387
+MAX_LINES_OF_ALL = 75_103
+MAX_FILES_OF_ALL = 388
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

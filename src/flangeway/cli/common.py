@@ -69,7 +69,7 @@ Unit = Annotated[
 Units = Annotated[
     str | None,
     typer.Option(
-        "--units", help="Units of tables, tiles and CSV files.", show_default=False, **choices("metric", "us")
+        "--units", help="Units of tables, tiles, pictures and CSV files.", show_default=False, **choices("metric", "us")
     ),
 ]
 

@@ -361,7 +361,7 @@ def _title(name: str, case: GeometryCase) -> str:
         return name
     title, values = GEOMETRY_CASES[name]
     usual = GeometryCase.from_values(values).model_dump()
-    changed = [f"{key} = {value}" for key, value in case.model_dump().items() if value != usual[key]]
+    changed = [f"{key} = {value}" for key, value in case.model_dump(exclude={"units"}).items() if value != usual[key]]
     return f"{title}; changed: {', '.join(changed)}" if changed else title
 
 

@@ -304,8 +304,9 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
             "fixed": "The rails are fixed along their whole base.",
         }[self.rail_support]
         wheel = {
-            "rim": "The wheels are rims, held at their cuts.",
-            "whole": "The wheels have an assumed web and hub, and are held at the bore.",
+            "rim": "The wheels are rims without web and hub, held at their cuts.",
+            "whole": "The wheels have an assumed web and hub, and are held at the bore; sections drawn and saved "
+            "are of their rims alone, held at their cuts: web and hub count in the compliance only.",
         }[self.wheel_section]
         axle = {
             "elastic": "The axle bends as one of class F of the AAR, loaded at its journals.",

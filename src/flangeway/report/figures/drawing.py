@@ -38,7 +38,7 @@ SIGNED: Colormap = ListedColormap(mpl.colormaps["RdBu_r"](np.linspace(0.04, 0.96
 POWERS = str.maketrans("23", "²³")
 HALO = withStroke(linewidth=2.0, foreground="white")
 SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-CONTOUR = "contour"
+CONTOUR = "MPa"  # `gid` of the numbers on lines of equal stress: their unit
 LABELS_APART = 0.11  # of the width of the axes
 
 

@@ -7,12 +7,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
-from flangeway.report.page.record import Record
+from flangeway.report.figures.us_figure import figure_in_us_units
+from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import Number, SummaryTable, formatted, marked
 from flangeway.system.output_folder import Writer
 from flangeway.units import NUMBER, Units, UsUnit, in_us_units, number_of, shown, us_key, us_unit
 
-METRIC_PARTS = "Numbers are in US units; pictures, fields, JSON, Parquet and ParaView files are in metric units."
+METRIC_PARTS = "Numbers and pictures are in US units; fields, JSON, Parquet and ParaView files are in metric units."
 UNIT_COLUMN = "in"  # of a table: the unit of the numbers on both sides of it, each row its own
 FEWEST_DIGITS = 3  # of a converted number that is not below one before
 SENTENCES = ("message", "warnings")  # columns of CSV files with text of the program; other texts are names
@@ -35,6 +36,7 @@ def in_units(record: Record, units: Units) -> Record:
         notes=[*map(in_us_units, record.notes)],
         assumptions=[*map(in_us_units, record.assumptions), METRIC_PARTS],
         tables=[*map(_table, record.tables)],
+        pictures=[*map(_picture, record.pictures)],
         chapters={name: [*map(_table, tables)] for name, tables in record.chapters.items()},
         axes={name: in_us_units(text) for name, text in record.axes.items()},
         inputs=[*map(_table, record.inputs)],
@@ -46,6 +48,11 @@ def files_in_units(writers: Mapping[str, Writer], units: Units) -> dict[str, Wri
     """Return functions that write files, by their names; those of CSV files do it in some units."""
     in_us = units == "us"
     return {name: _csv(write) if in_us and name.endswith(".csv") else write for name, write in writers.items()}
+
+
+def _picture(picture: Picture) -> Picture:
+    alternative, caption = in_us_units(picture.alternative), in_us_units(picture.caption)
+    return replace(picture, draw=lambda: figure_in_us_units(picture.draw()), alternative=alternative, caption=caption)
 
 
 def _table(table: SummaryTable) -> SummaryTable:

@@ -157,5 +157,6 @@ def _draw_values(axes: Axes, shown: ShownRolling, values: Floats, label: str) ->
     drawn = np.where(shown.fields.states != NO_CONTACT, values, np.nan)
     scale = Normalize(0.0, max(float(np.nanmax(drawn)), np.finfo(float).tiny))
     mesh = axes.pcolormesh(*shown.edges, drawn.T, cmap=COLOURS, norm=scale, rasterized=True)
-    axes.figure.colorbar(mesh, ax=axes, shrink=0.9, aspect=18, pad=0.02)
-    draw_title(axes, label, 9.0)
+    name, _, unit = label.partition(", ")
+    axes.figure.colorbar(mesh, ax=axes, shrink=0.9, aspect=18, pad=0.02, label=unit)
+    draw_title(axes, name, 9.0)

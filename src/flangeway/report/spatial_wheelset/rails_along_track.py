@@ -65,7 +65,9 @@ def _draw_sleepers(axes: Axes, rails: dict[Side, RailAlongTrack]) -> None:
             continue
         axes.axvline(z / 1e3, color=GREY, lw=0.6, ls=":")
         forces = " / ".join(f"{rail.reactions[number, 1] / 1e3:.0f}" for rail in rails.values())
-        axes.annotate(forces, (z / 1e3, 1.02), xycoords=("data", "axes fraction"), ha="center", fontsize=7, color=INK)
+        axes.annotate(
+            forces, (z / 1e3, 1.02), xycoords=("data", "axes fraction"), ha="center", fontsize=7, color=INK, gid="kN"
+        )
     if len(first.sleepers_mm):
         axes.set_title("forces of the sleepers on the left / right rail, kN", fontsize=9, pad=16, loc="left")
 

@@ -73,7 +73,7 @@ def section_figure(run: SpatialWheelsetRun) -> Figure:
     draw_sketch(middle, problem, motion)
     track = problem.track
     inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
-    draw_title(middle, f"{problem.wheelset.wheel.title}\non {track.rail.title}, {inclination}\nlengths in mm", 10.0)
+    draw_title(middle, f"{problem.wheelset.wheel.title}\non {track.rail.title}, {inclination}", 10.0)
     return figure
 
 

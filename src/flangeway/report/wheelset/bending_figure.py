@@ -89,7 +89,7 @@ def _draw_face(axes: Axes, run: CaseRun, rail: RailBending, face: FaceStresses, 
         right = tip[0] > middle
         axes.annotate(
             f"{value:.0f}", tip, (4 if right else -4, 0), textcoords="offset points", fontsize=9, va="center",
-            ha="left" if right else "right", path_effects=[HALO], zorder=6,
+            ha="left" if right else "right", path_effects=[HALO], zorder=6, gid="MPa",
         )  # fmt: skip
 
 

@@ -87,7 +87,7 @@ def _title(run: CaseRun) -> str:
     inclination = f"rail inclination 1:{1.0 / track.rail_inclination:g}" if track.rail_inclination else "upright"
     return (
         f"{problem.wheelset.wheel.title}\non {track.rail.title}, {inclination}\n"
-        f"{problem.load.vertical_N / 1e3:g} kN on {problem.thickness_mm:g} mm of length; lengths in mm"
+        f"{problem.load.vertical_N / 1e3:g} kN on {problem.thickness_mm:g} mm of length"
     )
 
 
@@ -123,12 +123,12 @@ def draw_sketch(axes: Axes, problem: WheelsetProblem, motion: WheelsetPosition) 
     _draw_load(axes, problem, axle)
     for x in (-half_gauge, half_gauge):
         axes.plot([x, x], [-300, -10], color=INK, lw=0.5)
-    _dimension(axes, (-half_gauge, -275), (half_gauge, -275), f"gauge {track.gauge_mm:g}")
+    _dimension(axes, (-half_gauge, -275), (half_gauge, -275), f"gauge {track.gauge_mm:g} mm")
     high = axle + 0.6 * wheelset.radius_mm
-    _dimension(axes, (-inner, high), (inner, high), f"back to back {wheelset.back_to_back_mm:g}", 0.75)
+    _dimension(axes, (-inner, high), (inner, high), f"back to back {wheelset.back_to_back_mm:g} mm", 0.75)
     beside, tread = inner - 110, inner + wheelset.wheel.flange_back_mm
     axes.plot([beside - 30, tread], [0.0, 0.0], color=INK, lw=0.5)
-    _dimension(axes, (beside, axle), (beside, 0.0), f"radius {axle:.5g}")
+    _dimension(axes, (beside, axle), (beside, 0.0), f"radius {axle:.5g} mm")
     top = axle + wheelset.centre_of_gravity_height_mm
     axes.set(xlim=(-half_gauge - 160, half_gauge + 160), ylim=(-320, max(top + 340, axle + wheelset.radius_mm) + 20))
     axes.set_aspect("equal", anchor="S")
@@ -164,7 +164,7 @@ def _draw_load(axes: Axes, problem: WheelsetProblem, axle: float) -> None:
         )
     axes.text(x + 45, y + 250, f"{load.in_track[1] / 1e3:.4g} kN", fontsize=8, va="center")
     axes.text(x + 45, y, "centre of gravity of the car", fontsize=7, va="center")
-    _dimension(axes, (x - 90, axle), (x - 90, y), f"{wheelset.centre_of_gravity_height_mm:g} above the axle")
+    _dimension(axes, (x - 90, axle), (x - 90, y), f"{wheelset.centre_of_gravity_height_mm:g} mm above the axle")
 
 
 def _dimension(axes: Axes, start: tuple[float, float], end: tuple[float, float], text: str, at: float = 0.5) -> None:

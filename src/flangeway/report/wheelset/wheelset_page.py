@@ -139,8 +139,8 @@ def _pictures(
             "Left and right wheel on their rails, deformed and coloured by von Mises stress, with a sketch of the "
             "wheelset, its load and its dimensions between them.",
             "The wheelset on its rails: von Mises stress on the deformed parts. Dark is most loaded; numbers on the "
-            "lines are MPa. Web and foot of the rails are hatched: their stresses are those of a slice that carries "
-            "the load alone and are not valid for a rail.",
+            "lines are in the unit of the colours. Web and foot of the rails are hatched: their stresses are those of "
+            "a slice that carries the load alone and are not valid for a rail.",
         ),
         (
             lambda: rigid_elastic_figure(run, fields()),
