@@ -18,7 +18,6 @@ from flangeway.solve import solve_elasticity
 from flangeway.space import Space
 
 GRID = rectangle_grid(4.0, 2.0, 4, 2)
-SQUARES = rectangle_grid(4.0, 2.0, 4, 2, cells="quadrilaterals")
 
 
 def mesh_of(points, cells, **sets):

@@ -162,17 +162,8 @@ def _files(run: SpatialWheelsetRun) -> dict[str, Writer]:
 
 
 def _facts(summary: SpatialWheelsetSummary) -> list[tuple[str, str]]:
-    facts = [
-        (number(side.lateral_over_vertical, 3), f"L/V of the {side.side} wheel")
-        for side in summary.sides
-        if side.lateral_over_vertical is not None
-    ]
-    facts.append((f"{summary.position.lateral_mm:z.2f} mm", "lateral position of the axle"))
-    for patch in summary.patches:
-        pressure = marked(number(patch.max_pressure_MPa, 0) + " MPa", patch.max_pressure_remark)
-        facts.append((pressure, f"maximum pressure, {patch.side} {patch.region}"))
-    residual = summary.residual.equilibrium
-    return [*facts, ("–" if residual is None else f"{residual:.0e}", "equilibrium residual")]
+    patches = [(each, f"{each.side} {each.region}") for each in summary.patches]
+    return wheelset_page.wheelset_facts(summary, f"{summary.position.lateral_mm:z.2f} mm", patches)
 
 
 PATCH: tuple[Column, ...] = (

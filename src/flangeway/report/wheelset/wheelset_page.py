@@ -7,7 +7,8 @@ from pathlib import Path
 from matplotlib.figure import Figure
 
 from flangeway.cases import CaseRun
-from flangeway.cases.wheelset.wheelset_summary import WheelsetSummary
+from flangeway.cases.wheelset.spatial_wheelset_summary import SpatialWheelsetSummary, WheelPatchSummary
+from flangeway.cases.wheelset.wheelset_summary import ContactSummary, WheelsetSummary
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.fields import PartFields, part_fields, write_part
@@ -90,19 +91,25 @@ def _reference(summary: WheelsetSummary) -> str:
 
 
 def _facts(summary: WheelsetSummary) -> list[tuple[str, str]]:
+    contacts = [(each, contact_name(each, summary.contacts)) for each in summary.contacts]
+    return wheelset_facts(summary, f"{summary.position.lateral_mm:z.3f} mm", contacts)
+
+
+def wheelset_facts(
+    summary: WheelsetSummary | SpatialWheelsetSummary,
+    lateral: str,
+    patches: Sequence[tuple[ContactSummary | WheelPatchSummary, str]],
+) -> list[tuple[str, str]]:
+    """L/V of both wheels, the lateral position, the maximum pressure of each patch by its name, and the residual."""
     facts = [
         (number(side.lateral_over_vertical, 3), f"L/V of the {side.side} wheel")
         for side in summary.sides
         if side.lateral_over_vertical is not None
     ]
-    facts.append((f"{summary.position.lateral_mm:z.3f} mm", "lateral position of the axle"))
-    facts += [
-        (
-            marked(number(contact.max_pressure_MPa, 0) + " MPa", contact.max_pressure_remark),
-            f"maximum pressure, {contact_name(contact, summary.contacts)}",
-        )
-        for contact in summary.contacts
-    ]
+    facts.append((lateral, "lateral position of the axle"))
+    for patch, name in patches:
+        pressure = marked(number(patch.max_pressure_MPa, 0) + " MPa", patch.max_pressure_remark)
+        facts.append((pressure, f"maximum pressure, {name}"))
     residual = summary.residual.equilibrium
     return [*facts, ("–" if residual is None else f"{residual:.0e}", "equilibrium residual")]
 
