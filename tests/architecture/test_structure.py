@@ -23,7 +23,7 @@ MAX_LINES = {
     "problems": 2876,
     "solve": 4383,
     "contact": 7453,
-    "post": 2049,
+    "post": 2045,
     "forms": 366,
     "railway.profiles": 3746,
     "railway.track": 583,
@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 8008,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8828,
+    "report": 8825,
     "validation": 8728,
     "cli": 1454,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_101
+MAX_LINES_OF_ALL = 75_094
 MAX_FILES_OF_ALL = 388
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -1,6 +1,6 @@
 """Cells of points, fields at points, stresses along lines and forces through cuts, from the cells' reconstructions."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,7 +14,7 @@ from flangeway.errors import InputError, short
 from flangeway.geometry.arrays import cross_product
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.curved import as_polylines
-from flangeway.post.stress import Stresses
+from flangeway.post.stress import Polynomials, Stresses
 from flangeway.problems import ElasticField
 from flangeway.results import Result, ResultTable
 from flangeway.space import CellBatch, Space
@@ -25,8 +25,6 @@ OUTSIDE = -1
 PIECES = 32  # of a curved edge as a polyline
 
 Point = Sequence[float]
-Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
-"""Reconstruction of a batch, and coefficients of the field's components, shape (n_components, n, n_cells)."""
 
 
 @dataclass(frozen=True, eq=False)

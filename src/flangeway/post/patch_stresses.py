@@ -9,9 +9,10 @@ import numpy as np
 from flangeway.contact.patch.contact_ellipse import ContactEllipse
 from flangeway.contact.patch.patch_body import PatchBody
 from flangeway.contact.patch.patch_contact import LEAST_WAVENUMBER, PatchContact
-from flangeway.elements import Reconstruction, monomials
+from flangeway.elements import Reconstruction
 from flangeway.exact.half_space_stresses import half_space_stresses
 from flangeway.post.lines import OUTSIDE, locate, polynomials_at
+from flangeway.post.stress import corner_values
 from flangeway.problems.harmonic import NAMES, Harmonic
 from flangeway.solve.surface_compliance import StripForces, wave_sums, waves
 from flangeway.space import CellBatch
@@ -111,13 +112,7 @@ class SectionStresses:
 
     def corners(self) -> SpatialStresses:
         """Stresses at the cells' corners, each from its own cell, in the order of ``mesh.cell_points``."""
-        space = self.body.problem.elasticity.space
-        components = np.empty((len(space.mesh.cell_points), 6))
-        for batch in space.batches():
-            reconstruction, stress = self.polynomials(batch)
-            values = monomials.evaluate(space.order, reconstruction.frame.local(batch.vertices))[: stress.shape[1]]
-            places = space.mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
-            components[places] = np.einsum("sae,ave->evs", stress, values)
+        components = corner_values(self.body.problem.elasticity.space, self.polynomials, 6)
         return SpatialStresses(components).turned(self.body.placement.matrix)
 
     def at(self, points: Floats) -> SpatialStresses:

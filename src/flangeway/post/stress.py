@@ -1,14 +1,19 @@
 """Stresses inside cells, from the elements' reconstruction, and what is derived from them."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.elements import monomials
+from flangeway.elements import Reconstruction, monomials
 from flangeway.mesh import PolyMesh
 from flangeway.problems import ElasticField, Elasticity
 from flangeway.solve import TorsionSolution
+from flangeway.space import CellBatch, Space
 from flangeway.types import Floats
+
+Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
+"""Reconstruction of a batch, and coefficients of the field's components, shape (n_components, n, n_cells)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,12 +60,7 @@ def cell_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
 
     - `displacement`: all unknowns, shape (n_dofs, 2).
     """
-    components = np.empty((elasticity.space.mesh.n_cells, 4))
-    for batch in elasticity.space.batches():
-        reconstruction, stress = elasticity.cell_stresses(batch, displacement)
-        means = reconstruction.moments[: stress.shape[1]] / reconstruction.areas
-        components[batch.cells] = np.einsum("sae,ae->es", stress, means)
-    return Stresses(components)
+    return Stresses(_cell_means(elasticity.space, lambda batch: elasticity.cell_stresses(batch, displacement), 4))
 
 
 def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
@@ -68,15 +68,19 @@ def corner_stresses(elasticity: Elasticity, displacement: Floats) -> Stresses:
 
     - `displacement`: all unknowns, shape (n_dofs, 2).
     """
-    mesh = elasticity.space.mesh
-    components = np.empty((len(mesh.cell_points), 4))
-    for batch in elasticity.space.batches():
-        reconstruction, stress = elasticity.cell_stresses(batch, displacement)
-        local = reconstruction.frame.local(batch.vertices)
-        values = monomials.evaluate(reconstruction.order - 1, local)
-        places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
-        components[places] = np.einsum("sae,ave->evs", stress, values)
-    return Stresses(components)
+    return Stresses(corner_values(elasticity.space, lambda batch: elasticity.cell_stresses(batch, displacement), 4))
+
+
+def corner_values(space: Space, polynomials: Polynomials, n_components: int) -> Floats:
+    """Values (n_corners, n_components) of the cells' polynomials at their corners, ordered as `mesh.cell_points`."""
+    values = np.empty((len(space.mesh.cell_points), n_components))
+    for batch in space.batches():
+        reconstruction, coefficients = polynomials(batch)
+        basis = monomials.evaluate(reconstruction.order, reconstruction.frame.local(batch.vertices))
+        places = space.mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
+        # v_evs = sum over monomials a of c_sae m_ave at the vertices v of the cells e
+        values[places] = np.einsum("sae,ave->evs", coefficients, basis[: coefficients.shape[1]])
+    return values
 
 
 def nodal_stresses(solution: ElasticField) -> Stresses:
@@ -104,13 +108,7 @@ def shear_stresses(solution: TorsionSolution) -> Floats:
 
     With a shear modulus of one they are stresses per ``G theta'``.
     """
-    space = solution.problem.space
-    means = np.empty((space.mesh.n_cells, 2))
-    for batch in space.batches():
-        reconstruction, stress = solution.problem.cell_shear_stresses(batch, solution.function)
-        weights = reconstruction.moments[: stress.shape[1]] / reconstruction.areas
-        means[batch.cells] = np.einsum("iae,ae->ei", stress, weights)
-    return means
+    return _cell_means(solution.problem.space, _shear_polynomials(solution), 2)
 
 
 def corner_shear_stresses(solution: TorsionSolution) -> Floats:
@@ -118,13 +116,18 @@ def corner_shear_stresses(solution: TorsionSolution) -> Floats:
 
     In the order of ``mesh.cell_points``, for a rate of twist of one.
     """
-    space = solution.problem.space
-    mesh = space.mesh
-    stresses = np.empty((len(mesh.cell_points), 2))
-    degree = max(space.order - 1, 1)
+    return corner_values(solution.problem.space, _shear_polynomials(solution), 2)
+
+
+def _shear_polynomials(solution: TorsionSolution) -> Polynomials:
+    return lambda batch: solution.problem.cell_shear_stresses(batch, solution.function)
+
+
+def _cell_means(space: Space, polynomials: Polynomials, n_components: int) -> Floats:
+    """Means (n_cells, n_components) of the cells' polynomials."""
+    means = np.empty((space.mesh.n_cells, n_components))
     for batch in space.batches():
-        reconstruction, stress = solution.problem.cell_shear_stresses(batch, solution.function)
-        values = monomials.evaluate(degree, reconstruction.frame.local(batch.vertices))
-        places = mesh.cell_offsets[batch.cells][:, None] + np.arange(len(batch.vertices))
-        stresses[places] = np.einsum("iae,ave->evi", stress, values[: stress.shape[1]])
-    return stresses
+        reconstruction, coefficients = polynomials(batch)
+        weights = reconstruction.moments[: coefficients.shape[1]] / reconstruction.areas
+        means[batch.cells] = np.einsum("sae,ae->es", coefficients, weights)
+    return means

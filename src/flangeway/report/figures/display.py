@@ -1,6 +1,5 @@
 """Cells cut into small triangles for display, with the elements' own reconstruction evaluated at their points."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TypeAlias
@@ -16,12 +15,10 @@ from flangeway.errors import InputError
 from flangeway.mesh import PolyMesh
 from flangeway.mesh.kernel import cell_centres, kernel_centre, star_parts
 from flangeway.post import Stresses
+from flangeway.post.stress import Polynomials
 from flangeway.problems import ElasticField
 from flangeway.space import CellBatch, Space
 from flangeway.types import Floats, Ints
-
-Polynomials = Callable[[CellBatch], tuple[Reconstruction, Floats]]
-"""Reconstruction of a batch, and coefficients of the field's components, shape (n_components, n, n_cells)."""
 
 _Fans: TypeAlias = tuple[Floats, Ints, Ints, Ints, Ints, Ints, Floats]
 
