@@ -25,7 +25,7 @@ MAX_LINES = {
     "contact": 7453,
     "post": 2045,
     "forms": 366,
-    "railway.profiles": 3746,
+    "railway.profiles": 3756,
     "railway.track": 583,
     "railway.rigid": 1913,
     "railway.wheelset": 1760,
@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 8008,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8825,
+    "report": 8841,
     "validation": 8728,
-    "cli": 1454,
+    "cli": 1457,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_094
+MAX_LINES_OF_ALL = 75_123
 MAX_FILES_OF_ALL = 388
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

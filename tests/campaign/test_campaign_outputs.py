@@ -226,6 +226,14 @@ def test_failures_are_grouped_by_reason(tmp_path):
     assert "rows 2, 3" in said.getvalue()
 
 
+def test_warnings_that_differ_in_numbers_are_one(tmp_path):
+    """Rows whose stresses exceed the yield strength by different factors give one sentence with their number."""
+    text = 'case = "wheelset-tangent"\n[inputs]\nsize_scale = 8\n[vary]\naxle_load_kN = [300, 500]\n'
+    found = record_of(*computed(tmp_path, text)).warnings
+    assert len([each for each in found if "yield strength" in each]) == 1
+    assert any(each.startswith("in 2 rows, numbers of the first: ") for each in found)
+
+
 def test_a_changed_campaign_is_refused_until_it_is_fresh(sweep, tmp_path):
     """Results of another campaign are not mixed: the message says what differs; fresh drops them."""
     for name, values in (("a", "[0, 1]"), ("b", "[0, 2]"), ("c", "[1, 0]")):

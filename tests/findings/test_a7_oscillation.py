@@ -92,4 +92,4 @@ def test_a7_too_few_segments_are_a_mark() -> None:
     assert run.summary.results["max_pressure_remark"] == contact["max_pressure_remark"]
     rows = dict(results_table(run.summary).rows)
     assert not any("remark" in name for name in rows)
-    assert ["wide" in text.remark for name, text in rows.items() if name.startswith("max pressure, MPa")] == [True]
+    assert ["wide" in text.remark for name, text in rows.items() if name.startswith("maximum pressure, MPa")] == [True]

@@ -26,6 +26,7 @@ from flangeway.errors import InputError
 from flangeway.system.file_content import is_file
 
 PROFILE_FILES = (".ban", ".whl", ".prr", ".prw", ".csv", ".txt", ".dat", ".dxf", ".slcs", ".slcw")
+PROFILES_ALONE = (".ban", ".whl", ".prr", ".prw", ".dxf", ".slcs", ".slcw")  # the other endings have tables too
 
 GeometryName = Annotated[
     str,
@@ -81,6 +82,8 @@ def geometry(
     settings = settings_of(set_, "a wrong key lists the right ones")
     file = Path(case)
     is_toml = file.suffix.lower() == ".toml"
+    if file.suffix.lower() in PROFILES_ALONE:
+        raise InputError(f"{case}, which is a profile", "a case", f"give it with --wheel or --rail: --wheel {case}")
     if not is_toml and (file.suffix or is_file(file)):
         return _conicity(file, settings, out, show)
     from flangeway.cases.rigid.rigid_case import find_geometry_case, read_geometry_case  # noqa: PLC0415

@@ -99,6 +99,7 @@ def csv_of(outline, kind):
         ("{:.6f}\t{:.6f}", "y [mm]\tz [mm]"),
         ("{:.6f},{:.6f}", "x_mm,y_mm"),
         ("{:.6f};{:.6f}", "x;y"),
+        ("{:.6f};{:.6f};good", "x;y;quality"),
         ("  {:.6e}  {:.6e} 1.0", "! a comment"),
     ],
 )
@@ -108,6 +109,13 @@ def test_columns_may_be_apart_in_any_usual_way(form, head, tmp_path):
     text = f"{head}\n" + lines_of(points, form)
     found = read_profile(saved(tmp_path, "p.txt", text), ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
     np.testing.assert_allclose(found.points, points, atol=6e-7 if "e" not in form else 1e-4)
+
+
+def test_text_of_spreadsheets_in_two_bytes_a_letter_is_read(tmp_path):
+    """A file in UTF-16 with its mark is the same profile."""
+    (tmp_path / "p.csv").write_text(lines_of(points_of("rail"), "{:.6f},{:.6f}"), encoding="utf-16")
+    found = read_profile(tmp_path / "p.csv", ReadOptions(unit="mm", kind="rail", smooth_mm=0.0))
+    np.testing.assert_allclose(found.points, points_of("rail"), atol=6e-7)
 
 
 @pytest.mark.parametrize("separator", [";", "\t", " "])

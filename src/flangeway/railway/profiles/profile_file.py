@@ -1,5 +1,6 @@
 """Profiles from files of all formats, in this package's frames, and back into files."""
 
+import codecs
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -311,7 +312,9 @@ def _placed(contour: Contour, taken: Orientation) -> Contour:
 
 
 def _text(content: bytes) -> str:
-    """Return text in UTF-8, or in the code of Windows that older instruments write."""
+    """Return text in UTF-8, in UTF-16 as of spreadsheets, or in the code of Windows that older instruments write."""
+    if content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        content = content.decode("utf-16", errors="replace").encode()
     if any(byte in content for byte in _CONTROL):
         raise InputError("bytes that are no text", "a text file", "check the ending of the file's name")
     try:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from flangeway.cases.bodies.bodies_run import BodiesRun, BodyResult
 from flangeway.post import contact_lines
 from flangeway.report.figures.display import display, displayed_stresses
-from flangeway.report.figures.drawing import GREY, INK, draw_lines, new_figure
+from flangeway.report.figures.drawing import GREY, INK, SERIES, draw_lines, new_figure
 from flangeway.report.figures.plots import COLOURS
 from flangeway.report.page.tables import marked
 from flangeway.types import Floats
@@ -68,7 +68,7 @@ def pressure_figure(run: BodiesRun) -> Figure:
         contact = run.contact.system.contacts[patch.contact]
         label = f"{contact.secondary.part.name} on {contact.primary.part.name}"
         axes.plot(
-            patch.along, patch.pressures, color=INK, lw=1.0, ls=("-", "-.", ":", "--")[number % 4], marker="o", ms=3.0,
+            patch.along, patch.pressures, color=SERIES[number % len(SERIES)], lw=1.0, marker="osD^"[number % 4], ms=3.0,
             mfc="white", label=f"{label}: maximum {marked(f'{patch.pressures.max():.4g} MPa', patch.remark)}",
         )  # fmt: skip
     if run.theory is not None:
@@ -78,9 +78,9 @@ def pressure_figure(run: BodiesRun) -> Figure:
             label=f"Hertz, same force: maximum {run.theory.max_pressure:.4g} MPa",
         )  # fmt: skip
     axes.set(xlabel="length along the surface from the centre of pressure in mm", ylabel="contact pressure in MPa")
-    axes.set_ylim(bottom=0.0)
+    axes.set_ylim(0.0, 1.05 * float(axes.dataLim.y1))
     axes.grid(color="#dddddd", linewidth=0.6)
-    axes.legend(loc="lower center", fontsize=8, framealpha=1.0)
+    figure.legend(loc="outside lower center", ncols=2, fontsize=8, frameon=False)
     return figure
 
 

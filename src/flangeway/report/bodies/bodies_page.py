@@ -10,6 +10,7 @@ from flangeway.geometry import Placement
 from flangeway.materials import Elastic, Material
 from flangeway.report.bodies.bodies_figures import pressure_figure, stress_figure, traction_figure
 from flangeway.report.bodies.body_fields import BodySteps, bodies_fields, body_steps
+from flangeway.report.figures.drawing import spelled
 from flangeway.report.figures.newton_history import load_steps, newton_figure, steps_table
 from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import run_record
@@ -189,7 +190,7 @@ def contacts_of_bodies(summary: BodiesSummary) -> SummaryTable:
         ("half width of contact, mm", lambda c: c[1] and c[1].half_width_mm, ".6g"),
         ("centre of pressure {x|y}, mm", lambda c: c[1] and c[1].centre_mm, "z.6g"),
         ("reaches an end of the surface", lambda c: c[1] and value_text(c[1].reaches_an_end), ""),
-        ("initial overlap, mm", lambda c: c[0].initial_penetration_mm, ".6g"),
+        ("initial overlap, mm", lambda c: c[0].initial_penetration_mm, "z.6g"),
     )
     names = (f"{each.secondary} on {each.primary}" for each, _ in found)
     return table_across("Contacts", names, found, quantities)
@@ -219,8 +220,8 @@ def words_of(key: str) -> tuple[str, ...]:
     """A key as words, and its unit if it has one."""
     for ending, unit in UNITS.items():
         if key.endswith(ending):
-            return key[: -len(ending)].replace("_", " "), unit
-    return (key.replace("_", " "),)
+            return spelled(key[: -len(ending)]), unit
+    return (spelled(key),)
 
 
 def value_text(value: Any) -> str:

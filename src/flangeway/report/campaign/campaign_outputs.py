@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
@@ -19,7 +20,7 @@ from flangeway.report.page.tables import SummaryTable
 from flangeway.report.page.us_record import files_in_units
 from flangeway.system.output_folder import Writer, bytes_writer, refuse_unwritable, write_together
 from flangeway.system.versions import versions
-from flangeway.units import Units
+from flangeway.units import NUMBER, Units
 
 DATABASE = "campaign.sqlite"
 TABLES = tuple(f"{name}.{kind}" for kind in FORMATS for name in ("results", "patches"))
@@ -111,10 +112,16 @@ def _warnings(failures: Sequence[tuple[tuple[str, str], Sequence[int]]], warned:
     found = [f"{len(rows)} {status}: {message}; rows {_numbers(rows)}" for (status, message), rows in failures[:MOST]]
     if len(failures) > MOST:
         found.append(f"{len(failures) - MOST} other reasons: column message of results.csv")
-    frequent = sorted(warned.items(), key=lambda each: -each[1])[:MOST_WARNINGS]
-    found += [f"in {n} row{'s' * (n != 1)}: {text}" for text, n in frequent]
-    if len(warned) > MOST_WARNINGS:
-        found.append(f"{len(warned) - MOST_WARNINGS} others: column warnings of results.csv")
+    alike: dict[str, list[tuple[str, int]]] = {}  # warnings that differ in numbers only
+    for text, n in warned.items():
+        alike.setdefault(re.sub(NUMBER, "", text), []).append((text, n))
+    kinds = sorted(alike.values(), key=lambda each: -sum(n for _, n in each))
+    for kind in kinds[:MOST_WARNINGS]:
+        n = sum(each for _, each in kind)
+        numbers = ", numbers of the first" * (len(kind) > 1)
+        found.append(f"in {n} row{'s' * (n != 1)}{numbers}: {kind[0][0]}")
+    if len(kinds) > MOST_WARNINGS:
+        found.append(f"{len(kinds) - MOST_WARNINGS} others: column warnings of results.csv")
     return found
 
 

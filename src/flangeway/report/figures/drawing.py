@@ -159,14 +159,22 @@ QUANTITIES = {
     "size_scale": "factor on the sizes of the elements",
 }
 """What keys mean whose words are not enough."""
+NAMES = {"von mises": "von Mises", "hertz": "Hertz", "lame ": "Lamé's ", "max ": "maximum "}
 UNIT = re.compile(r"_(km_h|mph|kip|lbf|ksi|ft|N_mm\d|N_mm|N_m|MPa|GPa|mm\d?|mrad|rad|deg|kN|N|m|t|s|in)$")
+
+
+def spelled(key: str) -> str:
+    """Words of a key, names with their capitals."""
+    words = key.replace("_", " ")
+    for letters, name in NAMES.items():
+        words = words.replace(letters, name)
+    return words
 
 
 def named(key: str) -> tuple[str, str]:
     """Words for a key of inputs or results, and its unit, empty without one."""
     found = UNIT.search(key)
-    words = QUANTITIES.get(key) or (key[: found.start()] if found else key).replace("_", " ")
-    words = words.replace("von mises", "von Mises")
+    words = QUANTITIES.get(key) or spelled(key[: found.start()] if found else key)
     return words, found[1].replace("_", "/").translate(POWERS) if found else ""
 
 

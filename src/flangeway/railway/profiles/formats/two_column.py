@@ -64,7 +64,7 @@ def read_two_column(
             notices += [unread] if unread else []
         elif line.strip():
             cells = _cells(line)
-            values = _numbers(cells)
+            values = _numbers(cells, len(names))
             if values is None and not rows:
                 unit_of_columns = _unit_of_columns(line) or unit_of_columns
                 names, last = cells, (number, line)
@@ -145,12 +145,19 @@ def _cells(line: str) -> list[str]:
     return line.split()
 
 
-def _numbers(cells: list[str]) -> list[float] | None:
-    """Return the numbers of a line, NaN for empty cells; None if a cell is none, or there are fewer than two."""
-    try:
-        values = [float(cell.replace("D", "e").replace("d", "e")) if cell else math.nan for cell in cells]
-    except ValueError:
-        return None
+def _numbers(cells: list[str], n_names: int = 0) -> list[float] | None:
+    """Return the numbers of a line, NaN for empty cells; None if a cell is none, or there are fewer than two.
+
+    - `n_names`: headings; in a line of as many cells words, such as "good", may follow two numbers, and are NaN.
+    """
+    values = []
+    for place, cell in enumerate(cells):
+        try:
+            values.append(float(cell.replace("D", "e").replace("d", "e")) if cell else math.nan)
+        except ValueError:
+            if place < 2 or len(cells) != n_names:
+                return None
+            values.append(math.nan)
     return values if len(values) > 1 and any(cells) else None
 
 
