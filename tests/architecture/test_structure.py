@@ -20,8 +20,8 @@ MAX_LINES = {
     "elements": 1948,
     "space": 916,
     "materials": 398,
-    "problems": 2876,
-    "solve": 4383,
+    "problems": 2922,
+    "solve": 4384,
     "contact": 7453,
     "post": 2045,
     "forms": 366,
@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 8008,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8841,
+    "report": 8845,
     "validation": 8728,
     "cli": 1457,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_123
+MAX_LINES_OF_ALL = 75_174
 MAX_FILES_OF_ALL = 388
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

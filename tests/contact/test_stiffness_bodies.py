@@ -153,6 +153,27 @@ def made(**changes: Any) -> StiffnessBody:
     return Body.from_stiffness("block", **{**good(), **changes})
 
 
+@pytest.mark.parametrize("order", [1, 2])
+def test_edges_in_any_order_and_direction_are_the_chain_of_their_nodes(order: int) -> None:
+    """As mesh programs list them: shuffled, turned, the middle node last; open, and closed around the body."""
+    body = Body("block", LOWER, Lagrange(order), STEEL, "bottom")
+    rng = np.random.default_rng(order)
+    for pairs in (LOWER.edge_sets["top"], LOWER.boundary_edges):
+        edges = body.edge_nodes(np.where(rng.random(len(pairs))[:, None] < 0.5, pairs, pairs[:, ::-1]))
+        edges = rng.permutation(edges)[:, [0, 2, 1] if order == 2 else [0, 1]]
+        surface = {
+            "stiffness": body.elasticity.stiffness().full(),
+            "coordinates": body.nodes,
+            "surfaces": {"s": edges},
+            "held": np.flatnonzero(~body.free),
+            "order": order,
+        }
+        chain = Body.from_stiffness("block", **surface)
+        found = chain.edge_nodes(chain.edge_sets["s"])
+        np.testing.assert_array_equal(found[1:, 0], found[:-1, -1])
+        np.testing.assert_array_equal(np.unique(found, axis=0), np.unique(body.edge_nodes(pairs), axis=0))
+
+
 def unsymmetric() -> Any:
     matrix = good()["stiffness"].tolil()
     matrix[3, 2] += 1.0
@@ -182,6 +203,12 @@ REFUSED = {
     "no surface": (lambda: {"surfaces": {}}, "without surfaces"),
     "surface not in K": (lambda: {"surfaces": {"top": [30, 31, 32]}}, "surface 'top' has node 32"),
     "surface of one node": (lambda: {"surfaces": {"top": [30]}}, "at least 2 numbers"),
+    "edges with a gap": (lambda: {"surfaces": {"top": [[31, 30], [29, 28]]}}, "have a gap at node 29"),
+    "edges that branch": (lambda: {"surfaces": {"top": [[31, 30], [30, 29], [30, 22]]}}, "branch at node 30"),
+    "edges of three": (lambda: {"surfaces": {"top": [[31, 30, 29]]}}, r"shape \(1, 3\)"),
+    "surfaces without names": (lambda: {"surfaces": [31, 30]}, "without surfaces by name"),
+    "one row": (lambda: {"stiffness": np.ones(5)}, r"shape \(5,\)"),
+    "mask": (lambda: {"held": np.ones(64, dtype=bool)}, "np.flatnonzero"),
     "middle nodes missing": (lambda: {"order": 2, "surfaces": {"top": [31, 30, 29, 28]}}, "odd number"),
     "node twice": (lambda: {"surfaces": {"top": [31, 30, 31, 29]}}, "passes node 31"),
     "crossing": (lambda: {"surfaces": {"top": [31, 22, 23, 30]}}, r"'top' crosses itself with the edges \(31, 22\)"),

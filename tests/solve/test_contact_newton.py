@@ -11,7 +11,7 @@ from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Placement
 from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_contact
 from flangeway.solve.sensitivity import motion_derivatives
-from flangeway.solve.status import STALLED
+from flangeway.solve.status import STALLED, Iteration, is_at_round_off
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
 
 DEPTH = 0.05
@@ -242,3 +242,12 @@ def test_corrections_below_the_tolerance_are_not_said_to_be_limited_by_round_off
     found = pressed_boxes(*boxes, SegmentToSegment(), law, rotation_rad=0.3).solve()
     assert len(found.state.history) > STALLED + 1
     assert found.status.message.endswith("corrections of the forces")
+
+
+@pytest.mark.parametrize(
+    ("residuals", "ended"),
+    [((4e-9, 5e-9, 3e-9, 4e-9), True), ((8e-9, 2e-9, 5e-10, 1e-10), False), ((4e-6, 5e-6, 3e-6, 4e-6), False)],
+)
+def test_a_residual_that_no_longer_falls_is_round_off_where_it_is_small(residuals, ended: bool) -> None:
+    """Slender legs with friction stay at 5e-9: they have converged, while what falls or is large has not."""
+    assert is_at_round_off([Iteration(1e-9, residual, 3, ()) for residual in residuals]) == ended

@@ -1,6 +1,6 @@
 """A linear elastic body that is held along named parts of its boundary."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, get_args
@@ -220,7 +220,7 @@ class Body(LinearBody):
         name: str,
         stiffness: Any,
         coordinates: ArrayLike,
-        surfaces: Mapping[str, Sequence[int]],
+        surfaces: Mapping[str, ArrayLike],
         *,
         order: int = 1,
         rows: ArrayLike | None = None,

@@ -1,6 +1,6 @@
 """A linear body of a stiffness matrix that another program has assembled."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
@@ -42,8 +42,9 @@ class StiffnessBody(LinearBody):
         Nodes in the body's frame, shape (n_nodes, 2).
     surfaces
         By name, the numbers of the nodes along each surface where contact can happen, the body on the left, middle
-        nodes included; a closed one ends with its first node. Overlap is measured on whole boundaries: give them
-        closed where the mesh has them, and take the edges near the contact for a `Surface`.
+        nodes included; a closed one ends with its first node. Or its edges, shape (n_edges, order + 1), in any order
+        and direction, of which the middle node may be the second or the last one. Overlap is measured on whole
+        boundaries: give them closed where the mesh has them, and take the edges near the contact for a `Surface`.
     order
         Order of the elements, 1 or 2: the nodes of an edge less one.
     rows
@@ -69,7 +70,7 @@ class StiffnessBody(LinearBody):
     name: str
     matrix: Any
     coordinates: ArrayLike
-    surfaces: Mapping[str, Sequence[int]]
+    surfaces: Mapping[str, ArrayLike]
     order: int = 1
     rows: ArrayLike | None = None
     held: ArrayLike = ()
@@ -86,8 +87,12 @@ class StiffnessBody(LinearBody):
         self._check_places()
         if self.axisymmetric:
             self._check_axis()
-        if not self.surfaces:
-            raise InputError(f"{self._owner} without surfaces", "at least one", "name the nodes along its boundary")
+        if not self.surfaces or not isinstance(self.surfaces, Mapping):
+            raise InputError(
+                f"{self._owner} with surfaces={short(self.surfaces)}, without surfaces by name",
+                "at least one, {name: nodes}",
+                "name the nodes along its boundary",
+            )
         for surface in self.surfaces:
             self._check_surface(surface)
 
@@ -102,7 +107,7 @@ class StiffnessBody(LinearBody):
             kind = matrix.dtype.kind
         except (TypeError, ValueError) as reason:
             raise InputError(f"{self._owner} of {short(self.matrix)}", "a matrix", "give a SciPy matrix") from reason
-        if kind not in "iuf" or matrix.shape[0] != matrix.shape[1]:
+        if kind not in "iuf" or len(matrix.shape) != 2 or matrix.shape[0] != matrix.shape[1]:
             raise InputError(
                 f"{self._owner} of a matrix of shape {matrix.shape} and type {matrix.dtype}",
                 "a square matrix of real numbers",
@@ -160,7 +165,11 @@ class StiffnessBody(LinearBody):
         held = np.asarray(self.held)
         n = self._matrix.shape[0]
         if held.size and (held.dtype.kind not in "iu" or held.min() < 0 or held.max() >= n):
-            raise InputError(f"{self._owner} with held={short(self.held)}", f"rows from 0 to {n - 1}", "correct them")
+            raise InputError(
+                f"{self._owner} with held={short(self.held)}",
+                f"numbers of rows from 0 to {n - 1}",
+                "correct them; of a mask take np.flatnonzero(mask)",
+            )
         places = self._places.ravel()
         return (places >= 0) & ~np.isin(places, held)
 
@@ -250,15 +259,25 @@ class StiffnessBody(LinearBody):
 
     def _chain(self, name: str) -> NDArray[np.int32]:
         line, n = np.asarray(self.surfaces[name]), len(self.nodes)
-        allowed = f"a chain of at least {self.order + 1} numbers of nodes, 0 to {n - 1}"
+        allowed = (
+            f"at least {self.order + 1} numbers of nodes, 0 to {n - 1}, along a chain, or its edges, shape (n_edges, "
+            f"{self.order + 1})"
+        )
         if self.order == 2:
-            allowed += ", an odd number of them with the middle nodes"
-        is_line = line.ndim == 1 and line.dtype.kind in "iu"
-        if not is_line or len(line) <= self.order or (len(line) - 1) % self.order:
-            raise InputError(f"{self._owner} with surface {name!r} of shape {line.shape}", allowed, "correct it")
+            allowed += "; a chain is an odd number of them with the middle nodes"
+        is_line = line.ndim == 1 and len(line) > self.order and (len(line) - 1) % self.order == 0
+        is_edges = line.ndim == 2 and len(line) > 0 and line.shape[1] == self.order + 1
+        if not (is_line or is_edges) or line.dtype.kind not in "iu":
+            raise InputError(
+                f"{self._owner} with surface {name!r} of shape {line.shape} and type {line.dtype}",
+                allowed,
+                "correct it",
+            )
         if line.min() < 0 or line.max() >= n:
             wrong = line[(line < 0) | (line >= n)][0]
             raise InputError(f"{self._owner}: surface {name!r} has node {wrong}", allowed, "count nodes from 0")
+        if is_edges:
+            line = self._joined(name, line)
         inner = line[:-1] if line[0] == line[-1] else line
         nodes, counts = np.unique(inner, return_counts=True)
         if (counts > 1).any():
@@ -270,6 +289,32 @@ class StiffnessBody(LinearBody):
             )
         starts = np.arange(0, len(line) - 1, self.order)
         return line[starts[:, None] + np.arange(self.order + 1)].astype(np.int32)
+
+    def _joined(self, name: str, edges: Ints) -> Ints:
+        """Nodes along the chain that edges (n_edges, order + 1) make, with the body on the left."""
+        if self.order == 2:
+            apart = np.linalg.norm(self.nodes[edges][:, :, None] - self.nodes[edges][:, None], axis=-1).sum(axis=-1)
+            around = (apart.argmin(axis=1)[:, None] + np.arange(-1, 2)) % 3
+            edges = np.take_along_axis(edges, around, axis=1)
+        ends, counts = np.unique(edges[:, [0, -1]], return_counts=True)
+        left = {tuple(edge): None for edge in edges.tolist()}
+        at = int(ends[counts.argmin()])  # a loose end, if there is one
+        line = [at]
+        while left and (edge := next((each for each in left if at in (each[0], each[-1])), None)):
+            del left[edge]
+            edge = edge if edge[0] == at else edge[::-1]
+            line += edge[1:]
+            at = edge[-1]
+        if left or counts.max() > 2:
+            what, node = ("branch", int(ends[counts.argmax()])) if counts.max() > 2 else ("have a gap", at)
+            raise InputError(
+                f"{self._owner}: the edges of surface {name!r} {what} at node {node} at {point_text(self.nodes[node])}",
+                "one chain of edges that follow each other",
+                "give each edge once, and a surface for each chain",
+            )
+        chain = np.array(line)
+        starts = np.arange(0, len(chain) - 1, self.order)[:, None] + np.arange(self.order + 1)
+        return chain[::-1] if self._side(chain[starts].astype(np.int32)) < 0.0 else chain
 
     def _check_matrix(self) -> None:
         matrix = self._matrix
@@ -286,7 +331,8 @@ class StiffnessBody(LinearBody):
             raise InputError(
                 f"{self._owner}: K[{i}, {j}] is {matrix[i, j]:.6g} and K[{j}, {i}] is {matrix[j, i]:.6g}",
                 "a symmetric matrix: each work of a force on another's displacement is mutual",
-                "give the stiffness before rows are changed for supports, and name held rows with held=...",
+                "give both triangles (T + T.T less the diagonal, of one triangle T), and the stiffness before rows are "
+                "changed for supports, with held=...",
             )
 
     def _check_places(self) -> None:

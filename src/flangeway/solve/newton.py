@@ -314,9 +314,10 @@ class _Run:
                 return loose
             if iteration >= UNHELD_AFTER and self.unheld.any():
                 words = "; ".join(self.parts.describe(self.motions, self.unheld[:, None]))
+                what = "a load" if self.parts.load.any() else "what the motion presses"
                 return (
-                    f"no friction holds a load: {words}; take a smaller load, a larger coefficient of friction, or "
-                    "hold the part in Body(held=...)"
+                    f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
+                    "friction, or hold the part in Body(held=...)"
                 )
             step = self._step(bend=True) or self._step(bend=False)
             if step is None:

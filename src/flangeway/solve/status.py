@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from flangeway.checks import check_integer, check_tolerance
 
-ROUND_OFF = 1e-9
+ROUND_OFF = 1e-7
 """Residual below which an iteration has converged if it no longer falls: where slender bodies bend, round-off of their
 stiffness is above the tolerance."""
 

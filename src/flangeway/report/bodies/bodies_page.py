@@ -167,6 +167,10 @@ def results_table(summary: BodiesSummary) -> SummaryTable:
         rows += [(f"{name}: half width of contact, mm", value_text(each.half_width_mm)) for each in contact.patches]
         if not contact.patches:
             rows.append((f"{name}: half width of contact, mm", "no contact"))
+    for rubbed in summary.friction:
+        name = f"{rubbed.secondary} on {rubbed.primary}"
+        rows.append((f"{name}: sticking share of the contact", value_text(rubbed.sticking_share)))
+        rows.append((f"{name}: dissipated work, N mm", value_text(rubbed.dissipated_N_mm)))
     for body in summary.bodies:
         rows.append((f"{body.name}: maximum displacement, mm", value_text(body.max_displacement_mm)))
         rows.append((f"{body.name}: maximum von Mises stress, MPa", value_text(body.max_von_mises_MPa)))
