@@ -31,17 +31,17 @@ MAX_LINES = {
     "railway.wheelset": 1760,
     "railway.positions": 2499,
     "railway.spatial": 4187,
-    "cases": 8008,
+    "cases": 8012,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8845,
-    "validation": 8728,
+    "report": 8852,
+    "validation": 8868,
     "cli": 1457,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_174
-MAX_FILES_OF_ALL = 388
+MAX_LINES_OF_ALL = 75_325
+MAX_FILES_OF_ALL = 390
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 
 

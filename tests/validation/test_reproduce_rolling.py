@@ -11,17 +11,17 @@ from flangeway.validation.rolling.rolling_cases import (
     coefficients,
     contact_numbers,
     extrapolated,
-    free_numbers,
     plane_numbers,
     published,
 )
 from flangeway.validation.rolling.rolling_chapter import ROLLING
+from flangeway.validation.rolling.rolling_rollers import falling_numbers, free_numbers
 
 
 def test_cylinders_materials_and_examples_are_those_of_the_page(same_as_page) -> None:
     """All numbers are within, and as on the page; states converge, and power is that of creepages."""
     energy, rows = Energy(), []
-    numbers = (*plane_numbers(energy, rows), *free_numbers(energy), *contact_numbers(energy))
+    numbers = (*plane_numbers(energy, rows), *free_numbers(energy), *contact_numbers(energy), *falling_numbers(energy))
     assert all(number.within for number in numbers)
     assert energy.failures == []
     assert energy.number().within

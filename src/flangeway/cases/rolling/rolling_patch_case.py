@@ -173,6 +173,8 @@ class RollingPatchCase(RunnableCase):
             self.refuse_without_effect(FORCES, "rolling_theory", "exact")
         if not self.friction:
             self.refuse_without_effect([*FORCES, "kinetic_friction"], "friction", "a coefficient above 0")
+        if self.kinetic_friction is None:
+            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
         for force, *keys in zip(FORCES, CREEPAGES, SHIFTS, strict=False):
             if getattr(self, force) is not None:
                 self.refuse_without_effect(keys, force, "none")

@@ -267,6 +267,8 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
                 "a speed above 0: creep forces are those of rolling",
                 "give speed_km_h, or leave friction out",
             )
+        if self.kinetic_friction is None:
+            self.refuse_without_effect(["friction_decay_m_per_s"], "kinetic_friction", "a coefficient below friction")
         stiffness = self.yaw_stiffness_kNm_per_mrad
         return RollingMotion(
             self.speed_km_h / 3.6,

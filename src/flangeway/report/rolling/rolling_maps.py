@@ -121,7 +121,7 @@ def rolling_figure(patches: Sequence[ShownRolling]) -> Figure:
             axes.locator_params(axis="y", nbins=6)
         row[0].set_ylabel("z ahead in mm")
     for axes in panels[-1]:
-        axes.set_xlabel("across in mm")
+        axes.set_xlabel("to the right in mm")
     figure.legend(
         handles=[Patch(fc=fill, ec=INK, lw=0.5, label=name) for name, fill in (("sticks", STICK), ("slips", SLIP))],
         loc="outside lower left", ncols=2, frameon=False, fontsize=9,

@@ -7,7 +7,6 @@ from itertools import groupby
 from pathlib import Path
 
 import numpy as np
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from flangeway.cases.rolling.rolling_patch_case import RollingPatchCase, RollingPatchRun
@@ -32,9 +31,10 @@ CAPTIONS = {
     MAPS: "The patch from above, ahead is up: where it sticks and slips, with arrows of the tractions on the upper "
     "body; slip; frictional power over the area.",
     SECTION: "Tractions on the upper body in the middle of the patch, along and across, below their limit, friction "
-    "times pressure. Where the size reaches it the surfaces slip.",
+    "times pressure. Where the magnitude reaches it the surfaces slip. Steps across are those of the leading edge on "
+    "the cells: more cells make them smaller.",
     CURVE: "Creep forces on the upper body and spin moment over one creepage by all theories; the others are those of "
-    "the case. Dotted: the limit of friction.",
+    "the case.",
 }
 AXES = {
     "ahead, right": "directions of rolling and across it, seen from above; y and x in the file for ParaView",
@@ -208,14 +208,14 @@ def section_figure(run: RollingPatchRun) -> Figure:
         (panels[1], middles[0], (slice(None), strip), "to the right"),
     ):
         axes.fill_between(places, limit[cells], color="#e8edf3", lw=0.0, label="up to the limit")
-        axes.plot(places, np.linalg.norm(tractions[cells], axis=-1), color=INK, lw=1.4, label="size")
+        axes.plot(places, np.linalg.norm(tractions[cells], axis=-1), color=INK, lw=1.4, label="magnitude")
         axes.plot(places, tractions[cells][..., 1], color=SERIES[0], lw=1.2, ls="--", label="ahead")
         axes.plot(places, tractions[cells][..., 0], color=SERIES[1], lw=1.2, ls="dashdot", label="to the right")
         axes.axhline(0.0, color=GREY, lw=0.6)
         axes.set_xlabel(f"{word}, mm")
         axes.grid(color="#e4e4e4", linewidth=0.5)
     panels[0].set_ylabel("traction on the upper body, MPa")
-    _legend(figure, panels[0])
+    _legend(figure)
     return figure
 
 
@@ -242,22 +242,28 @@ def creep_curve_figure(run: RollingPatchRun) -> Figure:
             here = run.summary.rolling
             at = (1.0 if spin else 100.0) * getattr(here, key), getattr(here, name)
             axes.plot(*at, "D", color=SERIES[3], ms=5.5, label="this state", zorder=5)
+        low, high = axes.get_ylim()
+        others = [getattr(each, name) for each in run.curve if each.theory != TITLES["linear"]]
+        if name.endswith("_Nm") and any(others):
+            most = FAR * float(np.abs(others).max())
+            axes.set_ylim(max(low, -most), min(high, most))
         if name.endswith("_kN"):
-            low, high = axes.get_ylim()
             axes.set_ylim(max(low, -FAR * limit), min(high, FAR * limit))
             for sign in (-1.0, 1.0):
                 if low < sign * limit < high:
-                    axes.axhline(sign * limit, color=GREY, lw=0.8, ls="dotted")
+                    axes.axhline(sign * limit, color=GREY, lw=0.8, ls=(0, (10, 4)), label="limit of friction")
         axes.axhline(0.0, color=GREY, lw=0.6)
         axes.set(xlabel=f"{run.case.curve} creepage, {'1/m' if spin else '%'}", ylabel=label)
         axes.grid(color="#e4e4e4", linewidth=0.5)
-    _legend(figure, panels[0])
+    _legend(figure)
     return figure
 
 
-def _legend(figure: Figure, axes: Axes) -> None:
-    columns = 6 if figure.get_figwidth() > WIDE_IN else 3
-    figure.legend(*axes.get_legend_handles_labels(), loc="lower center", ncols=columns, frameon=False, fontsize=9)
+def _legend(figure: Figure) -> None:
+    entries = [each.get_legend_handles_labels() for each in figure.axes]
+    shown = {label: handle for handles, labels in entries for handle, label in zip(handles, labels, strict=True)}
+    columns = 7 if figure.get_figwidth() > WIDE_IN else 4
+    figure.legend(shown.values(), shown.keys(), loc="lower center", ncols=columns, frameon=False, fontsize=9)
 
 
 def _fields(run: RollingPatchRun) -> dict[str, Floats]:

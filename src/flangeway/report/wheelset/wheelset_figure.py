@@ -154,12 +154,13 @@ def _draw_load(axes: Axes, problem: WheelsetProblem, axle: float) -> None:
     if along:
         start = x - 330 if along > 0.0 else x + 330
         axes.annotate("", (x, y), (start, y), arrowprops={"arrowstyle": "-|>", "color": INK, "lw": 1.4})
+        # beside the dimension of the height, which is left of the centre of gravity
         axes.text(
-            start,
+            x - 115 if along > 0.0 else start,
             y - 60,
             f"{abs(along) / 1e3:.4g} kN lateral,\nin the track's plane",
             fontsize=8,
-            ha="center",
+            ha="right" if along > 0.0 else "center",
             va="top",
         )
     axes.text(x + 45, y + 250, f"{load.in_track[1] / 1e3:.4g} kN", fontsize=8, va="center")

@@ -1,11 +1,10 @@
 """Rolling with friction beside closed forms and published numbers."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.contact.patch.patch_contact import press_patch
 from flangeway.contact.patch.patch_grid import PatchGrid
 from flangeway.contact.rolling.creepages import Creepages
 from flangeway.contact.rolling.exact_rolling import derivatives, roll
@@ -13,30 +12,26 @@ from flangeway.contact.rolling.fastsim import fastrip, fastsim
 from flangeway.contact.rolling.friction import Friction
 from flangeway.contact.rolling.rolling_contact import RollingContact
 from flangeway.contact.rolling.rolling_result import STICKS, Rolling
-from flangeway.exact import LineContact, PointContact, contact_modulus
+from flangeway.exact import PointContact, contact_modulus
 from flangeway.materials import Elastic
 from flangeway.types import Floats
 from flangeway.validation.published_numbers import ReproducedNumber, compare, published_rows
-from flangeway.validation.spatial.patches import RADIUS, SEMI_AXIS, crowned
 
 STEEL = Elastic(2.56 * 82000.0, 0.28)
-ALUMINIUM = Elastic(2.62 * 23000.0, 0.31)
 PEAK, MU = 113.89008307646377, 0.3
 """Maximum pressure in MPa of Carter's cylinders, half length 1 mm, and the coefficient of friction."""
 WIDE = 1000.0
 """Half width of the only cells across where the problem is plane, over the half length of contact."""
 PLANE_CELLS, SHIFTED_CELLS = (20, 40, 80, 160), 240
-LINE_LIMIT, POINT_LIMIT, FREE_LIMIT = 5e-3, 5e-3, 0.01
+LINE_LIMIT, POINT_LIMIT = 5e-3, 5e-3
 SPHERES = (24, 48, 72)
 COEFFICIENT_CELLS = (24, 30, 36, 42, 48)
 COEFFICIENT_LIMITS = {"c11": 0.01, "c22": 0.01, "c23": 0.01, "c33": 0.03}
 SLENDER = 0.6
 """Exponent of a/b in the number of strips for one row, for a > b."""
-FREE_CELLS = 160
 FLEXIBILITIES = (0.4937e-4, 0.5152e-4, 0.4090e-4)
 PUBLISHED_CELLS, FASTSIM_LIMIT, COARSE_LIMIT = 40, 5e-3, 0.03
 ENERGY_LIMIT, LEAST_POWER = 1e-9, 1e-12
-BODY_LIMIT = 0.03
 
 
 @dataclass(frozen=True)
@@ -221,26 +216,6 @@ def coefficient_numbers(progress: Callable[[str], None], rows: list[RollingRow])
             )
 
 
-def free_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
-    """Rollers of different materials that roll freely."""
-    modulus = contact_modulus(ALUMINIUM.plane_modulus, STEEL.plane_modulus)
-    half = LineContact(16.2019, 1.0 / 25.0, modulus).half_width
-    grid = PatchGrid(WIDE / 2.0 * half * np.array([-1.0, 1.0]), 2.0 * half / FREE_CELLS, int(1.1 * FREE_CELLS))
-    force = 16.2019 * WIDE * half
-    contact = RollingContact.of_half_spaces(
-        grid, grid.along[None] ** 2 / 50.0, Friction(1e-4), (ALUMINIUM, STEEL), force=force
-    )
-    for (code, _), exact in published("bentall").items():
-        mu = float(code)
-        found = energy.check(
-            f"free rolling, mu = {code}", roll(replace(contact, friction=Friction(mu)), Creepages(), force_along=0.0)
-        )
-        note = f"{FREE_CELLS} cells; {'everything slips' if mu < 1.0 else 'as good as nothing slips'}"
-        yield compare(
-            "Free rolling", f"mu={code}", "creepage", "", (exact, float(found.motion.along)), FREE_LIMIT, note
-        )
-
-
 def contact_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
     """Examples of CONTACT: spin with lateral creepage, and a creep curve, by the exact theory and by FASTSIM."""
     table, n = published("fastsim"), PUBLISHED_CELLS
@@ -270,27 +245,3 @@ def contact_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
         value = found.along / (0.33 * contact.force)
         yield compare("CONTACT" if theory == "exact" else theory, f"creepage {code}", "force over its limit", "",
                       (exact, value), COARSE_LIMIT, f"published on {n} cells, error of first order")  # fmt: skip
-
-
-def body_numbers(energy: Energy) -> Iterator[ReproducedNumber]:
-    """A crowned prism below a cylinder across it: real bodies beside half-spaces under the same pressures."""
-    force = 1e3 * (SEMI_AXIS / PointContact(1e3, RADIUS, RADIUS, _modulus()).semi_axes[0]) ** 3
-    found = press_patch(crowned("prism", RADIUS), crowned("cylinder", None, RADIUS), force=force)
-    bodies = RollingContact.of_bodies(found, Friction(MU))
-    spaces = RollingContact.between_half_spaces(bodies.grid, bodies.pressures, bodies.friction, bodies.materials)
-    limit = MU * bodies.force
-    for code, motion in (
-        ("longitudinal", Creepages(1e-3)),
-        ("lateral and spin", Creepages(0.0, 1e-3, 3e-4)),
-        ("all", Creepages(1e-3, 1e-3, -5e-4)),
-    ):
-        real, plain = (energy.check(f"bodies, {code}", roll(each, motion)) for each in (bodies, spaces))
-        for name in ("along", "across", "moment"):
-            exact, value = getattr(plain, name) / limit, getattr(real, name) / limit
-            if abs(exact) > 0.01:
-                yield compare("Bodies", code, name, "", (exact, value), BODY_LIMIT, "on the bodies beside half-spaces")
-
-
-def _modulus() -> float:
-    steel = Elastic(210e3, 0.3).plane_modulus
-    return contact_modulus(steel, steel)

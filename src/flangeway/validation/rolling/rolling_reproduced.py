@@ -14,18 +14,18 @@ from flangeway.contact.rolling.rolling_result import Rolling
 from flangeway.types import Floats
 from flangeway.validation.published_numbers import Reproduced, Row
 from flangeway.validation.rolling.manchester_rolling import creep_numbers
+from flangeway.validation.rolling.rolling_bodies import body_numbers
 from flangeway.validation.rolling.rolling_cases import (
     PUBLISHED_CELLS,
     Energy,
     RollingRow,
-    body_numbers,
     coefficient_numbers,
     contact_numbers,
     elliptic,
-    free_numbers,
     plane_numbers,
     sphere_numbers,
 )
+from flangeway.validation.rolling.rolling_rollers import falling_numbers, free_numbers, onset_numbers
 from flangeway.validation.wheelset3d.manchester import benchmark_positions
 
 CURVE = tuple(np.linspace(0.0, 0.004, 17).tolist())
@@ -85,6 +85,8 @@ def reproduce_rolling(*, quick: bool = False, progress: Callable[[str], None] = 
     numbers += free_numbers(energy)
     progress("examples of CONTACT")
     numbers += contact_numbers(energy)
+    numbers += falling_numbers(energy)
+    numbers += onset_numbers(energy)
     numbers += coefficient_numbers(progress, rows)
     if not quick:
         progress("real bodies")
