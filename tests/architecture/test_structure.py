@@ -36,11 +36,11 @@ MAX_LINES = {
     "tables": 1456,
     "report": 8852,
     "validation": 8868,
-    "cli": 1457,
+    "cli": 1467,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_325
+MAX_LINES_OF_ALL = 75_335
 MAX_FILES_OF_ALL = 390
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

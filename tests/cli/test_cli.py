@@ -189,6 +189,8 @@ def test_times_are_those_that_the_user_waits(call):
     [
         ("run wheelset-", "wheelset-tangent wheelset-curve"),
         ("run wheelset --set axle_", "axle_load_kN="),
+        ("run wheelset --set wheel=S", "wheel=S1002"),
+        ("run wheelset --set rail_support=s", "rail_support=sleepers"),
         ("geometry s1002-60e1 --set maximum_l", "maximum_lateral_mm="),
         ("geometry en", "en15302"),
         ("geometry en15302 --wheel S", "S1002"),

@@ -112,7 +112,10 @@ def section_names() -> list[str]:
 
 
 def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
-    """Complete the key of ``--set`` for the case that the command names."""
+    """Complete the key of ``--set`` for the case that the command names, and names and choices behind ``KEY=``.
+
+    Bash hands over what is behind the sign alone unless its ``COMP_WORDBREAKS`` lacks it.
+    """
     from flangeway.cases import CASES  # noqa: PLC0415
     from flangeway.cases.rigid.rigid_case import GeometryCase  # noqa: PLC0415
 
@@ -123,8 +126,15 @@ def complete_setting(ctx: typer.Context, incomplete: str) -> list[str]:
         named = [GeometryCase]
     elif ctx.info_name == "creep-table":
         named = [CASES["wheelset"]]
-    keys = [key for _, rows in named[0].tables_of_inputs() for key, *_ in rows] if named else []
-    return [f"{key}=" for key in keys if key.startswith(incomplete)]
+    rows = [row for _, rows in named[0].tables_of_inputs() for row in rows] if named else []
+    chosen, equals, _ = incomplete.partition("=")
+    if equals and (kind := chosen.removeprefix("left_")) in ("rail", "wheel"):
+        values = profile_names(kind)
+    elif equals:
+        values = [each for key, _, allowed, _ in rows if key == chosen for each in allowed.split(" or ")]
+    else:
+        return [f"{key}=" for key, *_ in rows if key.startswith(incomplete)]
+    return [word for value in values if " " not in value and (word := f"{chosen}={value}").startswith(incomplete)]
 
 
 def settings_of(settings: list[str] | None, advice: str) -> dict[str, Any]:
