@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from flangeway.railway.rigid.elastic_start import RigidStart
-from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep
+from flangeway.railway.spatial.rolling.wheelset_creep import SideCreep, patches_of
 from flangeway.railway.spatial.side_contact import GriddedSide, SideState, WheelPose
 from flangeway.railway.spatial.side_newton import solve_side
 from flangeway.railway.track.placements import SIDE_SIGN, SIDES, Side, WheelsetPosition
@@ -53,7 +53,9 @@ class SpatialState:
 
     def insides(self, side: Side) -> list[Bools] | None:
         """Cells of the patches that roll, (n, n_z) each; None without friction."""
-        return None if self.rolled is None else [each.inside for each in self.rolled.creep[side].patches]
+        if self.rolled is None:
+            return None
+        return patches_of(self.sides[side].forces, [each.inside for each in self.rolled.creep[side].patches])
 
     @property
     def forces(self) -> Floats:

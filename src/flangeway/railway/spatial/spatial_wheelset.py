@@ -45,6 +45,8 @@ MOST_ROLLING_STEPS = 60
 ROLLING_RESIDUAL, FAST_RESIDUAL, EXACT_RESIDUAL = 0.02, 1e-6, 1e-5
 """Equilibrium residual with friction: where another theory or other cells follow, which change it by as much, by fast
 theories, and by the exact one, which is less sharp."""
+LIFTED, TORQUE = 0.2, 3
+"""Vertical or moment residual of wheels that do not carry the load; number of the torque among the residuals."""
 LOST = 5.0
 """Equilibrium residual with friction on fine cells above which it will not be found."""
 MAX_BENT_MM = (0.4, 0.1, 0.05)
@@ -60,7 +62,8 @@ MARGIN = 0.2
 """Width of the window beyond a patch on each side over the patch."""
 LENGTHENED = 6.0
 """Longer side over shorter side of a cell, at most."""
-MOST_GRIDS = 4
+MOST_GRIDS, MOST_COVERED = 4, 3
+"""Fine grids that are made, and times that patches outside of them are added."""
 SEARCHED_MM = 90.0
 """Distance along the track from the wheel's middle up to which it may touch without yaw."""
 FLANGE_SLOPE = 3.0
@@ -149,12 +152,14 @@ class SpatialWheelset:
             if found.status.converged or found.status.iterations == MOST_ROLLING_STEPS:
                 break
         if not found.status.converged:
-            return replace(found, status=_none(found))
-        stages = [(creep, ACROSS, FAST_RESIDUAL)]
+            ended = found.status.iterations == MOST_ROLLING_STEPS
+            return found if ended else replace(found, status=self._none(found, motion))
+        stages = [(creep, FEWER_ACROSS, ROLLING_RESIDUAL)]
         if motion.theory == "exact":
             exact = replace(creep, theory="exact")
-            fewer = ((creep, ROLLING_RESIDUAL), (exact, NESTED_RESIDUAL))
-            stages = [*((forces, FEWER_ACROSS, each) for forces, each in fewer), (exact, ACROSS, EXACT_RESIDUAL)]
+            stages += [(exact, FEWER_ACROSS, NESTED_RESIDUAL), (exact, ACROSS, EXACT_RESIDUAL)]
+        else:
+            stages.append((creep, ACROSS, FAST_RESIDUAL))
         for forces, across, tolerance in stages:
             forces.rate_rad_s = creep.rate_rad_s
             found = self._covered(grids, found, progress, forces, tolerance, across)
@@ -173,10 +178,10 @@ class SpatialWheelset:
         across: int,
     ) -> Equilibrium[SpatialState]:
         """Equilibrium by `_fine` whose cells hold all patches; `grids`: coarse cells of the whole running surfaces."""
-        for _ in range(MOST_GRIDS):
+        for turn in range(MOST_COVERED):
             found = self._rolled(self._finer(found, across), found, progress, creep, tolerance, ends=False)
             found = self._fine(found, progress, creep, tolerance, across)
-            beyond = self._beyond(grids, found) if found.status.converged else None
+            beyond = self._beyond(grids, found) if found.status.converged and turn < MOST_COVERED - 1 else None
             if beyond is None:
                 break
             found = replace(found, state=beyond)
@@ -201,9 +206,35 @@ class SpatialWheelset:
             new = self._refined(
                 contact, found.position, found.state, progress, tolerance, creep=creep, reach=reach, ends=ends
             )
-        if new is not None:
+        if new is not None and (new.status.converged or new.status.message):
             return new
-        return replace(found, status=_none(found))
+        return replace(found, status=self._none(new or found, creep.motion))
+
+    def _none(self, last: Equilibrium[SpatialState], motion: RollingMotion) -> Status:
+        """No equilibrium with friction: what is not balanced where the search ended."""
+        residuals, position = last.residuals, last.position
+        free = np.array([*residuals.free, True, True])
+        errors = np.abs([residuals.lateral_residual, residuals.vertical_residual, residuals.moment_residual,
+                         residuals.torque_residual, residuals.yaw_residual]) * free  # fmt: skip
+        force, torque_kNm = float(last.residual[0]), 1e-3 * abs(motion.torque_Nm)
+        place = f"where the search ended, {abs(position.lateral_mm):.1f} mm to the {_way(position.lateral_mm)}"
+        advice = "give a smaller yaw or less friction, or lateral_mm to see the forces at a position"
+        if errors[:3].max() > LOST or errors[1:3].max() > LIFTED:
+            cause = f"{place}, a wheel no longer carries its load: it lifts, or climbs its rail (derailment)"
+        elif motion.torque_Nm and errors.argmax() == TORQUE:
+            unit = 1e-6 * self.problem.load.in_track[1] * self.problem.wheelset.tape_radius_mm
+            missing = unit * abs(residuals.torque_residual)
+            cause = f"friction does not transmit the torque: {missing:.1f} of {torque_kNm:.1f} kN m are left"
+            advice = "give a smaller torque, or more friction"
+        elif errors.argmax() == 0:
+            cause = f"{place}, a lateral force of {1e-3 * abs(force):.1f} kN to the {_way(force)} is not balanced"
+            if force * position.lateral_mm > 0.0:
+                cause += f", which pushes the {_way(force)} flange up its rail"
+        else:
+            cause = f"{place}, the forces still change from step to step"
+            advice = "give lateral_mm, or a neighbouring yaw, torque or friction"
+        message = f"no equilibrium with friction in {MOST_ROLLING_STEPS} steps: {cause}; {advice}"
+        return Status(False, message, MOST_ROLLING_STEPS)
 
     def _fine(
         self,
@@ -240,25 +271,23 @@ class SpatialWheelset:
         return {side: finer(each, across, state.insides(side)) for side, each in state.sides.items()}
 
     def _beyond(self, grids: Mapping[Side, GriddedSide], found: Equilibrium[SpatialState]) -> SpatialState | None:
-        """Contact on coarse cells, if wheel and rail overlap outside of the fine grids; else None."""
-        overlap = False
+        """Contact on coarse cells, if wheel and rail touch outside of the fine grids; else None."""
+        sides, touches = dict(found.state.sides), False
         for side, fine in found.state.sides.items():
             if fine.grid is grids[side]:
                 continue
             coarse, inner = grids[side].grid, fine.grid.grid
-            newton = SideNewton(grids[side], fine.pose, transferred(fine, grids[side]))
-            newton.creep = transferred_creep(fine, grids[side])
+            start, creep = transferred(fine, grids[side]), transferred_creep(fine, grids[side])
+            newton = SideNewton(grids[side], fine.pose, start)
+            newton.creep = creep
             newton.linearise(fine.pose)
             across = (coarse.cells[:, :1] < inner.cells[:, 1]) & (coarse.cells[:, 1:] > inner.cells[:, 0])
             along = (coarse.z > inner.z[0] - coarse.strip) & (coarse.z < inner.z[-1] + coarse.strip)
-            inside = np.outer(across.any(axis=1), along)
-            overlap |= bool((newton.total[~inside] < 0.0).any())
-        if not overlap:
-            return None
-        sides = {}
-        for side, fine in found.state.sides.items():
-            sides[side] = solve_side(grids[side], fine.pose, creep=transferred_creep(fine, grids[side]))
-        return SpatialState(sides)
+            outside = ~np.outer(across.any(axis=1), along)
+            if (newton.total[outside] < 0.0).any():
+                sides[side] = solve_side(grids[side], fine.pose, start, creep=creep)
+                touches |= bool((sides[side].forces[outside] > 0.0).any())
+        return SpatialState(sides) if touches else None
 
     def _seat(self, side: Side) -> float:
         """Distance of a wheel's seat from the middle of the axle."""
@@ -334,14 +363,14 @@ class SpatialWheelset:
             settled = None if lost else newton.step(tolerance)
             progress(f"equilibrium residual {error:.1e} after {iteration} steps on fine cells")
             if settled is None:
-                return None
+                break
             if settled:
                 message = f"contact forces and load are in equilibrium to {error:.1e}"
                 return newton.found(Status(True, message, iteration))
             way = np.abs(np.subtract(newton.position.components, position.components)) / MAX_STEP
             if way.max() > reach:
                 return newton.found(Status(False, "far from the first position", iteration))
-        return None
+        return None if creep is None else newton.found(Status(False, "", MOST_ROLLING_STEPS))
 
     def _coarse(self, side: Side, start: WheelsetPosition, yaw_rad: float | None = None) -> GriddedSide:
         """Cells of a whole running surface; `yaw_rad`: of a wheelset that rolls with friction."""
@@ -370,14 +399,8 @@ class SpatialWheelset:
         return GriddedSide(surfaces, grid, pose)
 
 
-def _none(found: Equilibrium[SpatialState]) -> Status:
-    """No equilibrium with friction."""
-    where = f"the wheelset was last at {found.position.lateral_mm:.1f} mm"
-    message = (
-        f"no equilibrium with friction in {MOST_ROLLING_STEPS} steps; {where}; check that friction can transmit the "
-        "torque, and that creep forces by the yaw push no flange up its rail: give lateral_mm, a smaller yaw or torque"
-    )
-    return Status(False, message, MOST_ROLLING_STEPS)
+def _way(lateral: float) -> str:
+    return "right" if lateral >= 0.0 else "left"
 
 
 @dataclass(frozen=True)
