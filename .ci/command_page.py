@@ -14,8 +14,8 @@ INTRODUCTION = """# Command line
 needed; `flangeway cases NAME` lists the keys with units, ranges and defaults. Results are in a folder of `out/`, which
 `--out` changes.
 
-`flangeway --install-completion` lets the shell complete names, options and keys with the tab key, and names and choices
-behind `--set KEY=`. Bash does the last only with `COMP_WORDBREAKS=${COMP_WORDBREAKS//=}` in `~/.bashrc`.
+The option `--install-completion` lets the shell complete names, options and keys with the tab key, and names and
+choices behind `--set KEY=`. Bash does the last only with `COMP_WORDBREAKS=${COMP_WORDBREAKS//=}` in `~/.bashrc`.
 
 **Exit status**: 0: done; 1: not converged, a check failed, or a library is missing; 2: the input is wrong; 130:
 interrupted.

@@ -47,7 +47,7 @@ def report_page(record: Record, drawn: Drawn = (), timings_s: Mapping[str, float
         title=escape(record.title),
         subtitle=escape(record.subtitle),
         kind=" failed" if not record.converged else " warned" if record.warnings else "",
-        verdict=escape(f"{record.verdict[0].upper()}{record.verdict[1:]}:"),
+        verdict=escape(f"{record.verdict[0].upper()}{record.verdict[1:]}{':' if record.message else ''}"),
         message=escape(record.message),
         warnings=_items(record.warnings),
         contents="\n".join(f'<a href="#{name}">{heading}</a>' for name, heading, _ in present),
