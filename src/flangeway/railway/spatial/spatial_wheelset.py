@@ -232,7 +232,7 @@ class SpatialWheelset:
                 cause += f", which pushes the {_way(force)} flange up its rail"
         else:
             cause = f"{place}, the forces still change from step to step"
-            advice = "give lateral_mm, or a neighbouring yaw, torque or friction"
+            advice = "give a neighbouring lateral_mm, yaw, torque or friction"
         message = f"no equilibrium with friction in {MOST_ROLLING_STEPS} steps: {cause}; {advice}"
         return Status(False, message, MOST_ROLLING_STEPS)
 
