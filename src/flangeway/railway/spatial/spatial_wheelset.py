@@ -131,6 +131,10 @@ class SpatialWheelset:
                 if rolled.status.converged:
                     break
             return rolled
+        if self.model.rolling is not None:
+            advice = "give lateral_mm, a smaller yaw, or a load and speed that do not tip the wheelset over"
+            cause = "no equilibrium without friction, from which that with creep forces is sought"
+            return replace(found, status=Status(False, f"{cause}; {advice}", found.status.iterations))
         found = self._fine(found, progress)
         beyond = self._beyond(grids, found) if found.status.converged else None
         return found if beyond is None else self._fine(replace(found, state=beyond), progress)
