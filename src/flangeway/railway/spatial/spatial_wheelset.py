@@ -125,6 +125,13 @@ class SpatialWheelset:
             if found.status.converged and found.stable is not False:
                 break
         assert found is not None
+        free = self.problem.prescribed.lateral_mm is None
+        if self.model.rolling is not None and not found.status.converged and free:
+            # creep forces may hold what nothing holds without them: from where the search ended
+            prescribed = replace(self.problem.prescribed, lateral_mm=found.position.lateral_mm)
+            held = self.at(self.problem.load, prescribed, self.model.yaw_rad)
+            with suppress(InputError):
+                found = held.solve(progress)
         if self.model.rolling is not None and found.status.converged:
             for max_bent_mm in MAX_BENT_MM:
                 rolled = self._rolling(self.model.rolling, found, progress, max_bent_mm)
