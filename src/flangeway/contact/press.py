@@ -319,8 +319,9 @@ def press(
                 for part, placement in zip(system.parts, placements, strict=True)
             ]
             state = solve_contact(
-                response, system, placements, floating=floating, start=start, settings=settings, origin=origin
-            )
+                response, system, placements, floating=floating, start=start, keep_guards=False, settings=settings,
+                origin=origin,
+            )  # fmt: skip
             if state.status.converged:
                 done.append(LoadStep(number + share, state))
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"

@@ -133,6 +133,7 @@ def solve_contact(
     *,
     floating: Sequence[Floating | None] | None = None,
     start: ContactState | None = None,
+    keep_guards: bool = True,
     settings: NewtonSettings | None = None,
     origin: Floats | None = None,
 ) -> ContactState:
@@ -152,6 +153,9 @@ def solve_contact(
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
         converged step before: slip is counted from its positions.
+    keep_guards
+        Whether constraints of nodes that penetrated at the start stay: where positions are searched, forces have to be
+        continuous in them. Bodies that slide along a path leave the places of earlier steps.
     settings
         Limits of the iteration.
     origin
@@ -166,7 +170,7 @@ def solve_contact(
     """
     settings = settings or NewtonSettings()
     parts = FloatingParts(response, placements, floating)
-    given = response, constraints, parts, settings, start, origin
+    given = response, constraints, parts, settings, start, origin, keep_guards
     run = _Run(*given)
     state = _solved(run)
     if not state.status.converged and run.unheld.any():
@@ -217,6 +221,7 @@ class _Run:
         settings: NewtonSettings,
         start: ContactState | None,
         origin: Floats | None,
+        keep_guards: bool,
         *,
         damped: bool = False,
         soft: bool = True,
@@ -232,18 +237,18 @@ class _Run:
         friction = None
         previous, forces = None, np.zeros(0)
         self.displacements = np.zeros_like(self.reference)
-        if start is not None:
+        if start is None:
+            self.current = constraints.linearise(self.reference, None)
+        else:
             self.before, friction = start.positions, start.friction
             previous, forces = start.linearisation, start.forces
-        if start is not None and _is_near(start, self.reference):
-            # the first iteration uses the gaps of the start
-            self.displacements = start.positions - self.reference
-            self.current = constraints.unguarded(start.positions, start.linearisation)
-        else:
-            if start is not None:
+            self.current = previous if keep_guards else constraints.unguarded(start.positions, previous)
+            if _is_near(start, self.reference):  # the first iteration uses the gaps of the start
+                self.displacements = start.positions - self.reference
+            else:
                 everywhere = np.arange(response.n_nodes)
                 self.displacements = response.displacements(self.rotations, everywhere, start.nodal_forces)
-            self.current = constraints.linearise(self.reference + self.displacements, previous)
+                self.current = constraints.linearise(self.reference + self.displacements, self.current)
         self.forces = carried_forces(previous, forces, self.current)
         self.tangential = np.zeros(len(self.current.keys))
         if friction is not None:

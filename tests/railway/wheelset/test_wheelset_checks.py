@@ -112,9 +112,10 @@ def test_penetration_is_held_against_the_sinking():
     assert "raise penalty_factor" in softest.status.message
 
 
-def test_a_contact_of_few_segments_is_warned_of():
-    """A load whose contact is narrower than 8 segments is warned of; no yield where stresses are low."""
-    light = solved(axle_load_kN=1.0)
+@pytest.mark.parametrize("load_kN", [1.0, 0.01])
+def test_a_contact_of_few_segments_is_warned_of(load_kN):
+    """A load whose contact is narrower than 8 segments, down to one, is warned of; no yield where stresses are low."""
+    light = solved(axle_load_kN=load_kN, size_scale=4.0)
     assert light.status.converged
     assert any("wide, fewer than 8; lower size_scale" in warning for warning in light.warnings)
     assert not any("yield" in warning for warning in light.warnings)

@@ -126,7 +126,8 @@ def _curves(stresses: Stresses) -> tuple[Floats, ...]:
 def subsurface_table(lines: Sequence[SubsurfaceLine]) -> str:
     """Return the stresses below all contacts as CSV, its columns `COLUMNS`; empty where there is no number."""
     rows = [(line.patch.side, line.patch.region, line.body, *row) for line in lines for row in _rows(line)]
-    return ResultTable(dict(zip(COLUMNS, zip(*rows, strict=True), strict=True))).csv(6)
+    columns = zip(*rows, strict=True) if rows else ((),) * len(COLUMNS)
+    return ResultTable(dict(zip(COLUMNS, columns, strict=True))).csv(6)
 
 
 def _rows(line: SubsurfaceLine) -> list[list[float]]:
