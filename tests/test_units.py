@@ -171,7 +171,7 @@ def test_results_of_a_section_in_us_units(call, tmp_path):
     mass = cells["mass per length, steel of 490.1 lb/ft³, lb/yd"]
     assert mass == pytest.approx(found["mass_per_metre_kg_m"] * 0.9144 / 0.45359237, rel=1e-3)
     assert mass == pytest.approx(136.0, rel=0.01)
-    assert "JSON, Parquet and ParaView files are in metric units" in report
+    assert "JSON, Parquet and ParaView files are metric" in report
     assert "--units us" in report
     assert not re.search(r"\d mm|, mm|, kg/m<", re.sub(r"<script.*?</script>", "", report, flags=re.DOTALL))
 

@@ -34,13 +34,13 @@ MAX_LINES = {
     "cases": 8012,
     "campaign": 1944,
     "tables": 1456,
-    "report": 8853,
+    "report": 8855,
     "validation": 8868,
     "cli": 1467,
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_378
+MAX_LINES_OF_ALL = 75_380
 MAX_FILES_OF_ALL = 390
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

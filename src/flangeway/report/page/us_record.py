@@ -13,7 +13,9 @@ from flangeway.report.page.tables import Number, SummaryTable, formatted, marked
 from flangeway.system.output_folder import Writer
 from flangeway.units import NUMBER, Units, UsUnit, in_us_units, number_of, shown, us_key, us_unit
 
-METRIC_PARTS = "Numbers and pictures are in US units; fields, JSON, Parquet and ParaView files are in metric units."
+METRIC_PARTS = (
+    "Numbers and pictures are in US units; fields to explore, animations, JSON, Parquet and ParaView files are metric."
+)
 UNIT_COLUMN = "in"  # of a table: the unit of the numbers on both sides of it, each row its own
 FEWEST_DIGITS = 3  # of a converted number that is not below one before
 SENTENCES = ("message", "warnings")  # columns of CSV files with text of the program; other texts are names
