@@ -273,4 +273,4 @@ def test_axes_of_pictures_decode_keys_of_both_systems():
     """Words and units of keys that vary in a campaign, and names of quantities as one writes them."""
     assert named("axle_load_kip") == ("axle load", "kip")
     assert named("speed_mph") == ("speed", "mph")
-    assert named("max_von_mises_MPa") == ("max von Mises", "MPa")
+    assert named("max_von_mises_MPa") == ("maximum von Mises", "MPa")

@@ -365,12 +365,14 @@ class SpatialWheelset:
         newton = WheelsetNewton(contact, self._tilts_by_forces, position, near, creep, lower=lower)
         if near is None and not newton.touches:
             return None
+        least = np.inf
         for iteration in range(MOST_STEPS if creep is None else MOST_ROLLING_STEPS):
             newton.linearise()
             error = newton.relative.equilibrium_residual
+            least = min(least, error)
             if not ends and tolerance < error < ROLLING_RESIDUAL and newton.reaches_an_end:
                 return newton.found(Status(False, "patches at the ends of their cells", iteration))
-            lost = creep is not None and reach == np.inf and error > LOST
+            lost = creep is not None and error > LOST * (1.0 if reach == np.inf else max(least, 1.0))
             settled = None if lost else newton.step(tolerance)
             progress(f"equilibrium residual {error:.1e} after {iteration} steps on fine cells")
             if settled is None:

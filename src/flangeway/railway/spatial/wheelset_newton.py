@@ -41,6 +41,9 @@ ERROR_OF_LAW, LOOSE = 0.1, 1e-2
 """Error of the law of friction over the residual of the position before, and its largest one."""
 MAX_CREEPAGE, MAX_YAW_RAD = 2e-3, 1e-3
 """Step limits of the rate of rotation over itself, and of the yaw."""
+MAX_BENDING = 8.0
+"""Factor on the displacement by creep forces in one step, which doubles where the rest is nearly in equilibrium: rails
+that bend far would creep there, and elsewhere large steps of bending lead astray."""
 LEAST_TRUST = 0.25
 """Least factor on the first. Where friction is exhausted torque hardly changes with the rate: whole steps go round."""
 RATE, YAW = 5, 6
@@ -83,7 +86,7 @@ class WheelsetNewton:
         if creep is not None and near is not None and near.rolled is not None:
             creep.before = near.rolled.creep
         self.history: list[RelativeResiduals] = []
-        self.growth, self.trust, self._across = 1.0, 1.0, 0.0
+        self.growth, self.trust, self.bending, self._across = 1.0, 1.0, 1.0, 0.0
         self.part, self._error = 1.0, np.inf
         self.settles = creep is not None and near is not None and near.rolled is not None
         self._missing = self._slopes = np.zeros((5, len(self.free)))
@@ -110,6 +113,7 @@ class WheelsetNewton:
         if self.creep is not None:  # the law of friction need not hold better than the equilibrium
             before = self.history[-1].equilibrium_residual if self.history else LOOSE / ERROR_OF_LAW
             self.creep.tolerance = float(np.clip(ERROR_OF_LAW * before, TOLERANCE, LOOSE))
+            self.bending = float(np.clip(self.bending * (2.0 if before < SETTLED else 0.5), 1.0, MAX_BENDING))
         total, self.jacobian = np.zeros(3), np.zeros((n, n))
         self.resultants: dict[Side, Floats] = {}
         self.own: dict[Side, Floats] = {}
@@ -154,7 +158,7 @@ class WheelsetNewton:
         normal[newton.touching] = np.maximum(forces, 0.0)
         found = self.rolled[side] = self.creep.of_side(side, newton, normal)
         slopes = self.creep.derivatives(side, newton, normal, found)
-        newton.bend(found.rows, found.raised, forces, slopes, self.creep.max_bent_mm)
+        newton.bend(found.rows, found.raised, forces, slopes, self.bending * self.creep.max_bent_mm)
 
     def _add_creep(self, number: int, side: Side) -> None:
         """Add creep forces of a side and what they change."""
