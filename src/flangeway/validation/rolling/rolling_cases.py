@@ -122,7 +122,7 @@ def plane_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[Reproduced
         found = energy.check("Cattaneo", roll(contact, Creepages(speed=0.0), force_along=-part * limit))
         stick = float((found.states == STICKS).mean())
         yield compare("Cattaneo-Mindlin", f"cylinders, {part:g} of full slip", "half width of stick", "a",
-                      (np.sqrt(1.0 - part), stick), 0.01, f"{n} cells")  # fmt: skip
+                      (np.sqrt(1.0 - part), stick), LINE_LIMIT, f"{n} cells")  # fmt: skip
 
 
 def sphere_numbers(energy: Energy, rows: list[RollingRow]) -> Iterator[ReproducedNumber]:
