@@ -21,7 +21,7 @@ MAX_LINES = {
     "space": 916,
     "materials": 398,
     "problems": 2922,
-    "solve": 4389,
+    "solve": 4400,
     "contact": 7454,
     "post": 2045,
     "forms": 366,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_386
+MAX_LINES_OF_ALL = 75_397
 MAX_FILES_OF_ALL = 390
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

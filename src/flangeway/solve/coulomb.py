@@ -114,9 +114,11 @@ def solve(matrix: Floats, offset: Floats, coefficients: Floats, guess: Floats) -
             forces[m:] += ratios * forces[:m]
         return forces, matrix @ forces + offset
 
-    found = _by_newton(solved, coefficients, stiffness, (guess, matrix @ guess + offset))
-    if found is not None:
-        return found
+    # a push that all nodes follow makes none of them slip at once: what stuck sticks first
+    for answer in (solved(*_sets_of_forces(coefficients, guess)), (guess, matrix @ guess + offset)):
+        found = _by_newton(solved, coefficients, stiffness, answer)
+        if found is not None:
+            return found
     found = _by_path(matrix, offset, coefficients)
     if found is not None:
         missed = np.abs(_projected(coefficients, stiffness, (found, matrix @ found + offset)) - found).max()
@@ -137,10 +139,7 @@ def solve_sparse(solved_rows: SolvedRows, own: Floats, coefficients: Floats, gue
         values = np.concatenate((np.ones(len(rows)), ratios[active]))
         return solved_rows(rows, sp.csr_array((values, places), shape=(2 * m, len(rows))))
 
-    at_limit = np.abs(guess[m:]) >= (1.0 - AT_LIMIT) * coefficients * guess[:m]
-    signs = np.where(at_limit, np.sign(guess[m:]), 0.0).astype(np.int64)
-    signs[coefficients == 0.0] = 1
-    return _by_newton(solved, coefficients, stiffness, solved(guess[:m] > 0.0, signs))
+    return _by_newton(solved, coefficients, stiffness, solved(*_sets_of_forces(coefficients, guess)))
 
 
 def solve_with_motions(
@@ -185,6 +184,15 @@ def _scaled(coefficients: Floats, own: Floats) -> tuple[Floats, Floats]:
     return np.where(movable, coefficients, 0.0), stiffness
 
 
+def _sets_of_forces(coefficients: Floats, forces: Floats) -> tuple[Bools, Ints]:
+    """Which constraints are closed and which slip, by forces (2 m,) alone; see `_sets`."""
+    m = len(coefficients)
+    at_limit = np.abs(forces[m:]) >= (1.0 - AT_LIMIT) * coefficients * forces[:m]
+    signs = np.where(at_limit, np.sign(forces[m:]), 0.0).astype(np.int64)
+    signs[coefficients == 0.0] = 1
+    return forces[:m] > 0.0, signs
+
+
 def _by_newton(
     solved: Callable[[Bools, Ints], Answer | None], coefficients: Floats, stiffness: Floats, answer: Answer
 ) -> Floats | None:
@@ -199,7 +207,10 @@ def _by_newton(
         return float(np.linalg.norm((answer[0] - _projected(coefficients, stiffness, answer)) / np.sqrt(stiffness)))
 
     errors, sets = [error(answer)], _sets(coefficients, stiffness, answer)
-    for number in range(MOST_ROUNDS):
+    for number in range(max(MOST_ROUNDS, len(coefficients))):
+        # the ends of a zone that sticks come nearer by a node a round: on long surfaces that takes many, all better
+        if number >= MOST_ROUNDS and errors[-1] >= errors[-2]:
+            return None
         found = solved(*sets)
         if found is None:
             return None
