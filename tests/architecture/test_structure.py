@@ -30,8 +30,8 @@ MAX_LINES = {
     "railway.rigid": 1913,
     "railway.wheelset": 1760,
     "railway.positions": 2499,
-    "railway.spatial": 4229,
-    "cases": 8012,
+    "railway.spatial": 4234,
+    "cases": 8008,
     "campaign": 1944,
     "tables": 1456,
     "report": 8855,
@@ -40,7 +40,7 @@ MAX_LINES = {
 }
 """Lines of Python of each package, ``""`` for the modules beside the packages. Whoever needs more raises a number."""
 
-MAX_LINES_OF_ALL = 75_397
+MAX_LINES_OF_ALL = 75_398
 MAX_FILES_OF_ALL = 390
 """What there is now; the plan of the design is 42,000 lines and 270 files before three dimensions."""
 

@@ -51,7 +51,12 @@ class Pressed:
 
     def force_on(self, part: Part) -> Floats:
         """Contact forces on a part in space, shape (2,)."""
-        return _force_on(self.contact, part)
+        total, found = np.zeros(2), self.contact
+        for contact, resultants in zip(found.system.contacts, found.resultants, strict=True):
+            for side, surface in enumerate((contact.secondary, contact.primary)):
+                if surface.part is part:
+                    total += resultants[side, :2]
+        return total
 
 
 def press_loaded(
@@ -204,12 +209,3 @@ def _pushed(driver: _Driver, push: Push, load: Floats, state: ContactState) -> P
         return driver.failed(found, f"under the push: {found.status.message}" if found.forces.any() else nothing)
     driver.steps.append(LoadStep(1.0, found))
     return Pressed(driver.solution(found), free + float(found.motions[0]))
-
-
-def _force_on(solution: ContactSolution, part: Part) -> Floats:
-    total = np.zeros(2)
-    for contact, resultants in zip(solution.system.contacts, solution.resultants, strict=True):
-        for side, surface in enumerate((contact.secondary, contact.primary)):
-            if surface.part is part:
-                total += resultants[side, :2]
-    return total

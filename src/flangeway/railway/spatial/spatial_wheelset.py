@@ -125,26 +125,31 @@ class SpatialWheelset:
             if found.status.converged and found.stable is not False:
                 break
         assert found is not None
-        free = self.problem.prescribed.lateral_mm is None
-        if self.model.rolling is not None and not found.status.converged and free:
-            # creep forces may hold what nothing holds without them: from where the search ended
+        if self.model.rolling is not None:
+            return self._with_friction(self.model.rolling, found, progress)
+        found = self._fine(found, progress)
+        beyond = self._beyond(grids, found) if found.status.converged else None
+        return found if beyond is None else self._fine(replace(found, state=beyond), progress)
+
+    def _with_friction(
+        self, motion: RollingMotion, found: Equilibrium[SpatialState], progress: Callable[[str], None]
+    ) -> Equilibrium[SpatialState]:
+        """Equilibrium with creep forces from where the search without friction ended."""
+        if not found.status.converged and self.problem.prescribed.lateral_mm is None:
+            # creep forces may hold what nothing holds without them
             prescribed = replace(self.problem.prescribed, lateral_mm=found.position.lateral_mm)
             held = self.at(self.problem.load, prescribed, self.model.yaw_rad)
             with suppress(InputError):
                 found = held.solve(progress)
-        if self.model.rolling is not None and found.status.converged:
-            for max_bent_mm in MAX_BENT_MM:
-                rolled = self._rolling(self.model.rolling, found, progress, max_bent_mm)
-                if rolled.status.converged:
-                    break
-            return rolled
-        if self.model.rolling is not None:
+        if not found.status.converged:
             advice = "give lateral_mm, a smaller yaw, or a load and speed that do not tip the wheelset over"
             cause = "no equilibrium without friction, from which that with creep forces is sought"
             return replace(found, status=Status(False, f"{cause}; {advice}", found.status.iterations))
-        found = self._fine(found, progress)
-        beyond = self._beyond(grids, found) if found.status.converged else None
-        return found if beyond is None else self._fine(replace(found, state=beyond), progress)
+        for max_bent_mm in MAX_BENT_MM:
+            rolled = self._rolling(motion, found, progress, max_bent_mm)
+            if rolled.status.converged:
+                break
+        return rolled
 
     def _rolling(
         self,
