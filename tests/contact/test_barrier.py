@@ -12,7 +12,6 @@ from flangeway.materials import Elastic
 from flangeway.mesh import rectangle_grid
 from flangeway.post import pressure_patches
 from flangeway.problems import Body, Part
-from flangeway.solve.complementarity import solve, with_barrier
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes, surface_of
 
 YOUNG, HEIGHT, APPROACH, VALUE, REACH = 210e3, 20.0, 0.01, 0.05, 0.02
@@ -64,36 +63,6 @@ def test_it_tends_to_the_multipliers_in_proportion_to_its_value(pairing) -> None
         apart.append(np.abs(found.forces - exact.forces).max() / np.abs(exact.forces).max())
     assert apart[0] < 0.01
     assert np.array(apart[:-1]) / apart[1:] == pytest.approx(10.0, rel=0.05)
-
-
-def barrier_forces(matrix, offset, products, reaches):
-    """Forces of a barrier without friction and free motions."""
-
-    def solved(matrix, offset, guess):
-        forces = solve(matrix, offset, guess > 0.0 if guess.any() else offset < 0.0)
-        return None if forces is None else (forces, np.zeros(0), np.zeros(0))
-
-    found = with_barrier(solved, matrix, offset, np.column_stack((products, reaches)), np.zeros(len(offset)))
-    assert found is not None
-    return found[0]
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_random_problems_are_solved_exactly(seed: int) -> None:
-    """Products of force and gap are those asked for, gaps positive; without a barrier it is complementarity."""
-    rng = np.random.default_rng(seed)
-    n = 30
-    factor = rng.standard_normal((n, n))
-    matrix, offset = factor @ factor.T + 0.01 * np.eye(n), rng.standard_normal(n)
-    products, reaches = 10.0 ** rng.uniform(-6.0, -1.0, n), rng.uniform(0.1, 2.0, n)
-    forces = barrier_forces(matrix, offset, products, reaches)
-    gaps = matrix @ forces + offset
-    assert (gaps > 0.0).all()
-    expected = np.maximum(0.0, products / gaps - products / reaches)
-    assert forces == pytest.approx(expected, rel=1e-8, abs=1e-10)
-    limit = solve(matrix, offset, offset < 0.0)
-    near = barrier_forces(matrix, offset, np.full(n, 1e-12), reaches)
-    assert near == pytest.approx(limit, abs=1e-5 * np.abs(limit).max())
 
 
 def test_with_friction_it_tends_to_the_multipliers_too() -> None:

@@ -26,7 +26,7 @@ from flangeway.contact.slip import node_edge_slides
 from flangeway.elements.quadrature import gauss_lobatto
 from flangeway.errors import InputError
 from flangeway.mesh import rectangle_grid
-from flangeway.solve import NewtonSettings, StepSettings, coulomb
+from flangeway.solve import NewtonSettings, StepSettings
 
 PAIRINGS = [NodeToSegment(), SegmentToSegment(), SegmentToSegment(weighting="dual")]
 LAWS = [
@@ -225,46 +225,6 @@ def test_random_paths(mu, path, pairing, law, imbalance) -> None:
     assert law_error(solution) < 1e-9
     assert (solution.dissipated_work >= 0.0).all()
     assert imbalance(solution) < 1e-10
-
-
-def random_case(seed: int, n: int) -> tuple[np.ndarray, np.ndarray]:
-    """A positive definite matrix that is nearly symmetric, and an offset."""
-    rng = np.random.default_rng(seed)
-    root = rng.normal(size=(2 * n, 2 * n))
-    matrix = root @ root.T / n + np.eye(2 * n)
-    return matrix + 1e-3 * rng.normal(size=matrix.shape), rng.normal(size=2 * n)
-
-
-@settings(max_examples=50, deadline=None)
-@given(seed=st.integers(0, 10**6), n=st.integers(1, 12), mu=st.floats(0.0, 1.5))
-def test_forces_satisfy_coulombs_law(seed: int, n: int, mu: float) -> None:
-    """For random matrices: complementarity of forces and gaps, and friction against slip at its limit."""
-    matrix, offset = random_case(seed, n)
-    forces = coulomb.solve(matrix, offset, np.full(n, mu), np.zeros(2 * n))
-    assert forces is not None
-    assert_coulombs_law(matrix, offset, mu, forces)
-
-
-def assert_coulombs_law(matrix: np.ndarray, offset: np.ndarray, mu: float, forces: np.ndarray) -> None:
-    """Complementarity of forces and gaps, and of the cone and slip."""
-    gaps, slips = np.split(matrix @ forces + offset, 2)
-    normal, tangential = np.split(forces, 2)
-    assert normal.min() >= 0.0
-    assert gaps.min() > -1e-9
-    assert np.abs(normal * gaps).max() < 1e-9
-    assert (np.abs(tangential) <= mu * normal + 1e-9).all()
-    limit = mu * normal
-    assert np.abs(tangential - np.clip(tangential - slips, -limit, limit)).max() < 1e-9
-
-
-@settings(max_examples=50, deadline=None)
-@given(seed=st.integers(0, 10**6), n=st.integers(1, 25), mu=st.floats(0.0, 1.5))
-def test_a_path_leads_to_forces(seed: int, n: int, mu: float) -> None:
-    """Where Newton's method fails: the path from bodies apart alone satisfies the law, whatever the coefficient is."""
-    matrix, offset = random_case(seed, n)
-    forces = coulomb._by_path(matrix, offset, np.full(n, mu))
-    assert forces is not None
-    assert_coulombs_law(matrix, offset, mu, forces)
 
 
 def test_what_did_not_converge_says_so() -> None:

@@ -5,7 +5,7 @@ from typing import Protocol
 import numpy as np
 import scipy.sparse as sp
 
-from flangeway.solve import complementarity, coulomb
+from flangeway.solve.active_set import AT_LIMIT, standoffs
 from flangeway.types import Floats, Ints
 
 
@@ -138,7 +138,7 @@ def residual_of(
     """
     # a constraint that was left on the way took its force with it: what it moved is not in equilibrium
     total = max(float(forces.sum()), most)
-    slack = gaps + lin.compliances * forces - complementarity.standoffs(forces, *lin.barriers.T)
+    slack = gaps + lin.compliances * forces - standoffs(forces, lin.barriers)
     if total == 0.0:
         return float(np.maximum(-slack, 0.0).max(initial=0.0)) / scale
     residual = float(np.abs(unbalanced).max()) / total
@@ -153,9 +153,7 @@ def changed_keys(
     pairs = []
     for lin, (values, tangential) in ((before, forces), (after, new_forces)):
         active = values > 0.0
-        signs = np.where(
-            np.abs(tangential) >= (1.0 - coulomb.AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0
-        )
+        signs = np.where(np.abs(tangential) >= (1.0 - AT_LIMIT) * lin.coefficients * values, np.sign(tangential), 0)
         each = (lin.keys[active].tolist(), lin.partners[active].tolist(), signs[active].tolist())
         pairs.append(set(zip(*each, strict=True)))
     return tuple(sorted({key for key, _, _ in pairs[0] ^ pairs[1]}))

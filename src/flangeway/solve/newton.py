@@ -12,6 +12,10 @@ the sign of the errata). Once the active set has settled this is Newton's method
 
 With a barrier of the product w and the reach r, forces act at a gap: ``0 <= g + ... - w / (p' + w / r)``.
 
+A step is halved until the residual is below the maximum of the last steps (L. Grippo, F. Lampariello and S. Lucidi,
+1986, SIAM J. Numer. Anal. 23). What this does not reach from the start is reached along a path of smaller motions and
+loads (`flangeway.solve.steps`).
+
 Where a penetration is to be within a tolerance (augmented Lagrange), C acts on ``p' - p0`` instead, and the forces p0
 are corrected to those found until it is (Uzawa's method).
 
@@ -20,23 +24,22 @@ with ``S = dw/du``, and their forces act along T, so that the linear problem is
 
     (K + G) u' = B^T p' + T^T q' + G u,   |q'| <= mu p',   w + S (u' - u) + C q' + e = 0 or against q' at the limit,
 
-with Coulomb's law in place of the complementarity (`flangeway.solve.coulomb`). The geometric stiffness has the turn of
-the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as for the gaps; e is the slip ``-C q`` that
-it had let back before.
+with Coulomb's law in place of the complementarity (`flangeway.solve.active_set`). The geometric stiffness has the turn
+of the tangential forces, ``-sum q dT``, and is not symmetric. C is the same as for the gaps; e is the slip ``-C q``
+that it had let back before.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
 
 from flangeway.geometry import Placement
-from flangeway.solve import complementarity, coulomb
+from flangeway.solve import active_set
+from flangeway.solve.active_set import CoulombState
 from flangeway.solve.body_response import BodyResponse, Constrained
-from flangeway.solve.coulomb import CoulombState
 from flangeway.solve.floating import Floating, FloatingParts
 from flangeway.solve.linearisation import (
     Constraints,
@@ -51,19 +54,10 @@ from flangeway.solve.linearisation import (
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
 from flangeway.types import Floats
 
-SETTLE_AFTER = 8
-"""Iterations after which pairs of a node and an edge are held by a wider margin, so that none changes for ever.
-
-At a stiff penalty one node that goes to and fro between two edges can upset all others before: a second attempt holds
-pairs from its second iteration on.
-"""
-
-CYCLE = 4
-"""Iterations at the end among which one changes constraints where these come and go."""
-
-MEMORY, LEAST_SHARE = 3, 1.0 / 32.0
-"""Iterations whose maximum residual the next one has to fall below, where whole steps alone went round, and the share
-of a step below which it is not halved until it does."""
+MEMORY, MIN_FRACTION = 8, 1.0 / 32.0
+"""Iterations whose maximum residual each later one has to fall below, and the fraction of a step below which it is not
+halved until it does. After as many, pairs of a node and an edge are held by a wider margin, so that none changes for
+ever."""
 
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -81,7 +75,7 @@ MOST_DENSE_EQUATIONS = 4000
 NAMED = 3
 """How many constraints a message names."""
 
-MOST_ROUNDS = 20
+MAX_ROUNDS = 20
 """Rounds of further constraints for nodes that penetrate."""
 
 
@@ -170,29 +164,7 @@ def solve_contact(
     """
     settings = settings or NewtonSettings()
     parts = FloatingParts(response, placements, floating)
-    given = response, constraints, parts, settings, start, origin, keep_guards
-    run = _Run(*given)
-    state = _solved(run)
-    if not state.status.converged and run.unheld.any():
-        return state
-    if not state.status.converged and any(each.changed for each in state.history[-CYCLE:]):
-        damped = _solved(_Run(*given, damped=True))
-        state = damped if damped.status.converged else state
-    if not state.status.converged and parts.n:
-        moving = _solved(_Run(*given, soft=False))
-        state = moving if moving.status.converged else state
-    return state
-
-
-def _solved(run: "_Run") -> ContactState:
-    """Solve, and guard nodes that penetrate, until none does."""
-    for _ in range(MOST_ROUNDS):
-        state = run.solve()
-        if not (state.status.converged and run.guard()):
-            return state
-    return run.result(
-        f"not converged: nodes still penetrate after {MOST_ROUNDS} rounds; take a finer mesh", converged=False
-    )
+    return _Run(response, constraints, parts, settings, start, origin, keep_guards).solve()
 
 
 _Step = tuple[Floats, Floats, Floats, Floats]
@@ -222,13 +194,9 @@ class _Run:
         start: ContactState | None,
         origin: Floats | None,
         keep_guards: bool,
-        *,
-        damped: bool = False,
-        soft: bool = True,
     ) -> None:
         self.response, self.constraints, self.parts, self.settings = response, constraints, parts, settings
-        self.damped, self.soft = damped, soft
-        self.kept, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
+        self.neutral, self.unheld = np.zeros((2, parts.n, 0)), np.zeros(parts.n)
         self.move(np.zeros(parts.n) if start is None else start.motions)
         self.applied = np.zeros_like(self.reference) if start is None else start.nodal_forces
         self.begun = self.reference
@@ -265,22 +233,33 @@ class _Run:
         self.reference = self.response.reference(self.placements)
 
     def solve(self) -> ContactState:
-        """Find the forces of the constraints that there are."""
-        for correction in range(self.settings.max_corrections + 1):
-            failure = self.iterate(correction)
+        """Solve, and guard nodes that penetrate, until none does and penetrations are within their tolerance."""
+        corrections, rounds = 0, 0
+        while True:
+            failure = self.iterate(corrections)
             if failure is not None:
                 return self.result(failure, converged=False)
             if self.penetration_is_tolerated():
-                more = f" and {_counted(correction, 'correction')} of the forces" if correction else ""
-                if self.stalled:
-                    more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
-                return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
-            self.correct()
-        return self.result(
-            f"not converged in {_counted(self.settings.max_corrections, 'correction')} of the forces: the penetration "
-            f"is {self.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
-            converged=False,
-        )
+                if not self.guard():
+                    more = f" and {_counted(corrections, 'correction')} of the forces" if corrections else ""
+                    if self.stalled:
+                        more += f", to round-off: the residual is {self.history[-1].residual:.1e}"
+                    return self.result(f"converged in {_counted(len(self.history), 'iteration')}{more}", converged=True)
+                rounds += 1
+                if rounds == MAX_ROUNDS:
+                    return self.result(
+                        f"not converged: nodes still penetrate after {rounds} rounds; take a finer mesh",
+                        converged=False,
+                    )
+            elif corrections == self.settings.max_corrections:
+                return self.result(
+                    f"not converged in {_counted(corrections, 'correction')} of the forces: the penetration is "
+                    f"{self.excess():.3g} times the tolerated one; take a larger penalty or a larger tolerance",
+                    converged=False,
+                )
+            else:
+                corrections += 1
+                self.correct()
 
     def guard(self) -> bool:
         """Add constraints where bodies overlap although those that there are hold; whether there are any."""
@@ -312,7 +291,7 @@ class _Run:
 
     def iterate(self, correction: int) -> str | None:
         """Newton's method with the forces corrected last; None if it converged, else why not."""
-        settled, first = 1 if self.damped else SETTLE_AFTER, len(self.history)
+        first = len(self.history)
         before = sum(each.correction == correction for each in self.history)
         for iteration in range(self.settings.max_iterations - before):
             if len(self.current.nodes) == 0 and (loose := self._loose()):
@@ -324,22 +303,22 @@ class _Run:
                     f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
                     "friction, or hold the part in Body(held=...)"
                 )
-            step = self._step(bend=True) or self._step(bend=False)
+            step = self._step()
             if step is None:
                 return (
-                    "the linear complementarity problem has no solution: the tangent is not positive definite; take "
-                    "smaller steps, a finer mesh or a softer penalty"
+                    "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
+                    "finer mesh or a softer penalty"
                 )
-            here, share, settle = self._here(), 1.0, iteration >= settled
-            limit = max((each.residual for each in self.history[first:][-MEMORY:]), default=np.inf)
-            taken = self._take(here, step, share, correction, settle=settle)
-            while self.damped and taken.residual > limit and share > LEAST_SHARE:
-                share /= 2.0
-                taken = self._take(here, step, share, correction, settle=settle)
+            here, fraction, settle = self._here(), 1.0, len(self.history) >= MEMORY
+            limit = max(each.residual for each in self.history[-MEMORY:]) if iteration >= MEMORY else np.inf
+            taken = self._take(here, step, fraction, correction, settle=settle)
+            while taken.residual > limit and fraction > MIN_FRACTION:
+                fraction /= 2.0
+                taken = self._take(here, step, fraction, correction, settle=settle)
             self.history.append(taken)
             floor = 64.0 * np.finfo(float).eps * float(np.abs(self.reference).max()) / self._scale()
             # the residual is that of the new state, its law of contact included, whatever changed on the way there
-            met = taken.residual <= max(self.settings.tolerance, floor) and share == 1.0
+            met = taken.residual <= max(self.settings.tolerance, floor) and fraction == 1.0
             self.stalled = not met and is_at_round_off(self.history[first:])
             if met or self.stalled:
                 return None
@@ -372,13 +351,13 @@ class _Run:
         self.slides, self.applied, scale = self._slides(after, moved), applied, self._scale()
         nodal = nodal_forces_of(after, carried, self.slides, tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + moved, nodal)
-        left -= self.kept[0] @ (self.kept[0].T @ left)
+        left -= self.neutral[0] @ (self.neutral[0].T @ left)
         unbalanced = np.append(nodal - applied, left)
         most = max(float(np.abs(each).max(initial=0.0)) for each in (applied, self.parts.load))
         residual = residual_of(after, self._gaps(after), carried, unbalanced, most, scale)
         if self.slides is not None:
             slips = self._slips(after, self.slides) + self._let_back(after, tangential)
-            beyond, wrong = coulomb.violation(carried, tangential, slips, after.coefficients)
+            beyond, wrong = active_set.violation(carried, tangential, slips, after.coefficients)
             residual = max(residual, beyond / max(float(carried.sum()), 1e-300), wrong / scale)
         change = float(np.abs(moved - here.displacements).max(initial=0.0)) / scale
         changed = changed_keys(here.current, before, after, (carried, tangential))
@@ -414,91 +393,77 @@ class _Run:
         """What the compliance of the law takes from the slips."""
         return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
 
-    def _step(self, *, bend: bool) -> _Step | None:
-        """One iteration.
-
-        Without ``bend`` the geometric stiffness is left out, which at deep penetration can make the tangent indefinite.
-        """
+    def _step(self) -> _Step | None:
+        """One iteration; None if the laws of the linearised problem have no solution."""
         current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
-        geometric, laws = self._laws(bend=bend)
-        if (sparse := self._without_matrix(geometric, laws)) is not None:
-            return self._sparse_step(geometric, laws, *sparse)
-        answer, matrix, offset, rigid = self._problem(geometric, laws, bend=bend)
-        directions = laws.directions
-        if current.barriers[:, 0].any():
-            law = partial(self._complementary, rigid=rigid)
-            found = complementarity.with_barrier(law, matrix, offset, current.barriers, self.forces)
-        else:
-            found = self._complementary(matrix, offset, self.forces, rigid)
+        geometric, constrained = self._laws()
+        if (sparse := self._without_matrix(geometric, constrained)) is not None:
+            return self._sparse_step(geometric, constrained, *sparse)
+        by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
+        m, n = len(self.forces), self.parts.n
+        guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
+        sprung = rigid.sprung(matrix.diagonal()) if n else rigid
+        own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+        laws = active_set.Laws(current.coefficients, current.barriers, own)
+        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        if found is not None and n:
+            # with springs there always is a solution; without them Newton's method for the motions goes on from there
+            equations = active_set.DenseEquations(matrix, offset, laws, rigid)
+            left, right, loose = equations.free_motions(found)
+            self.neutral = np.stack([np.linalg.qr(each)[0] for each in (left, right)])
+            basis = _complement(left), _complement(right)
+            held = active_set.DenseEquations(matrix, offset, laws, rigid.without(*basis))
+            exact = None if loose else active_set.solve(laws, held, found.forces)
+            if exact is not None:
+                found = exact._replace(motions=basis[1] @ exact.motions)
+            elif self.slides is not None and not self.unheld.any():
+                self.unheld = rigid.unbalanced(found, self.neutral[0])
         if found is None:
             return None
-        new_forces, motion, self.kept = found
-        if self.parts.n:
-            left = rigid.resultants @ new_forces + rigid.stiffness @ motion + rigid.residual
-            left -= self.kept[0] @ (self.kept[0].T @ left)
-            beyond = (np.abs(left) > complementarity.LEFT * rigid.loads(new_forces)).any()
-            if self.slides is not None and beyond and not self.unheld.any():
-                self.unheld = left / np.linalg.norm(left)
-            motion = self.parts.shortened(motion, self.parts.velocities(self.motions, self.reference))
-        at_nodes = self.displacements[current.nodes].ravel()
-        m = len(new_forces)
-        moved = answer[:, :m] @ new_forces + answer[:, m] + answer[:, m + 1 :] @ motion
-        applied[current.nodes] = (directions.T @ new_forces - geometric @ (moved - at_nodes)).reshape(-1, 2)
-        normal, tangential = (new_forces, self.tangential) if self.slides is None else np.split(new_forces, 2)
-        return normal, tangential, applied, motion
+        motion = self.parts.shortened(found.motions, self.parts.velocities(self.motions, self.reference))
+        moved = by_loads @ np.concatenate((found.forces, (1.0,), motion))
+        nodal = constrained.directions.T @ found.forces - geometric @ (moved - constrained.displacements)
+        applied[current.nodes] = nodal.reshape(-1, 2)
+        return found.forces[:m], found.forces[m:] if self.slides is not None else self.tangential, applied, motion
 
-    def _complementary(
-        self, matrix: Floats, offset: Floats, forces: Floats, rigid: complementarity.Motions
-    ) -> tuple[Floats, Floats, Floats] | None:
-        """Forces, rigid motions, and what of them is kept zero, from normal forces (m,) as the guess; no barrier."""
-        if self.slides is not None:
-            given = matrix, offset, self.current.coefficients, np.concatenate((forces, self.tangential))
-            if self.parts.n:
-                return coulomb.solve_with_motions(*given, rigid, soft=self.soft)
-            only = coulomb.solve(*given)
-        else:
-            guess = forces > 0.0 if forces.any() else offset < 0.0
-            if self.parts.n:
-                return complementarity.solve_with_motions(matrix, offset, guess, rigid, soft=self.soft)
-            only = complementarity.solve(matrix, offset, guess)
-        return None if only is None else (only, np.zeros(0), self.kept)
-
-    def _without_matrix(self, geometric: sp.csr_array, laws: Constrained) -> tuple[coulomb.SolvedRows, Floats] | None:
+    def _without_matrix(
+        self, geometric: sp.csr_array, constrained: Constrained
+    ) -> tuple[active_set.SolvedRows, Floats] | None:
         """See `BodyResponse.constrained`; None where a dense matrix of the constraints serves."""
         barrier = self.current.barriers[:, 0].any()
-        if self.slides is None or self.parts.n or barrier or len(laws.violations) <= MOST_DENSE_EQUATIONS:
+        if self.slides is None or self.parts.n or barrier or len(constrained.violations) <= MOST_DENSE_EQUATIONS:
             return None
-        return self.response.constrained(self.rotations, self.current.nodes, geometric, laws)
+        return self.response.constrained(self.rotations, self.current.nodes, geometric, constrained)
 
     def _sparse_step(
-        self, geometric: sp.csr_array, laws: Constrained, solved: coulomb.SolvedRows, own: Floats
+        self, geometric: sp.csr_array, constrained: Constrained, solved: active_set.SolvedRows, own: Floats
     ) -> _Step | None:
         """One iteration without a matrix of all constraints, see `BodyResponse.constrained`."""
         current, m = self.current, len(self.forces)
+        laws = active_set.Laws(current.coefficients, current.barriers, own)
         both = np.concatenate((self.forces, self.tangential))
-        found = coulomb.solve_sparse(solved, own, current.coefficients, both)
+        found = active_set.solve(laws, active_set.sparse_equations(solved, laws), both)
         if found is None:
             return None
-        loads = laws.directions.T @ found + geometric @ laws.displacements
+        loads = constrained.directions.T @ found.forces + geometric @ constrained.displacements
         column = sp.csr_array(loads[:, None])
         given = self.rotations, current.nodes, geometric, column
         moved = self.response.respond(*given, symmetric=self.slides is None)[:, 0]
         applied = np.zeros_like(self.displacements)
         applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
-        return found[:m], found[m:], applied, np.zeros(0)
+        return found.forces[:m], found.forces[m:], applied, np.zeros(0)
 
-    def _laws(self, *, bend: bool) -> tuple[sp.csr_array, Constrained]:
+    def _laws(self) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
         current = self.current
-        n = 2 * len(current.nodes)
-        geometric = current.curvature(-self.forces) if bend else sp.csr_array((n, n))
+        geometric = current.curvature(-self.forces)
         at_nodes = self.displacements[current.nodes].ravel()
         jacobian, directions, compliances = current.jacobian, current.jacobian, current.compliances
         violations = self._gaps(current)
         if (slides := self.slides) is not None:
-            geometric = geometric + slides.curvature(-self.tangential) if bend else geometric
+            geometric = geometric + slides.curvature(-self.tangential)
             directions, jacobian = (
                 sp.csr_array(sp.vstack((jacobian, own))) for own in (slides.directions, slides.jacobian)
             )
@@ -508,22 +473,20 @@ class _Run:
         return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
 
     def _problem(
-        self, geometric: sp.csr_array, laws: Constrained, *, bend: bool
-    ) -> tuple[Floats, Floats, Floats, complementarity.Motions]:
+        self, geometric: sp.csr_array, constrained: Constrained
+    ) -> tuple[Floats, Floats, Floats, active_set.Motions]:
         """Linear complementarity problem of an iteration.
 
         Displacements by the forces, now and by rigid motions; flexibility and offset of gaps and slips; and the
         equations of the rigid motions, see `flangeway.solve.floating`.
         """
         parts, nodes, slides = self.parts, self.current.nodes, self.slides
-        at_nodes, jacobian, directions, violations = (
-            laws.displacements, laws.jacobian, laws.directions, laws.violations,
-        )  # fmt: skip
+        at_nodes, jacobian, directions = constrained.displacements, constrained.jacobian, constrained.directions
         n = 2 * len(nodes)
-        m = len(violations)
+        m = len(constrained.violations)
         positions = self.reference + self.displacements
         rigid = parts.velocities(self.motions, positions)[nodes].reshape(n, parts.n)
-        turned = parts.turned(self.applied)[nodes].reshape(n, parts.n) if bend else np.zeros_like(rigid)
+        turned = parts.turned(self.applied)[nodes].reshape(n, parts.n)
         by_rigid, by_forces = turned - geometric @ rigid, turned - geometric.T @ rigid
         loads = contact_loads(directions, np.column_stack((geometric @ at_nodes, by_rigid)))
         answer = self.response.respond(self.rotations, nodes, geometric, loads, symmetric=slides is None)
@@ -534,24 +497,24 @@ class _Run:
         resultants = by_forces.T @ answer[:, :m] + (directions @ rigid).T
         answer[:, m + 1 :] += rigid
         at_gaps = jacobian @ answer
-        matrix = at_gaps[:, :m] + np.diag(laws.compliances)
+        matrix = at_gaps[:, :m] + np.diag(constrained.compliances)
         matrix = (matrix + matrix.T) / 2.0 if slides is None else matrix
-        offset = violations - jacobian @ at_nodes + at_gaps[:, m]
+        offset = constrained.violations - jacobian @ at_nodes + at_gaps[:, m]
         by_motion = at_gaps[:, m + 1 :]
         if slides is None:  # symmetric but for rounding
             stiffness, resultants = (stiffness + stiffness.T) / 2.0, by_motion.T
-        motions = complementarity.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
+        motions = active_set.Motions(by_motion, resultants, stiffness, residual, parts.numbers, parts.sizes)
         return answer, matrix, offset, motions
 
     def _stays_free(self) -> str:
         """Words for the motions that nothing holds in the solution."""
         if not self.parts.n:
             return ""
-        (kept, free), unstable = self.kept, np.zeros((self.parts.n, 0))
+        (kept, free), unstable = self.neutral, np.zeros((self.parts.n, 0))
         if not self.forces.any():
             kept = free = np.eye(self.parts.n)
         elif free.shape[1] < self.parts.n and self.slides is None:
-            _, matrix, _, rigid = self._problem(*self._laws(bend=True), bend=True)
+            _, matrix, _, rigid = self._problem(*self._laws())
             unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
@@ -597,7 +560,7 @@ class _Run:
         if (slides := self.slides) is not None:
             slips, let_back = self._slips(self.current, slides), self._let_back(self.current, self.tangential)
             given = self.forces, self.tangential, slips, let_back
-            friction = coulomb.friction_state(*given, self.current.coefficients)
+            friction = active_set.friction_state(*given, self.current.coefficients)
         return ContactState(
             Status(converged, message, len(self.history)),
             self.placements,
@@ -610,6 +573,12 @@ class _Run:
             friction,
             self.motions,
         )
+
+
+def _complement(directions: Floats) -> Floats:
+    """Orthonormal directions (n, n - r) across those of the columns (n, r)."""
+    n, r = directions.shape
+    return np.linalg.qr(directions, mode="complete")[0][:, r:] if r else np.eye(n)
 
 
 def _counted(number: int, word: str) -> str:

@@ -1,0 +1,431 @@
+"""Forces that satisfy the laws of contact and friction where gaps and slips depend on them linearly.
+
+With normal forces p, gaps s, tangential forces q and slips w of m constraints, and rigid motions r of n handles,
+
+    (s, w) = M (p, q) + N r + b,   L (p, q) + H r + e = 0.
+
+The laws are ``0 <= p, 0 <= s - h(p), p (s - h(p)) = 0``, where h is the gap that a barrier leaves, and Coulomb's
+``|q| <= mu p`` with ``w = 0`` inside of the cone and w against q on it. For any ``c > 0`` they are the equations
+``p = max(0, p - c (s - h(p)))`` and ``q = P(q - c w)`` with the projection P on ``[-mu p, mu p]`` (P. Alart and A.
+Curnier, 1991, Comput. Methods Appl. Mech. Eng. 92). The semismooth Newton method solves linear equations for a guess of
+what is open, sticks and slips, and takes the next guess from these equations (S. Hueeber, G. Stadler and B. I.
+Wohlmuth, 2008, SIAM J. Sci. Comput. 30); without friction this is the primal-dual active set (M. Hintermueller, K. Ito
+and K. Kunisch, 2002, SIAM J. Optim. 13). Each c is the stiffness of the bodies against the constraint's own force.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+import scipy.sparse as sp
+
+from flangeway.types import Bools, Floats, Ints
+
+MIN_ROUNDS = 60
+"""Linear equations of Newton's method after which it goes on only while each is better: the ends of a zone that sticks
+come nearer by a node a round."""
+MEMORY, MAX_HALVINGS = 4, 10
+"""Steps whose maximum error the next one has to fall below, and how often a step is halved until it does."""
+ROUND_OFF = 1e-12
+"""Error of the laws' equations, over the maximum force, that is round-off."""
+AT_LIMIT = 1e-9
+"""Fraction of the limit by which a tangential force is below it where surfaces stick."""
+SPRING = 1e-6
+"""Stiffness of springs that hold motions within a step, over the maximum stiffness of one constraint."""
+MIN_STIFFNESS = 1e-10
+"""Stiffness against a motion over the maximum one, below which nothing holds it."""
+NEUTRAL_STIFFNESS = 1.0
+"""Stiffness against a motion over the forces on a part by its size, below which the motion is neutral: what holds it is
+the curvature of surfaces under load, or the error of the meshes, not the materials."""
+NEUTRAL_FORCE = 1e-3
+"""Force along a neutral motion over the forces on the part, below which the motion is kept zero."""
+MIN_COMPONENT = 0.03
+"""Component of a neutral motion below which it is none of it: other motions are in equilibrium exactly."""
+
+
+class Answer(NamedTuple):
+    """Forces p, then q, and gaps, then slips, each (m,) or (2 m,), and motions (n,)."""
+
+    forces: Floats
+    slacks: Floats
+    motions: Floats
+
+
+class Guess(NamedTuple):
+    """Which constraints are closed, the sign of those at the limit of friction (0: they stick), and normal forces.
+
+    A barrier is linearised about the normal forces; infinite ones leave it out. Each (m,).
+    """
+
+    active: Bools
+    signs: Ints
+    normal: Floats
+
+    def rows(self, coefficients: Floats) -> tuple[Ints, Floats]:
+        """Unknown ones of (p, q): all that are closed, then those that stick; and q over p of what slips, (m,)."""
+        sticking = len(self.active) + np.flatnonzero(self.active & (self.signs == 0))
+        rows = np.concatenate((np.flatnonzero(self.active), sticking))
+        return rows, np.where(self.active, coefficients * self.signs, 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class Motions:
+    """Rigid motions r and their equations ``L y + H r + e = 0`` with forces y; gaps and slips have ``N r`` added.
+
+    Parameters
+    ----------
+    by_motion
+        N, shape (k, n).
+    resultants
+        L, shape (n, k): ``N^T`` without friction.
+    stiffness
+        H, symmetric without friction, shape (n, n).
+    residual
+        e, shape (n,).
+    parts, sizes
+        Number and size of the part that each unknown moves, shape (n,).
+
+    """
+
+    by_motion: Floats
+    resultants: Floats
+    stiffness: Floats
+    residual: Floats
+    parts: Ints
+    sizes: Floats
+
+    def loads(self, forces: Floats) -> Floats:
+        """Maximum over the motions of its part of the sum of forces (k,) along each, shape (n,)."""
+        along = np.abs(self.resultants) @ np.abs(forces) + np.abs(self.residual)
+        maximum = np.zeros(int(self.parts.max(initial=0)) + 1)
+        np.maximum.at(maximum, self.parts, along)
+        return np.asarray(maximum[self.parts])
+
+    def sprung(self, diagonal: Floats) -> "Motions":
+        """With springs against the motions of a step, so that equations that no constraint holds have a solution.
+
+        In the solution the motions of a step are zero, and the springs have no force. ``diagonal`` are compliances (k,)
+        of the constraints.
+        """
+        yields = diagonal > ROUND_OFF * np.abs(diagonal).max(initial=0.0)
+        own = np.sum(self.by_motion[yields] ** 2, axis=1) / diagonal[yields]
+        symmetric = (self.stiffness + self.stiffness.T) / 2.0
+        unstable = max(float(np.linalg.eigvalsh(symmetric).max(initial=0.0)), 0.0)
+        spring = SPRING * (float(own.max(initial=0.0)) or 1.0) + 2.0 * unstable
+        return replace(self, stiffness=self.stiffness - spring * np.eye(len(self.residual)))
+
+    def compliances(self) -> Floats:
+        """Displacement that the motions add to that by each constraint's own force, shape (k,)."""
+        return np.einsum("kn,nk->k", self.by_motion, np.linalg.solve(-self.stiffness, self.resultants))
+
+    def unbalanced(self, answer: Answer, neutral: Floats) -> Floats:
+        """Direction of what springs hold of an answer beside neutral motions (n, r); zero if that is little: (n,)."""
+        left = self.resultants @ answer.forces + self.stiffness @ answer.motions + self.residual
+        left -= neutral @ (neutral.T @ left)
+        beyond = np.abs(left) > NEUTRAL_FORCE * self.loads(answer.forces)
+        return left / np.linalg.norm(left) if beyond.any() else np.zeros_like(left)
+
+    def without(self, left: Floats, right: Floats) -> "Motions":
+        """Only motions and equations in the spans of orthonormal columns (n, n_kept) each."""
+        return replace(
+            self,
+            by_motion=self.by_motion @ right,
+            resultants=left.T @ self.resultants,
+            stiffness=left.T @ self.stiffness @ right,
+            residual=left.T @ self.residual,
+        )
+
+    def unstable(self, matrix: Floats, active: Bools, neutral: Floats) -> Floats:
+        """Motions out of an unstable equilibrium, apart from neutral ones (n, r): shape (n, n_unstable)."""
+        rows = self.by_motion[active]
+        stiffness = rows.T @ equations(matrix[np.ix_(active, active)], rows) - self.stiffness
+        limit = MIN_STIFFNESS * np.abs(stiffness).max(initial=0.0)
+        away = np.eye(len(stiffness)) - neutral @ neutral.T
+        values, vectors = np.linalg.eigh(away @ stiffness @ away)
+        return vectors[:, values < -limit]
+
+
+class Laws:
+    """The laws of m constraints.
+
+    Parameters
+    ----------
+    coefficients
+        Coefficients of friction, shape (m,).
+    barriers
+        Products w of force and gap, and reaches r, shape (m, 2): a force p leaves the gap ``h = w / (p + w / r)``. Zero
+        and infinite where there is no barrier.
+    compliances
+        Of the bodies and the laws against each constraint's own force, p then q, shape (k,); k = m without friction.
+
+    """
+
+    def __init__(self, coefficients: Floats, barriers: Floats, compliances: Floats) -> None:
+        own, most = np.abs(compliances), float(np.abs(compliances).max(initial=0.0))
+        # negative ones are of bodies that pressure makes unstable where surfaces are apart
+        self.stiffness = np.where(own > 0.0, 1.0 / np.where(own > 0.0, own, 1.0), 1.0 / (most or 1.0))
+        self.m, self.barriers = len(coefficients), barriers
+        self.friction = len(own) > self.m
+        movable = own[self.m :] > ROUND_OFF * most if self.friction else np.zeros(self.m, dtype=np.bool_)
+        self.coefficients = np.where(movable, coefficients, 0.0)
+        self.barred = bool((barriers[:, 0] > 0.0).any())
+
+    def projected(self, answer: Answer) -> Floats:
+        """What the laws' equations make of forces: the same if they are satisfied."""
+        trial = self._trial(answer)
+        normal = np.maximum(trial[: self.m], 0.0)
+        if not self.friction:
+            return normal
+        limits = self.coefficients * normal
+        return np.concatenate((normal, np.clip(trial[self.m :], -limits, limits)))
+
+    def error(self, answer: Answer) -> float:
+        """Error of the laws' equations by its energy."""
+        return float(np.linalg.norm((answer.forces - self.projected(answer)) / np.sqrt(self.stiffness)))
+
+    def guess(self, answer: Answer) -> Guess:
+        """What is closed, and the sign of the tangential force where it is at its limit, by the laws' equations."""
+        trial = self._trial(answer)
+        normal = np.maximum(answer.forces[: self.m], 0.0)
+        signs = np.ones(self.m, dtype=np.int64)
+        if self.friction:
+            limits = self.coefficients * np.maximum(trial[: self.m], 0.0)
+            at_limit = np.abs(trial[self.m :]) > limits
+            signs = np.where(at_limit, np.sign(trial[self.m :]), 0.0).astype(np.int64)
+            signs[self.coefficients == 0.0] = 1
+        return Guess(trial[: self.m] > 0.0, signs, normal)
+
+    def guess_of_forces(self, forces: Floats) -> Guess:
+        """The same by forces (k,) alone."""
+        normal, signs = forces[: self.m], np.ones(self.m, dtype=np.int64)
+        if self.friction:
+            at_limit = np.abs(forces[self.m :]) >= (1.0 - AT_LIMIT) * self.coefficients * normal
+            signs = np.where(at_limit, np.sign(forces[self.m :]), 0.0).astype(np.int64)
+            signs[self.coefficients == 0.0] = 1
+        return Guess(normal > 0.0, signs, normal if normal.any() else np.full(self.m, np.inf))
+
+    def linearised_barriers(self, normal: Floats) -> tuple[Floats, Floats]:
+        """Compliance c and gap ``h - c p`` of the barriers about normal forces, each (m,)."""
+        gaps = standoffs(normal, self.barriers)
+        finite = np.where(np.isfinite(normal), normal, 0.0)
+        products = self.barriers[:, 0]
+        compliances = np.divide(gaps**2, products, out=np.zeros(self.m), where=products > 0.0)
+        return compliances, gaps + compliances * finite
+
+    def _trial(self, answer: Answer) -> Floats:
+        slacks = answer.slacks
+        if self.barred:
+            slacks = slacks.copy()
+            slacks[: self.m] -= standoffs(np.maximum(answer.forces[: self.m], 0.0), self.barriers)
+        return np.asarray(answer.forces - self.stiffness * slacks)
+
+
+def standoffs(normal: Floats, barriers: Floats) -> Floats:
+    """Gaps that forces (m,) leave by barriers (m, 2), ``p = w (1 / g - 1 / r)``."""
+    products, reaches = barriers.T
+    return np.divide(products, normal + products / reaches, out=np.zeros(len(normal)), where=products > 0.0)
+
+
+def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) -> Answer | None:
+    """Solve by the semismooth Newton method; None if it does not converge.
+
+    A step is halved until the error of the laws' equations is below the maximum of the last steps (L. Grippo, F.
+    Lampariello and S. Lucidi, 1986, SIAM J. Numer. Anal. 23), and goes the whole way if it never is. Forces and gaps
+    are linear along it, so that no halving needs further equations.
+
+    Parameters
+    ----------
+    laws
+        The laws.
+    solved
+        The linear equations of a guess; None where they have no solution.
+    forces
+        First guess of the forces, shape (k,): a push that all nodes follow makes none of them slip at once, so what
+        stuck sticks first.
+
+    """
+    answer = solved(laws.guess_of_forces(forces))
+    if answer is None:
+        return None
+    errors = [laws.error(answer)]
+    guess = laws.guess(answer)
+    number = 0
+    while number < MIN_ROUNDS or errors[-1] < errors[-2]:
+        number += 1
+        found = solved(guess)
+        if found is None:
+            return None
+        following, projected = laws.guess(found), laws.projected(found)
+        error = float(np.abs(projected - found.forces).max(initial=0.0))
+        settled = np.array_equal(guess.active, following.active) and np.array_equal(guess.signs, following.signs)
+        if error <= ROUND_OFF * float(np.abs(found.forces).max(initial=0.0)) or (settled and not laws.barred):
+            return found._replace(forces=projected) if laws.barred or not settled else found
+        for part in (*0.5 ** np.arange(MAX_HALVINGS), 1.0):
+            tried = found._replace(
+                forces=answer.forces + part * (found.forces - answer.forces),
+                slacks=answer.slacks + part * (found.slacks - answer.slacks),
+            )
+            if laws.error(tried) < max(errors[-MEMORY:]):
+                break
+        answer, guess = tried, laws.guess(tried)
+        errors.append(laws.error(answer))
+    return None
+
+
+class DenseEquations:
+    """Equations of a guess with a matrix of all constraints.
+
+    Parameters
+    ----------
+    matrix, offset
+        M, shape (k, k), and b, shape (k,).
+    laws
+        The laws.
+    motions
+        The motions.
+
+    """
+
+    def __init__(self, matrix: Floats, offset: Floats, laws: Laws, motions: Motions) -> None:
+        self.matrix, self.offset, self.laws, self.motions = matrix, offset, laws, motions
+
+    def __call__(self, guess: Guess) -> Answer:
+        """Forces, gaps, slips and motions of a guess."""
+        n, m, forces = len(self.motions.residual), self.laws.m, np.zeros(len(self.offset))
+        rows, ratios, by_unit, resultants = self._responses(guess)
+        motions = np.zeros(n)
+        if n:
+            # S r = e - L A^-1 b with the stiffness against motions S = L A^-1 N - H
+            stiffness = resultants @ by_unit[:, :n] - self.motions.stiffness
+            motions = equations(stiffness, self.motions.residual - resultants @ by_unit[:, n])
+        forces[rows] = -by_unit @ np.append(motions, 1.0)
+        if self.laws.friction:
+            forces[m:] += ratios * forces[:m]
+        return Answer(forces, self.matrix @ forces + self.motions.by_motion @ motions + self.offset, motions)
+
+    def free_motions(self, answer: Answer) -> tuple[Floats, Floats, bool]:
+        """Motions that the constraints under the forces of an answer hold by hardly any stiffness.
+
+        The stiffness against motions in the units of forces over sizes has singular values that tell what holds a
+        motion: the materials, hardly anything, or nothing. Motions of the last two kinds with hardly any force along
+        them are neutral.
+
+        Returns
+        -------
+        tuple
+            Neutral motions as directions of the equations and of the motions, (n, r) each; and whether nothing holds
+            others, against the forces along them.
+
+        """
+        motions, n = self.motions, len(self.motions.residual)
+        _, _, by_unit, resultants = self._responses(self.laws.guess(answer))
+        loads = motions.loads(answer.forces)
+        root = np.sqrt(np.maximum(loads, 1e-12 * (float(loads.max()) or 1.0)) / motions.sizes)
+        stiffness = resultants @ by_unit[:, :n] - motions.stiffness
+        left, values, right = np.linalg.svd(stiffness / root / root[:, None])
+        along = left.T @ ((motions.residual - resultants @ by_unit[:, n]) / root)
+        limits = NEUTRAL_FORCE * np.linalg.norm(left * (loads / root)[:, None], axis=0)
+        neutral = (values < NEUTRAL_STIFFNESS) & (np.abs(along) <= limits)
+        loose = (values <= MIN_STIFFNESS * values[0]) & ~neutral
+        for directions in (left, right.T):
+            directions[np.abs(directions) < MIN_COMPONENT] = 0.0
+        return left[:, neutral] * root[:, None], right[neutral].T / root[:, None], bool(loose.any())
+
+    def _responses(self, guess: Guess) -> tuple[Ints, Floats, Floats, Floats]:
+        """Unknown forces, q over p of what slips, ``A^-1 (N, b)`` and L of the unknown forces."""
+        laws, m = self.laws, self.laws.m
+        rows, ratios = guess.rows(laws.coefficients)
+        normal = rows[: int(guess.active.sum())]
+        # A = M[rows, rows] + M[rows, m + normal] ratio: what slips has the tangential force ratio * p
+        system, right = self.matrix[np.ix_(rows, rows)], self.offset[rows]
+        resultants = self.motions.resultants[:, rows]
+        if laws.friction:
+            system[:, : len(normal)] += self.matrix[np.ix_(rows, m + normal)] * ratios[normal]
+            resultants[:, : len(normal)] += self.motions.resultants[:, m + normal] * ratios[normal]
+        if laws.barred:
+            compliances, gaps = laws.linearised_barriers(guess.normal)
+            at = np.arange(len(normal))
+            system[at, at] += compliances[normal]
+            right[at] -= gaps[normal]
+        return rows, ratios, equations(system, np.column_stack((self.motions.by_motion[rows], right))), resultants
+
+
+SolvedRows = Callable[[Ints, sp.csr_array], tuple[Floats, Floats]]
+"""See `BodyResponse.constrained`."""
+
+
+def sparse_equations(solved_rows: SolvedRows, laws: Laws) -> Callable[[Guess], Answer]:
+    """Equations of a guess without the matrix M, by a function from `BodyResponse.constrained`; no handle moves."""
+
+    def solved(guess: Guess) -> Answer:
+        rows, ratios = guess.rows(laws.coefficients)
+        columns, n_normal = np.arange(len(rows)), int(guess.active.sum())
+        at = np.concatenate((rows, laws.m + rows[:n_normal])), np.concatenate((columns, columns[:n_normal]))
+        values = np.concatenate((np.ones(len(rows)), ratios[guess.active]))
+        return Answer(*solved_rows(rows, sp.csr_array((values, at), shape=(2 * laws.m, len(rows)))), np.zeros(0))
+
+    return solved
+
+
+def equations(matrix: Floats, right: Floats) -> Floats:
+    """Solution of equations, the least one where constraints repeat each other.
+
+    NumPy's solver and not SciPy's: each has its own threads, and where both wake in turn they wait for each other.
+    """
+    try:
+        return np.asarray(np.linalg.solve(matrix, right), dtype=np.float64)
+    except np.linalg.LinAlgError:
+        return np.asarray(np.linalg.lstsq(matrix, right)[0], dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class CoulombState:
+    """Friction of m constraints at the end of a step.
+
+    Parameters
+    ----------
+    forces
+        Tangential forces on the secondary, positive along the primary's direction, shape (m,).
+    slips
+        Slips in this step, shape (m,); 0 where surfaces stick or are open.
+    elastic
+        Slip that the compliance of a penalty, or the tolerance of an augmented Lagrangian, lets back, shape (m,).
+    sticks
+        Whether a closed constraint sticks, shape (m,).
+    work
+        Work that the slips dissipated in this step, >= 0.
+
+    """
+
+    forces: Floats
+    slips: Floats
+    elastic: Floats
+    sticks: Bools
+    work: float
+
+
+def friction_state(
+    normal: Floats, tangential: Floats, slips: Floats, let_back: Floats, coefficients: Floats
+) -> CoulombState:
+    """State of constraints by forces, and by slips since the last step with its elastic ones, each (m,).
+
+    ``let_back`` (m,) is what the law of contact adds to the slips: compliance times tangential force.
+    """
+    closed = normal > 0.0
+    sticks = closed & (np.abs(tangential) < (1.0 - AT_LIMIT) * coefficients * normal)
+    slipped = np.where(closed & ~sticks & (coefficients > 0.0), slips + let_back, 0.0)
+    # a slip that is round-off may have the sign of the force
+    slipped = np.where(slipped * tangential > 0.0, 0.0, slipped)
+    elastic = np.where(closed, slips - slipped, 0.0)
+    return CoulombState(tangential, slipped, elastic, sticks, float(0.0 - (tangential * slipped).sum()))
+
+
+def violation(normal: Floats, tangential: Floats, slips: Floats, coefficients: Floats) -> tuple[float, float]:
+    """Maximum force beyond its limit, and maximum slip that sticks or goes along with the force."""
+    limits = coefficients * np.maximum(normal, 0.0)
+    beyond = float((np.abs(tangential) - limits).max(initial=0.0))
+    loaded = limits > 0.0
+    inside = loaded & (np.abs(tangential) < (1.0 - AT_LIMIT) * limits)
+    wrong = np.where(inside, np.abs(slips), np.where(loaded, np.maximum(slips * np.sign(tangential), 0.0), 0.0))
+    return beyond, float(wrong.max(initial=0.0))
