@@ -109,7 +109,8 @@ def test_friction_is_that_of_the_path(order) -> None:
     path = [down, {upper.part: Placement(0.0, (1e-4, -APPROACH))}, {upper.part: Placement(0.0, (0.05, -APPROACH))}]
     solution = press([contact], path)
     assert solution.status.converged, solution.status.message
-    sticking, sliding = (solution.steps[number].state for number in (1, 2))
+    at = {step.share: step.state for step in solution.steps}
+    sticking, sliding = at[2.0], at[3.0]
     assert sticking.friction.sticks.all()
     np.testing.assert_allclose(abs(sliding.friction.forces), 0.3 * sliding.forces, rtol=1e-9)
     assert abs(solution.resultants.sum(axis=1)[..., :2]).max() < 1e-9 * solution.forces[0, 1]

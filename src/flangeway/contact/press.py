@@ -38,6 +38,9 @@ MOST_DENSE_BYTES = 4e9
 ITERATION_COPIES = 8
 """Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
 
+FRICTION_ERROR = 3e-4
+"""Error of a step with friction, see `StepSettings`, where nothing else is said."""
+
 STRAINED = 0.5
 """Change of an edge's vector over its length (turn in rad, or stretch) from which a failure is said to be beyond small
 strains."""
@@ -259,8 +262,8 @@ def press(
         ``motion``. The force acts at the middle of what is held and keeps its direction. It grows with the first
         motion. Parts of which nothing is held need no entry: only contacts act on them.
     steps
-        Sizes of the load steps; left out: one step, halved where it does not converge. A sequence of them is one for
-        each motion of the path.
+        Sizes of the load steps; left out: one step, halved where it does not converge, and with friction until it
+        agrees with its two halves. A sequence of them is one for each motion of the path.
     path
         ``"condensed"``: on the surfaces alone. ``"sparse"``: on all unknowns, the same answer. Left out: condensed
         where its dense matrices need less than 4 GB, up to about 8,000 unknowns on the surfaces of a body, or with
@@ -283,6 +286,8 @@ def press(
     motions = [motion] if isinstance(motion, Mapping) else list(motion)
     _refuse_bad_motions(system, motions)
     _refuse_bad_loads(system, motions, loads or {})
+    if steps is None and any(each.friction_coefficient for each in contacts):
+        steps = StepSettings(error=FRICTION_ERROR)
     settings_of = list(steps) if isinstance(steps, Sequence) else [steps] * len(motions)
     if len(settings_of) != len(motions):
         raise InputError(
@@ -322,13 +327,13 @@ def press(
                 response, system, placements, floating=floating, start=start, keep_guards=False, settings=settings,
                 origin=origin,
             )  # fmt: skip
-            if state.status.converged:
-                done.append(LoadStep(number + share, state))
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
             progress(f"{100.0 * share:.4g} % of {which}: {state.status.message}")
             return state
 
-        reached = follow(solve_at, reached, sizes)
+        reached = follow(
+            solve_at, reached, sizes, lambda share, state, leg=number: done.append(LoadStep(leg + share, state))
+        )
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
             break

@@ -29,10 +29,10 @@ MEMORY, MAX_HALVINGS = 4, 10
 """Steps whose maximum error the next one has to fall below, and how often a step is halved until it does."""
 ROUND_OFF = 1e-12
 """Error of the laws' equations, over the maximum force, that is round-off."""
+BARRIER_CHANGE = 1e-8
+"""Relative change of a force by a barrier from one linearisation to the next, whose square is round-off."""
 AT_LIMIT = 1e-9
 """Fraction of the limit by which a tangential force is below it where surfaces stick."""
-SPRING = 1e-6
-"""Stiffness of springs that hold motions within a step, over the maximum stiffness of one constraint."""
 MIN_STIFFNESS = 1e-10
 """Stiffness against a motion over the maximum one, below which nothing holds it."""
 NEUTRAL_STIFFNESS = 1.0
@@ -61,6 +61,12 @@ class Guess(NamedTuple):
     active: Bools
     signs: Ints
     normal: Floats
+
+    def same_as(self, other: "Guess", laws: "Laws") -> bool:
+        """Whether another guess has the same equations, but for changes of a barrier whose square is round-off."""
+        same = np.array_equal(self.active, other.active) and np.array_equal(self.signs, other.signs)
+        change = np.abs(self.normal - other.normal)[self.active] if laws.barred and same else np.zeros(1)
+        return same and bool((change <= BARRIER_CHANGE * self.normal[self.active]).all() if laws.barred else True)
 
     def rows(self, coefficients: Floats) -> tuple[Ints, Floats]:
         """Unknown ones of (p, q): all that are closed, then those that stick; and q over p of what slips, (m,)."""
@@ -102,17 +108,18 @@ class Motions:
         np.maximum.at(maximum, self.parts, along)
         return np.asarray(maximum[self.parts])
 
-    def sprung(self, diagonal: Floats) -> "Motions":
+    def sprung(self, diagonal: Floats, stiffness: float) -> "Motions":
         """With springs against the motions of a step, so that equations that no constraint holds have a solution.
 
-        In the solution the motions of a step are zero, and the springs have no force. ``diagonal`` are compliances (k,)
-        of the constraints.
+        In the solution the motions of a step are zero, and the springs have no force (K. Levenberg, 1944, Q. Appl.
+        Math. 2). ``diagonal`` are compliances (k,) of the constraints, and ``stiffness`` is a fraction of the maximum
+        stiffness of one.
         """
         yields = diagonal > ROUND_OFF * np.abs(diagonal).max(initial=0.0)
         own = np.sum(self.by_motion[yields] ** 2, axis=1) / diagonal[yields]
         symmetric = (self.stiffness + self.stiffness.T) / 2.0
         unstable = max(float(np.linalg.eigvalsh(symmetric).max(initial=0.0)), 0.0)
-        spring = SPRING * (float(own.max(initial=0.0)) or 1.0) + 2.0 * unstable
+        spring = stiffness * (float(own.max(initial=0.0)) or 1.0) + 2.0 * unstable
         return replace(self, stiffness=self.stiffness - spring * np.eye(len(self.residual)))
 
     def compliances(self) -> Floats:
@@ -258,9 +265,10 @@ def solve(laws: Laws, solved: Callable[[Guess], Answer | None], forces: Floats) 
             return None
         following, projected = laws.guess(found), laws.projected(found)
         error = float(np.abs(projected - found.forces).max(initial=0.0))
-        settled = np.array_equal(guess.active, following.active) and np.array_equal(guess.signs, following.signs)
-        if error <= ROUND_OFF * float(np.abs(found.forces).max(initial=0.0)) or (settled and not laws.barred):
-            return found._replace(forces=projected) if laws.barred or not settled else found
+        if following.same_as(guess, laws):
+            return found
+        if error <= ROUND_OFF * float(np.abs(found.forces).max(initial=0.0)) and not laws.barred:
+            return found._replace(forces=projected)
         for part in (*0.5 ** np.arange(MAX_HALVINGS), 1.0):
             tried = found._replace(
                 forces=answer.forces + part * (found.forces - answer.forces),

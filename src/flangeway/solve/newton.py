@@ -59,11 +59,15 @@ MEMORY, MIN_FRACTION = 8, 1.0 / 32.0
 halved until it does. After as many, pairs of a node and an edge are held by a wider margin, so that none changes for
 ever."""
 
+MIN_SPRING, SPRING_CHANGE = 1e-6, 100.0
+"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint, where all
+goes well; and the factor by which it is larger where a step has no solution, and smaller after one that has."""
+
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
 after the first iteration."""
 
-UNHELD = 1e-6
+UNHELD = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
 UNHELD_AFTER = 12
@@ -222,7 +226,7 @@ class _Run:
         if friction is not None:
             self.tangential = carried_forces(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
-        self.stalled = False
+        self.stalled, self.spring = False, MIN_SPRING
         self.correct()
 
     def move(self, motions: Floats) -> None:
@@ -404,10 +408,15 @@ class _Run:
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
         m, n = len(self.forces), self.parts.n
         guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
-        sprung = rigid.sprung(matrix.diagonal()) if n else rigid
-        own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
-        laws = active_set.Laws(current.coefficients, current.barriers, own)
-        found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+        while True:
+            sprung = rigid.sprung(matrix.diagonal(), self.spring) if n else rigid
+            own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
+            laws = active_set.Laws(current.coefficients, current.barriers, own)
+            found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
+            if found is not None or not n or self.spring >= 1.0:
+                break
+            self.spring *= SPRING_CHANGE
+        self.spring = max(self.spring / SPRING_CHANGE, MIN_SPRING)
         if found is not None and n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)

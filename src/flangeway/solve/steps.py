@@ -3,12 +3,16 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from flangeway.checks import are_finite
+import numpy as np
+
+from flangeway.checks import are_finite, check_positive
 from flangeway.errors import InputError, short
 from flangeway.solve.newton import ContactState
 
 FEW_ITERATIONS = 8
 MANY_ITERATIONS = 15
+SMALL_ERROR = 0.2
+"""Error of a step, over its limit, below which the next one is longer: that of a step grows with its square."""
 
 
 @dataclass(frozen=True)
@@ -23,12 +27,16 @@ class StepSettings:
         Maximum step; equal to ``first`` for equal steps where all converge.
     smallest
         Step below which the path is given up.
+    error
+        Maximum error of the nodal forces of a step, over the maximum total force of the path, where the solution
+        depends on the path: each step is also taken as two halves, and made shorter until both agree. None: no control.
 
     """
 
     first: float = 1.0
     maximum: float = 1.0
     smallest: float = 1.0 / 1024.0
+    error: float | None = None
 
     def __post_init__(self) -> None:
         sizes = self.smallest, self.first, self.maximum
@@ -38,17 +46,21 @@ class StepSettings:
                 "0 < smallest <= first <= maximum <= 1",
                 "for n equal steps take first=1/n, maximum=1/n",
             )
+        if self.error is not None:
+            check_positive("StepSettings", "error", self.error, "a number > 0", "take 0.01, or leave it out")
 
 
 def follow(
     solve_at: Callable[[float, ContactState | None], ContactState],
     start: ContactState | None,
     settings: StepSettings | None = None,
+    accepted: Callable[[float, ContactState], None] = lambda *_: None,
 ) -> ContactState:
     """Follow a solution along a path from 0 (excluded) to 1.
 
-    A step that needed few iterations is followed by one of twice its length, one that needed many by one of half; a
-    step that failed is tried again at half its length from the last solution.
+    A step that needed few iterations, and whose error is far below its limit, is followed by one of twice its length,
+    one that needed many by one of half; a step that failed, or whose error is too large, is tried again at half its
+    length from the last solution.
 
     Parameters
     ----------
@@ -58,6 +70,8 @@ def follow(
         Solution at 0, if there is one.
     settings
         Sizes of the steps.
+    accepted
+        Called with each position and solution of the path.
 
     Returns
     -------
@@ -67,20 +81,40 @@ def follow(
     """
     settings = settings or StepSettings()
     state, position, size = start, 0.0, settings.first
+    attempt: ContactState | None = None
+    largest = 0.0
     while True:
         target = position + size
         if target > 1.0 - settings.smallest / 2.0:  # no sliver at the end
             target = 1.0
-        attempt = solve_at(target, state)
-        if not attempt.status.converged:
-            size = (target - position) / 2.0
+        size = target - position
+        attempt = attempt or solve_at(target, state)
+        reached, error = [(target, attempt)], 0.0
+        if attempt.status.converged and settings.error is not None:
+            middle = solve_at(position + size / 2.0, state)
+            end = solve_at(target, middle) if middle.status.converged else middle
+            largest = max(largest, _total(attempt))
+            error = _total(attempt, end) / (settings.error * (largest or 1.0)) if end.status.converged else np.inf
+            reached = [(position + size / 2.0, middle), (target, end)]
+        shorter = reached[0][1] if settings.error is not None and reached[0][1].status.converged else None
+        if not attempt.status.converged or (error > 1.0 and size / 2.0 >= settings.smallest):
+            size /= 2.0
             if size < settings.smallest:
                 return attempt
+            attempt = shorter if attempt.status.converged else None
             continue
+        for each in reached:
+            accepted(*each)
+        position, state, attempt = *reached[-1], None
         if target >= 1.0:
-            return attempt
-        state, position = attempt, target
-        if attempt.status.iterations <= FEW_ITERATIONS:
+            return state
+        if max(each.status.iterations for _, each in reached) <= FEW_ITERATIONS and error <= SMALL_ERROR:
             size = min(2.0 * size, settings.maximum)
-        elif attempt.status.iterations > MANY_ITERATIONS:
+        elif state.status.iterations > MANY_ITERATIONS:
             size /= 2.0
+
+
+def _total(state: ContactState, other: ContactState | None = None) -> float:
+    """Sum of the nodal forces' norms, or of those of their differences from another state at the same position."""
+    forces = state.nodal_forces if other is None else state.nodal_forces - other.nodal_forces
+    return float(np.linalg.norm(forces, axis=1).sum())
