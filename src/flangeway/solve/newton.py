@@ -40,7 +40,7 @@ from flangeway.geometry import Placement
 from flangeway.solve import active_set
 from flangeway.solve.active_set import CoulombState
 from flangeway.solve.body_response import BodyResponse, Constrained
-from flangeway.solve.floating import Floating, FloatingParts
+from flangeway.solve.handles import Handle, Handles
 from flangeway.solve.linearisation import (
     Constraints,
     Linearisation,
@@ -88,7 +88,7 @@ class ContactState:
     status
         How the iteration ended.
     placements
-        Placements of the bodies, those of floating ones as found.
+        Placements of the bodies, those on handles as found.
     displacements
         Of the surface nodes, relative to their placed bodies, shape (n_nodes, 2).
     positions
@@ -104,7 +104,7 @@ class ContactState:
     friction
         Tangential forces and slips of the constraints; None without friction.
     motions
-        Rigid motions of floating parts since their given placements, see `FloatingParts`, shape (n,).
+        Rigid motions of handles since their given placements, see `Handles`, shape (n,).
 
     """
 
@@ -125,7 +125,7 @@ def solve_contact(
     constraints: Constraints,
     placements: tuple[Placement, ...],
     *,
-    floating: Sequence[Floating | None] | None = None,
+    handles: Sequence[Handle | None] | None = None,
     start: ContactState | None = None,
     keep_guards: bool = True,
     settings: NewtonSettings | None = None,
@@ -141,8 +141,9 @@ def solve_contact(
         The contacts among them.
     placements
         Placement of each body.
-    floating
-        Rigid motions of each body after its placement that are unknown; None for a body or all: there is none.
+    handles
+        Handle of each body, the same object for all that share it, whose motion after the placements is unknown; None
+        for a body or all: there is none.
     start
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
@@ -163,7 +164,7 @@ def solve_contact(
 
     """
     settings = settings or NewtonSettings()
-    parts = FloatingParts(response, placements, floating)
+    parts = Handles(response, placements, handles)
     return _Run(response, constraints, parts, settings, start, origin, keep_guards).solve()
 
 
@@ -189,7 +190,7 @@ class _Run:
         self,
         response: BodyResponse,
         constraints: Constraints,
-        parts: FloatingParts,
+        parts: Handles,
         settings: NewtonSettings,
         start: ContactState | None,
         origin: Floats | None,
@@ -226,7 +227,7 @@ class _Run:
         self.correct()
 
     def move(self, motions: Floats) -> None:
-        """Place the floating parts."""
+        """Place the parts on handles."""
         self.motions = motions
         self.placements = self.parts.placements(motions)
         self.rotations = self.response.rotations(self.placements)
@@ -478,7 +479,7 @@ class _Run:
         """Linear complementarity problem of an iteration.
 
         Displacements by the forces, now and by rigid motions; flexibility and offset of gaps and slips; and the
-        equations of the rigid motions, see `flangeway.solve.floating`.
+        equations of the rigid motions, see `flangeway.solve.handles`.
         """
         parts, nodes, slides = self.parts, self.current.nodes, self.slides
         at_nodes, jacobian, directions = constrained.displacements, constrained.jacobian, constrained.directions
@@ -493,7 +494,8 @@ class _Run:
         stiffness = by_forces.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
         # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium
         stiffness[np.diag_indices(parts.n)] += np.einsum("dq,dq->q", turned, rigid)
-        residual = by_forces.T @ (answer[:, m] - at_nodes) + parts.load
+        stiffness += parts.tangent(self.motions)
+        residual = by_forces.T @ (answer[:, m] - at_nodes) + parts.forces(self.motions)
         resultants = by_forces.T @ answer[:, :m] + (directions @ rigid).T
         answer[:, m + 1 :] += rigid
         at_gaps = jacobian @ answer
