@@ -517,11 +517,11 @@ def _handle_of(part: Part, placement: Placement, share: float, load: Load | None
         (pivot,) = placement.points([(held.min(axis=0) + held.max(axis=0)) / 2.0])
         free = [value is not None for value in load]
         given = share * np.array([value or 0.0 for value in load])
-        return Handle((part,), pivot, np.eye(2)[free[:2]], free[2], given)
+        return Handle((part,), pivot, np.eye(2)[free[:2]], free[2], given, soft_motions="kept")
     if freedom.n_motions == 0:
         return None
     axes = placement.vectors(np.eye(2)[["xy".index(axis) for axis in freedom.axes]].reshape(-1, 2))
-    return Handle((part,), placement.points([freedom.pivot])[0], axes, freedom.turns)
+    return Handle((part,), placement.points([freedom.pivot])[0], axes, freedom.turns, soft_motions="kept")
 
 
 def _carried(handle: Handle, placements: Mapping[Part, Placement], share: float) -> Handle:

@@ -13,6 +13,7 @@ nor are directions D of forces those of gaps and slips: there ``L = (V + Y^T W')
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -26,6 +27,10 @@ from flangeway.types import Floats, Ints
 
 LONGEST_MOVE = 0.1
 """Motion of an iteration over the size of the part, above which it is shortened: gaps are linear over a part of it."""
+
+SOLVED = 1e6
+"""Factor on the size by which soft motions are measured, for handles whose soft motions are solved for: what is softer
+still is round-off of the stiffness."""
 
 HARDLY = 0.03
 """Share of a motion over the whole one that is not named."""
@@ -54,6 +59,10 @@ class Handle:
     stiffness
         Springs between the handle and the ground: a symmetric matrix without negative eigenvalues, shape (m, m), from
         the m free motions (slides, then the rotation in rad) to the forces and the moment against them. Left out: none.
+    soft_motions
+        Motions that only the curvature of contact surfaces resists: ``"solved"`` for, as those of an axle, or ``"kept"``
+        in place where less than a thousandth of the forces acts along them, as rolling without friction, which is
+        resisted by the error of the meshes only.
 
     Raises
     ------
@@ -69,6 +78,7 @@ class Handle:
     load: Floats = field(default_factory=lambda: np.zeros(3))
     load_point: Floats | None = None
     stiffness: Floats | None = None
+    soft_motions: Literal["solved", "kept"] = "solved"
 
     def __post_init__(self) -> None:
         parts = tuple(self.parts)
@@ -196,7 +206,8 @@ class Handles:
         for handle, own, size in zip(self._handles, self._slices(), self._sizes, strict=True):
             if handle.turns:
                 self._units[own.stop - 1] = 1.0 / size
-        self.sizes: Floats = np.repeat(self._sizes, counts)
+        solved = [SOLVED if handle.soft_motions == "solved" else 1.0 for handle in self._handles]
+        self.sizes: Floats = np.repeat(np.multiply(self._sizes, solved), counts)
         self.numbers: Ints = np.repeat(np.arange(len(counts)), counts)
         self.load: Floats = self.forces(np.zeros(self.n))
 
