@@ -80,12 +80,6 @@ class CondensedBody:
         at_surface = (self.flexibility @ forces.ravel())[self._loose]
         return self.body.field(self._factor.recover(at_surface, np.zeros(self._factor.n)))
 
-    def fields(self, forces: Floats) -> Floats:
-        """Displacements (m, n_dofs, 2) of all nodes under m loads (m, n, 2) on the surface nodes, body's axes."""
-        at_surface = (self.flexibility @ forces.reshape(len(forces), -1).T)[self._loose]
-        free = self._factor.recover(at_surface, np.zeros((self._factor.n, len(forces))))
-        return np.stack([self.body.field(values) for values in free.T])
-
 
 def condensed_bytes(surfaces: Sequence[SurfaceNodes]) -> int:
     """Bytes of the dense matrices of `CondensedBodies` at their peak: one that is made beside all that are kept."""
@@ -121,10 +115,6 @@ class CondensedBodies(BodyResponse):
     def flexibility(self, number: int) -> Floats:
         """Displacements of a placed body's surface nodes by forces on them, body's axes, shape (2 n, 2 n)."""
         return self._condensed[number].flexibility
-
-    def body_fields(self, number: int, forces: Floats) -> Floats:
-        """Displacements (m, n_dofs, 2) of a placed body under m loads (m, n, 2) on its surface nodes, body's axes."""
-        return self._condensed[number].fields(forces)
 
     @property
     def n_unknowns(self) -> int:

@@ -60,7 +60,7 @@ class Handle:
         Springs between the handle and the ground: a symmetric matrix without negative eigenvalues, shape (m, m), from
         the m free motions (slides, then the rotation in rad) to the forces and the moment against them. Left out: none.
     soft_motions
-        Motions that only the curvature of contact surfaces resists: ``"solved"`` for, as those of an axle, or ``"kept"``
+        Motions that only the curvature of surfaces in contact resists: ``"solved"`` for, as an axle's, or ``"kept"``
         in place where less than a thousandth of the forces acts along them, as rolling without friction, which is
         resisted by the error of the meshes only.
 

@@ -105,6 +105,9 @@ class ContactState:
         Tangential forces and slips of the constraints; None without friction.
     motions
         Rigid motions of handles since their given placements, see `Handles`, shape (n,).
+    stable
+        Whether handles come back after a small push; None where that has no meaning: not converged, with friction,
+        without handles, or where a motion is free.
 
     """
 
@@ -118,6 +121,7 @@ class ContactState:
     history: tuple[Iteration, ...] = field(default=())
     friction: CoulombState | None = None
     motions: Floats = field(default_factory=lambda: np.zeros(0))
+    stable: bool | None = None
 
 
 def solve_contact(
@@ -224,6 +228,7 @@ class _Run:
             self.tangential = carried_forces(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
         self.stalled = False
+        self.stable: bool | None = None
         self.correct()
 
     def move(self, motions: Floats) -> None:
@@ -518,6 +523,7 @@ class _Run:
         elif free.shape[1] < self.parts.n and self.slides is None:
             _, matrix, _, rigid = self._problem(*self._laws())
             unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
+            self.stable = False if unstable.size else None if free.size else True
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
         size = float(np.abs(kept.T @ left).max(initial=0.0))
@@ -574,6 +580,7 @@ class _Run:
             tuple(self.history),
             friction,
             self.motions,
+            self.stable,
         )
 
 
