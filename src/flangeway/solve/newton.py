@@ -54,7 +54,7 @@ from flangeway.solve.linearisation import (
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
 from flangeway.types import Floats
 
-MEMORY, MIN_FRACTION = 8, 1.0 / 32.0
+MEMORY, MIN_FRACTION = 12, 1.0 / 32.0
 """Iterations whose maximum residual each later one has to fall below, and the fraction of a step below which it is not
 halved until it does. After as many, pairs of a node and an edge are held by a wider margin, so that none changes for
 ever."""
@@ -309,7 +309,8 @@ class _Run:
                     f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
                     "friction, or hold the part in Body(held=...)"
                 )
-            step = self._step()
+            # deep in the first overlaps the geometric stiffness can make the tangent indefinite: K alone is not
+            step = self._step() or self._step(bend=False)
             if step is None:
                 return (
                     "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
@@ -399,12 +400,12 @@ class _Run:
         """What the compliance of the law takes from the slips."""
         return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
 
-    def _step(self) -> _Step | None:
-        """One iteration; None if the laws of the linearised problem have no solution."""
+    def _step(self, *, bend: bool = True) -> _Step | None:
+        """One iteration; None if the laws of the linearised problem have no solution. ``bend``: with G."""
         current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
-        geometric, constrained = self._laws()
+        geometric, constrained = self._laws(bend=bend)
         if (sparse := self._without_matrix(geometric, constrained)) is not None:
             return self._sparse_step(geometric, constrained, *sparse)
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
@@ -461,7 +462,7 @@ class _Run:
         applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
         return found.forces[:m], found.forces[m:], applied, np.zeros(0)
 
-    def _laws(self) -> tuple[sp.csr_array, Constrained]:
+    def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
         current = self.current
         geometric = current.curvature(-self.forces)
@@ -476,6 +477,7 @@ class _Run:
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
             violations = np.concatenate((violations, slips))
+        geometric = geometric if bend else sp.csr_array(geometric.shape)
         return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
 
     def _problem(
