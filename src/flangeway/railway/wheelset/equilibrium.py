@@ -1,4 +1,4 @@
-"""The position of the wheelset in which contact forces and load are in equilibrium (Moherdaui 2021, 7.2.1)."""
+"""An equilibrium of a wheelset (Moherdaui 2021, 7.2.1), and the search for that of one in three dimensions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -13,15 +13,12 @@ from flangeway.geometry import Placement
 from flangeway.railway.rigid.elastic_start import rigid_start
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import Equilibrium
+from flangeway.railway.wheelset.equilibrium import MAX_WAY, Equilibrium
 from flangeway.railway.wheelset.residual import with_loads
 from flangeway.railway.wheelset.wheelset_model import WheelsetModel
 from flangeway.solve import BodyResponse, CondensedBodies, ContactState, Handle, Status, solve_contact
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
-
-MAX_WAY = np.array([30.0, 30.0, 0.05])
-"""Displacement in mm, mm and rad from the rigid equilibrium, beyond which the wheelset has left the track."""
 
 PlaneEquilibrium = Equilibrium[ContactState]
 
