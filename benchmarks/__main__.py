@@ -14,7 +14,6 @@ from benchmarks import (
     growth,
     hertz,
     hertz_block_times,
-    positions,
     report,
     rolling,
     spatial,
@@ -22,6 +21,7 @@ from benchmarks import (
     torsion_assembly,
     torsion_sections,
     wheelset3d,
+    wheelset_chain,
     worn,
 )
 from benchmarks.measurement import Measurement
@@ -34,7 +34,7 @@ BENCHMARKS: dict[str, Callable[[], Iterator[Measurement]]] = {
     "friction": friction.measurements,
     "elasticity": elasticity.measurements,
     "growth": growth.measurements,
-    "positions": positions.measurements,
+    "wheelset-chain": wheelset_chain.measurements,
     "cache": cache.measurements,
     "stabilisation": stabilisation.measurements,
     "worn": worn.measurements,
@@ -54,6 +54,7 @@ QUICK: dict[str, Callable[[], Iterator[Measurement]]] = {
     "elasticity": elasticity.quick,
     "growth": growth.quick,
     "stabilisation": stabilisation.quick,
+    "wheelset-chain": wheelset_chain.quick,
     "worn": worn.quick,
     "spatial": spatial.quick,
     "rolling": rolling.quick,

@@ -30,7 +30,7 @@ def measurements() -> Iterator[Measurement]:
         apart = max(abs(one - other) for one, other in pairs) / first["load_N"]
         told = ", ".join(f"{stage} {value:.2f} s" for stage, value in second["stages_s"].items())
         yield Measurement(
-            f"second run of {name}", ITSELF, second["seconds"], first["seconds"], apart, None, told, asked=5.0
+            f"second run of {name}", ITSELF, second["seconds"], first["seconds"], apart, None, told
         )
 
 

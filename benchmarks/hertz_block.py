@@ -1,12 +1,12 @@
 """A half cylinder pressed on a block: Hertz's line contact, on the same nodes for flangeway and its peers.
 
 The half cylinder (R = 100 mm) is moved as a whole along its cut, the block (100 mm by 100 mm) is held along its base.
-The gap is measured between the drawn circle and the drawn line. The approach that bears the load is found by Newton's
-method with the exact derivative of the force, while the contact is refined.
+The gap is measured between the drawn circle and the drawn line. The approach that bears the load is an unknown of
+Newton's method beside the contact forces.
 """
 
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,7 @@ from flangeway.geometry import Line, Outline, Placement
 from flangeway.materials import Elastic
 from flangeway.mesh import PolyMesh, Refinement, triangulate
 from flangeway.problems import Body, Part
-from flangeway.solve import CondensedBodies, ContactState, NewtonSettings, solve_contact
-from flangeway.solve.sensitivity import motion_derivatives
+from flangeway.solve import CondensedBodies, ContactState, Handle, NewtonSettings, solve_contact
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +29,7 @@ RADIUS, HALF_SIZE, LOAD = 100.0, 50.0, 2000.0  # mm, mm, N/mm
 FINE, ZONE = 3.0, 2.0  # half widths of what is finely meshed and of what can touch; the contact's is 1.49
 TOP, BASE = "top", "base"
 FORCE_ERROR = 1e-9
-"""Relative error of the force at which the approach is found."""
+"""Relative error of the force up to which the approach is found."""
 STEP_TOLERANCE = 1e-5
 """Tolerance of Newton's method at load steps on the way, as the peers have it."""
 
@@ -233,20 +232,17 @@ def _force(response: CondensedBodies, state: ContactState) -> float:
 def _bear(
     approach: float, response: CondensedBodies, system: ContactSystem, start: ContactState | None
 ) -> tuple[ContactState, float]:
-    """Find the approach whose contact force is the load; the contact is found no more exactly than the force is."""
-    state, error = start, 0.1
-    for _ in range(20):
-        state = _touch(approach, response, system, state, max(1e-11, 1e-2 * error**2))
-        force = _force(response, state)
-        error = abs(force / LOAD - 1.0)
-        if error <= FORCE_ERROR:
-            return state, approach
-        derivatives = motion_derivatives(response, state, np.array([True, False]), np.zeros(2))
-        on_cylinder = response.body_of_node[state.linearisation.nodes] == 0
-        slope = -float(derivatives.nodal_forces[on_cylinder, 1, 1].sum())
-        # Newton's method for the logarithms: the force is nearly a power of the approach
-        approach *= (LOAD / force) ** (force / (slope * approach))
-    raise RuntimeError(f"the block's approach was not found: the force errs by {error:.1e}")
+    """Contact under the load, and its approach: the cylinder slides down on a handle, from a first approach."""
+    placements = (Placement(0.0, (0.0, -approach)), Placement())
+    handle = Handle(
+        (system.parts[0],), np.zeros(2), np.array([[0.0, 1.0]]), turns=False, load=np.array([0.0, -LOAD, 0.0])
+    )
+    before = None if start is None else replace(start, motions=np.zeros(1))
+    settings = NewtonSettings(tolerance=FORCE_ERROR / 10.0)
+    state = solve_contact(response, system, placements, handles=[handle, None], start=before, settings=settings)
+    if not state.status.converged:
+        raise RuntimeError(f"the block's contact: {state.status.message}")
+    return state, approach - float(state.motions[0])
 
 
 def _pressures(contact: Contact, state: ContactState) -> tuple[Floats, Floats]:

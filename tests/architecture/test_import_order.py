@@ -29,7 +29,6 @@ ORDER = (
     "railway.track",
     "railway.rigid",
     "railway.wheelset",
-    "railway.positions",
     "railway.spatial",
     "cases",
     "campaign",

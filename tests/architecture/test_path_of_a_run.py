@@ -1,4 +1,4 @@
-"""The path of a run, from the command to the residual, is short and in the guide for contributors."""
+"""The path of a run, from the command to the solution, is short and in the guide for contributors."""
 
 import re
 import sys
@@ -14,15 +14,15 @@ MAX_FILES = 6
 
 
 class Reached(BaseException):
-    """The residual was called."""
+    """The solution was called."""
 
 
-def test_the_path_to_the_residual_is_the_one_of_the_guide(monkeypatch, tmp_path) -> None:
-    """From the command `run` to the residual there are at most 9 functions in 6 files, which the guide lists."""
+def test_the_path_to_the_solution_is_the_one_of_the_guide(monkeypatch, tmp_path) -> None:
+    """From the command `run` to `solve_contact` there are at most 9 functions in 6 files, which the guide lists."""
     found = []
 
     def watch(frame, event, _):
-        if event == "call" and frame.f_code.co_name == "residuals_of":
+        if event == "call" and frame.f_code.co_name == "solve_contact":
             sys.setprofile(None)
             calls = [call for call in traceback.extract_stack(frame) if str(PACKAGE) in call.filename]
             found.extend((call.filename.removeprefix(f"{PACKAGE}/"), call.name) for call in calls)

@@ -111,7 +111,7 @@ def test_rows_computed_together_report_unreliable_pressures(sweep):
     of_segments = [text for text in alone.warnings if "segments wide" in text]
     assert len(of_segments) == 2
     for text in found.rows["warnings"]:
-        assert json.loads(text) == of_segments
+        assert [each for each in json.loads(text) if "segments wide" in each] == of_segments
 
 
 @pytest.mark.parametrize("kind", ["csv", "parquet"])

@@ -30,7 +30,7 @@ def campaign_of(folder, text):
 def sweep(tmp_path_factory):
     """One sweep from the tread to the flange, computed in this process as of a campaign of few rows."""
     campaign = campaign_of(tmp_path_factory.mktemp("shear"), SWEEP)
-    found = [compute(Chunk(rows, first, shear=True, n_alike=24)).results for first, rows in campaign.chunks]
+    found = [compute(Chunk(rows, first, shear=True)).results for first, rows in campaign.chunks]
     return campaign, [result for chunk in found for result in chunk]
 
 
@@ -53,20 +53,10 @@ def test_each_side_has_the_maximum_below_its_patches(sweep):
     assert n_two > 0
 
 
-def test_many_rows_superpose_what_few_solve_for(sweep):
-    """In a campaign of many rows the stresses agree to 1e-8 with those of few, which are found another way."""
-    campaign, few = sweep
-    for (first, rows), start in zip(campaign.chunks, (0, 12), strict=True):
-        many = compute(Chunk(rows, first, shear=True, n_alike=1000)).results
-        for one, other in zip(many, few[start : start + 12], strict=True):
-            for name in WHEELSET_SHEAR_COLUMNS:
-                assert one.values[name] == pytest.approx(other.values[name], rel=1e-8)
-
-
 def test_a_chunk_has_the_same_digits_whatever_was_computed_before(sweep, monkeypatch):
     """The second chunk after the first and the second alone, in a new worker, agree in every digit."""
     campaign, _ = sweep
-    chunks = [Chunk(rows, first, shear=True, n_alike=1000) for first, rows in campaign.chunks]
+    chunks = [Chunk(rows, first, shear=True) for first, rows in campaign.chunks]
     monkeypatch.setattr(chunk, "_prepared", OrderedDict())
     _, after = (compute(chunk).results for chunk in chunks)
     monkeypatch.setattr(chunk, "_prepared", OrderedDict())

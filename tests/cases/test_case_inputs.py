@@ -37,7 +37,7 @@ def test_every_input_reaches_the_problem():
         "wheel_young_MPa": 2e5, "wheel_poisson": 0.25, "rail_young_MPa": 2e5, "rail_poisson": 0.25, "order": 2,
         "wheel_method": "vem", "rail_method": "vem", "wheel_order": 2, "rail_order": 2, "wheel_contact_size_mm": 0.3,
         "rail_contact_size_mm": 0.3, "growth": 0.2, "pairing": "node-to-segment", "enforcement": "multiplier",
-        "penetration_mm": 1e-3, "equilibria": "all", "wide_flange_root_radius_mm": 44.0, "yield_MPa": 900.0,
+        "penetration_mm": 1e-3, "wide_flange_root_radius_mm": 44.0, "yield_MPa": 900.0,
     }  # fmt: skip
     curve = {"speed_km_h": 70.0, "curve_radius_m": 400.0, "superelevation_mm": "from-speed"}
     together = {

@@ -143,11 +143,10 @@ def test_the_numbers_of_the_limits_are_in_the_report_of_their_command(call, tmp_
     rows = re.findall(r"<tr><th scope=\"row\">(.*?)</tr>", page)
     out = "\n".join(re.sub(r"<.*?>", " ", row) for row in rows)
     for shown in blocks["text"].splitlines():
-        *_, left, right = shown.split()
-        label = shown.strip().partition(left)[0]
-        printed = [line for line in out.splitlines() if line.strip().startswith(label.strip())]
-        assert len(printed) == 1, label
-        assert [float(word) for word in printed[0].split()[-2:]] == pytest.approx([float(left), float(right)], rel=0.02)
+        name, *numbers = shown.split()
+        (printed,) = [line.split() for line in out.splitlines() if line.split()[:1] == [name]]
+        wanted = [float(each) for each in numbers]
+        assert [float(each) for each in printed[1 : len(numbers) + 1]] == pytest.approx(wanted, rel=0.02)
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if "```" in page.read_text(encoding="utf-8")], ids=name_of)

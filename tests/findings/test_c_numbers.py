@@ -24,7 +24,6 @@ from flangeway.mesh import (
 )
 from flangeway.post import stresses_along
 from flangeway.problems import Body, Elasticity, PrescribedDisplacement, Pressure, Spring, Torsion, Traction, fixed
-from flangeway.railway.positions.many_positions import Positions
 from flangeway.railway.profiles.bundled import rail, wheel
 from flangeway.railway.rigid.conicity import RollingRadiusDifference
 from flangeway.railway.track.discretisation import Discretisation
@@ -137,7 +136,6 @@ def test_c_arrays_hold_numbers(values) -> None:
     """Texts, truth values and rows of unlike length are refused where arrays of numbers are given."""
     for make in (
         doerfler_marking,
-        lambda given: Positions(given, [1.0], [0.0]),
         lambda given: RollingRadiusDifference([1.0, 2.0], given),
     ):
         with pytest.raises(InputError):

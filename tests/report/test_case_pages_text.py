@@ -115,7 +115,7 @@ def test_the_history_has_every_iteration_of_every_step(hertz):
     """The picture draws the errors of all iterations in a row, the table counts them; a failed end is named."""
     steps = load_steps(hertz.contact)
     assert [name for name, _ in steps] == ["50 %", "100 %"]
-    axes = newton_figure(hertz.contact).axes[0]
+    axes = newton_figure(load_steps(hertz.contact)).axes[0]
     drawn = np.concatenate(
         [line.get_ydata() for line in axes.lines if line.get_linestyle() == "-" and line.get_marker() == "o"]
     )

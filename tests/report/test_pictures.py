@@ -8,10 +8,8 @@ from matplotlib.text import Text
 
 from flangeway.report import part_fields
 from flangeway.report.figures.drawing import ColourSteps, Room, figure_with_room, png, power_of_ten
-from flangeway.report.wheelset.bending_figure import bending_figure
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
-from flangeway.report.wheelset.subsurface_figure import subsurface_figure, subsurface_lines
 from flangeway.report.wheelset.wheelset_figure import deformation_factor, wheelset_figure
 
 
@@ -23,8 +21,6 @@ def figures(run):
         rigid_elastic_figure(run, fields),
         *(contact_figure(run, fields, side) for side in ("left", "right")),
         pressure_figure(run),
-        subsurface_figure(subsurface_lines(run.result)),
-        bending_figure(run, fields),
     )
 
 
@@ -69,8 +65,6 @@ def test_axes_bear_units_and_names(drawn):
             (*zones, "Left contact"),
             (*zones, "Right contact"),
             ("contact pressure in MPa", "in mm", "Hertz"),
-            ("stress in MPa", "depth in mm", "Hertz", "von Mises", "maximum in-plane shear", "Rail: left"),
-            ("tension", "compression", "MPa", "mrad", "mm down", "x in mm", "deformation x"),
         ),
         strict=True,
     ):
@@ -79,8 +73,8 @@ def test_axes_bear_units_and_names(drawn):
 
 def test_the_left_side_is_at_the_left(drawn):
     """Pictures of both sides show negative x first, then positive x, with x to the right in both."""
-    whole, rigid, left, right, _, _, bending = drawn["fem"]
-    for figure in (whole, rigid, bending):
+    whole, rigid, left, right, _ = drawn["fem"]
+    for figure in (whole, rigid):
         panels = [axes for axes in figure.axes if axes.get_xlabel() == "x in mm"]
         first, last = panels[0].get_xlim(), panels[-1].get_xlim()
         assert first[0] < first[1] < 0.0 < last[0] < last[1]
@@ -108,8 +102,6 @@ def test_a_side_without_contact_is_drawn(runs):
     lifted = replace(run, result=replace(run.result, patches=right))
     said = [text.get_text() for text in texts(contact_figure(lifted, list(part_fields(run.result)), "left"))]
     assert "the left wheel does not touch its rail" in said
-    nothing = replace(run, result=replace(run.result, patches=()))
-    assert any("no contact" in text.get_text() for text in texts(subsurface_figure(subsurface_lines(nothing.result))))
 
 
 def luminance(colours):

@@ -10,7 +10,6 @@ from flangeway.contact import AugmentedLagrange, SegmentToSegment
 from flangeway.exact import LineContact, contact_modulus
 from flangeway.geometry import Placement
 from flangeway.solve import CondensedBodies, NewtonSettings, SparseBodies, follow, solve_contact
-from flangeway.solve.sensitivity import motion_derivatives
 from flangeway.solve.status import STALLED, Iteration, is_at_round_off
 from tests.contact.steel_boxes import BoxDiscretisation, pressed_boxes
 
@@ -159,29 +158,6 @@ def test_a_path_that_cannot_be_followed_ends(press) -> None:
         None,
     )
     assert not state.status.converged
-
-
-@pytest.mark.parametrize("way", [CondensedBodies, SparseBodies])
-def test_motion_derivatives(press, way) -> None:
-    """Derivatives of nodal forces by translations and rotation of the disc agree with differences to 1e-6."""
-    problem = press("vem")
-    turn, shift = 0.02, 0.3
-    response, state = solved(problem, way, turn=turn, shift=shift)
-    moving = np.array([part is problem.disc for part in problem.system.parts])
-    pivot = np.array([shift, RADIUS - DEPTH])
-    exact = motion_derivatives(response, state, moving, pivot)
-    nodes = state.linearisation.nodes
-    step = 1e-6
-    for column, change in enumerate(({"shift": 1.0}, {"depth": -1.0}, {"turn": 1.0 / RADIUS})):
-        results = []
-        for sign in (1.0, -1.0):
-            at = {"depth": DEPTH, "turn": turn, "shift": shift}
-            at = {name: value + sign * step * change.get(name, 0.0) for name, value in at.items()}
-            placements = problem.placements(**at)
-            results.append(solve_contact(response, problem.system, placements, start=state))
-        difference = (results[0].nodal_forces - results[1].nodal_forces)[nodes] / (2.0 * step)
-        expected = exact.nodal_forces[:, :, column] * (1.0 / RADIUS if column == 2 else 1.0)
-        assert np.abs(difference - expected).max() < 1e-6 * np.abs(expected).max()
 
 
 class Counted:

@@ -77,13 +77,7 @@ class Row:
     @property
     def is_position(self) -> bool:
         """Whether it can be computed together with other positions of the same bodies."""
-        case = self.computed
-        return self.model == "spatial" or (
-            isinstance(case, WheelsetCase)
-            and case.pairing == "segment-to-segment"
-            and case.enforcement != "augmented-lagrange"
-            and case.equilibria == "reached"
-        )
+        return self.model is not None
 
     @cached_property
     def bodies(self) -> str:

@@ -121,9 +121,8 @@ class _Run:
     def __init__(self, campaign: Campaign, store: CampaignDatabase, progress: Progress) -> None:
         waiting = store.waiting()
         # a chunk is stored at once, so either all of its rows wait or none, but for those that were split
-        same_bodies = Counter(row.bodies for row in campaign.rows)
         self.chunks = deque(
-            Chunk(rows, first, shear=campaign.shear, n_alike=same_bodies[rows[0].bodies])
+            Chunk(rows, first, shear=campaign.shear)
             for first, rows in campaign.chunks
             if any(row.number in waiting for row in rows)
         )

@@ -3,36 +3,32 @@
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol
 
-import numpy as np
-
 from flangeway.campaign.campaign import Row
-from flangeway.campaign.columns import RowResult, numbers_of, plane_patch, spatial_row, summary_row, wheelset_row
+from flangeway.campaign.columns import RowResult, spatial_row, summary_row, wheelset_row
 from flangeway.cases.case import RunnableCase
 from flangeway.cases.wheelset.spatial_wheelset_case import SpatialWheelsetCase
 from flangeway.cases.wheelset.wheelset_case import WheelsetCase
 from flangeway.errors import FlangewayError, MissingLibraryError, unforeseen
-from flangeway.post.contact_checks import roughness
-from flangeway.railway.positions.many_positions import Positions, PositionTable, solve_positions
-from flangeway.railway.positions.prepared_wheelset import PreparedWheelset, prepare
 from flangeway.railway.spatial.running_surfaces import running_surfaces
 from flangeway.railway.spatial.spatial_result import solve_position
 from flangeway.railway.spatial.spatial_wheelset import SpatialWheelset
-from flangeway.railway.track.placements import SIDES
 from flangeway.railway.track.wheelset_load import WheelsetLoad
 from flangeway.railway.track.wheelset_problem import Prescribed, WheelsetProblem
-from flangeway.railway.wheelset.wheelset_result import solve_wheelset
+from flangeway.railway.wheelset.plane_wheelset import PlaneWheelset
+from flangeway.railway.wheelset.wheelset_model import build_model
+from flangeway.railway.wheelset.wheelset_result import solve_condensed, solve_wheelset
 from flangeway.system.disk_cache import Cache
 from flangeway.system.versions import versions
 
 _ALONE = threading.Lock()
 KEPT = 2  # wheelsets that a worker keeps prepared; each takes some hundred megabytes
 
-_prepared: OrderedDict[str, PreparedWheelset | SpatialWheelset] = OrderedDict()
+_prepared: OrderedDict[str, PlaneWheelset | SpatialWheelset] = OrderedDict()
 
 
 @dataclass(frozen=True)
@@ -43,14 +39,12 @@ class Chunk:
       None: each row is computed alone.
     - `losses`: how many workers have died of it.
     - `shear`: whether the maximum shear stresses below the contacts of wheelsets are wanted.
-    - `n_alike`: number of rows of the whole campaign with the same bodies.
     """
 
     rows: tuple[Row, ...]
     prepared_for: Row | None = None
     losses: int = 0
     shear: bool = False
-    n_alike: int = 1
 
 
 @dataclass(frozen=True)
@@ -110,7 +104,7 @@ def _results(chunk: Chunk) -> tuple[RowResult, ...]:
             whole = _of(chunk.prepared_for)
             if isinstance(whole, SpatialWheelset):
                 return tuple(_guarded(partial(_spatial, whole, row.case)) for row in chunk.rows)
-            return _position_rows(whole, chunk.rows, shear=chunk.shear, n_alike=chunk.n_alike)
+            return tuple(_guarded(partial(_plane, whole, row, chunk.shear)) for row in chunk.rows)
         except MissingLibraryError:
             raise
         except Exception as reason:
@@ -150,42 +144,25 @@ def _spatial(whole: SpatialWheelset, case: RunnableCase, start: float) -> RowRes
     return spatial_row(result, time.perf_counter() - start)
 
 
-def _position_rows(whole: PreparedWheelset, rows: Sequence[Row], *, shear: bool, n_alike: int) -> tuple[RowResult, ...]:
-    """Compute plane positions of the same bodies, prepared with the weight of one row: the same for all chunks."""
-    problems = [_problem(row) for row in rows]
-    results: dict[int, RowResult] = {}
-    # tilt, prescribed vertical position and roll are the same for a whole table of positions
-    groups: dict[tuple[float | None, ...], list[int]] = {}
-    for number, problem in enumerate(problems):
-        _, vertical, roll = problem.prescribed.components
-        groups.setdefault((problem.load.tilt_rad, vertical, roll), []).append(number)
-    for numbers in groups.values():
-        start = time.perf_counter()
-        prepared = replace(whole, model=replace(whole.model, problem=problems[numbers[0]]))
-        positions = Positions(
-            np.array([_lateral(problems[number].prescribed) for number in numbers]),
-            np.array([problems[number].load.vertical_N for number in numbers]),
-            np.array([problems[number].load.lateral_N for number in numbers]),
-        )
-        table = solve_positions(prepared, positions, shear=shear, n_alike=n_alike)
-        seconds = (time.perf_counter() - start) / len(numbers)
-        for place, number in enumerate(numbers):
-            results[number] = _row(prepared, table, place, seconds)
-    return tuple(results[number] for number in range(len(rows)))
+def _plane(whole: PlaneWheelset, row: Row, shear: bool, start: float) -> RowResult:
+    """Compute a plane position of bodies that are condensed."""
+    result = solve_condensed(whole.at(_problem(row)))
+    return wheelset_row(result, time.perf_counter() - start, shear=shear)
 
 
-def _of(row: Row) -> PreparedWheelset | SpatialWheelset:
+def _of(row: Row) -> PlaneWheelset | SpatialWheelset:
     """Return the prepared wheelset of a row, from an earlier chunk if there is one."""
     if row.identity not in _prepared:
         problem = _problem(row)
         if isinstance(row.computed, SpatialWheelsetCase):
-            model = row.computed.spatial_model()
-            surfaces = running_surfaces(problem, model, cache=Cache.of_user())
-            _prepared[row.identity] = SpatialWheelset(problem, surfaces, model)
+            spatial = row.computed.spatial_model()
+            surfaces = running_surfaces(problem, spatial, cache=Cache.of_user())
+            _prepared[row.identity] = SpatialWheelset(problem, surfaces, spatial)
         else:
             # in the middle of level track, which rigid wheels can always reach
             in_the_middle = replace(problem, load=WheelsetLoad(problem.load.vertical_N), prescribed=Prescribed())
-            _prepared[row.identity] = prepare(in_the_middle, cache=Cache.of_user())
+            model = build_model(in_the_middle, whole=True, cache=Cache.of_user())
+            _prepared[row.identity] = PlaneWheelset.of(model, cache=Cache.of_user())
         while len(_prepared) > KEPT:
             _prepared.popitem(last=False)
     _prepared.move_to_end(row.identity)
@@ -196,33 +173,3 @@ def _problem(row: Row) -> WheelsetProblem:
     if not isinstance(row.computed, WheelsetCase | SpatialWheelsetCase):
         raise TypeError("positions are of wheelsets")
     return row.computed.problem()
-
-
-def _lateral(prescribed: Prescribed) -> float:
-    return np.nan if prescribed.lateral_mm is None else prescribed.lateral_mm
-
-
-def _row(prepared: PreparedWheelset, table: PositionTable, place: int, seconds: float) -> RowResult:
-    if not table.converged[place]:
-        message = "; ".join(line.strip() for line in table.messages.get(place, "no equilibrium").splitlines())
-        return RowResult("not converged", message, seconds=seconds)
-    patches = table.patches[place]
-    edges = [patch.side for patch in patches if patch.at_edge]
-    if edges:
-        message = (
-            f"the {edges[0]} contact reaches the end of the running surface, so contact beyond it is missing; "
-            "check the profiles and the load"
-        )
-        return RowResult("not converged", message, seconds=seconds)
-    lost = [side for side in SIDES if not any(patch.side == side for patch in patches)]
-    warnings = [f"the {' and '.join(lost)} wheel does not touch its rail"] if lost else []
-    for patch in patches:
-        warnings += roughness(patch.n_segments, patch.oscillation, f"the {patch.side} contact", "lower size_scale")
-    lateral, vertical, roll = table.position[place].tolist()
-    forces = [float(np.hypot(*patch.force_on_wheel_N)) for patch in patches]
-    hertz = [
-        prepared.model.hertz_at(patch.side, patch.wheel_point_mm, patch.rail_point_mm, force)
-        for patch, force in zip(patches, forces, strict=True)
-    ]
-    values, rows = numbers_of((lateral, vertical, roll), list(map(plane_patch, patches, hertz)))
-    return RowResult("converged", "contact forces and load are in equilibrium", tuple(warnings), values, rows, seconds)

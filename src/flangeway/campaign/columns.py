@@ -3,18 +3,17 @@
 import json
 import math
 from collections.abc import Collection, Iterable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from flangeway.cases.summary import Summary
-from flangeway.exact import LineContact
-from flangeway.railway.positions.positions_patches import PositionPatch
 from flangeway.railway.spatial.rolling.patch_rolling import RollingPatch
 from flangeway.railway.spatial.spatial_result import SpatialResult
 from flangeway.railway.spatial.wheel_patch import SpatialPatch
 from flangeway.railway.track.discretisation import ROLES
 from flangeway.railway.track.placements import SIDES, Side
 from flangeway.railway.wheelset.subsurface import maximum_shear
+from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
 
 Value = float | int | str | None
@@ -102,8 +101,11 @@ def wheelset_row(result: WheelsetResult, seconds: float, *, shear: bool = False)
         return RowResult("not converged", result.status.message, result.warnings, seconds=seconds)
     patches = []
     for patch in result.patches:
-        below = {role: maximum_shear(result, patch, role) for role in ROLES} if shear else None
-        patches.append(plane_patch(replace(PositionPatch.of(patch), shear=below), patch.hertz))
+        values = _plane_patch(patch)
+        for role, (value, depth) in _SHEAR.items() if shear else ():
+            below = maximum_shear(result, patch, role)
+            values |= {value: below.value_MPa, depth: below.depth_mm}
+        patches.append(values)
     values, rows = numbers_of(result.equilibrium.position.components, patches)
     return RowResult("converged", result.status.message, result.warnings, values, rows, seconds)
 
@@ -160,20 +162,17 @@ def _side(side: Side, patches: list[dict[str, Value]], model: Model) -> dict[str
     return {f"{side}_{name}": value for name, value in values.items()}
 
 
-def plane_patch(patch: PositionPatch, hertz: LineContact | None) -> dict[str, Value]:
+def _plane_patch(patch: WheelRailPatch) -> dict[str, Value]:
     """Return the columns of a region of contact, without its number; Hertz's are None where the profiles conform."""
-    lateral, vertical = patch.force_on_wheel_N
+    (lateral, vertical), hertz, pressure = patch.force_on_wheel_N, patch.hertz, patch.pressure
     values = _patch(patch) | {
         "contact_angle_deg": math.degrees(math.atan2(lateral if patch.side == "left" else -lateral, vertical)),
-        "max_pressure_MPa": patch.max_pressure_MPa,
-        "max_pressure_remark": patch.remark,
-        "half_width_mm": patch.half_width_mm,
+        "max_pressure_MPa": float(pressure.pressures.max()),
+        "max_pressure_remark": pressure.remark,
+        "half_width_mm": pressure.half_width,
         "hertz_pressure_MPa": hertz.max_pressure if hertz else None,
         "hertz_half_width_mm": hertz.half_width if hertz else None,
     }
-    if patch.shear is not None:
-        for role, (value, depth) in _SHEAR.items():
-            values |= {value: patch.shear[role].value_MPa, depth: patch.shear[role].depth_mm}
     return {name: _plain(value) for name, value in values.items()}
 
 
@@ -203,7 +202,7 @@ def _spatial_patch(patch: SpatialPatch, rolling: RollingPatch | None) -> dict[st
     return {name: _plain(value) for name, value in values.items()}
 
 
-def _patch(patch: PositionPatch | SpatialPatch) -> dict[str, Value]:
+def _patch(patch: WheelRailPatch | SpatialPatch) -> dict[str, Value]:
     """Return what both models have."""
     lateral, vertical = (float(force) for force in patch.force_on_wheel_N)
     values: dict[str, Value] = {"side": patch.side, "region": patch.region}

@@ -21,7 +21,7 @@ from flangeway.solve import (
     BodyResponse,
     CondensedBodies,
     ContactState,
-    Floating,
+    Handle,
     NewtonSettings,
     SparseBodies,
     Status,
@@ -236,6 +236,7 @@ def press(
     motion: Mapping[Part, Placement] | Sequence[Mapping[Part, Placement]],
     *,
     loads: Mapping[Part, Load] | None = None,
+    handles: Sequence[Handle] = (),
     steps: StepSettings | Sequence[StepSettings] | None = None,
     path: Literal["condensed", "sparse"] | None = None,
     response: BodyResponse | None = None,
@@ -261,6 +262,10 @@ def press(
         the contacts hold it, by part; None in place of a number: the handle does not move in that way, or by its
         ``motion``. The force acts at the middle of what is held and keeps its direction. It grows with the first
         motion. Parts of which nothing is held need no entry: only contacts act on them.
+    handles
+        Rigid motions that contacts, loads and springs decide, each shared by one or more parts that are held: two
+        wheels on an axle, bodies bolted together. Their pivots are those at the parts' own placements; a motion, the
+        same for all parts of a handle, takes pivot and springs along. Loads on them grow with the first motion.
     steps
         Sizes of the load steps; left out: one step, halved where it does not converge, and with friction until it
         agrees with its two halves. A sequence of them is one for each motion of the path.
@@ -278,14 +283,16 @@ def press(
     Raises
     ------
     InputError
-        If a moved or loaded part has no contact, a motion is mirrored, a load acts on a part that is not held fully or
-        nothing is held of a moved one, there are not as many step sizes as motions, or the path is unknown.
+        If a moved or loaded part has no contact, a motion is mirrored, a load or a handle is on a part that is not held
+        fully, nothing is held of a moved one, a part has two handles, parts of a handle move differently, there are not
+        as many step sizes as motions, or the path is unknown.
 
     """
     system = ContactSystem(contacts)
     motions = [motion] if isinstance(motion, Mapping) else list(motion)
     _refuse_bad_motions(system, motions)
     _refuse_bad_loads(system, motions, loads or {})
+    _refuse_bad_handles(system, motions, [*(loads or {})], handles)
     if steps is None and any(each.friction_coefficient for each in contacts):
         steps = StepSettings(error=FRICTION_ERROR)
     settings_of = list(steps) if isinstance(steps, Sequence) else [steps] * len(motions)
@@ -299,7 +306,7 @@ def press(
     for name, value, kind in (*optional, ("settings", settings, NewtonSettings)):
         if not isinstance(value, kind | None):
             raise refused("press", name, value, f"{kind.__name__}(...)", "leave it out")
-    path = _usual_path(system, floating=bool(loads)) if path is None else path
+    path = _usual_path(system, floating=bool(loads or handles)) if path is None else path
     if not isinstance(path, str) or path not in PATHS:
         raise refused("press", "path", path, " or ".join(map(repr, PATHS)), "leave it out")
     response = response or PATHS[path](system.surface_nodes)
@@ -319,12 +326,10 @@ def press(
             placed: tuple[Placement, ...] = placed,
         ) -> ContactState:
             placements = _moved(system.parts, placed, leg, share)
-            floating = [
-                _motions_of(part, placement, min(number + share, 1.0), (loads or {}).get(part))
-                for part, placement in zip(system.parts, placements, strict=True)
-            ]
+            given = loads or {}, handles
+            own = _handles_at(system.parts, placements, min(number + share, 1.0), *given)
             state = solve_contact(
-                response, system, placements, floating=floating, start=start, keep_guards=False, settings=settings,
+                response, system, placements, handles=own, start=start, keep_guards=False, settings=settings,
                 origin=origin,
             )  # fmt: skip
             which = f"motion {number + 1}" if len(motions) > 1 else "the motion"
@@ -460,18 +465,81 @@ def _refuse_bad_loads(
             )
 
 
-def _motions_of(part: Part, placement: Placement, share: float, load: Load | None) -> Floating | None:
-    """Rigid motions of a part at a placement that contacts and a share of its load decide."""
+def _refuse_bad_handles(
+    system: ContactSystem,
+    motions: Sequence[Mapping[Part, Placement]],
+    loaded: Sequence[Part],
+    handles: Sequence[Handle],
+) -> None:
+    if not isinstance(handles, Sequence) or not all(isinstance(each, Handle) for each in handles):
+        raise refused("press", "handles", handles, "a list of Handle(...)", "leave it out")
+    with_handle = list(loaded)
+    for handle, part in ((each, part) for each in handles for part in each.parts):
+        named, body = f"a handle of part {part.name!r}", part.body
+        along_axis = len(handle.directions) == 1 and handle.directions[0, 0] == 0.0 and not handle.turns
+        if part not in system.parts:
+            known = ", ".join(known.name for known in system.parts)
+            raise InputError(f"{named}, which has no contact", f"parts in contact: {known}", "leave the part out")
+        if part in with_handle:
+            raise InputError(f"{named}, which has another, or a load", "one handle for each part", "put the load on it")
+        if body.freedom.n_motions:
+            raise InputError(
+                f"{named}, of which {body.held_by} is held",
+                "parts that are held fully: what is held of them moves with the handle",
+                "name the edges that are fixed to the handle in Body(held=...)",
+            )
+        if body.axisymmetric and not along_axis:
+            raise InputError(
+                f"{named}, a body of revolution", "a slide along its axis", "write directions=[(0.0, 1.0)], turns=False"
+            )
+        if any(leg.get(part) != leg.get(handle.parts[0]) for leg in motions):
+            raise InputError(
+                f"{named}, which does not move as part {handle.parts[0].name!r}, on the same handle",
+                "the same motion for all parts of a handle",
+                "move all of them, or none",
+            )
+        with_handle.append(part)
+
+
+def _handles_at(
+    parts: Sequence[Part],
+    placements: Sequence[Placement],
+    share: float,
+    loads: Mapping[Part, Load],
+    handles: Sequence[Handle],
+) -> list[Handle | None]:
+    """Handle of each part at placements, with a share of all loads."""
+    at_parts = dict(zip(parts, placements, strict=True))
+    shared = {part: now for each in handles for now in [_carried(each, at_parts, share)] for part in each.parts}
+    return [shared.get(part) or _handle_of(part, at, share, loads.get(part)) for part, at in at_parts.items()]
+
+
+def _handle_of(part: Part, placement: Placement, share: float, load: Load | None) -> Handle | None:
+    """Handle of a part alone, at a placement, with a share of its load; None if it is where it is placed."""
     freedom = part.body.freedom
     if load is not None:
         held = part.body.nodes[part.body.supported.any(axis=1)]
+        (pivot,) = placement.points([(held.min(axis=0) + held.max(axis=0)) / 2.0])
         free = [value is not None for value in load]
         given = share * np.array([value or 0.0 for value in load])
-        return Floating((held.min(axis=0) + held.max(axis=0)) / 2.0, np.eye(2)[free[:2]], free[2], given)
+        return Handle((part,), pivot, np.eye(2)[free[:2]], free[2], given, soft_motions="kept")
     if freedom.n_motions == 0:
         return None
     axes = placement.vectors(np.eye(2)[["xy".index(axis) for axis in freedom.axes]].reshape(-1, 2))
-    return Floating(freedom.pivot, axes, freedom.turns, np.zeros(3))
+    return Handle((part,), placement.points([freedom.pivot])[0], axes, freedom.turns, soft_motions="kept")
+
+
+def _carried(handle: Handle, placements: Mapping[Part, Placement], share: float) -> Handle:
+    """A handle with a share of its load, where motions took it: its parts are at placements."""
+    part = handle.parts[0]
+    motion = placements[part].after(part.placement.inverse())
+    point = handle.load_point
+    return replace(
+        handle,
+        pivot=motion.points([handle.pivot])[0],
+        load=share * handle.load,
+        load_point=None if point is None else motion.points([point])[0],
+    )
 
 
 def _share_of(motion: Placement, share: float) -> Placement:

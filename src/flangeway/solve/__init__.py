@@ -3,7 +3,7 @@
 from flangeway.solve.body_response import BodyResponse, SurfaceNodes
 from flangeway.solve.condensed import CondensedBodies, condensed_bytes
 from flangeway.solve.elasticity_solution import ElasticitySolution, solve_elasticity
-from flangeway.solve.floating import Floating
+from flangeway.solve.handles import Handle
 from flangeway.solve.harmonic_solution import HarmonicSolution, solve_harmonic
 from flangeway.solve.linearisation import Constraints, Linearisation
 from flangeway.solve.newton import ContactState, solve_contact
@@ -21,7 +21,7 @@ __all__ = [
     "Constraints",
     "ContactState",
     "ElasticitySolution",
-    "Floating",
+    "Handle",
     "HarmonicSolution",
     "Iteration",
     "Linearisation",

@@ -80,12 +80,6 @@ class CondensedBody:
         at_surface = (self.flexibility @ forces.ravel())[self._loose]
         return self.body.field(self._factor.recover(at_surface, np.zeros(self._factor.n)))
 
-    def fields(self, forces: Floats) -> Floats:
-        """Displacements (m, n_dofs, 2) of all nodes under m loads (m, n, 2) on the surface nodes, body's axes."""
-        at_surface = (self.flexibility @ forces.reshape(len(forces), -1).T)[self._loose]
-        free = self._factor.recover(at_surface, np.zeros((self._factor.n, len(forces))))
-        return np.stack([self.body.field(values) for values in free.T])
-
 
 def condensed_bytes(surfaces: Sequence[SurfaceNodes]) -> int:
     """Bytes of the dense matrices of `CondensedBodies` at their peak: one that is made beside all that are kept."""
@@ -122,10 +116,6 @@ class CondensedBodies(BodyResponse):
         """Displacements of a placed body's surface nodes by forces on them, body's axes, shape (2 n, 2 n)."""
         return self._condensed[number].flexibility
 
-    def body_fields(self, number: int, forces: Floats) -> Floats:
-        """Displacements (m, n_dofs, 2) of a placed body under m loads (m, n, 2) on its surface nodes, body's axes."""
-        return self._condensed[number].fields(forces)
-
     @property
     def n_unknowns(self) -> int:
         """Components of the surface nodes' displacements."""
@@ -150,7 +140,8 @@ class CondensedBodies(BodyResponse):
         """See `BodyResponse.respond`.
 
         With the flexibility F the solution is ``(I + F G)^-1 F loads``. G lives on the few unknowns of loaded pairs,
-        so by Woodbury's formula only a system of their number is solved. F is symmetric.
+        so by Woodbury's formula only a system of their number is solved, and one for each group of bodies that G links:
+        both sides of a track yield apart. F is symmetric.
         """
         free = np.zeros(loads.shape)
         blocks = self._blocks(rotations, touched)
@@ -163,18 +154,14 @@ class CondensedBodies(BodyResponse):
         place[bent] = np.arange(len(bent))
         starts = np.append(0, geometric.indptr[bent + 1])
         inner = sp.csr_array((geometric.data, place[geometric.indices], starts), shape=(len(bent), len(bent)))
-        matrix, columns = np.empty(inner.shape), inner if symmetric else sp.csr_array(inner.T)
-        bodies = []
-        for here, flexibility in blocks:
-            mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
-            among = bent[mine] - here.start
-            rows = flexibility[among]
-            matrix[:, mine] = _rows_transposed(columns, mine) @ rows[:, among]
-            bodies.append((here, mine, rows))
-        matrix[np.diag_indices(len(bent))] += 1.0
-        bend = np.linalg.solve(matrix, inner @ free[bent])
-        for here, mine, rows in bodies:  # each body yields to its own forces alone
-            free[here] -= rows.T @ bend[mine]
+        owner = np.searchsorted([here.stop for here, _ in blocks], bent, side="right")
+        links = sp.coo_array((np.ones(inner.nnz), (np.repeat(owner, np.diff(inner.indptr)), owner[inner.indices])))
+        links.resize((len(blocks), len(blocks)))
+        _, groups = sp.csgraph.connected_components(links, directed=False)
+        for group in np.unique(groups[owner]):
+            linked = [blocks[number] for number in np.flatnonzero(groups == group)]
+            mine = np.flatnonzero(groups[owner] == group)
+            _bend(free, linked, bent[mine], inner[mine][:, mine], loads, symmetric=symmetric)
         return free
 
     def fields(self, rotations: Floats, forces: Floats) -> list[Floats]:
@@ -206,11 +193,43 @@ class CondensedBodies(BodyResponse):
         return self._kept
 
 
+def _bend(
+    free: Floats,
+    blocks: Sequence[tuple[slice, Floats]],
+    bent: Ints,
+    inner: sp.csr_array,
+    loads: sp.csr_array,
+    *,
+    symmetric: bool,
+) -> None:
+    """Subtract from displacements ``free = F loads`` of linked bodies ``F G (I + F G)^-1 F loads``.
+
+    `bent` are the unknowns of G, of which `inner` has the entries, and `blocks` the places and flexibilities of bodies.
+    """
+    columns = np.unique(np.concatenate([_entries(loads, here)[1] for here, _ in blocks]))
+    matrix, transposed = np.eye(len(bent)), inner if symmetric else sp.csr_array(inner.T)
+    bodies = []
+    for here, flexibility in blocks:
+        mine = slice(*np.searchsorted(bent, (here.start, here.stop)).tolist())
+        among = bent[mine] - here.start
+        rows = flexibility[among]
+        matrix[:, mine] += _rows_transposed(transposed, mine) @ rows[:, among]
+        bodies.append((here, mine, rows))
+    bend = np.linalg.solve(matrix, inner @ free[np.ix_(bent, columns)])
+    for here, mine, rows in bodies:  # each body yields to its own forces alone
+        free[here, columns] -= rows.T @ bend[mine]
+
+
+def _entries(matrix: sp.csr_array, rows: slice) -> tuple[Floats, Ints]:
+    """Values and columns of the entries of some rows of a matrix."""
+    entries = slice(matrix.indptr[rows.start], matrix.indptr[rows.stop])
+    return matrix.data[entries], matrix.indices[entries]
+
+
 def _rows_transposed(matrix: sp.csr_array, rows: slice) -> sp.csc_array:
     """Transpose of some rows of a matrix."""
-    start, end = matrix.indptr[rows.start], matrix.indptr[rows.stop]
-    entries = matrix.data[start:end], matrix.indices[start:end], matrix.indptr[rows.start : rows.stop + 1] - start
-    return sp.csc_array(entries, shape=(matrix.shape[1], rows.stop - rows.start))
+    starts = matrix.indptr[rows.start : rows.stop + 1] - matrix.indptr[rows.start]
+    return sp.csc_array((*_entries(matrix, rows), starts), shape=(matrix.shape[1], rows.stop - rows.start))
 
 
 def _turned(flexibility: Floats, turn: Floats) -> Floats:

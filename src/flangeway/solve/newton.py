@@ -40,7 +40,7 @@ from flangeway.geometry import Placement
 from flangeway.solve import active_set
 from flangeway.solve.active_set import CoulombState
 from flangeway.solve.body_response import BodyResponse, Constrained
-from flangeway.solve.floating import Floating, FloatingParts
+from flangeway.solve.handles import Handle, Handles
 from flangeway.solve.linearisation import (
     Constraints,
     Linearisation,
@@ -54,14 +54,14 @@ from flangeway.solve.linearisation import (
 from flangeway.solve.status import Iteration, NewtonSettings, Status, is_at_round_off
 from flangeway.types import Floats
 
-MEMORY, MIN_FRACTION = 8, 1.0 / 32.0
+MEMORY, MIN_FRACTION = 12, 1.0 / 32.0
 """Iterations whose maximum residual each later one has to fall below, and the fraction of a step below which it is not
 halved until it does. After as many, pairs of a node and an edge are held by a wider margin, so that none changes for
 ever."""
 
-MIN_SPRING, SPRING_CHANGE = 1e-6, 100.0
-"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint, where all
-goes well; and the factor by which it is larger where a step has no solution, and smaller after one that has."""
+SPRINGS = (1e-6, 1e-4, 1e-2, 1.0)
+"""Stiffness of the springs that hold motions within a step, over the maximum stiffness of one constraint: the first one
+where all goes well."""
 
 NEAR = 0.5
 """Part of the maximum displacement by which bodies may have moved since a start whose gaps are linearised anew only
@@ -92,7 +92,7 @@ class ContactState:
     status
         How the iteration ended.
     placements
-        Placements of the bodies, those of floating ones as found.
+        Placements of the bodies, those on handles as found.
     displacements
         Of the surface nodes, relative to their placed bodies, shape (n_nodes, 2).
     positions
@@ -108,7 +108,10 @@ class ContactState:
     friction
         Tangential forces and slips of the constraints; None without friction.
     motions
-        Rigid motions of floating parts since their given placements, see `FloatingParts`, shape (n,).
+        Rigid motions of handles since their given placements, see `Handles`, shape (n,).
+    stable
+        Whether handles come back after a small push; None where that has no meaning: not converged, with friction,
+        without handles, or where a motion is free.
 
     """
 
@@ -122,6 +125,7 @@ class ContactState:
     history: tuple[Iteration, ...] = field(default=())
     friction: CoulombState | None = None
     motions: Floats = field(default_factory=lambda: np.zeros(0))
+    stable: bool | None = None
 
 
 def solve_contact(
@@ -129,7 +133,7 @@ def solve_contact(
     constraints: Constraints,
     placements: tuple[Placement, ...],
     *,
-    floating: Sequence[Floating | None] | None = None,
+    handles: Sequence[Handle | None] | None = None,
     start: ContactState | None = None,
     keep_guards: bool = True,
     settings: NewtonSettings | None = None,
@@ -145,8 +149,9 @@ def solve_contact(
         The contacts among them.
     placements
         Placement of each body.
-    floating
-        Rigid motions of each body after its placement that are unknown; None for a body or all: there is none.
+    handles
+        Handle of each body, the same object for all that share it, whose motion after the placements is unknown; None
+        for a body or all: there is none.
     start
         A solution of the same constraints for a neighbouring position, whose forces are the first guess. Where the
         bodies have moved by little since, the first iteration also takes its linearisation. With friction it is the
@@ -167,7 +172,7 @@ def solve_contact(
 
     """
     settings = settings or NewtonSettings()
-    parts = FloatingParts(response, placements, floating)
+    parts = Handles(response, placements, handles)
     return _Run(response, constraints, parts, settings, start, origin, keep_guards).solve()
 
 
@@ -193,7 +198,7 @@ class _Run:
         self,
         response: BodyResponse,
         constraints: Constraints,
-        parts: FloatingParts,
+        parts: Handles,
         settings: NewtonSettings,
         start: ContactState | None,
         origin: Floats | None,
@@ -226,11 +231,12 @@ class _Run:
         if friction is not None:
             self.tangential = carried_forces(previous, friction.forces, self.current)
         self.slides = self._slides(self.current, self.displacements)
-        self.stalled, self.spring = False, MIN_SPRING
+        self.stalled = False
+        self.stable: bool | None = None
         self.correct()
 
     def move(self, motions: Floats) -> None:
-        """Place the floating parts."""
+        """Place the parts on handles."""
         self.motions = motions
         self.placements = self.parts.placements(motions)
         self.rotations = self.response.rotations(self.placements)
@@ -307,7 +313,8 @@ class _Run:
                     f"no friction holds {what}: {words}; take a smaller load or motion, a larger coefficient of "
                     "friction, or hold the part in Body(held=...)"
                 )
-            step = self._step()
+            # deep in first overlaps the geometric stiffness can make the tangent indefinite: K on stiff springs is not
+            step = self._step() or self._step(bend=False)
             if step is None:
                 return (
                     "not converged: the contact laws of a linearised step have no solution; take smaller steps, a "
@@ -397,26 +404,24 @@ class _Run:
         """What the compliance of the law takes from the slips."""
         return np.asarray(lin.compliances * (tangential - self._anchored(self.anchor[2], lin)))
 
-    def _step(self) -> _Step | None:
-        """One iteration; None if the laws of the linearised problem have no solution."""
+    def _step(self, *, bend: bool = True) -> _Step | None:
+        """One iteration; None if the laws of the linearised problem have no solution. ``bend``: with G."""
         current, applied = self.current, np.zeros_like(self.displacements)
         if len(current.nodes) == 0:
             return self.forces, self.tangential, applied, np.zeros(self.parts.n)
-        geometric, constrained = self._laws()
+        geometric, constrained = self._laws(bend=bend)
         if (sparse := self._without_matrix(geometric, constrained)) is not None:
             return self._sparse_step(geometric, constrained, *sparse)
         by_loads, matrix, offset, rigid = self._problem(geometric, constrained)
         m, n = len(self.forces), self.parts.n
         guess = np.concatenate((self.forces, self.tangential))[: len(offset)]
-        while True:
-            sprung = rigid.sprung(matrix.diagonal(), self.spring) if n else rigid
+        for spring in SPRINGS[:1] if bend or not n else SPRINGS:
+            sprung = rigid.sprung(matrix.diagonal(), spring) if n else rigid
             own = matrix.diagonal() + (sprung.compliances() if n else 0.0)
             laws = active_set.Laws(current.coefficients, current.barriers, own)
             found = active_set.solve(laws, active_set.DenseEquations(matrix, offset, laws, sprung), guess)
-            if found is not None or not n or self.spring >= 1.0:
+            if found is not None:
                 break
-            self.spring *= SPRING_CHANGE
-        self.spring = max(self.spring / SPRING_CHANGE, MIN_SPRING)
         if found is not None and n:
             # with springs there always is a solution; without them Newton's method for the motions goes on from there
             equations = active_set.DenseEquations(matrix, offset, laws, rigid)
@@ -464,7 +469,7 @@ class _Run:
         applied[current.nodes] = (loads - geometric @ moved).reshape(-1, 2)
         return found.forces[:m], found.forces[m:], applied, np.zeros(0)
 
-    def _laws(self) -> tuple[sp.csr_array, Constrained]:
+    def _laws(self, *, bend: bool = True) -> tuple[sp.csr_array, Constrained]:
         """Geometric stiffness, and gaps, then slips where there is friction, about the displacements."""
         current = self.current
         geometric = current.curvature(-self.forces)
@@ -479,6 +484,7 @@ class _Run:
             compliances = np.tile(compliances, 2)
             slips = self._slips(current, slides) + self._let_back(current, np.zeros(len(violations)))
             violations = np.concatenate((violations, slips))
+        geometric = geometric if bend else sp.csr_array(geometric.shape)
         return geometric, Constrained(at_nodes, jacobian, directions, compliances, violations)
 
     def _problem(
@@ -487,7 +493,7 @@ class _Run:
         """Linear complementarity problem of an iteration.
 
         Displacements by the forces, now and by rigid motions; flexibility and offset of gaps and slips; and the
-        equations of the rigid motions, see `flangeway.solve.floating`.
+        equations of the rigid motions, see `flangeway.solve.handles`.
         """
         parts, nodes, slides = self.parts, self.current.nodes, self.slides
         at_nodes, jacobian, directions = constrained.displacements, constrained.jacobian, constrained.directions
@@ -502,7 +508,8 @@ class _Run:
         stiffness = by_forces.T @ answer[:, m + 1 :] - rigid.T @ (geometric @ rigid)
         # of the rotation's own second derivative; that of a rotation and a slide vanishes in equilibrium
         stiffness[np.diag_indices(parts.n)] += np.einsum("dq,dq->q", turned, rigid)
-        residual = by_forces.T @ (answer[:, m] - at_nodes) + parts.load
+        stiffness += parts.tangent(self.motions)
+        residual = by_forces.T @ (answer[:, m] - at_nodes) + parts.forces(self.motions)
         resultants = by_forces.T @ answer[:, :m] + (directions @ rigid).T
         answer[:, m + 1 :] += rigid
         at_gaps = jacobian @ answer
@@ -525,6 +532,7 @@ class _Run:
         elif free.shape[1] < self.parts.n and self.slides is None:
             _, matrix, _, rigid = self._problem(*self._laws())
             unstable = rigid.unstable(matrix, self.forces > 0.0, kept)
+            self.stable = False if unstable.size else None if free.size else True
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
         size = float(np.abs(kept.T @ left).max(initial=0.0))
@@ -581,6 +589,7 @@ class _Run:
             tuple(self.history),
             friction,
             self.motions,
+            self.stable,
         )
 
 

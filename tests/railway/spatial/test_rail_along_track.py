@@ -12,6 +12,7 @@ from flangeway.materials import Elastic
 from flangeway.post.section_constants import section_constants
 from flangeway.railway.profiles.bundled import rail
 from flangeway.railway.spatial.rail_along_track import REGIONS, RailAlongTrack, rail_along_track
+from flangeway.railway.spatial.rail_head import narrowest_web
 from flangeway.railway.spatial.rail_supports import RailSupport
 from flangeway.railway.spatial.supported_rail import SupportedRail, sleeper_compliance, supported_rail
 from flangeway.system.disk_cache import Cache
@@ -328,3 +329,13 @@ def test_what_is_solved_is_kept_from_one_process_to_the_next(tmp_path) -> None:
     softer = supported_rail(rail("60E1"), material, replace(USUAL, vertical_kN_per_mm=20.0), 25.0, cache).by_modes
     assert len(list(tmp_path.iterdir())) == 2
     assert np.abs(softer - first).max() > 0.1 * np.abs(first).max()
+
+
+@pytest.mark.parametrize(("name", "thickness", "height"), [("136RE", 17.46, 90.2), ("60E1", 16.5, None)])
+def test_the_web_of_bundled_rails_has_its_nominal_thickness(name, thickness, height):
+    """The narrowest place is 11/16 in thick in the 136RE and 16.5 mm in the 60E1."""
+    found, left, right = narrowest_web(rail(name).outline)
+    assert right - left == pytest.approx(thickness, abs=0.02)
+    assert left == pytest.approx(-right, abs=1e-6)
+    if height is not None:
+        assert found == pytest.approx(height, abs=0.5)

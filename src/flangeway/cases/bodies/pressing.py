@@ -11,9 +11,8 @@ from flangeway.contact import Contact, ContactSolution, ContactSystem, LoadStep,
 from flangeway.contact.press import Load
 from flangeway.geometry import Placement
 from flangeway.problems import Part
-from flangeway.solve import CondensedBodies, ContactState, Status, StepSettings, follow, solve_contact
+from flangeway.solve import CondensedBodies, ContactState, Handle, Status, StepSettings, follow, solve_contact
 from flangeway.solve.body_response import LoadedBodies
-from flangeway.solve.floating import Floating
 from flangeway.types import Floats
 
 SMALLEST_STEP = 1.0 / 1024.0
@@ -198,9 +197,10 @@ def _pushed(driver: _Driver, push: Push, load: Floats, state: ContactState) -> P
     placements = driver.placements(1.0, push.part, tuple((free * direction).tolist()))
 
     def at_share(share: float, start: ContactState | None) -> ContactState:
-        floating = Floating(np.zeros(2), direction[None], False, np.append(share * wanted * direction, 0.0))
-        slides = [floating if part is push.part else None for part in parts]
-        found = solve_contact(response, driver.system, placements, floating=slides, start=start)
+        load = np.append(share * wanted * direction, 0.0)
+        handle = Handle((push.part,), np.zeros(2), direction[None], turns=False, load=load)
+        handles = [handle if part is push.part else None for part in parts]
+        found = solve_contact(response, driver.system, placements, handles=handles, start=start)
         driver.progress(f"{100.0 * share:.4g} % of the push: {found.status.message}")
         return found
 

@@ -3,23 +3,15 @@
 import math
 from dataclasses import replace
 
-import numpy as np
-
 from flangeway.cases.wheelset.wheelset_inputs import WheelsetInputs
 from flangeway.cases.wheelset.wheelset_profiles import profile_notes, worn_field_sides
 from flangeway.cases.wheelset.wheelset_summary import (
-    BendingSummary,
     ContactSummary,
-    FilletSummary,
-    HoldingSummary,
     MeshSummary,
-    OtherEquilibrium,
-    ReactionSummary,
     RigidContactSummary,
     RigidSummary,
     StressSummary,
     SubsurfaceSummary,
-    SupportSummary,
     WheelsetSummary,
     equilibrium_parts,
 )
@@ -27,10 +19,7 @@ from flangeway.exact.hertz_line_contact import DEPTH_OF_MAX_SHEAR
 from flangeway.post import cell_stresses
 from flangeway.railway.rigid.rigid_equilibrium import RigidContactPoint, RigidPosition, contact_points
 from flangeway.railway.track.discretisation import Role
-from flangeway.railway.track.placements import SIDES
-from flangeway.railway.wheelset.bending import FaceStresses, RailBending, rail_bending
 from flangeway.railway.wheelset.subsurface import SEARCHED, maximum_on, stresses_below
-from flangeway.railway.wheelset.support_reactions import holding_force, support_reactions
 from flangeway.railway.wheelset.wheelset_checks import SLICE, below_contacts
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch
 from flangeway.railway.wheelset.wheelset_result import WheelsetResult
@@ -53,18 +42,9 @@ def summarise(case: WheelsetInputs, result: WheelsetResult, total_s: float) -> W
     timings = {name.replace("-", "_"): seconds for name, seconds in result.timings_s.items()}
     return WheelsetSummary(
         **equilibrium_parts(result, result.model.problem.load),
-        other_equilibria=[
-            OtherEquilibrium(
-                *(each.position.vertical_mm, each.position.lateral_mm, each.position.roll_rad, each.stable),
-                each.residuals.equilibrium_residual,
-            )
-            for each in result.others
-        ],
         contacts=[_contact(result, patch) for patch in result.patches],
         rigid=_rigid(result),
         stresses=_stresses(result),
-        bending=[_bending(rail_bending(result, side)) for side in SIDES],
-        support=_support(result),
         bodies=_bodies(result),
         timings_s=timings | {"total": total_s},
         case={"name": case.name, **case.model_dump()},
@@ -108,55 +88,6 @@ def _below(result: WheelsetResult, patch: WheelRailPatch, body: Role) -> Subsurf
     shear = maximum_on(line.distances, line.stresses.in_plane_shear, SEARCHED)
     mises = maximum_on(line.distances, line.stresses.von_mises, SEARCHED)
     return SubsurfaceSummary(shear.value_MPa, shear.depth_mm, mises.value_MPa, mises.depth_mm)
-
-
-def _bending(rail: RailBending) -> BendingSummary:
-    head = rail.head_motion
-    web = {f"web_{face.face}_face_MPa": face.web_MPa for face in rail.faces}
-    return BendingSummary(
-        side=rail.side,
-        head_lateral_mm=head.lateral_mm,
-        head_vertical_mm=head.vertical_mm,
-        head_roll_rad=head.roll_rad,
-        head_roll_outward_rad=head.roll_rad if rail.side == "left" else -head.roll_rad,
-        gauge_outward_mm=rail.gauge_outward_mm,
-        web_height_mm=rail.web_height_mm,
-        web_thickness_mm=rail.web_thickness_mm,
-        web_normal_force_kN=rail.web_normal_N / 1e3,
-        web_shear_force_kN=rail.web_shear_N / 1e3,
-        web_moment_kN_mm=rail.web_moment_Nmm / 1e3,
-        web_gauge_face_MPa=web["web_gauge_face_MPa"],
-        web_field_face_MPa=web["web_field_face_MPa"],
-        fillets=[
-            _fillet(face, towards, *limits)
-            for face in rail.faces
-            for towards, limits in (("head", (rail.web_height_mm, np.inf)), ("foot", (-np.inf, rail.web_height_mm)))
-        ],
-    )
-
-
-def _fillet(face: FaceStresses, towards: str, above_mm: float, below_mm: float) -> FilletSummary:
-    (tension, highest), (compression, lowest) = (face.extreme(sign, above_mm, below_mm) for sign in (1.0, -1.0))
-    # the other principal stress in the plane is zero: a surface in compression all along has no tension
-    return FilletSummary(
-        face.face, towards, max(tension, 0.0), highest.tolist(), -max(-compression, 0.0), lowest.tolist()
-    )
-
-
-def _support(result: WheelsetResult) -> SupportSummary:
-    reactions = [
-        ReactionSummary(
-            *(each.part, each.force_N[0] / 1e3, each.force_N[1] / 1e3, each.moment_Nmm / 1e3),
-            each.reference_mm.tolist(),
-            each.eccentricity_mm if each.part.startswith("rail") else None,
-            *(each.force_error, each.moment_residual),
-        )
-        for each in support_reactions(result)
-    ]
-    held = holding_force(result)
-    return SupportSummary(
-        reactions, None if held is None else HoldingSummary(held.lateral_N, held.vertical_N, held.moment_Nmm)
-    )
 
 
 def _rigid(result: WheelsetResult) -> RigidSummary:

@@ -130,10 +130,6 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
         Discretisation.primary, description="primary surface; auto: chosen, and the reason is reported"
     )
 
-    equilibria: Literal["reached", "all"] = Field(
-        "reached", description="equilibria to find: the one reached from the middle of the track, or all"
-    )
-
     def check(self) -> None:
         """See `RunnableCase.check`."""
         self.problem()
@@ -159,8 +155,7 @@ class WheelsetCase(WheelsetInputs, RunnableCase):
             self._material(self.wheel_young_MPa, self.wheel_poisson),
             self._material(self.rail_young_MPa, self.rail_poisson),
             Prescribed(self.lateral_mm, self.vertical_mm, self.roll_rad),
-            self.equilibria == "all",
-            self.yield_MPa,
+            yield_MPa=self.yield_MPa,
         )
 
     def _material(self, young: float | None, poisson: float | None) -> Elastic | None:

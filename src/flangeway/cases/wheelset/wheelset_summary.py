@@ -31,15 +31,6 @@ AXES = {
         "The right wheel's profile: x from the tape line away from the middle of the track, y up to the "
         "axle. The left wheel is its mirror image."
     ),
-    "bending": (
-        "Displacements of a rail's head are those of its top against the fixed base, the track's axes; stresses along "
-        "the free surface between head and base, tension positive, positions in the rail's profile."
-    ),
-    "support": (
-        "Forces of the base on the rail, or of the axle on the wheel, the track's axes; moments counter-clockwise "
-        "about the middle of the base or of the axle, in kN mm; the eccentricity of a base's force is positive away "
-        "from the track."
-    ),
     "forces": "Of the rail on the wheel, the track's axes: a positive lateral force pushes the wheel to the right.",
 }
 
@@ -56,17 +47,6 @@ class PositionSummary(SummaryPart):
     vertical_in_space_mm: float
     stable: bool | None
     reference: str = REFERENCE
-
-
-@dataclass(frozen=True)
-class OtherEquilibrium(SummaryPart):
-    """A further equilibrium."""
-
-    vertical_mm: float
-    lateral_mm: float
-    roll_rad: float
-    stable: bool | None
-    equilibrium_residual: float
 
 
 @dataclass(frozen=True)
@@ -200,69 +180,6 @@ class StressSummary(SummaryPart):
 
 
 @dataclass(frozen=True)
-class FilletSummary(SummaryPart):
-    """Extreme stresses along the surface between the narrowest section of the web and the head or the foot."""
-
-    face: str
-    towards: str
-    max_tension_MPa: float | None
-    tension_position_mm: Sequence[float]
-    max_compression_MPa: float | None
-    compression_position_mm: Sequence[float]
-
-
-@dataclass(frozen=True, kw_only=True)
-class BendingSummary(SummaryPart):
-    """Displacement of a rail's head, forces in its web, stresses in web and fillets."""
-
-    side: Side
-    head_lateral_mm: float
-    head_vertical_mm: float
-    head_roll_rad: float
-    head_roll_outward_rad: float
-    gauge_outward_mm: float
-    web_height_mm: float
-    web_thickness_mm: float
-    web_normal_force_kN: float
-    web_shear_force_kN: float
-    web_moment_kN_mm: float
-    web_gauge_face_MPa: float
-    web_field_face_MPa: float
-    fillets: Sequence[FilletSummary]
-
-
-@dataclass(frozen=True)
-class ReactionSummary(SummaryPart):
-    """Force and moment of a base or of the axle on a part; the eccentricity is None for a wheel."""
-
-    part: str
-    lateral_force_kN: float
-    vertical_force_kN: float
-    moment_kN_mm: float
-    reference_mm: Sequence[float]
-    eccentricity_mm: float | None
-    force_residual: float
-    moment_residual: float
-
-
-@dataclass(frozen=True)
-class HoldingSummary(SummaryPart):
-    """Force and moment at the axle that hold a prescribed position."""
-
-    lateral_N: float
-    vertical_N: float
-    moment_N_mm: float
-
-
-@dataclass(frozen=True)
-class SupportSummary(SummaryPart):
-    """Reactions of bases and axle; `holding` is None where no position is prescribed."""
-
-    reactions: Sequence[ReactionSummary]
-    holding: HoldingSummary | None
-
-
-@dataclass(frozen=True)
 class MeshSummary(SummaryPart):
     """Mesh of a body, and the parts that it is used for."""
 
@@ -288,15 +205,12 @@ class WheelsetSummary(Summary):
     """What ``summary.json`` of a wheelset holds."""
 
     position: PositionSummary
-    other_equilibria: Sequence[OtherEquilibrium]
     load: LoadSummary
     residual: ResidualSummary
     sides: Sequence[SideSummary]
     contacts: Sequence[ContactSummary]
     rigid: RigidSummary
     stresses: Sequence[StressSummary]
-    bending: Sequence[BendingSummary]
-    support: SupportSummary
     bodies: Sequence[MeshSummary]
     axes: dict[str, str] = field(default_factory=lambda: AXES)
     assumptions: Sequence[str]

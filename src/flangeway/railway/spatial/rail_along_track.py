@@ -13,8 +13,8 @@ from flangeway.mesh.connectivity import ordered_pairs
 from flangeway.post.lines import polynomials_at
 from flangeway.post.patch_stresses import SpatialStresses, summed_stresses
 from flangeway.railway.profiles.bundled import RailProfile
+from flangeway.railway.spatial.rail_head import GAUGE_DEPTH_MM, head_motion, narrowest_web, top_and_gauge
 from flangeway.railway.spatial.supported_rail import SPREAD, SupportedRail, weights_at
-from flangeway.railway.wheelset.bending import GAUGE_DEPTH_MM, head_motion, narrowest_web, top_and_gauge
 from flangeway.space import CellBatch
 from flangeway.types import Floats
 

@@ -14,6 +14,9 @@ ROLES: tuple[Role, Role] = ("wheel", "rail")
 Choice = Literal["auto", "rail", "wheel"]
 PairingName = Literal["node-to-segment", "segment-to-segment"]
 EnforcementName = Literal["penalty", "augmented-lagrange", "multiplier"]
+DEPTH_MM = 10.0
+"""Depth up to which surfaces that overlap are paired in an iteration, in mm: a wheel sinks by less than 1 mm."""
+
 NODAL = ("node-to-segment", "penalty")  # pairing and enforcement that can have a penalty per node
 
 
@@ -114,7 +117,7 @@ class Discretisation:
 
     def pairing_law(self) -> NodeToSegment | SegmentToSegment:
         """How the surfaces are compared."""
-        return NodeToSegment() if self.pairing == "node-to-segment" else SegmentToSegment()
+        return NodeToSegment() if self.pairing == "node-to-segment" else SegmentToSegment(depth=DEPTH_MM)
 
     def enforcement_law(self, modulus: float) -> Penalty | AugmentedLagrange | Multiplier:
         """Constraint enforcement, for a contact modulus in MPa."""

@@ -43,7 +43,6 @@ class WheelsetProblem:
     - `discretisation`: how the bodies are meshed and joined.
     - `wheel_material`, `rail_material`: where it differs from `material`.
     - `prescribed`: components of the motion that are given instead of found.
-    - `all_equilibria`: whether all equilibria are searched, from every position of rigid equilibrium.
     - `yield_MPa`: yield strength above which a warning says that the bodies would yield; None: that of rail steel, for
       steel.
     """
@@ -57,7 +56,6 @@ class WheelsetProblem:
     wheel_material: Elastic | None = None
     rail_material: Elastic | None = None
     prescribed: Prescribed = field(default_factory=Prescribed)
-    all_equilibria: bool = False
     yield_MPa: float | None = None  # noqa: N815 (the unit megapascal)
 
     def __post_init__(self) -> None:

@@ -1,4 +1,4 @@
-"""The position of the wheelset in which contact forces and load are in equilibrium (Moherdaui 2021, 7.2.1)."""
+"""An equilibrium of a wheelset (Moherdaui 2021, 7.2.1), and the search for that of one in three dimensions."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,15 +8,13 @@ import numpy as np
 
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.plane_contact import PlaneContact
 from flangeway.railway.wheelset.residual import (
     MAX_STEP,
     TOLERANCE,
     RelativeResiduals,
     is_stable,
 )
-from flangeway.railway.wheelset.wheelset_model import WheelsetModel
-from flangeway.solve import BodyResponse, ContactState, Status
+from flangeway.solve import Status
 from flangeway.types import Floats
 
 FIRST_PENETRATION_MM = 0.1
@@ -33,8 +31,6 @@ WORSE = 4.0  # growth of the residual above which a step is taken back and tried
 
 MAX_WAY = np.array([30.0, 30.0, 0.05])
 """Displacement in mm, mm and rad from where the search started, beyond which the wheelset has left the track."""
-
-SAME = 1e-3  # distance of two equilibria, in mm and rad, below which they are one
 
 
 class AxleState(Protocol):
@@ -98,21 +94,6 @@ class Equilibrium(Generic[State]):
     residual: Floats
     stable: bool | None = None
     history: tuple[RelativeResiduals, ...] = ()
-
-
-def find_equilibria(
-    model: WheelsetModel, response: BodyResponse, progress: Callable[[str], None], starts: tuple[WheelsetPosition, ...]
-) -> list[Equilibrium[ContactState]]:
-    """Equilibria from some starts, the stable ones first; one is enough unless the problem asks for all."""
-    found: list[Equilibrium[ContactState]] = []
-    for start in starts:
-        new = search_equilibrium(PlaneContact(model, response), progress, start)
-        if not any(_are_same(new, other) for other in found):
-            found.append(new)
-        if new.status.converged and new.stable is not False and not model.problem.all_equilibria:
-            break
-    found.sort(key=lambda each: (not each.status.converged, each.stable is False))
-    return [found[0], *(each for each in found[1:] if each.status.converged)]
 
 
 def search_equilibrium(
@@ -245,9 +226,3 @@ class _Search(Generic[State]):
             self.growth = min(2.0 * self.growth, MAX_GROWTH)
         target = self.position.moved(WheelsetPosition(*(step / max(1.0, excess))))
         self.evaluate(target, self.contact.contact_at(target, self.safe))
-
-
-def _are_same(one: Equilibrium[ContactState], other: Equilibrium[ContactState]) -> bool:
-    if not (one.status.converged and other.status.converged):
-        return False
-    return bool(np.allclose(one.position.components, other.position.components, rtol=0.0, atol=SAME))

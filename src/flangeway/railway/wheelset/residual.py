@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike
 
 from flangeway.railway.track.placements import WheelsetPosition
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.types import Bools, Floats, Ints
+from flangeway.types import Bools, Floats
 
 LATERAL_REFERENCE_N = 28.4e3
 """Reference of the lateral residual in both situations: the centrifugal force of the curve (Moherdaui 2021, 7.2.2)."""
@@ -45,10 +45,6 @@ class AxleLoads:
         return cls(
             forces[0], forces[1], forces[2], wheelset.centre_of_gravity_height_mm, wheelset.back_to_back_mm / 2.0
         )
-
-    def take(self, chosen: Ints | Bools) -> "AxleLoads":
-        """Some of them."""
-        return AxleLoads(self.along[chosen], self.onto[chosen], self.weight[chosen], self.height, self.arm)
 
     def on_axle(self, roll: ArrayLike) -> Floats:
         """Forces in the track's axes and moment about the axle's middle at a roll (...), shape (..., 3)."""

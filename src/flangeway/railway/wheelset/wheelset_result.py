@@ -7,16 +7,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from flangeway.contact.overlap import body_overlaps
+from flangeway.contact.overlap import BodyOverlap, body_overlaps
 from flangeway.geometry import Placement
 from flangeway.post import pressure_patches
 from flangeway.railway.track.placements import Side, WheelsetPosition, lateral_over_vertical
 from flangeway.railway.track.wheelset_problem import WheelsetProblem
-from flangeway.railway.wheelset.equilibrium import Equilibrium, find_equilibria
-from flangeway.railway.wheelset.equilibrium_cache import EquilibriumCache
+from flangeway.railway.wheelset.plane_wheelset import PlaneEquilibrium, PlaneWheelset
 from flangeway.railway.wheelset.wheelset_checks import checked
 from flangeway.railway.wheelset.wheelset_model import WheelRailPatch, WheelsetModel, build_model, wheel_rail_patch
-from flangeway.solve import CondensedBodies, ContactState, Status
+from flangeway.solve import Status
 from flangeway.system.disk_cache import Cache
 from flangeway.types import Floats
 
@@ -32,18 +31,18 @@ class WheelsetResult:
     - `displacements`: of all nodes of each part in its own frame, by name, each (n_dofs, 2).
     - `timings_s`: seconds for meshing, condensation (assembly and factorisation), contact, and post-processing.
     - `warnings`: sentences about the limits of the result.
-    - `others`: further equilibria, if more than one was found.
+    - `overlaps`: where deformed bodies overlap.
     """
 
     status: Status
     model: WheelsetModel
-    equilibrium: Equilibrium[ContactState]
+    equilibrium: PlaneEquilibrium
     patches: tuple[WheelRailPatch, ...]
     placements: dict[str, Placement]
     displacements: dict[str, Floats]
     timings_s: dict[str, float]
     warnings: tuple[str, ...]
-    others: tuple[Equilibrium[ContactState], ...] = ()
+    overlaps: tuple[BodyOverlap, ...]
 
     @property
     def approach_mm(self) -> float:
@@ -79,35 +78,44 @@ def solve_wheelset(
     for whole in (False, True):
         with _timed(timings, "meshing"):
             model = build_model(problem, progress, whole=whole, cache=cache)
-        n_unknowns = sum(int(body.free.sum()) for body in model.bodies)
         with _timed(timings, "condensation"):
-            progress(f"condensing {n_unknowns} unknowns to the surfaces")
-            response = CondensedBodies(model.system.surface_nodes, cache)
-        with _timed(timings, "contact"):
-            starts = model.rigid_start.starts if whole else (model.rigid_position,)
-            stored = EquilibriumCache(cache, model, response, starts)
-            found = stored.load()
-            if found is None:
-                found = find_equilibria(model, response, progress, starts)
-                stored.store(found)
-            equilibrium, *others = found
-            state = equilibrium.state
-            patches = tuple(wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
-        with _timed(timings, "post-processing"):
-            progress("recovering the fields")
-            fields = stored.fields(state)
-            overlaps = body_overlaps(model.system, response, state, fields)
-        is_whole = all(each.is_explained for each in overlaps) and not any(each.pressure.at_edge for each in patches)
-        if equilibrium.status.converged and equilibrium.stable is not False and is_whole and not problem.all_equilibria:
+            wheelset = PlaneWheelset.of(model, progress, cache)
+        result = solve_condensed(wheelset, progress, timings)
+        complete = all(each.is_explained for each in result.overlaps)
+        complete = complete and not any(each.pressure.at_edge for each in result.patches)
+        if whole or (result.equilibrium.status.converged and complete):
             break
-        if not whole:
-            progress("once more with contact anywhere on the running surfaces")
+        progress("once more with contact anywhere on the running surfaces")
+    return result
+
+
+def solve_condensed(
+    wheelset: PlaneWheelset,
+    progress: Callable[[str], None] = lambda _: None,
+    timings: dict[str, float] | None = None,
+) -> WheelsetResult:
+    """Find the equilibrium of a wheelset whose bodies are condensed, and check it.
+
+    - `progress`: called with a sentence at each stage.
+    - `timings`: seconds of the stages before.
+    """
+    timings, model = {} if timings is None else timings, wheelset.model
+    with _timed(timings, "contact"):
+        progress("finding forces and position")
+        equilibrium = wheelset.equilibrium()
+        state = equilibrium.state
+        patches = tuple(wheel_rail_patch(model, patch) for patch in pressure_patches(model.system, state))
+    with _timed(timings, "post-processing"):
+        progress("recovering the fields")
+        rotations = wheelset.response.rotations(state.placements)
+        fields = wheelset.response.fields(rotations, state.nodal_forces)
+        overlaps = body_overlaps(model.system, wheelset.response, state, fields)
     names = [part.name for part in model.system.parts]
     displacements = dict(zip(names, fields, strict=True))
     status, warnings = checked(model, equilibrium, patches, overlaps, displacements)
     placements = dict(zip(names, state.placements, strict=True))
     return WheelsetResult(
-        status, model, equilibrium, patches, placements, displacements, timings, warnings, tuple(others)
+        status, model, equilibrium, patches, placements, displacements, timings, warnings, tuple(overlaps)
     )
 
 

@@ -305,7 +305,7 @@ def _pictures(run: BodiesRun) -> list[Picture]:
         pictures.append(
             Picture(
                 CONVERGENCE,
-                lambda: newton_figure(contact),
+                lambda: newton_figure(load_steps(contact)),
                 "Relative residuals over the iterations of Newton's method in all load steps, on a logarithmic axis.",
                 "Convergence: residual of the forces and change of the displacements in each iteration.",
             )

@@ -1,14 +1,13 @@
-"""Convergence: the Newton iterations of load steps as a figure and a table, and the equilibrium of a wheelset."""
+"""Convergence: the Newton iterations of load steps as a figure and a table."""
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from flangeway.cases import CaseRun
 from flangeway.contact import ContactSolution
-from flangeway.railway.wheelset.residual import TOLERANCE
 from flangeway.report.figures.drawing import GREY, INK, Room, figure_with_room, power_of_ten
 from flangeway.report.page.tables import SummaryTable
 from flangeway.solve import ContactState
@@ -33,12 +32,12 @@ def load_steps(contact: ContactSolution) -> list[tuple[str, ContactState]]:
     return found
 
 
-def newton_figure(contact: ContactSolution) -> Figure:
-    """Draw residual and change of all iterations, load step by load step."""
+def newton_figure(steps: Sequence[tuple[str, ContactState]]) -> Figure:
+    """Draw residual and change of all iterations, load step by load step, each with its name."""
     figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(bottom=0.8, top=0.15))
-    steps = [(name, state.history) for name, state in load_steps(contact) if state.history]
+    named = [(name, state.history) for name, state in steps if state.history]
     start, corrected = 0, False
-    for number, (name, history) in enumerate(steps):
+    for number, (name, history) in enumerate(named):
         at = np.arange(start + 1, start + 1 + len(history))
         for key, colour, line, marker in (("residual", INK, "-", "o"), ("change", GREY, "--", "s")):
             errors = np.maximum([getattr(iteration, key) for iteration in history], MIN_ERROR)
@@ -53,7 +52,7 @@ def newton_figure(contact: ContactSolution) -> Figure:
             label = "force correction" if not corrected else None
             axes.axvline(at[place] + 0.5, color=GREY, lw=0.8, ls=":", label=label)
             corrected = True
-        if 1 < len(steps) <= MOST_NAMED:
+        if 1 < len(named) <= MOST_NAMED:
             axes.text(
                 start + 0.6, 0.98, name, fontsize=8, color=GREY, va="top", transform=axes.get_xaxis_transform()
             )  # fmt: skip
@@ -61,7 +60,7 @@ def newton_figure(contact: ContactSolution) -> Figure:
     axes.set_xlim(0.5, max(start, 1) + 0.5)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
     axes.set(
-        xlabel="Newton iterations" + (", load step by load step" if len(steps) > 1 else ""), ylabel="relative error"
+        xlabel="Newton iterations" + (", load step by load step" if len(named) > 1 else ""), ylabel="relative error"
     )
     axes.yaxis.set_major_formatter(power_of_ten)
     axes.grid(color="#dddddd", linewidth=0.6)
@@ -80,28 +79,3 @@ def steps_table(contact: ContactSolution) -> SummaryTable:
         rows.append((name, f"{len(state.history)}", *errors))
     header = ("fraction of loads and displacements", "iterations", "residual", "change", "active constraints")
     return SummaryTable("Load steps", header, tuple(rows))
-
-
-def convergence_figure(run: CaseRun) -> Figure:
-    """Draw the residuals (Moherdaui 2021, 7.2.2) at each position that was tried, and the accepted one."""
-    history = run.result.equilibrium.history
-    figure, ((axes,),) = figure_with_room(13.0, 4.0, Room(top=0.15))
-    steps = np.arange(len(history))
-    resulting = np.maximum([residuals.equilibrium_residual for residuals in history], MIN_ERROR)
-    axes.semilogy(steps, resulting, color=INK, lw=1.6, marker="o", ms=4.5, mfc="white", label="equilibrium residual")
-    free = history[-1].free if history else ()
-    if not any(free):
-        axes.text(0.5, 0.5, "the position is prescribed: there is no search", ha="center", transform=axes.transAxes)
-    for name, line, is_free in zip(("lateral", "vertical", "moment"), ("-.", "--", ":"), free, strict=False):
-        if not is_free:
-            continue
-        errors = np.maximum([abs(getattr(residuals, f"{name}_residual")) for residuals in history], MIN_ERROR)
-        axes.semilogy(steps, errors, color=GREY, lw=1.1, ls=line, label=name)
-    axes.axhline(TOLERANCE, color=GREY, lw=0.8)
-    axes.annotate("tolerance", (0.0, TOLERANCE), (3.0, 2.0), textcoords="offset points", fontsize=8, color=GREY)
-    axes.xaxis.set_major_locator(MaxNLocator(integer=True, min_n_ticks=1))
-    axes.set(xlabel="iteration: positions of the wheelset, each with its contact solved", ylabel="relative residual")
-    axes.yaxis.set_major_formatter(power_of_ten)
-    axes.grid(color="#dddddd", linewidth=0.6)
-    axes.legend(loc="upper right", fontsize=8, framealpha=1.0)
-    return figure

@@ -12,24 +12,16 @@ from flangeway.cases.wheelset.wheelset_summary import ContactSummary, WheelsetSu
 from flangeway.railway.track.discretisation import Role
 from flangeway.railway.track.placements import SIDES
 from flangeway.report.figures.fields import PartFields, part_fields, write_part
-from flangeway.report.figures.newton_history import convergence_figure
+from flangeway.report.figures.newton_history import newton_figure
 from flangeway.report.figures.series import write_collection, write_contacts
 from flangeway.report.page.case_text import run_record
 from flangeway.report.page.record import Picture, Record
 from flangeway.report.page.tables import marked, number
 from flangeway.report.scenes import wheelset_scene
-from flangeway.report.wheelset.bending_figure import bending_figure
 from flangeway.report.wheelset.contact_figure import contact_figure, pressure_figure
 from flangeway.report.wheelset.rigid_elastic_figure import rigid_elastic_figure
-from flangeway.report.wheelset.subsurface_figure import (
-    SubsurfaceLine,
-    subsurface_figure,
-    subsurface_lines,
-    subsurface_table,
-)
 from flangeway.report.wheelset.wheelset_figure import wheelset_figure
 from flangeway.report.wheelset.wheelset_tables import (
-    bending_table,
     bodies_table,
     contact_name,
     contacts_table,
@@ -37,13 +29,12 @@ from flangeway.report.wheelset.wheelset_tables import (
     results_table,
     rigid_table,
     stresses_table,
-    support_table,
 )
-from flangeway.system.output_folder import Writer, text_writer
+from flangeway.system.output_folder import Writer
 
 FILES = (
     "The same numbers, for programs, are in `summary.json`; the fields are in `wheelset.pvd`, which ParaView opens "
-    "with all four parts; the stresses below the contacts, point by point, are in `subsurface.csv`."
+    "with all four parts."
 )
 
 
@@ -52,9 +43,8 @@ def wheelset_record(run: CaseRun) -> Record:
     summary = run.summary
     problem = run.result.model.problem
     contacts = (contacts_table,) if summary.contacts else ()
-    tables = (*(*contacts, position_table, rigid_table, bending_table), *(support_table, stresses_table, bodies_table))
+    tables = (*contacts, position_table, rigid_table, stresses_table, bodies_table)
     fields = cache(lambda: list(part_fields(run.result)))
-    below = cache(lambda: subsurface_lines(run.result))
     return run_record(
         run,
         FILES,
@@ -66,10 +56,10 @@ def wheelset_record(run: CaseRun) -> Record:
         warnings=summary.warnings,
         assumptions=summary.assumptions,
         scene=lambda: wheelset_scene(fields(), summary.contacts),
-        pictures=_pictures(run, fields, below),
+        pictures=_pictures(run, fields),
         tables=[table(summary) for table in tables],
         axes=summary.axes,
-        files=lambda: _files(run, below()),
+        files=lambda: _files(run),
     )
 
 
@@ -115,16 +105,16 @@ def wheelset_facts(
 
 
 PARTS = ("wheel-left", "rail-left", "wheel-right", "rail-right")
-COLLECTION, CONTACT, SUBSURFACE = "wheelset.pvd", "contact.vtu", "subsurface.csv"
+COLLECTION, CONTACT = "wheelset.pvd", "contact.vtu"
 PICTURES = (
     "wheelset.png", "rigid-and-elastic.png", "stresses-left.png", "stresses-right.png", "pressure.png",
-    "convergence.png", "subsurface.png", "bending.png",
+    "convergence.png",
 )  # fmt: skip
-NAMES = (*(f"{part}.vtu" for part in PARTS), CONTACT, COLLECTION, *PICTURES, SUBSURFACE)
+NAMES = (*(f"{part}.vtu" for part in PARTS), CONTACT, COLLECTION, *PICTURES)
 
 
-def _files(run: CaseRun, below: Sequence[SubsurfaceLine]) -> dict[str, Writer]:
-    """Return functions that write fields and the stresses below the contacts, by the files' names."""
+def _files(run: CaseRun) -> dict[str, Writer]:
+    """Return functions that write the fields, by the files' names."""
     result = run.result
     writers: dict[str, Writer] = {f"{name}.vtu": partial(write_part, result=result, name=name) for name in PARTS}
     writers[CONTACT] = lambda path: write_contacts(
@@ -132,13 +122,10 @@ def _files(run: CaseRun, below: Sequence[SubsurfaceLine]) -> dict[str, Writer]:
     )
     vtu_files = [(0.0, Path(file).stem, file) for file in writers]
     writers[COLLECTION] = lambda path: write_collection(path, vtu_files)
-    writers[SUBSURFACE] = text_writer(subsurface_table(list(below)))
     return writers
 
 
-def _pictures(
-    run: CaseRun, fields: Callable[[], list[PartFields]], below: Callable[[], list[SubsurfaceLine]]
-) -> list[Picture]:
+def _pictures(run: CaseRun, fields: Callable[[], list[PartFields]]) -> list[Picture]:
     """Return all pictures in the order of `PICTURES`."""
     described: list[tuple[Callable[[], Figure], str, str]] = [
         (
@@ -173,24 +160,10 @@ def _pictures(
             "and the profiles' radii at the contact, where the profiles are not conforming.",
         ),
         (
-            lambda: convergence_figure(run),
-            "Relative residuals of the equilibrium over the iterations, on a logarithmic axis.",
-            "Convergence: residuals of forces and moment at each position of the wheelset in the iteration.",
-        ),
-        (
-            lambda: subsurface_figure(below()),
-            "Stresses in rail and wheel over the depth below each contact, solid, and those of Hertz's line contact, "
-            "dashed.",
-            "Stresses along the inward normal through each centre of pressure, and those of Hertz's theory in half "
-            "planes; in the head of a rail and in a rim the force spreads less, and the stresses fall more slowly.",
-        ),
-        (
-            lambda: bending_figure(run, fields()),
-            "Sections of both rails with the stresses along their free surface as ordinates, and their deformed "
-            "outlines dashed.",
-            "Bending of the rails, held along their bases: stresses along the surface of web and fillets in MPa, and "
-            "the deformed outlines. The stresses are those of the slice: compare runs with each other, not with a rail "
-            "in track.",
+            lambda: newton_figure([("", run.result.equilibrium.state)]),
+            "Residual and change of Newton's iterations, on a logarithmic axis.",
+            "Newton's iterations for forces and position: residual of forces over the total force, or violation "
+            "of the contact law, and change of the displacements.",
         ),
     ]
     return [Picture(name, *each) for name, each in zip(PICTURES, described, strict=True)]

@@ -1,9 +1,8 @@
 """Tables of a wheelset's summary: one list of columns for the terminal and for the page."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 from flangeway.cases.wheelset.wheelset_summary import (
-    BendingSummary,
     ContactSummary,
     RigidContactSummary,
     WheelsetSummary,
@@ -54,13 +53,12 @@ def results_table(summary: WheelsetSummary) -> SummaryTable:
     """Position, L/V of the wheels and contacts, one column a contact; what is of a side is in its first column."""
     contacts, position = summary.contacts, summary.position
     ratios = {each.side: number(each.lateral_over_vertical, 4) for each in summary.sides}
-    gauge = {rail.side: number(rail.gauge_outward_mm, 3) for rail in summary.bending}
     whole = {
         "lateral position of the axle, mm": _coordinate(position.lateral_mm),
         "approach after first touch, mm": number(position.approach_mm, 4),
     }
     table = table_across("Results", (contact_name(c, contacts) for c in contacts), contacts, CONTACT)
-    return with_whole(table, whole, [c.side for c in contacts], {"L/V": ratios, "gauge face outwards, mm": gauge})
+    return with_whole(table, whole, [c.side for c in contacts], {"L/V": ratios})
 
 
 def contact_name(contact: ContactSummary, contacts: Sequence[ContactSummary]) -> str:
@@ -93,14 +91,6 @@ def position_table(summary: WheelsetSummary) -> SummaryTable:
         ("  moment", residual.moment, "roll_rad"),
     )
     rows += [(name, _small(value)) for name, value, key in parts if summary.case[key] is None]
-    holding = summary.support.holding
-    if holding is not None:
-        forces = (
-            ("reaction at the axle: lateral force, N", holding.lateral_N, "lateral_mm"),
-            ("reaction at the axle: vertical force, N", holding.vertical_N, "vertical_mm"),
-            ("reaction at the axle: moment, N mm", holding.moment_N_mm, "roll_rad"),
-        )
-        rows += [(name, number(value, 1)) for name, value, key in forces if summary.case[key] is not None]
     return SummaryTable("Position and equilibrium", ("", "value"), tuple(rows))
 
 
@@ -138,58 +128,6 @@ def _value(contact: ContactSummary | RigidContactSummary | None, key: str, digit
     """Number of a contact, the x of a position; a dash without contact."""
     value = None if contact is None else getattr(contact, key)
     return number(value[0] if isinstance(value, list | tuple) else value, digits)
-
-
-def bending_table(summary: WheelsetSummary) -> SummaryTable:
-    """Displacement of the rails' heads and stresses in web and fillets, one column a rail."""
-    quantities: list[Column] = [
-        ("top of the head to the right, mm", "head_lateral_mm", ".3f"),
-        ("  up, mm", "head_vertical_mm", ".3f"),
-        ("  roll outwards, mrad", lambda r: 1e3 * r.head_roll_outward_rad, ".2f"),
-        ("gauge face outwards, mm", "gauge_outward_mm", ".3f"),
-        ("web, gauge face, MPa", "web_gauge_face_MPa", ".0f"),
-        ("  field face, MPa", "web_field_face_MPa", ".0f"),
-    ]
-    quantities += [
-        ("web: normal force, kN", "web_normal_force_kN", ".2f"),
-        ("  shear force, kN", "web_shear_force_kN", ".2f"),
-        ("  moment, kN mm", "web_moment_kN_mm", ".1f"),
-    ]
-    for towards in ("head", "foot"):
-        for word, sign in (("tension", 1.0), ("compression", -1.0)):
-            name = f"maximum {word} towards the {towards}{{, MPa|: face|: x, mm|: y, mm}}"
-            quantities.append((name, _extreme(towards, word, sign), ".0f||.1f|.1f"))
-    caption = "Bending of the rails, stresses along the surface of web and fillets"
-    return table_across(caption, (rail.side for rail in summary.bending), summary.bending, quantities, SLICE)
-
-
-def _extreme(
-    towards: str, word: str, sign: float
-) -> Callable[[BendingSummary], tuple[float, str, float, float] | None]:
-    def found(rail: BendingSummary) -> tuple[float, str, float, float] | None:
-        values = [(getattr(f, f"max_{word}_MPa"), f) for f in rail.fillets if f.towards == towards]
-        known = [(value, fillet) for value, fillet in values if value is not None]
-        if not known:
-            return None
-        value, worst = max(known, key=lambda each: sign * each[0])
-        x, y = getattr(worst, f"{word}_position_mm")
-        return value, worst.face, x, y
-
-    return found
-
-
-def support_table(summary: WheelsetSummary) -> SummaryTable:
-    """Reactions of bases and axle, and the residuals with the contact forces."""
-    columns: tuple[Column, ...] = (
-        ("", "part", ""),
-        ("lateral, kN", "lateral_force_kN", ".3f"),
-        ("vertical, kN", "vertical_force_kN", ".3f"),
-        ("moment, kN mm", "moment_kN_mm", ".1f"),
-        ("eccentricity, mm", "eccentricity_mm", ".2f"),
-        ("force residual", "force_residual", ".1e"),
-        ("moment residual", "moment_residual", ".1e"),
-    )
-    return table_of("Reactions of bases and axle on the parts", summary.support.reactions, columns)
 
 
 def stresses_table(summary: WheelsetSummary) -> SummaryTable:

@@ -1,0 +1,306 @@
+"""Handles: rigid motions, shared by any number of parts, that contact and loads decide.
+
+The frames of the parts on a handle are moved by unknowns q: how far its pivot slides along directions of space, and how
+far it turns about the pivot. The equations for them are the equilibrium of the handle. With the velocities V of the
+surface nodes of its parts by q, their contact forces f, the quarter turn J of f by the rotation in T, and the geometric
+stiffness G, a step dq changes the positions by ``dx = Y (B^T p' + W dq) + V dq + ...`` with ``Y = (K + G)^-1`` and
+``W = T - G V``. The resultant of the handle then is ``L p' + H dq + e`` with ``L = (V + Y W)^T B^T`` and
+``H = W^T (V + Y W) - S``, whose terms of slides in T vanish in equilibrium; S is the stiffness of the handle's springs
+and of its load, which moves with it. The gaps change by ``L^T dq``: the system is symmetric. With friction G is not,
+nor are directions D of forces those of gaps and slips: there ``L = (V + Y^T W')^T D^T`` and
+``H = W'^T (V + Y W) - S`` with ``W' = T - G^T V``.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+import numpy as np
+
+from flangeway.checks import are_finite
+from flangeway.errors import InputError, short
+from flangeway.geometry import Placement
+from flangeway.problems import Part
+from flangeway.solve.body_response import BodyResponse
+from flangeway.solve.free_motions import described_motions
+from flangeway.types import Floats, Ints
+
+LONGEST_MOVE = 0.1
+"""Motion of an iteration over the size of the part, above which it is shortened: gaps are linear over a part of it."""
+
+SOLVED = 1e6
+"""Factor on the size by which soft motions are measured, for handles whose soft motions are solved for: what is softer
+still is round-off of the stiffness."""
+
+HARDLY = 0.03
+"""Share of a motion over the whole one that is not named."""
+
+
+@dataclass(frozen=True, eq=False)
+class Handle:
+    """A rigid motion that parts share: a floating body, a pushed punch, an axle with two wheels, bolted bodies.
+
+    What is held of each part, see `flangeway.problems.Body`, moves with the handle.
+
+    Parameters
+    ----------
+    parts
+        The parts; each part has at most one handle.
+    pivot
+        Point of space, shape (2,), that slides with the handle and about which it turns.
+    directions
+        Unit vectors of space along which it slides, shape (n, 2); left out: both axes.
+    turns
+        Whether it turns.
+    load
+        Force x, y, whose direction does not change, and moment, counter-clockwise, shape (3,).
+    load_point
+        Point of space, shape (2,), that moves with the handle and where the force acts; left out: the pivot.
+    stiffness
+        Springs between the handle and the ground: a symmetric matrix without negative eigenvalues, shape (m, m), from
+        the m free motions (slides, then the rotation in rad) to the forces and the moment against them. Left out: none.
+    soft_motions
+        Motions that only the curvature of surfaces in contact resists: ``"solved"`` for, as an axle's, or ``"kept"``
+        in place where less than a thousandth of the forces acts along them, as rolling without friction, which is
+        resisted by the error of the meshes only.
+
+    Raises
+    ------
+    InputError
+        If a part is named twice, nothing is free, or a shape or number is wrong.
+
+    """
+
+    parts: tuple[Part, ...]
+    pivot: Floats
+    directions: Floats = field(default_factory=lambda: np.eye(2))
+    turns: bool = True
+    load: Floats = field(default_factory=lambda: np.zeros(3))
+    load_point: Floats | None = None
+    stiffness: Floats | None = None
+    soft_motions: Literal["solved", "kept"] = "solved"
+
+    def __post_init__(self) -> None:
+        parts = tuple(self.parts)
+        if not parts or len(set(parts)) < len(parts) or not all(isinstance(each, Part) for each in parts):
+            raise InputError(f"Handle(parts={short(self.parts)})", "one or more parts, each once", "name its parts")
+        object.__setattr__(self, "parts", parts)
+        values = {"pivot": (2,), "directions": (len(np.atleast_1d(self.directions)), 2), "load": (3,)}
+        if self.load_point is not None:
+            values["load_point"] = (2,)
+        if self.stiffness is not None:
+            values["stiffness"] = (self.n_motions, self.n_motions)
+        for name, shape in values.items():
+            given = np.asarray(getattr(self, name), dtype=object)
+            if given.shape != shape or not are_finite(given.ravel().tolist(), given.size):
+                raise InputError(
+                    f"Handle({name}={short(getattr(self, name))})", f"finite numbers {shape}", "see Handle"
+                )
+            object.__setattr__(self, name, given.astype(np.float64))
+        if self.n_motions == 0 or not np.allclose(np.linalg.norm(self.directions, axis=1), 1.0):
+            raise InputError(
+                f"Handle(directions={short(self.directions)}, turns={self.turns})",
+                "unit vectors, and at least one slide or the rotation",
+                "leave them out for a handle that slides and turns, or no handle where nothing is free",
+            )
+        if self.stiffness is not None and (
+            not np.allclose(self.stiffness, self.stiffness.T)
+            or np.linalg.eigvalsh(self.stiffness)[0] < -1e-12 * np.abs(self.stiffness).max()
+        ):
+            raise InputError(
+                f"Handle(stiffness={short(self.stiffness)})",
+                "a symmetric matrix without negative eigenvalues",
+                "give springs that pull the handle back",
+            )
+
+    @property
+    def n_motions(self) -> int:
+        """Number of unknowns: slides, then the rotation."""
+        return len(self.directions) + self.turns
+
+    def turned(self, vector: Floats, angle: float) -> Floats:
+        """A vector (2,) after a rotation in rad."""
+        return Placement(angle).matrix @ vector
+
+    def placed(self, placement: Placement, motion: Floats) -> Placement:
+        """Placement after a motion (n_motions,): slides, and the angle in rad."""
+        turned = Placement.about(self.pivot, self.angle(motion)).after(placement)
+        x, y = (self.pivot_after(motion) - self.pivot).tolist()
+        return Placement(0.0, (x, y)).after(turned)
+
+    def angle(self, motion: Floats) -> float:
+        """Angle of a motion (n_motions,) in rad."""
+        return float(motion[-1]) if self.turns else 0.0
+
+    def pivot_after(self, motion: Floats) -> Floats:
+        """Pivot in space, shape (2,), after a motion (n_motions,)."""
+        moved: Floats = self.pivot + motion[: len(self.directions)] @ self.directions
+        return moved
+
+    def forces(self, motion: Floats) -> Floats:
+        """Forces along the slides, and moment about the pivot, of load and springs after a motion (n_motions,)."""
+        x, y = self._arm(motion)
+        moment = self.load[2] + x * self.load[1] - y * self.load[0]
+        forces: Floats = np.append(self.directions @ self.load[:2], [moment] if self.turns else [])
+        return forces if self.stiffness is None else forces - self.stiffness @ motion
+
+    def tangent(self, motion: Floats) -> Floats:
+        """Derivatives of `forces` by the motion, shape (n_motions, n_motions)."""
+        n = self.n_motions
+        result = np.zeros((n, n)) if self.stiffness is None else -self.stiffness
+        if self.turns:  # the force keeps its direction while its arm turns
+            result[-1, -1] -= self._arm(motion) @ self.load[:2]
+        return result
+
+    def _arm(self, motion: Floats) -> Floats:
+        """From the pivot to where the force acts, shape (2,)."""
+        return np.zeros(2) if self.load_point is None else self.turned(self.load_point - self.pivot, self.angle(motion))
+
+
+class Handles:
+    """The unknown rigid motions of some of the placed bodies.
+
+    Unknowns of all handles follow each other; rotations are scaled with the size of the handle's parts to lengths.
+
+    Parameters
+    ----------
+    response
+        The bodies.
+    placements
+        Placements before any of the motions.
+    handles
+        Handle of each body, the same object for all that share it; None: the body is where it is placed.
+
+    Raises
+    ------
+    InputError
+        If what is held of a body leaves a motion free that is not among the unknowns, or of one that shares a handle
+        leaves any free.
+
+    """
+
+    def __init__(
+        self,
+        response: BodyResponse,
+        placements: Sequence[Placement],
+        handles: Sequence[Handle | None] | None,
+    ) -> None:
+        self._response, self._placements = response, tuple(placements)
+        of_bodies = list(handles or [None] * len(self._placements))
+        self._handles = list(dict.fromkeys(handle for handle in of_bodies if handle is not None))
+        self._members = [[i for i, own in enumerate(of_bodies) if own is handle] for handle in self._handles]
+        for surface, handle in zip(response.surfaces, of_bodies, strict=True):
+            freedom, shared = surface.body.freedom, handle is not None and of_bodies.count(handle) > 1
+            if freedom.n_motions > (0 if handle is None or shared else handle.n_motions):
+                raise InputError(
+                    f"body `{surface.body.name}` that what is held of it leaves free to move",
+                    "bodies that are held, or whose contacts are solved by `press`, and held ones only on a handle "
+                    "that several parts share",
+                    "hold both translations and the rotation in Body(held=...)",
+                )
+        counts = [handle.n_motions for handle in self._handles]
+        self.starts: Ints = np.concatenate(([0], np.cumsum(counts))).astype(np.int64)
+        self.n = int(self.starts[-1])
+        self._sizes = [self._size(members) for members in self._members]
+        self._units = np.ones(self.n)
+        for handle, own, size in zip(self._handles, self._slices(), self._sizes, strict=True):
+            if handle.turns:
+                self._units[own.stop - 1] = 1.0 / size
+        solved = [SOLVED if handle.soft_motions == "solved" else 1.0 for handle in self._handles]
+        self.sizes: Floats = np.repeat(np.multiply(self._sizes, solved), counts)
+        self.numbers: Ints = np.repeat(np.arange(len(counts)), counts)
+        self.load: Floats = self.forces(np.zeros(self.n))
+
+    def _size(self, members: Sequence[int]) -> float:
+        """Size of a part, or the diagonal of the box around several."""
+        bodies = [self._response.surfaces[i].body for i in members]
+        if len(bodies) == 1:
+            return bodies[0].size
+        points = [self._placements[i].points(body.nodes) for i, body in zip(members, bodies, strict=True)]
+        return float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0)))
+
+    def _slices(self) -> Iterator[slice]:
+        return (slice(*self.starts[i : i + 2].tolist()) for i in range(len(self._handles)))
+
+    def _motions(self, motions: Floats) -> Iterator[tuple[Handle, slice, list[int], Floats]]:
+        """Each handle, the place of its unknowns, its bodies, and its motion of motions (n,), not scaled."""
+        for handle, own, members in zip(self._handles, self._slices(), self._members, strict=True):
+            yield handle, own, members, (motions * self._units)[own]
+
+    def _nodes(self, member: int) -> slice:
+        return slice(*self._response.offsets[member : member + 2].tolist())
+
+    def placements(self, motions: Floats) -> tuple[Placement, ...]:
+        """Placements after motions (n,), rotations scaled."""
+        result = list(self._placements)
+        for handle, _, members, motion in self._motions(motions):
+            for i in members:
+                result[i] = handle.placed(result[i], motion)
+        return tuple(result)
+
+    def velocities(self, motions: Floats, positions: Floats) -> Floats:
+        """Velocities of all surface nodes at positions (n_nodes, 2) by the motions, shape (n_nodes, 2, n)."""
+        result = np.zeros((len(positions), 2, self.n))
+        for handle, own, members, motion in self._motions(motions):
+            for nodes in map(self._nodes, members):
+                result[nodes, :, own.start : own.start + len(handle.directions)] = handle.directions.T
+                if handle.turns:
+                    arms = positions[nodes] - handle.pivot_after(motion)
+                    result[nodes, :, own.stop - 1] = quarter_turn(arms) * self._units[own.stop - 1]
+        return result
+
+    def turned(self, forces: Floats) -> Floats:
+        """Forces (n_nodes, 2) turned back by the motions, as each part's axes see them: (n_nodes, 2, n)."""
+        result = np.zeros((len(forces), 2, self.n))
+        for handle, own, members, _ in self._motions(np.zeros(self.n)):
+            for nodes in map(self._nodes, members if handle.turns else []):
+                result[nodes, :, own.stop - 1] = -quarter_turn(forces[nodes]) * self._units[own.stop - 1]
+        return result
+
+    def forces(self, motions: Floats) -> Floats:
+        """Forces of loads and springs along the motions, shape (n,)."""
+        forces = np.zeros(self.n)
+        for handle, own, _, motion in self._motions(motions):
+            forces[own] = handle.forces(motion)
+        return forces * self._units
+
+    def tangent(self, motions: Floats) -> Floats:
+        """Derivatives of `forces` by the motions, shape (n, n)."""
+        result = np.zeros((self.n, self.n))
+        for handle, own, _, motion in self._motions(motions):
+            result[own, own] = handle.tangent(motion)
+        return result * self._units * self._units[:, None]
+
+    def residual(self, motions: Floats, positions: Floats, forces: Floats) -> Floats:
+        """What is left of the forces (n_nodes, 2), the loads and the springs, along the motions, shape (n,)."""
+        return np.einsum("niq,ni->q", self.velocities(motions, positions), forces) + self.forces(motions)
+
+    def shortened(self, step: Floats, velocities: Floats) -> Floats:
+        """A step (n,) that moves no node by more than `LONGEST_MOVE` of its part's size."""
+        worst = 0.0
+        for _, own, members, _ in self._motions(step):
+            for i in members:
+                moved = np.linalg.norm(velocities[self._nodes(i), :, own] @ step[own], axis=1).max(initial=0.0)
+                worst = max(worst, moved / (LONGEST_MOVE * self._response.surfaces[i].body.size))
+        return step / max(worst, 1.0)
+
+    def describe(self, motions: Floats, directions: Floats) -> list[str]:
+        """Words for what each handle can do by motions in the span of some directions (n, k), for those that move."""
+        sentences = []
+        for (handle, own, members, motion), size in zip(self._motions(motions), self._sizes, strict=True):
+            rigid = np.zeros((3, directions.shape[1]))
+            rigid[:2] = handle.directions.T @ directions[own][: len(handle.directions)]
+            if handle.turns:
+                rigid[2] = directions[own.stop - 1]
+            rigid[np.abs(rigid) < HARDLY] = 0.0
+            words = described_motions(rigid, handle.pivot_after(motion), size)
+            if words:
+                names = [self._response.surfaces[i].body.name for i in members]
+                names = names if len(set(names)) == len(names) else [part.name for part in handle.parts]
+                sentences.append(f"{' with '.join(f'`{name}`' for name in names)} {words}")
+        return sentences
+
+
+def quarter_turn(vectors: Floats) -> Floats:
+    """Vectors (..., 2) turned counter-clockwise by a right angle."""
+    return np.stack((-vectors[..., 1], vectors[..., 0]), axis=-1)

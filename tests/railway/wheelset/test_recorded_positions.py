@@ -1,0 +1,72 @@
+"""Positions of the plane wheelset in twelve variants, as an independent search for the equilibrium had found them.
+
+Until commit 3bac472 Newton's method for the position ran around one for the contact forces of each position; now forces
+and position are unknowns of one system. Both end in the same place.
+"""
+
+from typing import Any
+
+import pytest
+
+from flangeway.cases import WheelsetCurveCase, WheelsetTangentCase
+from flangeway.railway.wheelset.wheelset_result import WheelsetResult, solve_wheelset
+
+S1002_ON_60E1 = {
+    "wheel": "S1002", "rail": "60E1", "gauge_mm": 1435.0, "wheel_radius_mm": 460.0, "wheel_radius_at": "tape-line",
+}  # fmt: skip
+INPUTS: dict[str, dict[str, Any]] = {
+    "fem": {},
+    "vem": {"method": "vem"},
+    "fem, nodes, penalty": {"pairing": "node-to-segment"},
+    "vem, multiplier": {"method": "vem", "enforcement": "multiplier"},
+    "vem, nodes, multiplier": {"method": "vem", "pairing": "node-to-segment", "enforcement": "multiplier"},
+    "S1002 on 60E1": S1002_ON_60E1,
+}
+COARSE = {
+    "tangent, fem": (0.0, -0.731958587055, 0.0),
+    "tangent, vem": (0.0, -0.73713460118, 0.0),
+    "tangent, fem, nodes, penalty": (0.0, -0.732043185564, 0.0),
+    "tangent, vem, multiplier": (0.0, -0.736709816966, 0.0),
+    "tangent, vem, nodes, multiplier": (0.0, -0.736704752599, 0.0),
+    "tangent, S1002 on 60E1": (0.0, -0.777789602088, 0.0),
+    "curve, fem": (9.4331827747, -0.700700721729, 0.000471420629938),
+    "curve, vem": (9.60585482101, -0.707279266418, 0.000478826491137),
+    "curve, fem, nodes, penalty": (9.43156440242, -0.701169332057, 0.000470316778734),
+    "curve, vem, multiplier": (9.60605196773, -0.706932592835, 0.000478834306201),
+    "curve, vem, nodes, multiplier": (9.60067832186, -0.707260965972, 0.000478097625967),
+    "curve, S1002 on 60E1": (6.10658048295, -0.696593460552, 0.0001198348075),
+}
+"""Lateral and vertical displacement in mm and roll in rad, with size_scale 4."""
+FINE = {
+    "tangent, fem": (0.0, -0.736932530194, 0.0),
+    "tangent, vem": (0.0, -0.737636361461, 0.0),
+    "curve, fem": (9.59833518515, -0.707225723104, 0.000478277884307),
+    "curve, vem": (9.61278467751, -0.708030252655, 0.00047888103651),
+}
+"""The same with size_scale 1."""
+
+
+def solved(name: str, size_scale: float) -> WheelsetResult:
+    """Solve a variant."""
+    track, _, variant = name.partition(", ")
+    case = WheelsetTangentCase if track == "tangent" else WheelsetCurveCase
+    return solve_wheelset(case.from_values({**INPUTS[variant], "size_scale": size_scale}).problem())
+
+
+@pytest.mark.parametrize("name", COARSE)
+def test_the_position_is_the_recorded_one(name: str) -> None:
+    """The position agrees to 1e-9, is stable, and takes one load step of at most 20 iterations."""
+    result = solved(name, 4.0)
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.position.components == pytest.approx(COARSE[name], rel=1e-9, abs=1e-10)
+    assert result.equilibrium.stable is True
+    assert result.equilibrium.status.iterations <= 20
+
+
+@pytest.mark.ci
+@pytest.mark.parametrize("name", FINE)
+def test_the_position_of_the_default_mesh_is_the_recorded_one(name: str) -> None:
+    """The position agrees to 1e-9."""
+    result = solved(name, 1.0)
+    assert result.status.converged, result.status.message
+    assert result.equilibrium.position.components == pytest.approx(FINE[name], rel=1e-9, abs=1e-10)
