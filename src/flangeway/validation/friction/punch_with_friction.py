@@ -45,6 +45,7 @@ PUNCH_STICK_LIMIT, PULL_LIMIT = 0.02, 0.005
 STICK = "half-width of the stick zone over the contact's"
 PULL = "friction that pulls a half outwards over the force"
 FLAT, CYLINDER = "Flat punch pressed with friction", "Cylinder pressed with friction"
+FAR_AWAY = 1e3  # distance over half the width of an interval, from which the series is exact to 1e-13
 RATIO, SMALLEST = 1.1, 1e-9  # of the intervals of the integral equations: a length over the next, the last over c
 
 
@@ -94,8 +95,7 @@ def _half(stick: float, friction: float, ratio: float, coupled: bool) -> Pressed
     ends = np.unique(np.concatenate((stick - stick * falling, stick + room * falling, 1.0 - room * falling)))
     x, widths, n = (ends[1:] + ends[:-1]) / 2.0, np.diff(ends), len(ends) - 1
     # [i, j] = integral of ln|x_i - s| / pi over interval j, and over its mirror image
-    right = (_log(x[:, None] - ends[:-1]) - _log(x[:, None] - ends[1:])) / np.pi
-    left = (_log(x[:, None] + ends[1:]) - _log(x[:, None] + ends[:-1])) / np.pi
+    right, left = (_integral_of_log(x[:, None] - centres, widths) / np.pi for centres in (x, -x))
     before = np.tril(np.broadcast_to(widths, (n, n)), -1) + np.diag(widths / 2.0)  # integral from 0 to x_i
     matrix, given = np.zeros((2 * n + 1, 2 * n + 1)), np.zeros(2 * n + 1)
     matrix[:n, :n], matrix[:n, -1] = right + left, 1.0
@@ -107,6 +107,18 @@ def _half(stick: float, friction: float, ratio: float, coupled: bool) -> Pressed
     matrix[-1, :n], given[-1] = widths, 0.5
     found = np.asarray(np.linalg.solve(matrix, given), dtype=np.float64)
     return PressedHalf(x, widths, found[:n], found[n:-1], stick)
+
+
+def _integral_of_log(distances: Floats, widths: Floats) -> Floats:
+    """Integral of ln|u - s| over s within half a width, for distances u (n, m) and widths (m,).
+
+    From far away the difference of antiderivatives would lose the digits of a narrow interval: a series has them.
+    """
+    half = widths / 2.0
+    near = np.abs(distances) < FAR_AWAY * half
+    far = np.where(near, 1.0, distances)
+    series = widths * (np.log(np.abs(far)) - (half / far) ** 2 / 6.0)
+    return np.where(near, _log(distances + half) - _log(distances - half), series)
 
 
 def _log(u: Floats) -> Floats:
