@@ -70,6 +70,9 @@ after the first iteration."""
 UNHELD = 1e-9
 """Force left on a floating part over the maximum load, or the total force, above which a message names it."""
 
+NOT_BALANCED = 1e-6
+"""Force along a motion over the maximum load, above which a message names it."""
+
 UNHELD_AFTER = 12
 """Iterations after which a part slides away if friction did not hold its load in one: by about its size."""
 
@@ -547,6 +550,7 @@ class _Run:
         last = self.history[-1]
         if loose := self._loose():
             return loose
+        unbalanced = self._unbalanced()
         advice = "take smaller steps, a softer penalty or a finer mesh"
         if not last.changed:
             reason = f"the displacements still change by {last.change:.1e} of the maximum one"
@@ -556,13 +560,27 @@ class _Run:
             more = f" and {len(last.changed) - NAMED} more" if len(last.changed) > NAMED else ""
             reason = f"contact still comes and goes at {'; '.join(named)}{more}"
             advice += "; with node-to-segment contact, make the finer surface secondary or take segment-to-segment"
-        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}; {advice}"
+        return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
+
+    def _unbalanced(self) -> str:
+        """Words for the largest force that is left on a handle."""
+        nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
+        left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
+        if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
+            return ""
+        most = np.zeros_like(left)
+        most[np.abs(left).argmax()] = 1.0
+        words = "; ".join(self.parts.describe(self.motions, most[:, None]))
+        return f"; a force of {np.abs(left).max():.3g} is not balanced, under which {words}"
 
     def _loose(self) -> str:
         """Names the parts that move away because nothing answers to their loads."""
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
-        pushed = np.where(np.abs(left) > UNHELD * np.abs(self.parts.load).max(initial=0.0), left, 0.0)
+        velocities = self.parts.velocities(self.motions, self.reference + self.displacements)
+        held = np.einsum("niq,ni->q", np.abs(velocities), np.abs(nodal))
+        beyond = NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)
+        pushed = np.where((np.abs(left) > beyond) & (held < beyond), left, 0.0)
         words = self.parts.describe(self.motions, pushed[:, None]) if pushed.any() else []
         if not words:
             return ""
