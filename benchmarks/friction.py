@@ -32,13 +32,14 @@ from flangeway.elements import Lagrange
 from flangeway.geometry import Placement
 from flangeway.mesh import rectangle_grid
 from flangeway.problems import Body, Part
+from flangeway.solve import StepSettings
 
 FRICTION = 0.3
 SHIFT = 0.014  # mm
 ROUNDS = 2
 FINER, FINEST = (0.1, 0.3), (0.02, 0.2)  # size at the contact and growth: 5,100 and 22,700 nodes
-MOST_UNKNOWNS = 6_000
-"""Surface unknowns of the contact whose memory is measured; with 12,000, all of them closed, it is above 4 GB."""
+MOST_UNKNOWNS = 12_000
+"""Surface unknowns of the contact whose memory is measured."""
 
 
 def measurements() -> Iterator[Measurement]:
@@ -66,7 +67,9 @@ def push_block(block: Block, approach: float) -> Pressed:
     )
     contact = Contact(surfaces[0], surfaces[1], SegmentToSegment(weighting="dual"), Multiplier(), FRICTION)
     path = [{upper: Placement(0.0, (0.0, -approach))}, {upper: Placement(0.0, (SHIFT, 0.0))}]
-    found = press([contact], path, path="condensed")
+    found = press(
+        [contact], path, path="condensed", steps=StepSettings()
+    )  # whole steps, as the other programs take them
     if not found.status.converged:
         raise RuntimeError(f"the block's friction: {found.status.message}")
     found.unknowns(upper)
@@ -147,7 +150,7 @@ def _press_long_surfaces(n_unknowns: int) -> None:
     surfaces = Surface(upper, meshes[0].edge_sets["bottom"]), Surface(lower, meshes[1].edge_sets["top"])
     contact = Contact(surfaces[0], surfaces[1], NodeToSegment(), Multiplier(), FRICTION)
     turned = Placement(2e-5, (0.0, -1e-3))
-    found = press([contact], [{upper: turned}, {upper: Placement(0.0, (5e-4, 0.0))}])
+    found = press([contact], [{upper: turned}, {upper: Placement(0.0, (5e-4, 0.0))}], steps=StepSettings())
     if not found.status.converged:
         raise RuntimeError(found.status.message)
     usage = resource.getrusage(resource.RUSAGE_SELF)

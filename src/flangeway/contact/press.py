@@ -3,7 +3,7 @@
 import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Literal
 
 import numpy as np
@@ -38,7 +38,7 @@ MOST_DENSE_BYTES = 4e9
 ITERATION_COPIES = 8
 """Dense matrices of all surface unknowns that exist at a time in an iteration with friction where all nodes touch."""
 
-FRICTION_ERROR = 3e-4
+FRICTION_ERROR = 1e-4
 """Error of a step with friction, see `StepSettings`, where nothing else is said."""
 
 STRAINED = 0.5
@@ -196,7 +196,7 @@ class ContactSolution(Result):
             assert isinstance(lin, ContactLinearisation)
             if friction is not None:
                 at = np.repeat(np.arange(len(total)), np.diff(lin.starts))
-                total -= np.bincount(at, friction.forces * friction.slips, len(total))
+                total += np.bincount(at, friction.works, len(total))
         return total
 
     def nodal_forces(self, part: Part) -> Floats:
@@ -336,9 +336,7 @@ def press(
             progress(f"{100.0 * share:.4g} % of {which}: {state.status.message}")
             return state
 
-        reached = follow(
-            solve_at, reached, sizes, lambda share, state, leg=number: done.append(LoadStep(leg + share, state))
-        )
+        reached = follow(solve_at, reached, sizes, partial(_append_step, done, number))
         placed = _moved(system.parts, placed, leg, 1.0)
         if not reached.status.converged:
             break
@@ -355,6 +353,10 @@ def press(
             more = f"; a corner meets a corner at ({x:.4g}, {y:.4g}): the side on which the force acts is arbitrary"
             state = replace(state, status=replace(state.status, message=state.status.message + more))
     return ContactSolution(system, response, state, tuple(done), depths).without_overlap()
+
+
+def _append_step(steps: list[LoadStep], leg: int, share: float, state: ContactState) -> None:
+    steps.append(LoadStep(leg + share, state))
 
 
 def _usual_path(system: ContactSystem, *, floating: bool) -> Literal["condensed", "sparse"]:

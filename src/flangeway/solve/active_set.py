@@ -401,8 +401,8 @@ class CoulombState:
         Slip that the compliance of a penalty, or the tolerance of an augmented Lagrangian, lets back, shape (m,).
     sticks
         Whether a closed constraint sticks, shape (m,).
-    work
-        Work that the slips dissipated in this step, >= 0.
+    works
+        Work that the slip of each dissipated in this step, >= 0, shape (m,).
 
     """
 
@@ -410,15 +410,22 @@ class CoulombState:
     slips: Floats
     elastic: Floats
     sticks: Bools
-    work: float
+    works: Floats
+
+    @property
+    def work(self) -> float:
+        """Work that the slips dissipated in this step, >= 0."""
+        return float(self.works.sum())
 
 
 def friction_state(
-    normal: Floats, tangential: Floats, slips: Floats, let_back: Floats, coefficients: Floats
+    normal: Floats, tangential: Floats, slips: Floats, let_back: Floats, coefficients: Floats, previous: Floats
 ) -> CoulombState:
     """State of constraints by forces, and by slips since the last step with its elastic ones, each (m,).
 
-    ``let_back`` (m,) is what the law of contact adds to the slips: compliance times tangential force.
+    ``let_back`` (m,) is what the law of contact adds to the slips: compliance times tangential force. The limit of
+    friction goes from that of the ``previous`` normal forces (m,) to that of the present ones while a constraint slips,
+    so that the work is of second order in the step.
     """
     closed = normal > 0.0
     sticks = closed & (np.abs(tangential) < (1.0 - AT_LIMIT) * coefficients * normal)
@@ -426,7 +433,8 @@ def friction_state(
     # a slip that is round-off may have the sign of the force
     slipped = np.where(slipped * tangential > 0.0, 0.0, slipped)
     elastic = np.where(closed, slips - slipped, 0.0)
-    return CoulombState(tangential, slipped, elastic, sticks, float(0.0 - (tangential * slipped).sum()))
+    works = coefficients * (normal + previous) / 2.0 * np.abs(slipped)
+    return CoulombState(tangential, slipped, elastic, sticks, works)
 
 
 def violation(normal: Floats, tangential: Floats, slips: Floats, coefficients: Floats) -> tuple[float, float]:

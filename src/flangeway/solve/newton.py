@@ -563,7 +563,7 @@ class _Run:
         return f"not converged in {_counted(self.settings.max_iterations, 'iteration')}: {reason}{unbalanced}; {advice}"
 
     def _unbalanced(self) -> str:
-        """Words for the largest force that is left on a handle."""
+        """Words for the maximum force that is left on a handle."""
         nodal = nodal_forces_of(self.current, self.forces, self.slides, self.tangential, len(self.reference))
         left = self.parts.residual(self.motions, self.reference + self.displacements, nodal)
         if not (np.abs(left) > NOT_BALANCED * np.abs(self.parts.load).max(initial=0.0)).any():
@@ -595,7 +595,10 @@ class _Run:
         if (slides := self.slides) is not None:
             slips, let_back = self._slips(self.current, slides), self._let_back(self.current, self.tangential)
             given = self.forces, self.tangential, slips, let_back
-            friction = active_set.friction_state(*given, self.current.coefficients)
+            previous = np.zeros(len(self.forces))
+            if self.start is not None:
+                previous = carried_forces(self.start.linearisation, self.start.forces, self.current)
+            friction = active_set.friction_state(*given, self.current.coefficients, previous)
         return ContactState(
             Status(converged, message, len(self.history)),
             self.placements,

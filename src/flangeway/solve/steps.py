@@ -82,7 +82,7 @@ def follow(
     settings = settings or StepSettings()
     state, position, size = start, 0.0, settings.first
     attempt: ContactState | None = None
-    largest = 0.0
+    maximum_total = 0.0
     while True:
         target = position + size
         if target > 1.0 - settings.smallest / 2.0:  # no sliver at the end
@@ -93,8 +93,8 @@ def follow(
         if attempt.status.converged and settings.error is not None:
             middle = solve_at(position + size / 2.0, state)
             end = solve_at(target, middle) if middle.status.converged else middle
-            largest = max(largest, _total(attempt))
-            error = _total(attempt, end) / (settings.error * (largest or 1.0)) if end.status.converged else np.inf
+            maximum_total = max(maximum_total, _total(attempt))
+            error = _total(attempt, end) / (settings.error * (maximum_total or 1.0)) if end.status.converged else np.inf
             reached = [(position + size / 2.0, middle), (target, end)]
         shorter = reached[0][1] if settings.error is not None and reached[0][1].status.converged else None
         if not attempt.status.converged or (error > 1.0 and size / 2.0 >= settings.smallest):
