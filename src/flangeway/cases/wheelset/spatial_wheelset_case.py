@@ -88,7 +88,7 @@ class SpatialWheelsetCase(WheelsetInputs, RunnableCase):
     model: Literal["spatial", "plane"] = Field(
         "spatial", description="spatial: three dimensions; plane: a slice of thickness_mm in plane strain"
     )
-    rail: str = Field("60E1", description="rail: 136RE, 60E1, or a file that `flangeway profile` reads")
+    rail: str = Field("60E1", description="rail: 60E1, 60E2, 54E1, 49E1, 136RE, or a file that `flangeway profile` reads")
     wheel: str = Field(
         "S1002", description="wheel: AAR-1B (an approximation), S1002, heavy-haul, R-519-A, -B, -C, -H, -I, or a file"
     )

@@ -33,7 +33,7 @@ N_AXLES = 4  # wheelsets of a usual wagon
 class WheelsetInputs(Case):
     """Profiles, measures, load and material of a wheelset on two rails."""
 
-    rail: str = Field("136RE", description="rail: 136RE, 60E1, S-519-A, or a file that `flangeway profile` reads")
+    rail: str = Field("136RE", description="rail: 136RE, 60E1, 60E2, 54E1, 49E1, S-519-A, or a file that `flangeway profile` reads")
     crown_radius_in: float | None = Field(
         None, gt=0.0, description="radius of the crown of a 136RE: 8, 10 or 14 in (default: 10)"
     )

@@ -14,6 +14,7 @@ from flangeway.railway.profiles.bundled import (
     WHEELS,
     RailProfile,
     WheelProfile,
+    bundled_name,
     rail,
     wheel,
 )
@@ -174,14 +175,15 @@ def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
     """Return the other side's body if it fits; else the bundled one that is nearest to the surface's ends."""
     names = RAILS if measured.kind == "rail" else WHEELS
     gaps = {name: gap for name in names if (gap := end_gap_mm(measured, name)) is not None}
-    nearest = sorted(gaps, key=lambda name: (name != other, gaps[name]))
+    # of bodies with the same head the first one
+    nearest = sorted(gaps, key=lambda name: (name != other, round(gaps[name], 1)))
     return next((name for name in nearest if _fits(measured, name)), other if other in names else names[0])
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:
     names = {"rail": (*RAILS, REFERENCE_RAIL), "wheel": (*WHEELS, *REFERENCE_WHEELS)}
     other: Kind = "wheel" if kind == "rail" else "rail"
-    if name in names[other]:
+    if bundled_name(name) in names[other]:
         raise InputError(
             f"{kind} = {name}, which is a {other}",
             ", ".join(names[kind]),

@@ -25,6 +25,7 @@ from flangeway.railway.profiles.bundled import (
     WHEELS,
     RailProfile,
     WheelProfile,
+    bundled_name,
     rail,
     wheel,
 )
@@ -189,19 +190,16 @@ def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tu
 
 
 def nominal_profile(name: str) -> RailProfile | WheelProfile:
-    """Return a bundled rail or wheel by a name such as ``136RE-8``; capital and small letters are the same.
+    """Return a bundled rail or wheel by a name such as ``136RE-8`` or ``UIC 60``, see `bundled_name`.
 
     An `InputError` if there is none of that name.
     """
-    known = {each.upper(): each for each in (*SECTIONS, REFERENCE_RAIL, *WHEELS, *REFERENCE_WHEELS)}
-    found = known.get(name.upper())
-    if found is None:
-        raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
+    found = bundled_name(name)
     if found in (*WHEELS, *REFERENCE_WHEELS):
         return wheel(found)
-    if found == REFERENCE_RAIL:
-        return rail(found)
-    rail_name, radius = SECTIONS[found]
+    if found not in (*SECTIONS, REFERENCE_RAIL):
+        raise InputError(f"a rail or wheel called {name!r}", BUNDLED_NAMES, "choose one of them, or give a file")
+    rail_name, radius = SECTIONS.get(found, (found, None))
     return rail(rail_name, crown_radius_in=radius)
 
 
