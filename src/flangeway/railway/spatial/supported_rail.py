@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from flangeway.elements import Lagrange
 from flangeway.elements.quadrature import edge_shapes
@@ -177,28 +176,26 @@ class SupportedRail:
         return moved
 
     def on_surface(self, points: Floats) -> tuple[Ints, Floats]:
-        """Nodes of the boundary's edges next to points (n, 2), and their shares there, each (n, order + 1).
+        """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
 
-        An `InputError` if a point is farther from the mesh than its chords can be from its curve.
+        Points of another mesh of the section lie off these chords where the outline turns, most at the joints of a
+        measured head with its body: they are projected. An `InputError` if one is farther away than the longest edge.
         """
         space = self.problem.elasticity.space
         edges = space.mesh.boundary_edges
         start, chords = space.mesh.points[edges[:, 0]], np.diff(space.mesh.points[edges], axis=1)[:, 0]
-        lengths = np.linalg.norm(chords, axis=1)
-        _, near = cKDTree(start + chords / 2.0).query(points, k=min(4, len(edges)))
-        apart = points[:, None] - start[near]
-        share = np.clip(np.einsum("nei,nei->ne", apart, chords[near]) / lengths[near] ** 2, 0.0, 1.0)
-        distances = np.linalg.norm(apart - share[..., None] * chords[near], axis=-1)
-        best = distances.argmin(axis=1)
-        rows = np.arange(len(points))
-        if len(points) and float((distances[rows, best] / lengths[near[rows, best]]).max()) > 0.2:
+        squares = (chords**2).sum(axis=1)
+        apart = points[:, None] - start
+        share = np.clip(np.einsum("nei,ei->ne", apart, chords) / squares, 0.0, 1.0)
+        distances = np.linalg.norm(apart - share[..., None] * chords, axis=-1)
+        best, rows = distances.argmin(axis=1), np.arange(len(points))
+        if len(points) and (farthest := float(distances[rows, best].max())) > np.sqrt(squares.max()):
             raise InputError(
-                f"points up to {float(distances[rows, best].max()):.3g} mm from the surface of "
-                f"`{self.problem.elasticity.name}`",
+                f"points up to {farthest:.3g} mm from the surface of `{self.problem.elasticity.name}`",
                 "points on the surface, in the frame of the section",
                 "check the placement of the rail",
             )
-        return space.edge_nodes(edges)[near[rows, best]], edge_shapes(space.order, share[rows, best])
+        return space.edge_nodes(edges)[best], edge_shapes(space.order, share[rows, best])
 
     def seats_from(self, nodes: Ints, shares: Floats) -> Floats:
         """Displacements of points at z = 0 by unit loads of the seats: (n, 3, n_sleepers, 3).
