@@ -107,7 +107,8 @@ class WheelProfile:
     - `flange_back_mm`: distance of the flange's back face from the tape line.
     - `certainty`: accuracy of the contour.
     - `notices`: sentences on what was left out, bridged, smoothed or assumed when its file was read.
-    - `fine`: the running surface with as smooth a curvature as is known, for gaps in three dimensions; None: as drawn.
+    - `fine`: the running surface where it is known better than the outline has it, with as smooth a curvature as is
+      known, or worn a little: contact takes it, the elastic body keeps the outline. None: as drawn.
     """
 
     title: str
@@ -122,13 +123,8 @@ class WheelProfile:
 
     @property
     def running_surface(self) -> Contour:
-        """The running surface as one chain, from the flange's back to the rim."""
-        return self.outline.part(self.running_names)
-
-    @property
-    def gap_surface(self) -> Contour:
-        """The same, for gaps: `fine` if there is one."""
-        return self.fine or self.running_surface
+        """The running surface as one chain, from the flange's back to the rim: `fine` if there is one."""
+        return self.fine or self.outline.part(self.running_names)
 
 
 def bundled_name(name: str) -> str:

@@ -30,7 +30,8 @@ from flangeway.types import Floats
 STEEPEST_RAD = math.radians(89.0)
 """Steeper parts of a profile are left out: a wheel that comes from above cannot touch there first."""
 
-_MAX_LOSS_MM = 2.0
+MAX_CLIPPED = 0.5
+"""Width of a part beyond an overhang over that of the running surface, above which it may be a second one."""
 
 
 class CurvePoints(NamedTuple):
@@ -69,36 +70,26 @@ class RigidCurve:
 
     @classmethod
     def from_contour(cls, contour: Contour, placement: Placement | None = None) -> Self:
-        """Return the part of a contour whose tangents are less steep than `STEEPEST_RAD`.
+        """Return the widest part of a contour whose tangents are less steep than `STEEPEST_RAD`.
 
-        An `InputError` if there is no such part, or an overhang divides it.
+        What lies beyond an overhang, as of a chamfer or a lip, is left out. An `InputError` if there is no such part,
+        or another one is wider than `MAX_CLIPPED` of it.
 
         - `contour`: in either direction.
         - `placement`: where it is; untransformed by default.
         """
         placed = contour if placement is None else contour.transformed(placement)
-        if placed.segments[-1].end[0] < placed.segments[0].start[0]:
-            placed = placed.reversed()
-        runs: list[list[tuple[float, ...]]] = [[]]
-        for segment in placed.segments:
-            row, reaches_start, reaches_end = _running_part(segment)
-            if not reaches_start:
-                runs.append([])
-            if row is not None:
-                runs[-1].append(row)
-            if not reaches_end:
-                runs.append([])
-        tables = sorted((np.array(run) for run in runs if run), key=_extent)
+        tables = graphs_of(placed)
         if not tables:
             raise InputError("a profile without a running surface", "tangents that are not vertical", "check its axes")
-        if len(tables) > 1 and _extent(tables[-2]) > _MAX_LOSS_MM:
-            x, y = tables[-2][0, :2]
+        if len(tables) > 1 and _extent(tables[1]) > MAX_CLIPPED * _extent(tables[0]):
+            x, y = tables[1][0, :2]
             raise InputError(
                 f"a running surface divided by an overhang, about ({x:.2f}, {y:.2f})",
                 "one surface that runs from the gauge side to the field side",
                 "check the profile's axes, and remove hooks of the measurement",
             )
-        table = tables[-1]
+        table = tables[0]
         return cls(table[:, :2], table[:, 2], table[:, 3], table[:, 4])
 
     @classmethod
@@ -184,6 +175,25 @@ class RigidCurve:
     def moved(self, x: float, y: float) -> "RigidCurve":
         """Return the curve after a translation."""
         return RigidCurve(self.starts + np.array([x, y]), self.angles, self.curvatures, self.lengths)
+
+
+def graphs_of(contour: Contour) -> list[Floats]:
+    """Return the parts of a contour along which x grows, less steep than `STEEPEST_RAD`, the widest first.
+
+    Each is a table (n, 5) of its pieces: x and y of the start, angle of the tangent there, curvature, length.
+    """
+    if contour.segments[-1].end[0] < contour.segments[0].start[0]:
+        contour = contour.reversed()
+    runs: list[list[tuple[float, ...]]] = [[]]
+    for segment in contour.segments:
+        row, reaches_start, reaches_end = _running_part(segment)
+        if not reaches_start:
+            runs.append([])
+        if row is not None:
+            runs[-1].append(row)
+        if not reaches_end:
+            runs.append([])
+    return sorted((np.array(run) for run in runs if run), key=_extent, reverse=True)
 
 
 def _extent(rows: Floats) -> float:

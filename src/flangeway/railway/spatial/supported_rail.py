@@ -36,6 +36,8 @@ PER_DECADE = 8
 """Wavenumbers for each decade; three times as many change no displacement by more than 1e-4."""
 FAR = 0.02
 """Load of the last sleepers over that of the most loaded one, above which there are too few."""
+MAX_OFF_MM = 3.0
+"""Distance from the section's surface above which points are in another frame; chords and corners make up to 1 mm."""
 CHUNK = 64
 """Distances whose weights are computed together: bounds their memory."""
 
@@ -179,7 +181,7 @@ class SupportedRail:
         """Nodes of the boundary's edges nearest to points (n, 2), and their shares at the feet, each (n, order + 1).
 
         Points of another mesh of the section lie off these chords where the outline turns, most at the joints of a
-        measured head with its body: they are projected. An `InputError` if one is farther away than the longest edge.
+        measured head with its body: they are projected. An `InputError` if one is farther away than `MAX_OFF_MM`.
         """
         space = self.problem.elasticity.space
         edges = space.mesh.boundary_edges
@@ -189,7 +191,7 @@ class SupportedRail:
         share = np.clip(np.einsum("nei,ei->ne", apart, chords) / squares, 0.0, 1.0)
         distances = np.linalg.norm(apart - share[..., None] * chords, axis=-1)
         best, rows = distances.argmin(axis=1), np.arange(len(points))
-        if len(points) and (farthest := float(distances[rows, best].max())) > np.sqrt(squares.max()):
+        if len(points) and (farthest := float(distances[rows, best].max())) > MAX_OFF_MM:
             raise InputError(
                 f"points up to {farthest:.3g} mm from the surface of `{self.problem.elasticity.name}`",
                 "points on the surface, in the frame of the section",
