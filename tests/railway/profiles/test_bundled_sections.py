@@ -7,7 +7,6 @@ from flangeway.errors import InputError
 from flangeway.railway.profiles.bundled import RAILS, SECTIONS, bundled_name, bundled_section, rail
 from flangeway.railway.profiles.joining import nominal_profile
 
-
 PUBLISHED = {
     "60E1": (76.70, 3038.3, 512.3, 150.0, 172.0),
     "60E2": (76.48, 3021.5, 510.5, 150.0, 172.0),

@@ -21,7 +21,15 @@ from flangeway.railway.profiles.bundled import (
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.joining import end_gap_mm, joined, nominal_profile, on_plain_body
-from flangeway.railway.profiles.profile_file import READABLE, MeasuredProfile, ReadOptions, read_profile, side_notices
+from flangeway.railway.profiles.profile_file import (
+    FIELD_WORN,
+    MIRRORED,
+    READABLE,
+    MeasuredProfile,
+    ReadOptions,
+    read_profile,
+    side_notices,
+)
 from flangeway.railway.profiles.whole_outline import whole_profile
 from flangeway.railway.track.placements import Side, Track, Wheelset
 from flangeway.system.file_content import is_file
@@ -87,7 +95,7 @@ def wheel_named(
 
 def _refuse_options(name: str, options: ReadOptions, key: str) -> None:
     for option, value in vars(options).items():
-        if value != getattr(READ_AS_IT_IS, option):
+        if value not in (None, False):
             wrong = position_key(key) if option == "position" else f"{key}_{option}"
             raise InputError(f"{wrong} of the bundled {name}", "a file", f"leave {wrong} out")
 
@@ -110,6 +118,17 @@ def _from_file(
             f"a {kind}",
             "exchange the keys rail and wheel",
         )
+    return with_body(measured, name, key, body, other)
+
+
+def with_body(
+    measured: MeasuredProfile, name: str, key: str, body: str | None = None, other: str | None = None
+) -> RailProfile | WheelProfile:
+    """Return a rail or wheel from what was read of a file, with its own body or that of a bundled one.
+
+    Parameters and errors as of `rail_named`.
+    """
+    kind = measured.kind
     if isinstance(measured.surface, Outline):
         return whole_profile(measured)
     bodies = (*(RAILS if kind == "rail" else WHEELS), PLAIN)
@@ -140,6 +159,7 @@ def _from_file(
 def _as_keys(text: str, key: str) -> str:
     """Return a text that names options of ``flangeway profile`` with the keys that do the same in a case."""
     text = re.sub(r"--unit (mm|cm|m|in|ft)\b", rf"{key}_unit = \1", text)
+    text = text.replace("--no-mirror", f"{key}_mirror = false")
     for option, name in (("unit", "unit"), ("mirror", "mirror"), ("tape", "tape_mm")):
         text = re.sub(rf"--{option}\b", f"{key}_{name}", text)
     return re.sub(r"--position( in \w+)?", position_key(key), text)
@@ -202,17 +222,19 @@ def profile_notes(track: Track, wheelset: Wheelset) -> list[str]:
     wheels = [("Wheel", each) for each in dict.fromkeys(wheelset.wheel_of(side) for side in both)]
     rails = [("Rail", each) for each in dict.fromkeys(track.rail_of(side) for side in both)]
     profiles: list[tuple[str, RailProfile | WheelProfile]] = [*wheels, *rails]
+    notices = [(notice, each.title) for _, each in profiles for notice in each.notices]
     return [
         *(f"{word} {each.title}. {each.certainty}" for word, each in profiles),
-        *(f"{notice} ({each.title})" for _, each in profiles for notice in each.notices),
+        *(f"{notice} ({title})" for notice, title in notices if not notice.startswith((MIRRORED, FIELD_WORN))),
     ]
 
 
-def worn_field_sides(track: Track) -> list[str]:
-    """Return a warning for each rail that is worn more at the side that no flange reaches."""
+def side_warnings(track: Track) -> list[str]:
+    """Return a warning for each rail that was mirrored, or is worn more at the side that no flange reaches."""
     warnings = []
     for side, key in (("right", "rail"), ("left", "left_rail")):
         if side == "right" or not track.is_symmetric:
-            head = track.rail_of("left" if side == "left" else "right").running_surface
-            warnings += [_as_keys(each, key) for each in side_notices(head)]
+            one = track.rail_of("left" if side == "left" else "right")
+            found = [each for each in one.notices if each.startswith(MIRRORED)]
+            warnings += [_as_keys(each, key) for each in found or side_notices(one.running_surface)]
     return warnings

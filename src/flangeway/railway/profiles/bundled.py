@@ -312,8 +312,8 @@ def _s1002(cut_height: float) -> WheelProfile:
         cut_height,
         title="S1002",
         certainty=(
-            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.05 micrometres. The "
-            "rim is cut off where the tread ends, 60 mm outside of the tape line; its edge is not drawn."
+            "Exact: lines and circles of the standard, its two polynomials followed by arcs to 0.001 micrometres, to "
+            "0.05 in the section. The profile ends 60 mm outside the tape line; the chamfer is omitted."
         ),
         source="EN 13715, S1002: formulas and coefficients as in public programs, the same in six of them.",
     )

@@ -11,7 +11,9 @@ whose ends do not fit is moved sideways until its field side, which does not wea
 reports it; the gauge is measured on the head, so that nothing else depends on where the file's x = 0 is.
 """
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -31,6 +33,7 @@ from flangeway.railway.profiles.bundled import (
 )
 from flangeway.railway.profiles.formats.raw_profile import Kind
 from flangeway.railway.profiles.profile_file import MeasuredProfile, frame_origin
+from flangeway.railway.profiles.running_graphs import MAX_CLIPPED, extent, graphs_of
 from flangeway.railway.profiles.whole_outline import lengths_along, pieces_between, point_at
 
 LEAST_BLEND_MM = 1.0
@@ -68,6 +71,9 @@ MEASURED = "measured"
 LEANS_DEG = (0.8, 4.0)
 """Lean of a head's field side from the nominal one that is reported: inclinations are 1:60 to 1:15."""
 
+RAIL_SIDES, WHEEL_SIDES = ("field side", "gauge side"), ("flange's back", "rim")
+"""Both ends of a running surface, in the direction of the outline."""
+CLIPPED_MM = 2.0  # width of a part beyond an overhang from which there is a notice that contact leaves it out
 FACE_MM = 5.0  # height of the face, above the end of the measured surface, whose lean is measured
 STRAIGHT_MM = 0.02  # distance from a straight line below which a face counts as straight
 
@@ -132,8 +138,9 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         raise InputError(f"--join {name} for a closed outline", "a running surface", "leave --join out: it is whole")
     shift, offset = _shift(measured, nominal)
     surface = measured.surface.transformed(Placement(translation=shift))
-    outline, joints = _closed(surface, nominal)
-    notices = measured.notices
+    outline, joints = _closed(surface, nominal, partial(measured.place, moved=shift))
+    running = _running(outline, nominal.running_names if kind == "wheel" else nominal.head_names)
+    notices = (*measured.notices, *clipped_notices(outline.part(running), measured, shift))
     if offset:
         notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")
     _refuse_short(surface, kind)
@@ -147,7 +154,7 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
         wheel_profile = WheelProfile(
             title,
             outline,
-            _running(outline, nominal.running_names),
+            running,
             flange_height_mm=-float(outline.bounds()[0, 1]),
             flange_back_mm=measured.flange_back_mm,
             certainty=certainty,
@@ -155,11 +162,39 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
             notices=(*notices, *_unmeasured_tip(surface, outline, nominal)),
         )
         return Joined(wheel_profile, nominal, surface, joints)
-    names = _running(outline, nominal.head_names)[::-1]
     notices = (*notices, *_lean(surface, nominal))
     placing = measured.first_slice and measured.first_slice.transformed(Placement(translation=shift))
-    rail_profile = RailProfile(title, outline, names, nominal.base_names, certainty, source, notices, placing)
+    rail_profile = RailProfile(title, outline, running[::-1], nominal.base_names, certainty, source, notices, placing)
     return Joined(rail_profile, nominal, surface, joints)
+
+
+def clipped_notices(
+    running: Contour, measured: MeasuredProfile, moved: tuple[float, float] = (0.0, 0.0)
+) -> tuple[str, ...]:
+    """Return a notice for each end at which contact leaves out more than `CLIPPED_MM` beyond an overhang.
+
+    An `InputError` if as much lies beyond it as of a second running surface, see `MAX_CLIPPED`.
+
+    - `running`: running surface of the joined body, from the field side to the gauge side or from the back to the rim.
+    - `moved`: what it was moved by from where the file's axes have it.
+    """
+    kept, *others = graphs_of(running)
+    x, y, angle, curvature, length = kept[-1]
+    mean = angle + 0.5 * curvature * length
+    chord = length * np.sinc(0.5 * curvature * length / np.pi)
+    ends = (kept[0, :2], np.array([x + chord * np.cos(mean), y + chord * np.sin(mean)]))
+    words = RAIL_SIDES[::-1] if measured.kind == "rail" else WHEEL_SIDES
+    if others and extent(others[0]) > MAX_CLIPPED * extent(kept):
+        raise InputError(
+            f"a running surface divided by an overhang, about {measured.place(ends[int(others[0][0, 0] > x)], moved)}",
+            f"one running surface, or parts beyond an overhang up to {MAX_CLIPPED:g} of its width",
+            "save the part that the wheel runs on alone, and remove hooks of the measurement",
+        )
+    beyond = {bool(other[0, 0] > kept[0, 0]) for other in others if extent(other) > CLIPPED_MM}
+    return tuple(
+        f"Beyond {measured.place(ends[after], moved)} the surface overhangs; contact leaves it out ({words[after]})."
+        for after in sorted(beyond)
+    )
 
 
 def end_gap_mm(measured: MeasuredProfile, name: str) -> float | None:
@@ -167,7 +202,7 @@ def end_gap_mm(measured: MeasuredProfile, name: str) -> float | None:
     nominal = nominal_profile(name)
     try:
         surface = measured.surface.transformed(Placement(translation=_shift(measured, nominal)[0]))
-        return max(joint.gap_mm for joint in _joints(surface, nominal)[1])
+        return max(joint.gap_mm for joint in _joints(surface, nominal, measured.place)[1])
     except InputError:
         return None
 
@@ -180,7 +215,7 @@ def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tu
     surface = (measured.first_slice or measured.surface).transformed(Placement(translation=shift))
     _refuse_height(surface, nominal)
     try:
-        _joints(surface, nominal)
+        _joints(surface, nominal, partial(measured.place, moved=shift))
     except InputError:
         offset = _field_shift(measured, surface, nominal)
         if offset is None:
@@ -286,15 +321,14 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     outline = Outline.from_segments([*surface.segments, *sides], [*[MEASURED] * len(surface.segments), *around])
     title, source = f"{measured.title} on a plain body", f"File: {measured.format}."
     certainty = f"Running surface as measured, on a block of steel with upright faces.{_tape_text(measured)}"
+    notices = (*measured.notices, *clipped_notices(surface, measured))
     if is_rail:
         upright = Placement(translation=(-0.5 * (start[0] + end[0]), -level))
         placing = measured.first_slice and measured.first_slice.transformed(upright)
         base = outline.transformed(upright)
-        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, measured.notices, placing)
+        return RailProfile(title, base, (MEASURED,), ("base",), certainty, source, notices, placing)
     height = -float(outline.bounds()[0, 1])
-    return WheelProfile(
-        title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, measured.notices
-    )
+    return WheelProfile(title, outline, (MEASURED,), height, measured.flange_back_mm, certainty, source, notices)
 
 
 def _tape_text(measured: MeasuredProfile) -> str:
@@ -338,10 +372,12 @@ def _refuse_height(surface: Contour, nominal: RailProfile) -> None:
         )
 
 
-def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list[float], tuple[Joint, Joint]]:
+def _joints(
+    surface: Contour, nominal: RailProfile | WheelProfile, where: Callable[[Point], str]
+) -> tuple[list[float], tuple[Joint, Joint]]:
     """Return the lengths along the nominal outline at which the transitions land, and both joints."""
     is_rail = isinstance(nominal, RailProfile)
-    words = ("field side", "gauge side") if is_rail else ("flange's back", "rim")
+    words = RAIL_SIDES if is_rail else WHEEL_SIDES
     names = ("transition_field", "transition_gauge") if is_rail else ("transition_back", "transition_rim")
     limits = (MAX_GAP_MM, MAX_GAP_MM if is_rail else MAX_RIM_GAP_MM)
     lengths = lengths_along(nominal.outline)
@@ -354,8 +390,8 @@ def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list
         limit = MAX_WEAR_MM if is_rail and i == 1 and end[0] > foot[0] else limits[i]
         if gap > limit:
             raise InputError(
-                f"the end of the measured surface at the {words[i]}, ({end[0]:.5g}, {end[1]:.5g}) mm, {gap:.3g} mm "
-                f"from the nominal {nominal.title}",
+                f"the end of the measured surface at the {words[i]}, {where(end)}, {gap:.3g} mm from the nominal "
+                f"{nominal.title}",
                 f"up to {limit:g} mm",
                 "check --origin, --mirror and the name after --join"
                 + ("" if is_rail else ", and the tape line: --tape"),
@@ -367,9 +403,11 @@ def _joints(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[list
     return places, (joints[0], joints[1])
 
 
-def _closed(surface: Contour, nominal: RailProfile | WheelProfile) -> tuple[Outline, tuple[Joint, Joint]]:
+def _closed(
+    surface: Contour, nominal: RailProfile | WheelProfile, where: Callable[[Point], str]
+) -> tuple[Outline, tuple[Joint, Joint]]:
     """Return the outline of the measured surface, both transitions, and the remainder of the nominal outline."""
-    places, joints = _joints(surface, nominal)
+    places, joints = _joints(surface, nominal, where)
     lengths = lengths_along(nominal.outline)
     others = pieces_between(nominal.outline, lengths, places[1], places[0])
     chain: list[tuple[str, Segment]] = [
