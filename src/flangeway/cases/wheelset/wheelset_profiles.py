@@ -20,7 +20,7 @@ from flangeway.railway.profiles.bundled import (
 )
 from flangeway.railway.profiles.flange_root import IDENTIFIED, identified_wheel
 from flangeway.railway.profiles.formats.raw_profile import Kind
-from flangeway.railway.profiles.joining import end_gap_mm, joined, nominal_profile, on_plain_body
+from flangeway.railway.profiles.joining import body_distance_mm, joined, nominal_profile, on_plain_body
 from flangeway.railway.profiles.profile_file import (
     FIELD_WORN,
     MIRRORED,
@@ -35,6 +35,8 @@ from flangeway.railway.track.placements import Side, Track, Wheelset
 from flangeway.system.file_content import is_file
 
 READ_AS_IT_IS = ReadOptions()
+USUAL_BODIES: dict[Kind, tuple[str, ...]] = {"rail": ("136RE", "60E1"), "wheel": WHEELS}
+"""Bodies that a file gets by itself; others, whose heads are much alike, are taken where they are named."""
 PLAIN = "plain"  # body of a rail or wheel that fits no bundled one: a block beside its running surface
 
 
@@ -52,8 +54,8 @@ def rail_named(
     the body.
     - `name`: of a bundled rail, or of a file.
     - `crown_radius_in`: radius of a 136RE's crown; None: the usual one.
-    - `body`: the bundled rail for a file's head; None: the other side's if it fits, else the one nearest to the head's
-      ends.
+    - `body`: the bundled rail for a file's head; None: the other side's if it fits, else that of
+      `USUAL_BODIES` nearest to most of the surface.
     - `other`: the rail of the other side.
     - `options`: what the file does not contain: unit, mirror, distance of the tape line.
     - `key`: name of the input, for messages: the options are called after it, such as ``rail_unit``.
@@ -192,12 +194,13 @@ def _fits(measured: MeasuredProfile, body: str) -> bool:
 
 
 def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
-    """Return the other side's body if it fits; else the bundled one that is nearest to the surface's ends."""
-    names = RAILS if measured.kind == "rail" else WHEELS
-    gaps = {name: gap for name in names if (gap := end_gap_mm(measured, name)) is not None}
-    # of bodies with the same head the first one
-    nearest = sorted(gaps, key=lambda name: (name != other, round(gaps[name], 1)))
-    return next((name for name in nearest if _fits(measured, name)), other if other in names else names[0])
+    """Return the other side's body if it fits; else the usual one of which most of the surface is nearest."""
+    names = USUAL_BODIES[measured.kind]
+    known = RAILS if measured.kind == "rail" else WHEELS
+    tried = dict.fromkeys((other, *names)) if other in known else names
+    gaps = {name: gap for name in tried if name and (gap := body_distance_mm(measured, name)) is not None}
+    nearest = sorted(gaps, key=lambda name: (name != other, gaps[name]))
+    return next((name for name in nearest if _fits(measured, name)), other if other in known else names[0])
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:

@@ -431,7 +431,7 @@ def bundled_section(name: str) -> DrawnSection:
     """
     found = bundled_name(name)
     if found not in SECTIONS:
-        near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.5)
+        near = difflib.get_close_matches(name.upper(), SECTIONS, n=1, cutoff=0.75)
         raise InputError(
             f"a section called {name!r}",
             f"{', '.join(SECTIONS)}, or a file that ends with .toml, .csv or .dxf",

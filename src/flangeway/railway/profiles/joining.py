@@ -65,6 +65,7 @@ GAUGE_DEPTH_MM = 14.0
 
 TIP_OFF_MM = 0.05  # height of a measured flange above the tip of the joined body below which the tip counts as measured
 
+SPACING_MM = 0.5  # distance of the points whose distances are taken
 PLAIN_CUT_MM, PLAIN_BASE_MM = 50.0, 150.0
 MEASURED = "measured"
 
@@ -197,14 +198,19 @@ def clipped_notices(
     )
 
 
-def end_gap_mm(measured: MeasuredProfile, name: str) -> float | None:
-    """Maximum distance of the ends of a measured surface from a bundled outline; None where it does not fit."""
+def body_distance_mm(measured: MeasuredProfile, name: str) -> float | None:
+    """Median distance of a measured surface from a bundled outline, which wear hardly changes; None if it does not fit.
+
+    The head's ends alone do not tell rails apart.
+    """
     nominal = nominal_profile(name)
     try:
-        surface = measured.surface.transformed(Placement(translation=_shift(measured, nominal)[0]))
-        return max(joint.gap_mm for joint in _joints(surface, nominal, measured.place)[1])
+        shift = _shift(measured, nominal)[0]
+        surface = measured.surface.transformed(Placement(translation=shift))
+        _joints(surface, nominal, partial(measured.place, moved=shift))
     except InputError:
         return None
+    return float(np.median(nominal.outline.closest(surface.sampled(spacing=SPACING_MM))[2]))
 
 
 def _shift(measured: MeasuredProfile, nominal: RailProfile | WheelProfile) -> tuple[tuple[float, float], float]:
