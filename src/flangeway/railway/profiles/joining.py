@@ -140,7 +140,8 @@ def joined(measured: MeasuredProfile, name: str) -> Joined:
     shift, offset = _shift(measured, nominal)
     surface = measured.surface.transformed(Placement(translation=shift))
     outline, joints = _closed(surface, nominal, partial(measured.place, moved=shift))
-    running = _running(outline, nominal.running_names if kind == "wheel" else nominal.head_names)
+    drawn = nominal.head_names if isinstance(nominal, RailProfile) else nominal.running_names
+    running = _running(outline, drawn)
     notices = (*measured.notices, *clipped_notices(outline.part(running), measured, shift))
     if offset:
         notices = (*notices, f"The head is moved sideways by {offset:.2f} mm: its field side lies on the nominal one.")

@@ -191,9 +191,9 @@ class SupportedRail:
         share = np.clip(np.einsum("nei,ei->ne", apart, chords) / squares, 0.0, 1.0)
         distances = np.linalg.norm(apart - share[..., None] * chords, axis=-1)
         best, rows = distances.argmin(axis=1), np.arange(len(points))
-        if len(points) and (largest := float(distances[rows, best].max())) > MAX_OFF_MM:
+        if len(points) and (maximum := float(distances[rows, best].max())) > MAX_OFF_MM:
             raise InputError(
-                f"points up to {largest:.3g} mm from the surface of `{self.problem.elasticity.name}`",
+                f"points up to {maximum:.3g} mm from the surface of `{self.problem.elasticity.name}`",
                 "points on the surface, in the frame of the section",
                 "check the placement of the rail",
             )
