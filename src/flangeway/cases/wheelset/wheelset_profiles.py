@@ -194,13 +194,15 @@ def _fits(measured: MeasuredProfile, body: str) -> bool:
 
 
 def _nearest_body(measured: MeasuredProfile, other: str | None) -> str:
-    """Return the other side's body if it fits; else the usual one of which most of the surface is nearest."""
+    """Return the other side's body if it fits, else the usual one nearest to most of the surface; see `PLAIN`."""
     names = USUAL_BODIES[measured.kind]
     known = RAILS if measured.kind == "rail" else WHEELS
     tried = dict.fromkeys((other, *names)) if other in known else names
     gaps = {name: gap for name in tried if name and (gap := body_distance_mm(measured, name)) is not None}
     nearest = sorted(gaps, key=lambda name: (name != other, gaps[name]))
-    return next((name for name in nearest if _fits(measured, name)), other if other in known else names[0])
+    # sections of a crossing fit no rail
+    last = PLAIN if measured.first_slice is not None else other if other in known else names[0]
+    return next((name for name in nearest if _fits(measured, name)), last)
 
 
 def _refuse_other_kind(name: str, kind: Kind) -> None:

@@ -60,6 +60,7 @@ A shorter one would be in contact on the nominal outline, without a warning.
 HEIGHTS_MM = (-30.0, 1.0)
 """Height of a measured head's top over that of the nominal rail: worn, but never higher than new."""
 
+HALF_HEAD_MM = 36.0  # distance of a head's middle from its gauge face
 GAUGE_DEPTH_MM = 14.0
 """Depth below the top at which the face of a rail's head is at x = 0 if the file counts from the gauge face."""
 
@@ -319,7 +320,8 @@ def on_plain_body(measured: MeasuredProfile) -> RailProfile | WheelProfile:
     surface, is_rail = measured.surface, measured.kind == "rail"
     if isinstance(surface, Outline):
         raise InputError(f"a plain body for {measured.title}", "a running surface", "leave it out")
-    _refuse_short(surface, measured.kind)
+    middle = HALF_HEAD_MM if is_rail and frame_origin(measured) == "gauge" else 0.0
+    _refuse_short(surface, measured.kind, middle)
     start, end = surface.segments[0].start, surface.segments[-1].end
     (_, low), (_, top) = (measured.first_slice or surface).bounds()
     level = min(top - PLAIN_BASE_MM, low - 10.0) if is_rail else max(PLAIN_CUT_MM, start[1] + 10.0, end[1] + 10.0)
@@ -356,8 +358,8 @@ def _unmeasured_tip(surface: Contour, outline: Outline, nominal: WheelProfile) -
     )
 
 
-def _refuse_short(surface: Contour, kind: Kind) -> None:
-    (low, _), (high, _) = surface.bounds()
+def _refuse_short(surface: Contour, kind: Kind, middle: float = 0.0) -> None:
+    (low, _), (high, _) = surface.bounds() - np.array([middle, 0.0])
     first, last = REACHES_MM[kind]
     if low > first or high < last:
         raise InputError(
