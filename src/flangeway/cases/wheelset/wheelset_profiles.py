@@ -135,18 +135,17 @@ def with_body(
         return whole_profile(measured)
     bodies = (*(RAILS if kind == "rail" else WHEELS), PLAIN)
     body = body or _nearest_body(measured, other)
-    if body == PLAIN:
-        return on_plain_body(measured)
+    if body != PLAIN:
+        try:
+            wanted = nominal_profile(body)
+        except InputError as reason:
+            raise InputError(
+                f"{kind}_body = {body}", ", ".join(bodies), "choose the one nearest to the measured profile"
+            ) from reason
+        if isinstance(wanted, RailProfile) != (kind == "rail"):
+            raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
     try:
-        wanted = nominal_profile(body)
-    except InputError as reason:
-        raise InputError(
-            f"{kind}_body = {body}", ", ".join(bodies), "choose the one nearest to the measured profile"
-        ) from reason
-    if isinstance(wanted, RailProfile) != (kind == "rail"):
-        raise InputError(f"{kind}_body = {body}", ", ".join(bodies), f"a {kind} needs the body of a {kind}")
-    try:
-        return _joined(measured, body).profile
+        return on_plain_body(measured) if body == PLAIN else _joined(measured, body).profile
     except InputError as reason:
         others = [each for each in bodies if each != body and _fits(measured, each)]
         advice = (
